@@ -1,0 +1,421 @@
+"""The brake as frozen, validated data, and the TOML file that describes it.
+
+Conventions: the drum's centre O is the origin, angles run counter-clockwise from +x, and all
+numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surface of radius R.
+"""
+
+import difflib
+import math
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+
+from drumlin.errors import BadInput
+from drumlin.units import deg, mm, to_si
+
+Floats = NDArray[np.float64]
+
+LARGEST_FILE = 1_000_000  # bytes; a brake file has a few thousand
+
+
+def _si(value: object, si: str, info: ValidationInfo, key: str = "") -> float:
+    """`value` in SI, where the context of the validation says whether it must carry its unit."""
+    try:
+        return to_si(value, si, unit_required=bool(info.context and info.context.get("unit_required")))
+    except ValueError as error:
+        raise ValueError(f"{key} = {value!r} {error}" if key else str(error)) from error
+
+
+def _quantity(si: str) -> BeforeValidator:
+    def read(value: object, info: ValidationInfo) -> float:
+        return _si(value, si, info)
+
+    return BeforeValidator(read)
+
+
+Length = Annotated[float, _quantity("m")]
+Thickness = Annotated[float, Field(gt=0), _quantity("m")]
+Angle = Annotated[float, _quantity("rad")]
+Force = Annotated[float, _quantity("N")]
+Modulus = Annotated[float, Field(gt=0), _quantity("Pa")]
+Name = Annotated[str, Field(min_length=1, max_length=80)]
+
+
+class Part(BaseModel):
+    """A piece of a brake: frozen, and with no key that it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, data: object) -> object:
+        if isinstance(data, Mapping):
+            allowed = [field.alias or name for name, field in cls.model_fields.items()]
+            for key in data:
+                if key not in allowed and key not in cls.model_fields:
+                    close = difflib.get_close_matches(str(key), allowed, n=1)
+                    hint = f" (did you mean {close[0]!r}?)" if close else ""
+                    raise ValueError(f"unknown key {key!r}{hint}; allowed: {', '.join(allowed)}")
+        return data
+
+
+class Material(Part):
+    """Linear elastic, isotropic: Young's modulus E [Pa] and Poisson's ratio nu."""
+
+    E: Modulus
+    nu: Annotated[float, Field(gt=-1, lt=0.5)]
+
+
+class Point(Part):
+    """A point x, y [m] of the brake's plane."""
+
+    x: Length
+    y: Length
+
+    @property
+    def xy(self) -> Floats:
+        """The coordinates as an array (2,) [m]."""
+        return np.array([self.x, self.y])
+
+    @property
+    def radius(self) -> float:
+        """Distance from the drum's centre [m]."""
+        return math.hypot(self.x, self.y)
+
+    @property
+    def angle(self) -> float:
+        """Angle at the drum's centre [rad]."""
+        return math.atan2(self.y, self.x)
+
+
+def _from_polar(data: object, info: ValidationInfo) -> object:
+    """A file may give a point as { radius, angle } in place of { x, y }."""
+    if not isinstance(data, Mapping) or not {"radius", "angle"} & set(data):
+        return data
+    if set(data) != {"radius", "angle"}:
+        raise ValueError("must be { radius = ..., angle = ... } or { x = ..., y = ... }")
+    radius = _si(data["radius"], "m", info, "radius")
+    if radius < 0:
+        raise ValueError(f"radius = {data['radius']!r} must not be negative")
+    angle = _si(data["angle"], "rad", info, "angle")
+    return Point(x=radius * math.cos(angle), y=radius * math.sin(angle))
+
+
+Place = Annotated[Point, BeforeValidator(_from_polar)]
+
+
+class Ring(Part):
+    """The elastic rim of the drum, behind its friction surface as seen from the shoe."""
+
+    thickness: Thickness
+    width: Thickness
+    material: Material
+    support: Literal["fixed", "free"] = "fixed"
+
+
+class Drum(Part):
+    """The drum: friction radius R [m]; without `ring` it is rigid."""
+
+    radius: Thickness
+    ring: Ring | None = None
+
+
+def _read_clearance(value: object, info: ValidationInfo) -> float | tuple[tuple[float, float], ...]:
+    if not isinstance(value, list | tuple):
+        return _si(value, "m", info)
+    rows = []
+    for row in value:
+        if not isinstance(row, list | tuple) or len(row) != 2:
+            raise ValueError('must be a length or rows like ["30 deg", "0.1 mm"]')
+        rows.append((_si(row[0], "rad", info, "angle"), _si(row[1], "m", info, "clearance")))
+    angles = [row[0] for row in rows]
+    if len(rows) < 2 or any(b <= a for a, b in zip(angles, angles[1:], strict=False)):
+        raise ValueError("the table needs at least two rows, with growing angles")
+    return tuple(rows)
+
+
+Clearance = Annotated[float | tuple[tuple[float, float], ...], PlainValidator(_read_clearance)]
+
+
+class Lining(Part):
+    """The friction lining, from angle `start` to `end` on the friction surface.
+
+    `clearance` [m] is the gap of the unloaded lining, positive = open: one value, or a table of
+    (angle, clearance) with straight lines between.
+    """
+
+    start: Angle
+    end: Angle
+    thickness: Thickness
+    width: Thickness
+    material: Material
+    clearance: Clearance = 0.0
+
+    @model_validator(mode="after")
+    def _arc(self) -> Self:
+        if not 0 < self.end - self.start < 2 * math.pi:
+            raise ValueError(
+                f"end = {deg(self.end)} must be greater than start = {deg(self.start)}, by less than 360 deg"
+            )
+        return self
+
+    def clearance_at(self, theta: Floats) -> Floats:
+        """Clearance [m] at the angles `theta` [rad], same shape."""
+        if isinstance(self.clearance, tuple):
+            angles, gaps = zip(*self.clearance, strict=True)
+            return np.interp(theta, angles, gaps)
+        return np.full(np.shape(theta), self.clearance)
+
+
+class Backing(Part):
+    """A layer between lining and shoe body, over the lining's arc and width (the wooden block)."""
+
+    thickness: Thickness
+    material: Material
+
+
+class Body(Part):
+    """The elastic shoe behind lining and backing: an arc of constant section from `start` to `end`."""
+
+    shape: Literal["arc"] = "arc"
+    thickness: Thickness
+    width: Thickness
+    start: Angle
+    end: Angle
+    material: Material
+
+
+class Actuation(Part):
+    """The force on the shoe [N], its direction [rad] and a point of its line of action."""
+
+    force: Force
+    direction: Angle
+    point: Place
+
+    @property
+    def vector(self) -> Floats:
+        """The force on the shoe (2,) [N]."""
+        return self.force * np.array([math.cos(self.direction), math.sin(self.direction)])
+
+    def moment_about(self, point: Point) -> float:
+        """Moment of the force about `point` [N m], counter-clockwise positive."""
+        arm, force = self.point.xy - point.xy, self.vector
+        return float(arm[0] * force[1] - arm[1] * force[0])
+
+
+class Frame(NamedTuple):
+    """A shoe's own frame: polar angle phi at O, measured from the hinge towards the lining.
+
+    theta = origin + sense * phi. In it a shoe and its mirror image are the same thing.
+    """
+
+    origin: float
+    sense: int
+
+    def phi(self, theta: Floats) -> Floats:
+        """phi of angles theta [rad], same shape."""
+        return self.sense * (np.asarray(theta) - self.origin)
+
+    def theta(self, phi: Floats) -> Floats:
+        """theta of angles phi [rad], same shape."""
+        return self.origin + self.sense * np.asarray(phi)
+
+    def to_brake(self, vectors: Floats) -> Floats:
+        """Vectors (..., 2) of the shoe's frame in the brake's."""
+        c, s = math.cos(self.origin), math.sin(self.origin)
+        return np.asarray(vectors) @ np.array([[c, s], [-self.sense * s, self.sense * c]])
+
+    def to_shoe(self, vectors: Floats) -> Floats:
+        """Vectors (..., 2) of the brake's frame in the shoe's."""
+        c, s = math.cos(self.origin), math.sin(self.origin)
+        return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
+
+
+class Shoe(Part):
+    """One shoe with its lining, hinged at a pin; without `body` the shoe is rigid."""
+
+    name: Name
+    side: Literal["internal", "external"]
+    hinge: Place
+    lining: Lining
+    backing: Backing | None = None
+    body: Body | None = None
+    actuation: Actuation
+    mesh: Path | None = None
+
+    @property
+    def sign(self) -> int:
+        """Outward normal of the lining n = sign * e_r: +1 internal, -1 external."""
+        return 1 if self.side == "internal" else -1
+
+    @property
+    def depth(self) -> float:
+        """Radial thickness of lining, backing and body together [m]."""
+        return (
+            self.lining.thickness
+            + (self.backing.thickness if self.backing else 0.0)
+            + (self.body.thickness if self.body else 0.0)
+        )
+
+    @property
+    def frame(self) -> Frame:
+        """The shoe's own frame; its origin is chosen so that phi of the lining's middle is in [0, pi]."""
+        middle = 0.5 * (self.lining.start + self.lining.end)
+        offset = math.remainder(middle - self.hinge.angle, 2 * math.pi)
+        sense = 1 if offset >= 0 else -1
+        return Frame(middle - offset, sense)
+
+    @property
+    def arc(self) -> tuple[float, float]:
+        """The lining's arc (phi_1, phi_2) [rad] in the shoe's frame."""
+        ends = self.frame.phi(np.array([self.lining.start, self.lining.end]))
+        return float(ends.min()), float(ends.max())
+
+
+class Brake(Part):
+    """A brake: friction coefficient, sense of rotation, drum and shoes."""
+
+    title: Name
+    rotation: Literal["counter-clockwise", "clockwise"]
+    friction: Annotated[float, Field(ge=0)]
+    drum: Drum
+    shoes: Annotated[tuple[Shoe, ...], Field(alias="shoe", min_length=1)]
+
+    @property
+    def spin(self) -> int:
+        """Sense of the drum's rotation s: +1 counter-clockwise, -1 clockwise."""
+        return 1 if self.rotation == "counter-clockwise" else -1
+
+    @model_validator(mode="after")
+    def _geometry(self) -> Self:
+        names = [shoe.name for shoe in self.shoes]
+        if len(set(names)) < len(names):
+            raise ValueError(f"shoe.name = {names}: names must differ")
+        for i, shoe in enumerate(self.shoes):
+            _check_shoe(f"shoe[{i}]", shoe, self.drum.radius)
+        return self
+
+
+def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
+    """Raise ValueError where a shoe does not fit together or into a drum of this radius [m]."""
+    if shoe.hinge.radius < 1e-9 * radius:
+        raise ValueError(
+            f"{key}.hinge = (0, 0): must not be the drum's centre, about which the shoe would only slide"
+        )
+    if shoe.sign > 0 and shoe.depth >= radius:
+        raise ValueError(
+            f"{key}: lining, backing and body are {mm(shoe.depth)} thick together; "
+            f"must be less than drum.radius = {mm(radius)}"
+        )
+    body, lining = shoe.body, shoe.lining
+    if body is None:
+        return
+    if not 0 < body.end - body.start < 2 * math.pi:
+        raise ValueError(
+            f"{key}.body.end = {deg(body.end)}: must be greater than body.start = {deg(body.start)}, "
+            "by less than 360 deg"
+        )
+    slack = 1e-9
+    if lining.start < body.start - slack or lining.end > body.end + slack:
+        raise ValueError(
+            f"{key}.lining = {deg(lining.start)} to {deg(lining.end)}: must lie within the body, "
+            f"{deg(body.start)} to {deg(body.end)}"
+        )
+
+
+def _line(error: ValidationError) -> str:
+    """The first fault of a validation as one line: key = value: what is allowed."""
+    fault = error.errors()[0]
+    key = ""
+    for step in fault["loc"]:
+        key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
+    message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    if fault["type"] == "missing":
+        return f"{key}: is missing"
+    value = fault["input"]
+    shown = f" = {value!r}" if isinstance(value, str | int | float) else ""
+    if len(shown) > 60:
+        shown = shown[:57] + "..."
+    return " ".join(f"{key}{shown}: {message}".removeprefix(": ").split())
+
+
+def brake_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> Brake:
+    """A brake from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
+
+    `base`: folder that relative mesh paths start from. Raises BadInput with one line.
+    """
+    try:
+        brake = Brake.model_validate(data, context={"unit_required": unit_required})
+    except ValidationError as error:
+        raise BadInput(_line(error)) from error
+    if base is None:
+        return brake
+    shoes = tuple(
+        shoe if shoe.mesh is None else shoe.model_copy(update={"mesh": base / shoe.mesh}) for shoe in brake.shoes
+    )
+    return brake.model_copy(update={"shoes": shoes})
+
+
+def read_brake(path: Path) -> Brake:
+    """The brake described by the TOML file `path`, every quantity with its unit.
+
+    Raises BadInput with one line that names the key, the value and what is allowed.
+    """
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; not a brake file")
+        data = tomllib.loads(path.read_bytes().decode())
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise BadInput(f"{path}: is not TOML ({error})") from error
+    try:
+        return brake_from(data, unit_required=True, base=path.parent)
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from error
+
+
+def vary(brake: Brake, changes: Mapping[str, Any]) -> Brake:
+    """The brake with some keys changed, validated anew.
+
+    A key is written as in the file's error lines, "shoe[0].lining.thickness"; "shoe.lining.thickness"
+    changes every shoe. Values: SI numbers, or texts with units. Raises BadInput.
+    """
+    data = brake.model_dump(by_alias=True)
+    for key, value in changes.items():
+        steps = key.replace("[", ".").replace("]", "").split(".")
+        _set(data, steps, value, key)
+    return brake_from(data)
+
+
+def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
+    head, *rest = steps
+    if isinstance(data, list | tuple):
+        if head.isdigit() and int(head) < len(data):
+            targets, rest_of = [data[int(head)]], rest
+        else:
+            targets, rest_of = list(data), steps
+        for target in targets:
+            _set(target, rest_of, value, key)
+    elif not isinstance(data, dict):
+        raise BadInput(f"{key}: {head!r} has nothing to be set in")
+    elif rest:
+        if head not in data:
+            raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
+        _set(data[head], rest, value, key)
+    else:
+        data[head] = value

@@ -1,0 +1,1 @@
+"""What people look at: figures, field pictures and the HTML page. Heavy imports stay in here."""

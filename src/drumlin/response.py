@@ -1,0 +1,170 @@
+"""What every model returns, whatever it computes with: one Response, with one ShoeResponse a shoe."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from drumlin.brake import Brake, Floats, Shoe
+from drumlin.statics import Resultant, integrate, resultant
+
+
+@dataclass(frozen=True)
+class Balance:
+    """What is left of the equilibrium of a shoe, relative to the largest force or moment on it."""
+
+    force: float
+    moment: float
+
+
+@dataclass(frozen=True)
+class ShoeResponse:
+    """What one shoe does.
+
+    `theta` (n,) [rad], growing, and `pressure` (n,) [Pa] are nodes and values of a piecewise polynomial of
+    degree `order`; consecutive pieces share their end node. Between blocks of a split lining, where nothing
+    can press, the pressure is 0. `normal_force` [N] is the size of the vector sum of the normal forces,
+    `hinge_reaction` (2,) [N] the force of the pin on the shoe, `torque` >= 0 [N m] the size of the torque
+    on the drum, which opposes its rotation. `turn` [rad] is the rotation of the shoe about its pin, where
+    a model knows it.
+    """
+
+    name: str
+    torque: float
+    normal_force: float
+    self_energising: bool
+    peak_pressure: float
+    hinge_reaction: Floats
+    contact_arcs: tuple[tuple[float, float], ...]
+    theta: Floats
+    pressure: Floats
+    order: int = 2
+    turn: float | None = None
+
+    def pressure_at(self, theta: Floats) -> Floats:
+        """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
+        theta = np.asarray(theta, dtype=float)
+        ends = self.theta[:: self.order]
+        piece = np.clip(np.searchsorted(ends, theta, side="right") - 1, 0, len(ends) - 2)
+        nodes = piece[..., None] * self.order + np.arange(self.order + 1)
+        x, y = self.theta[nodes], self.pressure[nodes]
+        value = np.zeros(theta.shape)
+        for i in range(self.order + 1):
+            others = [j for j in range(self.order + 1) if j != i]
+            value += y[..., i] * np.prod(
+                [(theta - x[..., j]) / (x[..., i] - x[..., j]) for j in others], axis=0
+            )
+        return np.where((theta >= self.theta[0]) & (theta <= self.theta[-1]), value, 0.0)
+
+
+@dataclass(frozen=True)
+class Response:
+    """What a model answers for a brake. `seconds`: time of each phase; `left_out`: what was not computed, and why."""
+
+    model: str
+    shoes: tuple[ShoeResponse, ...]
+    balance: Balance
+    converged: bool = True
+    iterations: int = 0
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    left_out: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def torque(self) -> float:
+        """Torque of all shoes on the drum [N m], >= 0, against the rotation."""
+        return math.fsum(shoe.torque for shoe in self.shoes)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The response as plain data for JSON (units as in the attributes: N m, N, Pa, rad, s)."""
+        return {
+            "model": self.model,
+            "torque": self.torque,
+            "converged": self.converged,
+            "iterations": self.iterations,
+            "balance": {"force": self.balance.force, "moment": self.balance.moment},
+            "seconds": dict(self.seconds),
+            "left_out": list(self.left_out),
+            "notes": list(self.notes),
+            "shoes": [
+                {
+                    "name": shoe.name,
+                    "torque": shoe.torque,
+                    "normal_force": shoe.normal_force,
+                    "self_energising": shoe.self_energising,
+                    "peak_pressure": shoe.peak_pressure,
+                    "hinge_reaction": [float(x) for x in shoe.hinge_reaction],
+                    "contact_arcs": [list(arc) for arc in shoe.contact_arcs],
+                    "theta": [float(x) for x in shoe.theta],
+                    "pressure": [float(x) for x in shoe.pressure],
+                }
+                for shoe in self.shoes
+            ],
+        }
+
+
+def untouched(shoe: Shoe, hinge_reaction: Floats) -> ShoeResponse:
+    """The response of a shoe that does not touch the drum: no torque, no pressure."""
+    theta = np.linspace(shoe.lining.start, shoe.lining.end, 3)
+    return ShoeResponse(
+        name=shoe.name,
+        torque=0.0,
+        normal_force=0.0,
+        self_energising=False,
+        peak_pressure=0.0,
+        hinge_reaction=hinge_reaction,
+        contact_arcs=(),
+        theta=theta,
+        pressure=np.zeros(3),
+    )
+
+
+def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
+    """Force and moment about O of the drum on shoe `index`, by integrating the response's own p(theta)."""
+    shoe = brake.shoes[index]
+    return resultant(
+        response.theta,
+        response.pressure,
+        order=response.order,
+        radius=brake.drum.radius,
+        width=shoe.lining.width,
+        sign=shoe.sign,
+        drag=brake.friction * brake.spin,
+    )
+
+
+def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
+    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(theta), about the hinge."""
+    shoe = brake.shoes[index]
+    contact = contact_resultant(brake, index, response)
+    forces = [contact.force, response.hinge_reaction, shoe.actuation.vector]
+    hinge = shoe.hinge.xy
+    moments = [
+        contact.moment - float(hinge[0] * contact.force[1] - hinge[1] * contact.force[0]),
+        shoe.actuation.moment_about(shoe.hinge),
+    ]
+    return relative_balance(forces, moments)
+
+
+def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
+    """Sums of forces (2,) [N] and of moments [N m], each relative to its largest member; 0 where all are 0."""
+    largest_force = max((float(np.linalg.norm(f)) for f in forces), default=0.0)
+    largest_moment = max((abs(m) for m in moments), default=0.0)
+    force = float(np.linalg.norm(np.sum(forces, axis=0)))
+    return Balance(
+        force=force / largest_force if largest_force else 0.0,
+        moment=abs(math.fsum(moments)) / largest_moment if largest_moment else 0.0,
+    )
+
+
+def worst(balances: list[Balance]) -> Balance:
+    """The largest of each entry."""
+    return Balance(max(b.force for b in balances), max(b.moment for b in balances))
+
+
+def mean_pressure(response: ShoeResponse) -> float:
+    """Mean of p over the lining's arc [Pa]."""
+    arc = float(response.theta[-1] - response.theta[0])
+    return integrate(response.theta, response.pressure, response.order) / arc

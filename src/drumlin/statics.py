@@ -1,0 +1,52 @@
+"""Resultants of a pressure distribution: integrals of piecewise polynomials over an arc."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.brake import Floats
+
+GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(6)
+
+
+class Resultant(NamedTuple):
+    """Force (2,) [N] and moment about O [N m] of the drum on the lining."""
+
+    force: Floats
+    moment: float
+
+
+def shape(order: int, xi: Floats) -> Floats:
+    """Lagrange shape functions of degree `order` on nodes evenly spaced over [-1, 1]: (order + 1, len(xi))."""
+    nodes = np.linspace(-1, 1, order + 1)
+    return np.array(
+        [np.prod([(xi - b) / (a - b) for j, b in enumerate(nodes) if j != i], axis=0) for i, a in enumerate(nodes)]
+    ).reshape(order + 1, len(xi))
+
+
+def gauss_points(theta: Floats, values: Floats, order: int) -> tuple[Floats, Floats, Floats]:
+    """Angles, values and weights (pieces, points) of a Gauss rule on every piece of a piecewise polynomial."""
+    ends = theta[::order]
+    half = 0.5 * np.diff(ends)[:, None]
+    pieces = np.arange(len(ends) - 1)[:, None] * order + np.arange(order + 1)
+    return ends[:-1, None] + half * (1 + GAUSS), values[pieces] @ shape(order, GAUSS), half * WEIGHTS
+
+
+def integrate(theta: Floats, values: Floats, order: int) -> float:
+    """Integral of a piecewise polynomial (nodes `theta` (n,), `values` (n,)) over theta."""
+    _, v, w = gauss_points(theta, values, order)
+    return float(np.sum(v * w))
+
+
+def resultant(
+    theta: Floats, pressure: Floats, *, order: int, radius: float, width: float, sign: int, drag: float
+) -> Resultant:
+    """Resultant on the lining of the traction -p n + drag p e_theta, n = sign e_r, drag = mu s.
+
+    `theta` (n,) [rad], `pressure` (n,) [Pa] piecewise of degree `order`; `radius`, `width` [m].
+    """
+    angle, p, w = gauss_points(theta, pressure, order)
+    load = p * w * radius * width
+    c, s = np.cos(angle), np.sin(angle)
+    force = np.array([np.sum(load * (-sign * c - drag * s)), np.sum(load * (-sign * s + drag * c))])
+    return Resultant(force, float(np.sum(load)) * drag * radius)

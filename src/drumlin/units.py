@@ -1,0 +1,67 @@
+"""Quantities as people write them ("150 mm", "2 kN") to SI numbers and back.
+
+Inside drumlin every number is in m, N, Pa, rad; this module is the only door.
+"""
+
+import functools
+import math
+import re
+from typing import Any
+
+# A number, then a unit made of words joined by * / ^: nothing that pint would have to evaluate.
+_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([A-Za-zµμ°%][\wµμ°%/*^ ]{0,30})\s*", re.ASCII)
+
+EXAMPLES = {"m": "8 mm", "N": "2 kN", "Pa": "300 MPa", "rad": "55 deg"}
+_NAMES = {"m": "a length", "N": "a force", "Pa": "a stress", "rad": "an angle"}
+
+
+@functools.cache
+def _registry() -> Any:
+    import pint  # noqa: PLC0415  (0.2 s: only when a brake file is read)
+
+    return pint.UnitRegistry()
+
+
+@functools.cache
+def _factor(unit: str, si: str) -> float:
+    """Factor from `unit` to the SI unit `si`; raises ValueError if `unit` measures something else."""
+    registry = _registry()
+    try:
+        factor, base = registry.get_base_units(registry.parse_units(unit.strip()))
+        si_factor, si_base = registry.get_base_units(si)
+    except Exception as error:  # pint raises many kinds (undefined unit, token errors, ...)
+        raise ValueError(f"unknown unit {unit.strip()!r}; allowed: {_NAMES[si]} such as {EXAMPLES[si]!r}") from error
+    if base != si_base:
+        raise ValueError(f"must be {_NAMES[si]} such as {EXAMPLES[si]!r}")
+    return float(factor / si_factor)
+
+
+def to_si(value: object, si: str, *, unit_required: bool) -> float:
+    """`value`, a text with its unit or (unless `unit_required`) a number in SI, as a number in SI.
+
+    Raises ValueError with a line that says what is allowed.
+    """
+    if isinstance(value, str):
+        match = _QUANTITY.fullmatch(value)
+        if match is None:
+            raise ValueError(f"must be {_NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}")
+        number = float(match.group(1)) * _factor(match.group(2), si)
+    elif isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"must be {_NAMES[si]} such as {EXAMPLES[si]!r}")
+    elif unit_required:
+        raise ValueError(f"has no unit; write {_NAMES[si]} such as {EXAMPLES[si]!r}")
+    else:
+        number = float(value)
+    if not math.isfinite(number):
+        raise ValueError("must be finite")
+    return number
+
+
+def mm(length: float) -> str:
+    """A length [m] as text in mm."""
+    return f"{length * 1e3:.6g} mm"
+
+
+def deg(angle: float) -> str:
+    """An angle [rad] as text in degrees."""
+    return f"{math.degrees(angle):.6g} deg"
