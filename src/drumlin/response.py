@@ -136,7 +136,12 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
 
 
 def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
-    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(theta), about the hinge."""
+    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(theta), about the hinge.
+
+    A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
+    """
+    if not response.contact_arcs:
+        return Balance(0.0, 0.0)
     shoe = brake.shoes[index]
     contact = contact_resultant(brake, index, response)
     forces = [contact.force, response.hinge_reaction, shoe.actuation.vector]

@@ -1,0 +1,161 @@
+"""An elastic body: its stiffness, and its condensation to the unknowns that contact and hinge need.
+
+Unknowns kept: the displacements of the contact nodes and the frame (dx, dy, turn) of the rigid line
+that the hinge holds. All others are eliminated once by a sparse factorisation in which the kept ones
+come last; the Schur complement S is then the product of the last blocks of L and U.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+import skfem
+from scipy.sparse.linalg import splu
+from skfem.models.elasticity import plane_stress
+
+from drumlin.brake import Floats, Material
+from drumlin.errors import BadInput
+from drumlin.fem.interface import Ints
+from drumlin.fem.mesh import ELEMENTS
+
+FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
+
+
+@dataclass(frozen=True)
+class Condensed:
+    """A body seen from its contact nodes and its frame.
+
+    `S` (2n + 3, 2n + 3): stiffness on the kept unknowns, contact nodes as x, y pairs by growing angle, then
+    dx, dy [m] and turn [rad] of the frame. `loads` (2n + 3, l): condensed unit loads. `springs` (2n + 3,)
+    were added on the diagonal before the elimination (a free body is singular) and are taken off in S.
+    `factors`, `ties`, `full_loads`: what recovers the displacements inside.
+    """
+
+    S: Floats
+    loads: Floats
+    springs: Floats
+    factors: Any
+    ties: Any
+    full_loads: Floats
+
+    def displacement(self, kept: Floats, loads: Floats) -> Floats:
+        """Displacement of all nodes (2, nodes) [m] from the kept unknowns (2n + 3,) and the load factors (l,)."""
+        inner = len(self.full_loads) - len(kept)
+        right = self.full_loads @ loads
+        right[inner:] += self.S @ kept - self.loads @ loads + self.springs * kept
+        return np.asarray((self.ties @ self.factors.solve(right)).reshape(-1, 2).T)
+
+
+def scalar_basis(mesh: Any) -> Any:
+    """skfem's basis of one displacement component; 3 x 3 Gauss points in a quadratic quadrilateral, 2 x 2 in a linear."""
+    element = ELEMENTS[type(mesh)]()
+    return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
+
+
+def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]]) -> Any:
+    """Plane-stress stiffness (2 nodes, 2 nodes), unknown 2 i + c for component c of node i [N/m].
+
+    materials: subdomain -> (material, width [m]).
+
+        K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
+
+    The gradients of all shape functions meet in one batched matrix product an element, instead of one
+    form evaluation a pair of shape functions.
+    """
+    lame = np.zeros((2, basis.mesh.nelements))
+    for name, elements in basis.mesh.subdomains.items():
+        material, width = materials[name]
+        lame[:, elements] = np.array(plane_stress(material.E, material.nu))[:, None] * width
+    lam, mu = lame[:, :, None, None, None, None]
+    gradients = np.array([psi[0].grad for psi in basis.basis])  # (a, i, elements, points)
+    a, _, elements, points = gradients.shape
+    G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, 2 * a, points)
+    H = (G * basis.dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, 2, a, 2)  # Int psi_a,i psi_b,j
+    K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
+    for i in range(2):
+        K[:, :, i, :, i] += mu[:, :, 0, :, 0] * np.trace(H, axis1=2, axis2=4)
+    dofs = (2 * basis.element_dofs.T[:, :, None] + np.arange(2)).reshape(elements, 2 * a)
+    rows = np.broadcast_to(dofs[:, :, None], (elements, 2 * a, 2 * a))
+    columns = np.broadcast_to(dofs[:, None, :], rows.shape)
+    return sp.coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * basis.N, 2 * basis.N)).tocsc()
+
+
+def dissection(xy: Floats, elements: Ints) -> Ints:
+    """Nodes in the order of a nested dissection: elimination in this order keeps the factors sparse.
+
+    xy (2, n) [m]; elements (k, m): nodes of each element. The elements are halved again and again across
+    the long direction of their region; a node belongs to the smallest region that holds all its elements,
+    and comes after all nodes of the regions inside that one.
+    """
+    centre = xy[:, elements].mean(axis=1)
+    count = elements.shape[1]
+    region = np.zeros(count, dtype=np.int64)  # binary path of halvings
+    depth = max(0, int(np.ceil(np.log2(count))))
+    resolution = 1e-9 * float(np.ptp(centre, axis=1).max()) or 1.0
+    for level in range(depth):
+        size = np.bincount(region, minlength=1 << level)
+
+        def mean(values: Floats, size: Ints = size) -> Floats:
+            return np.asarray(np.bincount(region, values, minlength=len(size)) / np.maximum(size, 1))[region]
+
+        dx, dy = centre - np.array([mean(centre[0]), mean(centre[1])])
+        along = 0.5 * np.arctan2(2 * mean(dx * dy), mean(dx * dx) - mean(dy * dy))  # principal axis
+        place = np.round((dx * np.cos(along) + dy * np.sin(along)) / resolution)
+        order = np.lexsort((place, region))
+        rank = np.empty(count, dtype=np.int64)
+        rank[order] = np.arange(count) - (np.cumsum(size) - size)[region[order]]
+        region = 2 * region + (rank >= (size[region] + 1) // 2)
+    first = np.full(xy.shape[1], 1 << depth)
+    last = np.full(xy.shape[1], -1)
+    for nodes in elements:
+        np.minimum.at(first, nodes, region)
+        np.maximum.at(last, nodes, region)
+    height = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)  # levels up to the common region
+    return np.lexsort((height, (first >> height << height) + (1 << height)))
+
+
+def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats) -> Any:
+    """Sparse matrix (2 nodes, unknowns) from the reduced unknowns to the displacements of all nodes.
+
+    Unknowns: inner nodes in dissection order, contact nodes, then the frame: the `rigid` nodes move with
+    u = (dx, dy) + turn k x (x - pin).
+    """
+    special = np.zeros(basis.N, dtype=bool)
+    special[contact] = special[rigid] = True
+    order = dissection(basis.doflocs, basis.element_dofs)
+    nodes = np.concatenate([order[~special[order]], contact])
+    unknowns = 2 * len(nodes) + FRAME
+    x, y = basis.doflocs[:, rigid] - pin[:, None]
+    ones, frame = np.ones(len(rigid)), np.full(len(rigid), unknowns - FRAME)
+    rows = [2 * nodes, 2 * nodes + 1, 2 * rigid, 2 * rigid, 2 * rigid + 1, 2 * rigid + 1]
+    columns = [np.arange(0, 2 * len(nodes), 2), np.arange(1, 2 * len(nodes), 2), frame, frame + 2, frame + 1, frame + 2]
+    values = [np.ones(len(nodes)), np.ones(len(nodes)), ones, -y, ones, x]
+    shape = (2 * basis.N, unknowns)
+    return sp.csc_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+
+
+def condense(K: Any, ties: Any, full_loads: Floats, kept: int) -> Condensed:
+    """Eliminate all but the last `kept` unknowns.
+
+    K (2 nodes, 2 nodes): stiffness; ties (2 nodes, unknowns); full_loads (unknowns, l): unit loads.
+    """
+    A = (ties.T @ K @ ties).tocsc()
+    diagonal = A.diagonal()
+    inner = len(diagonal) - kept
+    springs = diagonal[inner:].copy()
+    padded = np.zeros(len(diagonal))
+    padded[inner:] = springs
+    # Symmetric positive definite: pivots stay on the diagonal, the order stays ours.
+    factors = splu(
+        A + sp.diags_array(padded, format="csc"),
+        permc_spec="NATURAL",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+    L = factors.L[:, inner:][inner:].toarray()
+    S = (L * factors.U.diagonal()[inner:]) @ L.T  # U = D L^T
+    loads = S @ factors.solve(full_loads)[inner:]
+    S[np.diag_indices(kept)] -= springs
+    return Condensed(S, loads, springs, factors, ties, full_loads)

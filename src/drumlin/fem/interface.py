@@ -1,0 +1,108 @@
+"""The lining's contact line and the weak (mortar) coupling of its pressure with its displacement.
+
+The pressure is interpolated with the trace psi_i of the displacement's shape functions. Over the
+discrete arc x(xi) = sum_i psi_i(xi) x_i, with the exact radial normal n = sign e_r and tangent e_phi
+at every point, and b the lining's width:
+
+    M_ij = b Int psi_i psi_j ds,   N_i,jc = b Int psi_i psi_j n_c ds,   T_i,jc = b Int psi_i psi_j e_c ds
+
+Nodal forces of a pressure p with the drag mu s p are  -N^T p + mu s T^T p: their resultants are those
+of the traction on the same arc to round-off, on any mesh.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drumlin.brake import Floats
+from drumlin.statics import GAUSS, WEIGHTS, shape
+
+Ints = np.ndarray[Any, np.dtype[np.int64]]
+
+
+@dataclass(frozen=True)
+class ContactLine:
+    """The lining's friction surface in the shoe's frame, nodes sorted by angle.
+
+    `nodes` (n,): numbers in the mesh; `xy` (2, n) [m]; `phi` (n,) [rad]; `pieces` (order + 1, m): positions
+    in `nodes` of the nodes of each edge, by growing angle.
+    """
+
+    nodes: Ints
+    xy: Floats
+    phi: Floats
+    pieces: Ints
+
+    @property
+    def order(self) -> int:
+        """Degree of the interpolation along an edge."""
+        return len(self.pieces) - 1
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """The matrices of the weak coupling: M (n, n), N and T (n, 2n), and the torque's lever (n,).
+
+    `lever` = b Int psi_i |x| ds [m^3]: torque = mu lever . p.
+    """
+
+    M: Floats
+    N: Floats
+    T: Floats
+    lever: Floats
+
+    @property
+    def area(self) -> Floats:
+        """b Int psi_i ds (n,) [m^2]."""
+        return self.M.sum(axis=1)
+
+
+def contact_line(basis: Any, facets: Ints, middle: float) -> ContactLine:
+    """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad]."""
+    ends = basis.nodal_dofs[0][basis.mesh.facets[:, facets]]
+    dofs = np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])
+    nodes = np.unique(dofs)
+    z = np.exp(-1j * middle) * (basis.doflocs[0, nodes] + 1j * basis.doflocs[1, nodes])
+    phi = middle + np.angle(z)
+    by_angle = np.argsort(phi)
+    nodes, phi = nodes[by_angle], phi[by_angle]
+    place = np.empty(basis.N, dtype=np.int64)
+    place[nodes] = np.arange(len(nodes))
+    pieces = place[dofs]
+    pieces = np.where(phi[pieces[0]] < phi[pieces[-1]], pieces, pieces[::-1])
+    return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces[:, np.argsort(phi[pieces[0]])])
+
+
+def couple(line: ContactLine, width: float, sign: int) -> Coupling:
+    """The coupling of a lining of this width b [m] with a round drum about O; n = sign e_r."""
+    n = len(line.nodes)
+    psi = shape(line.order, GAUSS)  # (k, points)
+    slope = _slopes(line.order)
+    x = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], psi)  # (2, pieces, points)
+    dx = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], slope)
+    r = np.hypot(*x)
+    weight = width * np.hypot(*dx) * WEIGHTS
+    normal = sign * x / r
+    tangent = np.array([-x[1], x[0]]) / r
+    pair = np.einsum("aq,bq->abq", psi, psi)
+    rows = np.broadcast_to(line.pieces[:, None], (len(psi), *line.pieces.shape))
+    columns = np.broadcast_to(line.pieces[None], rows.shape)
+
+    def gather(factor: Floats) -> Floats:
+        matrix = np.zeros((n, n))
+        np.add.at(matrix, (rows, columns), np.einsum("abq,iq->abi", pair, weight * factor))
+        return matrix
+
+    def interleave(vectors: Floats) -> Floats:
+        matrix = np.empty((n, 2 * n))
+        matrix[:, 0::2], matrix[:, 1::2] = gather(vectors[0]), gather(vectors[1])
+        return matrix
+
+    return Coupling(gather(np.ones_like(r)), interleave(normal), interleave(tangent), gather(r).sum(axis=1))
+
+
+def _slopes(order: int) -> Floats:
+    """Derivatives of the shape functions at the Gauss points (order + 1, points)."""
+    nodes = np.linspace(-1, 1, order + 1)
+    return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), GAUSS) for row in np.eye(order + 1)])
