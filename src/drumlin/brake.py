@@ -8,6 +8,7 @@ import difflib
 import math
 import tomllib
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
@@ -143,7 +144,7 @@ def _read_clearance(value: object, info: ValidationInfo) -> float | tuple[tuple[
             raise ValueError('must be a length or rows like ["30 deg", "0.1 mm"]')
         rows.append((_si(row[0], "rad", info, "angle"), _si(row[1], "m", info, "clearance")))
     angles = [row[0] for row in rows]
-    if len(rows) < 2 or any(b <= a for a, b in zip(angles, angles[1:], strict=False)):
+    if len(rows) < 2 or any(b <= a for a, b in pairwise(angles)):
         raise ValueError("the table needs at least two rows, with growing angles")
     return tuple(rows)
 
@@ -256,6 +257,7 @@ class Shoe(Part):
     body: Body | None = None
     actuation: Actuation
     mesh: Path | None = None
+    mesh_unit: Literal["m", "mm"] = "m"
 
     @property
     def sign(self) -> int:
@@ -313,9 +315,7 @@ class Brake(Part):
 def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
     """Raise ValueError where a shoe does not fit together or into a drum of this radius [m]."""
     if shoe.hinge.radius < 1e-9 * radius:
-        raise ValueError(
-            f"{key}.hinge = (0, 0): must not be the drum's centre, about which the shoe would only slide"
-        )
+        raise ValueError(f"{key}.hinge = (0, 0): must not be the drum's centre, about which the shoe would only slide")
     if shoe.sign > 0 and shoe.depth >= radius:
         raise ValueError(
             f"{key}: lining, backing and body are {mm(shoe.depth)} thick together; "

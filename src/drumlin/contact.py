@@ -9,6 +9,7 @@ included as a compliance M/eps (zero for an infinite penalty); y (k,): what equi
 hinged shoe its rotation; C p = h: the equilibrium in these motions.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +29,8 @@ class Contact:
     """Solution of a contact problem. `p` (n,), `w` (n,), `y` (k,), `active` (n,): the contact set.
 
     `regular`: the determinant on the contact set has the sign that it has without friction. Followed from
-    mu = 0 it changes where the brake locks itself.
+    mu = 0 it changes where the brake locks itself. `tangent(dq)`: change of p where the weighted gaps
+    change by dq (n,) and the contact set stays.
     """
 
     p: Floats
@@ -37,6 +39,7 @@ class Contact:
     active: Bools
     steps: int
     regular: bool
+    tangent: Callable[[Floats], Floats]
 
 
 def solve(A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, start: Bools | None = None) -> Contact:
@@ -45,7 +48,11 @@ def solve(A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, start: Bools | 
     Raises NoAnswer where no contact set is consistent: nothing balances the actuation, or not converged.
     """
     n, k = B.shape
-    d, column, row = _scales(A, B, C)
+    # Equilibrate: unit diagonal of A, unit columns of B and rows of C. Signs, and so the answer, stay.
+    tiny = np.finfo(float).tiny
+    d = 1 / np.sqrt(np.diagonal(A))
+    column = 1 / np.maximum(np.abs(d[:, None] * B).max(axis=0), tiny)
+    row = 1 / np.maximum(np.abs(C * d).max(axis=1), tiny)
     A, q, B = d[:, None] * A * d, d * q, d[:, None] * B * column
     C, h = row[:, None] * C * d, row * h
 
@@ -54,15 +61,23 @@ def solve(A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, start: Bools | 
     for step in range(1, MOST_STEPS + 1):
         if not active.any():
             active = _first_touch(q, B, C, h)
-        p, y, sign = _balance(A, q, B, C, h, active)
+        equations = _Equations(A, B, C, active)
+        p, y = equations.solve(q, h)
         w = q + A @ p + B @ y
         w[active] = 0.0
         p_slack = SLACK * np.abs(p).max(initial=0.0)
         w_slack = SLACK * max(np.abs(q).max(), np.abs(B @ y).max(initial=0.0), np.abs(A @ p).max())
-        leave, enter = active & (p < -p_slack), ~active & (w < -w_slack)
-        if not (leave | enter).any():
-            return Contact(np.maximum(p, 0.0) * d, w / d, y * column, active, step, sign == (-1) ** k)
-        change = leave | enter
+        change = np.where(active, p < -p_slack, w < -w_slack)
+        if not change.any():
+            return Contact(
+                p=np.maximum(p, 0.0) * d,
+                w=w / d,
+                y=y * column,
+                active=active,
+                steps=step,
+                regular=equations.sign == (-1) ** k,
+                tangent=lambda dq: equations.solve(d * dq, np.zeros(k))[0] * d,
+            )
         if active.tobytes() in seen:  # a cycle: exchange one node at a time, the first (Murty's rule)
             change = np.arange(n) == np.flatnonzero(change)[0]
         seen.add(active.tobytes())
@@ -70,41 +85,31 @@ def solve(A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, start: Bools | 
     raise NoAnswer(f"not converged: the contact set still changes after {MOST_STEPS} steps")
 
 
-def tangent(A: Floats, q: Floats, B: Floats, C: Floats, active: Bools) -> Floats:
-    """Change of p (n,) where the contact set stays and the weighted gaps change by `q` (n,)."""
-    d, column, row = _scales(A, B, C)
-    scaled = d[:, None] * A * d, d * q, d[:, None] * B * column, row[:, None] * C * d
-    return _balance(*scaled, np.zeros(len(row)), active)[0] * d
+class _Equations:
+    """The linear equations w = 0 on a contact set, p = 0 off it, C p = h: factorised once."""
 
+    def __init__(self, A: Floats, B: Floats, C: Floats, active: Bools) -> None:
+        on = np.flatnonzero(active)
+        size, k = len(on), B.shape[1]
+        matrix = np.zeros((size + k, size + k))
+        matrix[:size, :size] = A[np.ix_(on, on)]
+        matrix[:size, size:] = B[on]
+        matrix[size:, :size] = C[:, on]
+        lu, pivots = scipy.linalg.lu_factor(matrix, overwrite_a=True, check_finite=False)
+        diagonal = np.diagonal(lu)
+        if not np.isfinite(diagonal).all() or not diagonal.all():
+            raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
+        swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
+        self.sign = int(np.prod(np.sign(diagonal)) * (-1) ** swaps)  # of the determinant
+        self._on, self._factors, self._n = on, (lu, pivots), len(A)
 
-def _scales(A: Floats, B: Floats, C: Floats) -> tuple[Floats, Floats, Floats]:
-    """Equilibration: A gets a unit diagonal, B unit columns, C unit rows. Signs, and so the answer, stay."""
-    tiny = np.finfo(float).tiny
-    d = 1 / np.sqrt(np.diagonal(A))
-    column = 1 / np.maximum(np.abs(d[:, None] * B).max(axis=0), tiny)
-    row = 1 / np.maximum(np.abs(C * d).max(axis=1), tiny)
-    return d, column, row
-
-
-def _balance(
-    A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, active: Bools
-) -> tuple[Floats, Floats, int]:
-    """p and y with w = 0 on the active set, p = 0 off it, and equilibrium; and the determinant's sign."""
-    on = np.flatnonzero(active)
-    k = B.shape[1]
-    matrix = np.zeros((len(on) + k, len(on) + k))
-    matrix[: len(on), : len(on)] = A[np.ix_(on, on)]
-    matrix[: len(on), len(on) :] = B[on]
-    matrix[len(on) :, : len(on)] = C[:, on]
-    lu, pivots = scipy.linalg.lu_factor(matrix, check_finite=False)
-    diagonal = np.diagonal(lu)
-    if not np.all(np.isfinite(diagonal)) or not diagonal.all():
-        raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
-    sign = int(np.prod(np.sign(diagonal)) * (-1) ** np.count_nonzero(pivots != np.arange(len(pivots))))
-    solution = scipy.linalg.lu_solve((lu, pivots), np.concatenate([-q[on], h]), check_finite=False)
-    p = np.zeros(len(q))
-    p[on] = solution[: len(on)]
-    return p, solution[len(on) :], sign
+    def solve(self, q: Floats, h: Floats) -> tuple[Floats, Floats]:
+        """p (n,) and y (k,)."""
+        right = np.concatenate([-q[self._on], h])
+        solution = scipy.linalg.lu_solve(self._factors, right, check_finite=False)
+        p = np.zeros(self._n)
+        p[self._on] = solution[: len(self._on)]
+        return p, solution[len(self._on) :]
 
 
 def _first_touch(q: Floats, B: Floats, C: Floats, h: Floats) -> Bools:
@@ -115,6 +120,6 @@ def _first_touch(q: Floats, B: Floats, C: Floats, h: Floats) -> Bools:
         raise NoAnswer("no equilibrium: nothing touches, and more than one motion is free")
     bearing = C[0] * h[0] > 0  # nodes whose pressure resists the actuation
     if not bearing.any():
-        raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere (self-locking)")
+        raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
     reach = np.where(bearing, q / np.maximum(np.abs(B[:, 0]), np.finfo(float).tiny), np.inf)
     return np.asarray(reach <= reach.min())

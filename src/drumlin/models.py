@@ -1,7 +1,7 @@
 """The models that answer for a brake, by name. Each takes a Brake and returns a Response."""
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from drumlin import laws
 from drumlin.brake import Brake
@@ -18,23 +18,28 @@ class Model(NamedTuple):
     solve: Callable[..., Response]
 
 
-def _fem(brake: Brake, **options: object) -> Response:
+def _fem(brake: Brake, **options: Any) -> Response:
     from drumlin.fem import model
 
     return model.solve(brake, **options)
 
 
 def _fem_why_not(brake: Brake) -> str | None:
-    from drumlin.fem import model
+    from drumlin.fem import scene
 
-    return model.why_not(brake)
+    return scene.why_not(brake)
 
 
 MODELS: Mapping[str, Model] = {
     model.name: model
     for model in (
         Model("fem", "2D plane stress, unilateral contact, full-slip Coulomb friction", _fem_why_not, _fem),
-        Model("sine", "rigid shoe turning about its hinge, rigid drum, lining that fits", laws.sine_why_not, laws.sine),
+        Model(
+            "sine",
+            "rigid shoe turning about its hinge, rigid drum, lining that fits",
+            laws.sine_why_not,
+            laws.sine,
+        ),
     )
 }
 

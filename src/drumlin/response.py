@@ -53,9 +53,7 @@ class ShoeResponse:
         value = np.zeros(theta.shape)
         for i in range(self.order + 1):
             others = [j for j in range(self.order + 1) if j != i]
-            value += y[..., i] * np.prod(
-                [(theta - x[..., j]) / (x[..., i] - x[..., j]) for j in others], axis=0
-            )
+            value += y[..., i] * np.prod([(theta - x[..., j]) / (x[..., i] - x[..., j]) for j in others], axis=0)
         return np.where((theta >= self.theta[0]) & (theta <= self.theta[-1]), value, 0.0)
 
 

@@ -9,7 +9,9 @@ import re
 from typing import Any
 
 # A number, then a unit made of words joined by * / ^: nothing that pint would have to evaluate.
-_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([A-Za-zµμ°%][\wµμ°%/*^ ]{0,30})\s*", re.ASCII)
+_QUANTITY = re.compile(
+    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([A-Za-zµμ°%][\wµμ°%/*^ ]{0,30})\s*", re.ASCII
+)
 
 EXAMPLES = {"m": "8 mm", "N": "2 kN", "Pa": "300 MPa", "rad": "55 deg"}
 _NAMES = {"m": "a length", "N": "a force", "Pa": "a stress", "rad": "an angle"}

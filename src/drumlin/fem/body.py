@@ -16,7 +16,6 @@ from scipy.sparse.linalg import splu
 from skfem.models.elasticity import plane_stress
 
 from drumlin.brake import Floats, Material
-from drumlin.errors import BadInput
 from drumlin.fem.interface import Ints
 from drumlin.fem.mesh import ELEMENTS
 
@@ -49,7 +48,7 @@ class Condensed:
 
 
 def scalar_basis(mesh: Any) -> Any:
-    """skfem's basis of one displacement component; 3 x 3 Gauss points in a quadratic quadrilateral, 2 x 2 in a linear."""
+    """skfem's basis of one component; 3 x 3 Gauss points in a quadratic quadrilateral, 2 x 2 in a linear."""
     element = ELEMENTS[type(mesh)]()
     return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
 
@@ -97,11 +96,9 @@ def dissection(xy: Floats, elements: Ints) -> Ints:
     for level in range(depth):
         size = np.bincount(region, minlength=1 << level)
 
-        def mean(values: Floats, size: Ints = size) -> Floats:
-            return np.asarray(np.bincount(region, values, minlength=len(size)) / np.maximum(size, 1))[region]
-
-        dx, dy = centre - np.array([mean(centre[0]), mean(centre[1])])
-        along = 0.5 * np.arctan2(2 * mean(dx * dy), mean(dx * dx) - mean(dy * dy))  # principal axis
+        dx, dy = centre - _means(region, centre)
+        xy_, xx_yy = _means(region, np.array([dx * dy, dx * dx - dy * dy]))
+        along = 0.5 * np.arctan2(2 * xy_, xx_yy)  # principal axis
         place = np.round((dx * np.cos(along) + dy * np.sin(along)) / resolution)
         order = np.lexsort((place, region))
         rank = np.empty(count, dtype=np.int64)
@@ -114,6 +111,12 @@ def dissection(xy: Floats, elements: Ints) -> Ints:
         np.maximum.at(last, nodes, region)
     height = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)  # levels up to the common region
     return np.lexsort((height, (first >> height << height) + (1 << height)))
+
+
+def _means(group: Ints, values: Floats) -> Floats:
+    """Mean of each row of `values` (k, m) over the members of a member's group (m,): (k, m)."""
+    size = np.bincount(group)
+    return np.array([(np.bincount(group, row) / np.maximum(size, 1))[group] for row in values])
 
 
 def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats) -> Any:
@@ -130,7 +133,14 @@ def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats) -> Any:
     x, y = basis.doflocs[:, rigid] - pin[:, None]
     ones, frame = np.ones(len(rigid)), np.full(len(rigid), unknowns - FRAME)
     rows = [2 * nodes, 2 * nodes + 1, 2 * rigid, 2 * rigid, 2 * rigid + 1, 2 * rigid + 1]
-    columns = [np.arange(0, 2 * len(nodes), 2), np.arange(1, 2 * len(nodes), 2), frame, frame + 2, frame + 1, frame + 2]
+    columns = [
+        np.arange(0, 2 * len(nodes), 2),
+        np.arange(1, 2 * len(nodes), 2),
+        frame,
+        frame + 2,
+        frame + 1,
+        frame + 2,
+    ]
     values = [np.ones(len(nodes)), np.ones(len(nodes)), ones, -y, ones, x]
     shape = (2 * basis.N, unknowns)
     return sp.csc_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)

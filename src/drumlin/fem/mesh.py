@@ -4,17 +4,20 @@ Named groups: subdomains "shoe", "lining", "backing"; boundaries "contact" (lini
 "hinge" (moves as a rigid line that turns about the pin) and "actuation" (carries the force).
 """
 
+import contextlib
+import io
 import math
-import warnings
 from pathlib import Path
 from typing import Any
 
 import meshio
 import numpy as np
 import skfem
+from skfem.io.meshio import from_meshio
 
 from drumlin.brake import Floats, Shoe
 from drumlin.errors import BadInput
+from drumlin.units import deg, mm
 
 ELEMENTS: dict[type, Any] = {
     skfem.MeshQuad1: skfem.ElementQuad1,
@@ -23,11 +26,13 @@ ELEMENTS: dict[type, Any] = {
     skfem.MeshTri2: skfem.ElementTriP2,
 }
 MOST_LAYERS = 8  # through lining, backing and body each: more costs time and changes nothing that matters
-SUBDOMAINS = ("shoe", "backing", "lining")
-BOUNDARIES = ("contact", "hinge", "actuation")
-# meshio's order of the nodes of a cell, in the order of skfem's (vertices, edges, interior)
-CELLS = {skfem.MeshQuad2: ("quad9", "line3"), skfem.MeshQuad1: ("quad", "line"),
-         skfem.MeshTri2: ("triangle6", "line3"), skfem.MeshTri1: ("triangle", "line")}
+ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
+CELLS = {
+    "quad9": "line3",
+    "triangle6": "line3",
+    "quad": "line",
+    "triangle": "line",
+}  # meshio's cells and edges
 
 
 def shoe_mesh(shoe: Shoe, radius: float, elements: int) -> Any:
@@ -49,13 +54,14 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int) -> Any:
         layers.append(("shoe", shoe.body.thickness))
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        angles = np.concatenate(
-            [_overhang(body[0], phi_1, step)[:-1], angles, _overhang(phi_2, body[1], step)[1:]]
-        )
+        angles = np.concatenate([_overhang(body[0], phi_1, step)[:-1], angles, _overhang(phi_2, body[1], step)[1:]])
     depths = np.concatenate(
-        [[0.0]] + [
+        [[0.0]]
+        + [
             start + _fractions(thickness, step * radius) * thickness
-            for start, thickness in zip(np.cumsum([0.0] + [t for _, t in layers[:-1]]), [t for _, t in layers], strict=True)
+            for start, thickness in zip(
+                np.cumsum([0.0] + [t for _, t in layers[:-1]]), [t for _, t in layers], strict=True
+            )
         ]
     )
     grid = skfem.MeshQuad.init_tensor(depths, angles)
@@ -97,3 +103,96 @@ def _fractions(thickness: float, width: float) -> Floats:
     """Ends of the layers through a thickness, as fractions in (0, 1], for elements of this width."""
     count = min(max(1, math.ceil(thickness / width)), MOST_LAYERS)
     return np.arange(1, count + 1) / count
+
+
+def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
+    """Write a shoe's mesh as a Gmsh file (format 2.2) in the brake's frame [m], groups as physical names."""
+    basis = skfem.Basis(mesh, ELEMENTS[type(mesh)](), intorder=1)
+    cell = next(
+        name
+        for name, kind in zip(CELLS, (skfem.MeshQuad2, skfem.MeshTri2, skfem.MeshQuad1, skfem.MeshTri1), strict=True)
+        if isinstance(mesh, kind)
+    )
+    blocks, tags, names = [], [], {}
+    for number, (name, elements) in enumerate(mesh.subdomains.items(), start=1):
+        blocks.append((cell, basis.element_dofs[:, elements].T))
+        names[name] = np.array([number, 2])
+    for number, (name, facets) in enumerate(mesh.boundaries.items(), start=len(names) + 1):
+        nodes = np.vstack(
+            [basis.nodal_dofs[0][mesh.facets[:, facets]], *(row[None, facets] for row in basis.facet_dofs)]
+        )
+        blocks.append((CELLS[cell], nodes.T))
+        names[name] = np.array([number, 1])
+    tags = [np.full(len(block[1]), number, dtype=np.int32) for number, block in enumerate(blocks, start=1)]
+    xy = shoe.frame.to_brake(basis.doflocs.T)
+    points = np.column_stack([xy, np.zeros(len(xy))])
+    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    partial = path.with_name(path.name + ".part")
+    meshio.write(
+        partial,
+        meshio.Mesh(points, blocks, cell_data=data, field_data=names),
+        file_format="gmsh22",
+        binary=False,
+    )
+    partial.replace(path)
+
+
+def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
+    """A user's mesh of a shoe [in shoe.mesh_unit, brake's frame], in the shoe's frame [m].
+
+    Raises BadInput, naming `key` and the file, for a file that cannot be read or used.
+    """
+    fault = f"{key} = '{path}'"
+    if not path.is_file():
+        raise BadInput(f"{fault}: no such file")
+    try:
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            raw = meshio.read(path)
+    except (Exception, SystemExit) as error:  # meshio's readers fail in their own many ways
+        raise BadInput(f"{fault}: is not a mesh that meshio can read ({type(error).__name__})") from error
+    cells = {block.type for block in raw.cells if block.dim == 2}
+    if len(cells) != 1 or not cells <= set(CELLS):
+        raise BadInput(f"{fault}: has cells {sorted(cells)}; allowed is one kind of: {', '.join(CELLS)}")
+    if not np.isfinite(raw.points).all():
+        raise BadInput(f"{fault}: has coordinates that are not finite")
+    scale = {"m": 1.0, "mm": 1e-3}[shoe.mesh_unit]
+    raw.points = shoe.frame.to_shoe(raw.points[:, :2] * scale)
+    try:
+        mesh = from_meshio(raw, ignore_orientation=True)
+    except Exception as error:
+        raise BadInput(f"{fault}: is not a valid mesh ({error})") from error
+    _check_groups(mesh, shoe, fault)
+    _check_contact(mesh, shoe, radius, fault)
+    return mesh
+
+
+def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> None:
+    subdomains, boundaries = mesh.subdomains or {}, mesh.boundaries or {}
+    needed = {"lining"} | ({"shoe"} if shoe.body else set()) | ({"backing"} if shoe.backing else set())
+    lines = {"contact", "hinge"} | ({"actuation"} if shoe.body else set())
+    missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
+    if missing:
+        found = ", ".join([*subdomains, *boundaries]) or "none"
+        raise BadInput(f"{fault}: named groups missing: {', '.join(missing)}; found: {found}")
+    named = np.concatenate([subdomains[name] for name in needed])
+    if len(np.unique(named)) < mesh.nelements or len(named) > mesh.nelements:
+        raise BadInput(f"{fault}: every element must be in exactly one of the groups {', '.join(sorted(needed))}")
+
+
+def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
+    nodes = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["contact"]])]
+    off = float(np.abs(np.hypot(*nodes) - radius).max())
+    if off > shoe.lining.thickness:
+        raise BadInput(
+            f"{fault}: the group contact lies up to {mm(off)} off the drum's radius {mm(radius)}; "
+            f"must be within the lining's thickness (coordinates are read in {shoe.mesh_unit})"
+        )
+    middle = sum(shoe.arc) / 2
+    phi = middle + np.angle(np.exp(-1j * middle) * (nodes[0] + 1j * nodes[1]))
+    arc = (float(phi.min()), float(phi.max()))
+    if max(abs(a - b) for a, b in zip(arc, shoe.arc, strict=True)) > ARC_SLACK:
+        ends = sorted(shoe.frame.theta(np.array(arc)).tolist())
+        raise BadInput(
+            f"{fault}: the group contact runs from {deg(ends[0])} to {deg(ends[1])}; must be the lining's arc, "
+            f"{deg(shoe.lining.start)} to {deg(shoe.lining.end)}, within {deg(ARC_SLACK)}"
+        )

@@ -5,11 +5,7 @@ force, line of action, clearance and penalty, in milliseconds on the same scene.
 """
 
 import math
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -17,206 +13,19 @@ import scipy.linalg
 from drumlin import contact
 from drumlin.brake import Brake, Floats, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, Ints, contact_line, couple
-from drumlin.fem.mesh import shoe_mesh
+from drumlin.fem.interface import Coupling
+from drumlin.fem.scene import ELEMENTS, Body, Scene, clock, prepare, shape_of
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
 
-ELEMENTS = 120
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
-lining's own compression p t/E, and the torque is off by about as much (each response states it)."""
+lining's own compression p t/E, and the pressure is off by about as much; each response states by how much."""
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
 
-Seconds = dict[str, float]
 
-
-@contextmanager
-def clock(seconds: Seconds, phase: str) -> Iterator[None]:
-    """Add the time of the block to seconds[phase]."""
-    start = time.perf_counter()
-    yield
-    seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start
-
-
-@dataclass(frozen=True)
-class Body:
-    """One shoe with its lining, condensed, in its own frame (angle phi from the hinge).
-
-    `pressed`, `dragged` (2n, n) and `loaded` (2n, 3): contact displacements, with the frame held, under the
-    nodal forces -N^T and T^T and under the unit actuations (force x, force y, couple about `load_centre`).
-    `turned` (2n,): contact displacement per turn [rad] about the pin. `closing_*` = N times these: what they
-    take from the weighted gap. `held_*` (3, ...): the force x, y and moment that holds the frame meanwhile.
-    """
-
-    mesh: Any
-    basis: Any
-    line: ContactLine
-    coupling: Coupling
-    condensed: Condensed
-    load_centre: Floats
-    turned: Floats
-    pressed: Floats
-    dragged: Floats
-    loaded: Floats
-    closing_pressed: Floats
-    closing_dragged: Floats
-    closing_loaded: Floats
-    closing_turned: Floats
-    held_pressed: Floats
-    held_dragged: Floats
-    held_loaded: Floats
-
-    @property
-    def unknowns(self) -> int:
-        """Number of displacement unknowns of the mesh."""
-        return int(2 * self.basis.N)
-
-
-@dataclass(frozen=True)
-class Scene:
-    """A brake made ready: a condensed body for each shoe (equal shoes share one), and what that cost."""
-
-    brake: Brake
-    bodies: tuple[Body, ...]
-    seconds: Seconds
-    left_out: tuple[str, ...]
-
-
-def why_not(brake: Brake) -> str | None:
-    """Why finite elements do not apply to a brake (None: they do)."""
-    if brake.drum.ring is not None:
-        return "an elastic drum ring is not modelled yet; leave out [drum.ring] for a rigid drum"
-    return None
-
-
-def solve(
-    brake: Brake, *, elements: int = ELEMENTS, penalty: float = PENALTY
-) -> Response:
+def solve(brake: Brake, *, elements: int = ELEMENTS, penalty: float = PENALTY) -> Response:
     """Mesh, condense and solve a brake: prepare, then respond."""
     return respond(prepare(brake, elements=elements), brake, penalty=penalty)
-
-
-def _shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
-    """What a body depends on: equal for shoes that are the same but for place, hand, load and clearance."""
-    if shoe.mesh is not None:
-        return (shoe.mesh, shoe.frame, shoe.hinge)
-    arcs = [shoe.arc]
-    if shoe.body is not None:
-        arcs.append(tuple(sorted(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist())))
-    lining, body = shoe.lining, shoe.body
-    return (
-        brake.drum.radius,
-        shoe.side,
-        round(shoe.hinge.radius / brake.drum.radius, 12),
-        tuple(round(angle, 12) for arc in arcs for angle in arc),
-        (lining.thickness, lining.width, lining.material),
-        shoe.backing,
-        None if body is None else (body.shape, body.thickness, body.width, body.material),
-    )
-
-
-def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
-    """Mesh and condense the bodies of a brake; shoes of one shape share one body.
-
-    elements: number along each parametric lining. Raises BadInput for a brake that finite elements do not
-    cover, and for a mesh file that cannot serve.
-    """
-    reason = why_not(brake)
-    if reason is not None:
-        raise BadInput(f"fem does not apply to this brake: {reason}")
-    if not 1 <= elements <= 100_000:
-        raise BadInput(f"--elements = {elements}: must be from 1 to 100000")
-    seconds: Seconds = {}
-    made: dict[tuple[object, ...], Body] = {}
-    bodies = []
-    for shoe in brake.shoes:
-        key = _shape_of(brake, shoe)
-        if key not in made:
-            made[key] = _body(brake, shoe, elements, seconds)
-        bodies.append(made[key])
-    left_out = ["drum: rigid, no [drum.ring] in the brake", "interior fields: recovered only for a picture"]
-    if len(made) < len(bodies):
-        left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
-    for shoe in brake.shoes:
-        if shoe.mesh is None and shoe.body is None:
-            left_out.append(f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed")
-    return Scene(brake, tuple(bodies), seconds, tuple(left_out))
-
-
-def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
-    with clock(seconds, "mesh"):
-        mesh = shoe_mesh(shoe, brake.drum.radius, elements)
-        basis = scalar_basis(mesh)
-    with clock(seconds, "assembly"):
-        materials = {"lining": (shoe.lining.material, shoe.lining.width)}
-        if shoe.backing is not None:
-            materials["backing"] = (shoe.backing.material, shoe.lining.width)
-        if shoe.body is not None:
-            materials["shoe"] = (shoe.body.material, shoe.body.width)
-        K = stiffness(basis, materials)
-    with clock(seconds, "condensation"):
-        pin = np.array([shoe.hinge.radius, 0.0])
-        line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
-        n = len(line.nodes)
-        rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
-        ties = tie(basis, line.nodes, rigid, pin)
-        if "actuation" in mesh.boundaries:
-            full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
-            forces = ties.T @ full
-        else:  # the force acts on the rigid shoe itself
-            forces, load_centre = np.zeros((ties.shape[1], 3)), pin
-            forces[-FRAME:] = np.eye(3)
-        condensed = condense(K, ties, forces, 2 * n + FRAME)
-    with clock(seconds, "coupling"):
-        coupling = couple(line, shoe.lining.width, shoe.sign)
-        S, N = condensed.S, coupling.N
-        right = np.hstack([-N.T, coupling.T.T, condensed.loads[: 2 * n]])
-        flexibility = scipy.linalg.cho_solve(scipy.linalg.cho_factor(S[: 2 * n, : 2 * n]), right)
-        pressed, dragged, loaded = np.split(flexibility, [n, 2 * n], axis=1)
-        closing, held = N @ flexibility, S[2 * n :, : 2 * n] @ flexibility
-        x, y = line.xy - pin[:, None]
-        turned = np.column_stack([-y, x]).ravel()
-        return Body(
-            mesh=mesh,
-            basis=basis,
-            line=line,
-            coupling=coupling,
-            condensed=condensed,
-            load_centre=load_centre,
-            turned=turned,
-            pressed=pressed,
-            dragged=dragged,
-            loaded=loaded,
-            closing_pressed=closing[:, :n],
-            closing_dragged=closing[:, n : 2 * n],
-            closing_loaded=closing[:, 2 * n :],
-            closing_turned=N @ turned,
-            held_pressed=held[:, :n],
-            held_dragged=held[:, n : 2 * n],
-            held_loaded=held[:, 2 * n :] - condensed.loads[2 * n :],
-        )
-
-
-def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
-    """Nodal forces (2 nodes, 3) of a traction on the loaded end: unit force in x, in y, unit couple; and its centre.
-
-    The force is spread evenly, the couple as a traction that grows linearly from the centre (2,) [m].
-    """
-    edge = basis.boundary(facets)
-    x, weight = np.asarray(edge.global_coordinates()), edge.dx
-    length = weight.sum()
-    centre = (x * weight).sum(axis=(1, 2)) / length
-    arm = x - centre[:, None, None]
-    inertia = float((arm**2 * weight).sum())
-    turn = np.array([-arm[1], arm[0]]) / inertia
-    ones, zeros = np.full(weight.shape, 1 / length), np.zeros(weight.shape)
-    loads = np.zeros((basis.N, 2, 3))
-    for k, traction in enumerate(([ones, zeros], [zeros, ones], turn)):
-        for c in range(2):
-            for psi, dofs in zip(edge.basis, edge.element_dofs, strict=True):
-                np.add.at(loads[:, c, k], dofs, (psi[0] * traction[c] * weight).sum(axis=1))
-    return loads.reshape(-1, 3), centre
 
 
 def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Response:
@@ -227,7 +36,7 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Response
     """
     if not penalty > 0:
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
-    if [_shape_of(brake, s) for s in brake.shoes] != [_shape_of(scene.brake, s) for s in scene.brake.shoes]:
+    if [shape_of(brake, s) for s in brake.shoes] != [shape_of(scene.brake, s) for s in scene.brake.shoes]:
         raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
     seconds = dict(scene.seconds)
     with clock(seconds, "contact"):
@@ -290,11 +99,11 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
         [contact_moment, float(_cross(pin, reaction)), moment + float(_cross(pin, load[:2]))],
     )
     torque = abs(drag) * float(coupling.lever @ p)
-    softening = contact.tangent(A, M @ p, B, C, found.active) / (penalty * stiffness)
-    note = (
-        f"shoe {shoe.name!r}: penalty {penalty:g} E/t lets the lining penetrate by "
-        f"{p.max() / (penalty * stiffness):.1e} m at most and changes its normal force by "
-        f"{float(coupling.lever @ softening) / float(coupling.lever @ p):.1e} of it"
+    note = f"shoe {shoe.name!r}: " + (
+        "exact contact, no penetration"
+        if math.isinf(penalty)
+        else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / (penalty * stiffness):.1e} m at most, "
+        f"which changes its torque by {_softening(found, coupling, M, penalty * stiffness):+.1e} of it"
     )
     forward = slice(None, None, frame.sense)
     response = ShoeResponse(
@@ -313,8 +122,13 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
     return _Answer(response, balance, found.steps, note)
 
 
+def _softening(found: contact.Contact, coupling: Coupling, M: Floats, stiffness: float) -> float:
+    """Relative change of Int p r ds (and so of the torque) by the compliance M/eps, to first order in 1/eps."""
+    return float(coupling.lever @ found.tangent(M @ found.p)) / stiffness / float(coupling.lever @ found.p)
+
+
 def _load(body: Body, shoe: Shoe) -> tuple[Floats, float]:
-    """Factors of the body's unit actuations (force x, force y, couple) and the moment about the pin, shoe's frame."""
+    """Factors of the body's unit actuations, and the moment about the pin [N m], in the shoe's frame."""
     force, point = shoe.frame.to_shoe(shoe.actuation.vector), shoe.frame.to_shoe(shoe.actuation.point.xy)
     couple_ = float(_cross(point - body.load_centre, force))
     return np.array([*force, couple_]), float(_cross(point - np.array([shoe.hinge.radius, 0.0]), force))
@@ -362,7 +176,7 @@ def _contact_arcs(theta: Floats, p: Floats, order: int) -> tuple[tuple[float, fl
 
 
 def _locking(body: Body, brake: Brake, shoe: Shoe) -> str:
-    """What to say of friction when there is no equilibrium: where the elastic shoe locks, near its frictionless state.
+    """What to say of friction when there is no equilibrium: where the elastic shoe locks itself.
 
     K(mu) = K_0 + mu K_1 on the whole lining is singular at the smallest positive real eigenvalue.
     """
