@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -25,10 +24,9 @@ from pydantic import (
     model_validator,
 )
 
+from drumlin.arrays import Floats
 from drumlin.errors import BadInput
 from drumlin.units import deg, mm, to_si
-
-Floats = NDArray[np.float64]
 
 LARGEST_FILE = 1_000_000  # bytes; a brake file has a few thousand
 

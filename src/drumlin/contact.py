@@ -11,14 +11,13 @@ hinged shoe its rotation; C p = h: the equilibrium in these motions.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy.linalg
 
-from drumlin.brake import Floats
+from drumlin.arrays import Bools, Floats
 from drumlin.errors import NoAnswer
-
-Bools = np.ndarray[tuple[int], np.dtype[np.bool_]]
 
 MOST_STEPS = 60
 SLACK = 1e-12  # relative: a pressure or gap below it is round-off, and does not change the contact set
@@ -76,7 +75,7 @@ def solve(A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, start: Bools | 
                 active=active,
                 steps=step,
                 regular=equations.sign == (-1) ** k,
-                tangent=lambda dq: equations.solve(d * dq, np.zeros(k))[0] * d,
+                tangent=partial(_tangent, equations, d, np.zeros(k)),
             )
         if active.tobytes() in seen:  # a cycle: exchange one node at a time, the first (Murty's rule)
             change = np.arange(n) == np.flatnonzero(change)[0]
@@ -110,6 +109,10 @@ class _Equations:
         p = np.zeros(self._n)
         p[self._on] = solution[: len(self._on)]
         return p, solution[len(self._on) :]
+
+
+def _tangent(equations: _Equations, d: Floats, h: Floats, dq: Floats) -> Floats:
+    return equations.solve(d * dq, h)[0] * d
 
 
 def _first_touch(q: Floats, B: Floats, C: Floats, h: Floats) -> Bools:

@@ -7,8 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake import Brake, Floats, Shoe
-from drumlin.statics import Resultant, integrate, resultant
+from drumlin.arrays import Floats
+from drumlin.brake import Brake, Shoe
+from drumlin.statics import Resultant, cross, integrate, resultant
+
+EDGE_ZONE = math.radians(0.2)
+"""Zone [rad] at each end of a lining in which no pressure is judged: elastic models are singular at a sharp edge."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +31,8 @@ class ShoeResponse:
     degree `order`; consecutive pieces share their end node. Between blocks of a split lining, where nothing
     can press, the pressure is 0. `normal_force` [N] is the size of the vector sum of the normal forces,
     `hinge_reaction` (2,) [N] the force of the pin on the shoe, `torque` >= 0 [N m] the size of the torque
-    on the drum, which opposes its rotation. `turn` [rad] is the rotation of the shoe about its pin, where
+    on the drum, which opposes its rotation, `peak_pressure` [Pa] the largest nodal pressure outside the edge
+    zones. `turn` [rad] is the rotation of the shoe about its pin, where
     a model knows it.
     """
 
@@ -145,7 +150,7 @@ def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
     forces = [contact.force, response.hinge_reaction, shoe.actuation.vector]
     hinge = shoe.hinge.xy
     moments = [
-        contact.moment - float(hinge[0] * contact.force[1] - hinge[1] * contact.force[0]),
+        contact.moment - float(cross(hinge, contact.force)),
         shoe.actuation.moment_about(shoe.hinge),
     ]
     return relative_balance(forces, moments)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.brake import Floats
+from drumlin.arrays import Floats
 
 GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(6)
 
@@ -14,6 +14,11 @@ class Resultant(NamedTuple):
 
     force: Floats
     moment: float
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """The out-of-plane component of a x b, (..., 2)."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 def shape(order: int, xi: Floats) -> Floats:

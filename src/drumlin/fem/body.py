@@ -15,8 +15,8 @@ import skfem
 from scipy.sparse.linalg import splu
 from skfem.models.elasticity import plane_stress
 
-from drumlin.brake import Floats, Material
-from drumlin.fem.interface import Ints
+from drumlin.arrays import Floats, Ints
+from drumlin.brake import Material
 from drumlin.fem.mesh import ELEMENTS
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin

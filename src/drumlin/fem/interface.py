@@ -15,10 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake import Floats
+from drumlin.arrays import Floats, Ints
 from drumlin.statics import GAUSS, WEIGHTS, shape
-
-Ints = np.ndarray[Any, np.dtype[np.int64]]
 
 
 @dataclass(frozen=True)

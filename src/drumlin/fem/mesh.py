@@ -5,6 +5,7 @@ Named groups: subdomains "shoe", "lining", "backing"; boundaries "contact" (lini
 """
 
 import contextlib
+import dataclasses
 import io
 import math
 from pathlib import Path
@@ -12,11 +13,14 @@ from typing import Any
 
 import meshio
 import numpy as np
+import scipy.spatial
 import skfem
 from skfem.io.meshio import from_meshio
 
-from drumlin.brake import Floats, Shoe
+from drumlin.arrays import Floats, Ints
+from drumlin.brake import Shoe
 from drumlin.errors import BadInput
+from drumlin.files import replacing
 from drumlin.units import deg, mm
 
 ELEMENTS: dict[type, Any] = {
@@ -105,15 +109,17 @@ def _fractions(thickness: float, width: float) -> Floats:
     return np.arange(1, count + 1) / count
 
 
+def cell_type(mesh: Any) -> str:
+    """meshio's name of a mesh's cells."""
+    kinds = {skfem.MeshQuad2: "quad9", skfem.MeshTri2: "triangle6", skfem.MeshQuad1: "quad", skfem.MeshTri1: "triangle"}
+    return kinds[type(mesh)]
+
+
 def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
     """Write a shoe's mesh as a Gmsh file (format 2.2) in the brake's frame [m], groups as physical names."""
     basis = skfem.Basis(mesh, ELEMENTS[type(mesh)](), intorder=1)
-    cell = next(
-        name
-        for name, kind in zip(CELLS, (skfem.MeshQuad2, skfem.MeshTri2, skfem.MeshQuad1, skfem.MeshTri1), strict=True)
-        if isinstance(mesh, kind)
-    )
-    blocks, tags, names = [], [], {}
+    cell = cell_type(mesh)
+    blocks, names = [], {}
     for number, (name, elements) in enumerate(mesh.subdomains.items(), start=1):
         blocks.append((cell, basis.element_dofs[:, elements].T))
         names[name] = np.array([number, 2])
@@ -127,14 +133,9 @@ def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
     xy = shoe.frame.to_brake(basis.doflocs.T)
     points = np.column_stack([xy, np.zeros(len(xy))])
     data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
-    partial = path.with_name(path.name + ".part")
-    meshio.write(
-        partial,
-        meshio.Mesh(points, blocks, cell_data=data, field_data=names),
-        file_format="gmsh22",
-        binary=False,
-    )
-    partial.replace(path)
+    content = meshio.Mesh(points, blocks, cell_data=data, field_data=names)
+    with replacing(path) as partial:
+        meshio.write(partial, content, file_format="gmsh22", binary=False)
 
 
 def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
@@ -158,12 +159,43 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
     scale = {"m": 1.0, "mm": 1e-3}[shoe.mesh_unit]
     raw.points = shoe.frame.to_shoe(raw.points[:, :2] * scale)
     try:
-        mesh = from_meshio(raw, ignore_orientation=True)
+        bare = from_meshio(meshio.Mesh(raw.points, [(kind, raw.cells_dict[kind]) for kind in cells]))
     except Exception as error:
         raise BadInput(f"{fault}: is not a valid mesh ({error})") from error
+    mesh = _with_groups(bare, raw, cells.pop())
     _check_groups(mesh, shoe, fault)
     _check_contact(mesh, shoe, radius, fault)
     return mesh
+
+
+def _with_groups(bare: Any, raw: Any, kind: str) -> Any:
+    """The mesh with the named groups of the file: subdomains from its cells, boundaries from its edges."""
+    tree = scipy.spatial.cKDTree(bare.p.T)  # skfem renumbers the nodes
+    facet = {tuple(sorted(ends)): i for i, ends in enumerate(bare.facets.T.tolist())}
+    subdomains, boundaries = {}, {}
+    for name, members in _named_cells(raw).items():
+        if len(members.get(kind, ())):
+            subdomains[name] = members[kind]
+        edges = members.get(CELLS[kind], np.empty(0, dtype=np.int64))
+        if len(edges):
+            ends = tree.query(raw.points[raw.cells_dict[CELLS[kind]][edges, :2]])[1]
+            known = [facet.get((min(pair), max(pair)), -1) for pair in ends.tolist()]
+            boundaries[name] = np.array([number for number in known if number >= 0], dtype=np.int64)
+    return dataclasses.replace(bare, _subdomains=subdomains, _boundaries=boundaries)
+
+
+def _named_cells(raw: Any) -> dict[str, dict[str, Ints]]:
+    """Group name -> cell type -> numbers of its cells of that type, from physical names or cell sets."""
+    groups: dict[str, dict[str, Ints]] = {
+        name: dict(members) for name, members in raw.cell_sets_dict.items() if not name.startswith("gmsh:")
+    }
+    tags = raw.cell_data_dict.get("gmsh:physical", {})
+    for name, (tag, _) in raw.field_data.items():
+        for kind, values in tags.items():
+            members = np.flatnonzero(values == tag)
+            if len(members):
+                groups.setdefault(name, {})[kind] = members
+    return groups
 
 
 def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> None:

@@ -11,11 +11,13 @@ import numpy as np
 import scipy.linalg
 
 from drumlin import contact
-from drumlin.brake import Brake, Floats, Shoe
+from drumlin.arrays import Bools, Floats
+from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.interface import Coupling
-from drumlin.fem.scene import ELEMENTS, Body, Scene, clock, prepare, shape_of
-from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
+from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, prepare, shape_of
+from drumlin.response import EDGE_ZONE, Balance, Response, ShoeResponse, relative_balance, untouched, worst
+from drumlin.statics import cross
 
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
@@ -67,7 +69,7 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
     """Full slip of one shoe: the drum drags the lining with mu p everywhere in contact."""
     frame, line, coupling = shoe.frame, body.line, body.coupling
     drag = brake.friction * brake.spin * frame.sense
-    load, moment = _load(body, shoe)
+    load, moment = actuation(body, shoe)
     gap = shoe.sign * (brake.drum.radius - np.hypot(*line.xy)) + shoe.lining.clearance_at(frame.theta(line.phi))
     sense = math.copysign(1.0, moment)
     if abs(moment) <= 1e-14 * shoe.actuation.force * brake.drum.radius or (sense * body.closing_turned <= 0).all():
@@ -91,12 +93,12 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
     p = found.p
     nodal = (drag * (coupling.T.T @ p) - coupling.N.T @ p).reshape(-1, 2)  # on the lining [N]
     pin = np.array([shoe.hinge.radius, 0.0])
-    contact_force, contact_moment = nodal.sum(axis=0), float(_cross(line.xy.T, nodal).sum())
+    contact_force, contact_moment = nodal.sum(axis=0), float(cross(line.xy.T, nodal).sum())
     held = body.held_pressed @ p + drag * (body.held_dragged @ p) + body.held_loaded @ load
     reaction = held[:2]
     balance = relative_balance(
         [contact_force, reaction, load[:2]],
-        [contact_moment, float(_cross(pin, reaction)), moment + float(_cross(pin, load[:2]))],
+        [contact_moment, float(cross(pin, reaction)), moment + float(cross(pin, load[:2]))],
     )
     torque = abs(drag) * float(coupling.lever @ p)
     note = f"shoe {shoe.name!r}: " + (
@@ -111,7 +113,7 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
         torque=torque,
         normal_force=float(np.linalg.norm(coupling.N.T @ p @ np.tile(np.eye(2), (len(p), 1)))),
         self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
-        peak_pressure=float(p.max()),
+        peak_pressure=float(p[_inside(line.phi)].max()),
         hinge_reaction=frame.to_brake(reaction),
         contact_arcs=_contact_arcs(frame.theta(line.phi)[forward], p[forward], line.order),
         theta=frame.theta(line.phi)[forward],
@@ -122,21 +124,15 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
     return _Answer(response, balance, found.steps, note)
 
 
+def _inside(phi: Floats) -> Bools:
+    """Nodes outside the edge zones; all where there are none."""
+    inside = (phi > phi[0] + EDGE_ZONE) & (phi < phi[-1] - EDGE_ZONE)
+    return inside if inside.any() else ~inside
+
+
 def _softening(found: contact.Contact, coupling: Coupling, M: Floats, stiffness: float) -> float:
     """Relative change of Int p r ds (and so of the torque) by the compliance M/eps, to first order in 1/eps."""
     return float(coupling.lever @ found.tangent(M @ found.p)) / stiffness / float(coupling.lever @ found.p)
-
-
-def _load(body: Body, shoe: Shoe) -> tuple[Floats, float]:
-    """Factors of the body's unit actuations, and the moment about the pin [N m], in the shoe's frame."""
-    force, point = shoe.frame.to_shoe(shoe.actuation.vector), shoe.frame.to_shoe(shoe.actuation.point.xy)
-    couple_ = float(_cross(point - body.load_centre, force))
-    return np.array([*force, couple_]), float(_cross(point - np.array([shoe.hinge.radius, 0.0]), force))
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    """The out-of-plane component of a x b, (..., 2)."""
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, sense: float) -> None:

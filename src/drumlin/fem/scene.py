@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from drumlin.brake import Brake, Floats, Shoe
+from drumlin.arrays import Floats, Ints
+from drumlin.brake import Brake, Material, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, Ints, contact_line, couple
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple
 from drumlin.fem.mesh import read_mesh, shoe_mesh
+from drumlin.statics import cross
 
 ELEMENTS = 120  # default number along a lining
 
@@ -134,12 +136,7 @@ def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
             mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):
-        materials = {"lining": (shoe.lining.material, shoe.lining.width)}
-        if shoe.backing is not None:
-            materials["backing"] = (shoe.backing.material, shoe.lining.width)
-        if shoe.body is not None:
-            materials["shoe"] = (shoe.body.material, shoe.body.width)
-        K = stiffness(basis, materials)
+        K = stiffness(basis, materials_of(shoe))
     with clock(seconds, "condensation"):
         pin = np.array([shoe.hinge.radius, 0.0])
         line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
@@ -202,3 +199,20 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
             for psi, dofs in zip(edge.basis, edge.element_dofs, strict=True):
                 np.add.at(loads[:, c, k], dofs, (psi[0] * traction[c] * weight).sum(axis=1))
     return loads.reshape(-1, 3), centre
+
+
+def materials_of(shoe: Shoe) -> dict[str, tuple[Material, float]]:
+    """Material and width [m] of each subdomain of a shoe."""
+    parts = {"lining": (shoe.lining.material, shoe.lining.width)}
+    if shoe.backing is not None:
+        parts["backing"] = (shoe.backing.material, shoe.lining.width)
+    if shoe.body is not None:
+        parts["shoe"] = (shoe.body.material, shoe.body.width)
+    return parts
+
+
+def actuation(body: Body, shoe: Shoe) -> tuple[Floats, float]:
+    """Factors (3,) of the body's unit actuations, and the moment about the pin [N m], in the shoe's frame."""
+    force, point = shoe.frame.to_shoe(shoe.actuation.vector), shoe.frame.to_shoe(shoe.actuation.point.xy)
+    couple_ = float(cross(point - body.load_centre, force))
+    return np.array([*force, couple_]), float(cross(point - np.array([shoe.hinge.radius, 0.0]), force))

@@ -1,0 +1,186 @@
+"""Models side by side: outcomes, distances between responses, observed orders, and the table of all that."""
+
+import csv
+import io
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake import Brake
+from drumlin.errors import NoAnswer
+from drumlin.response import EDGE_ZONE, Response, ShoeResponse
+from drumlin.statics import GAUSS, WEIGHTS
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a model made of a brake: its response, or why there is none; seconds: median of the repeats."""
+
+    model: str
+    response: Response | None
+    failure: str
+    seconds: float
+    repeats: int
+
+
+def run(name: str, solve: Callable[[], Response], repeats: int = 1) -> Outcome:
+    """Run a model `repeats` times; a refusal (NoAnswer) is an outcome, not an error."""
+    seconds, response, failure = [], None, ""
+    for _ in range(repeats):
+        start = time.perf_counter()
+        try:
+            response = solve()
+        except NoAnswer as error:
+            failure = str(error)
+        seconds.append(time.perf_counter() - start)
+    return Outcome(name, response, failure, median(seconds), repeats)
+
+
+def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE) -> float:
+    """L2 norm over theta of p_a - p_b, relative to that of p_b, outside zones of `edge` [rad] at the lining's ends."""
+    start, end = b.theta[0] + edge, b.theta[-1] - edge
+    knots = np.unique(np.concatenate([[start, end], a.theta[:: a.order], b.theta[:: b.order]]))
+    knots = knots[(knots >= start) & (knots <= end)]
+    half = 0.5 * np.diff(knots)[:, None]
+    theta = (knots[:-1, None] + half * (1 + GAUSS)).ravel()
+    weight = (half * WEIGHTS).ravel()
+    pa, pb = a.pressure_at(theta), b.pressure_at(theta)
+    return math.sqrt(float(weight @ (pa - pb) ** 2) / float(weight @ pb**2)) if pb.any() else math.nan
+
+
+def vector_distance(a: Floats, b: Floats) -> float:
+    """Length of a - b relative to that of b."""
+    size = float(np.linalg.norm(b))
+    return float(np.linalg.norm(np.asarray(a) - b)) / size if size else math.nan
+
+
+class Extrapolated(NamedTuple):
+    """Richardson extrapolation from three meshes, each twice as fine: observed order, value, its uncertainty."""
+
+    order: float
+    value: float
+    uncertainty: float
+
+
+def extrapolate(coarse: float, medium: float, fine: float) -> Extrapolated:
+    """Observed order log2(|c - m| / |m - f|), limit, and the last correction as its uncertainty.
+
+    Where the differences do not shrink no order is observed (nan): the finest value stands, with the
+    largest difference as its uncertainty.
+    """
+    first, last = medium - coarse, fine - medium
+    if last == 0:
+        return Extrapolated(math.nan, fine, abs(first))
+    ratio = first / last
+    if ratio <= 1:
+        spread = max(abs(first), abs(last))
+        return Extrapolated(math.log2(-ratio) if ratio < -1 else math.nan, fine, spread)
+    correction = last / (ratio - 1)
+    return Extrapolated(math.log2(ratio), fine + correction, abs(correction))
+
+
+class Column(NamedTuple):
+    """A column of a table: key of the row, heading, unit as people read it, factor from SI, format."""
+
+    key: str
+    heading: str
+    unit: str = ""
+    factor: float = 1.0
+    form: str = ".4g"
+
+    def text(self, row: dict[str, Any]) -> str:
+        """The cell as people read it."""
+        value = row.get(self.key)
+        if value is None or (isinstance(value, float) and math.isnan(value)):
+            return "–"
+        return format(value * self.factor, self.form) if isinstance(value, int | float) else str(value)
+
+    @property
+    def title(self) -> str:
+        """Heading with unit."""
+        return f"{self.heading} [{self.unit}]" if self.unit else self.heading
+
+
+COLUMNS = (
+    Column("case", "case"),
+    Column("rotation", "drum turns"),
+    Column("shoe", "shoe"),
+    Column("model", "model"),
+    Column("torque", "torque", "N m", 1, ".5g"),
+    Column("torque_error", "error of torque", "%", 100, "+.2f"),
+    Column("peak_pressure", "peak pressure", "MPa", 1e-6, ".4g"),
+    Column("peak_error", "error of peak", "%", 100, "+.1f"),
+    Column("pressure_error", "error of p (L2)", "%", 100, ".1f"),
+    Column("reaction", "hinge reaction", "N", 1, ".5g"),
+    Column("reaction_error", "error of reaction", "%", 100, ".1f"),
+    Column("contact", "contact arcs", "deg"),
+    Column("self_energising", "self-energising"),
+    Column("seconds", "run time", "ms", 1e3, ".3g"),
+    Column("status", "status"),
+)
+
+
+def rows(
+    brake: Brake, outcomes: Sequence[Outcome], reference: str = "fem", case: str | None = None
+) -> list[dict[str, Any]]:
+    """One row a model and shoe, errors against the outcome called `reference`; failed models stay as rows.
+
+    Keys as in COLUMNS, values in SI, errors as fractions. Torque of the whole brake: the row "all".
+    """
+    true = next((o.response for o in outcomes if o.model == reference), None)
+    table: list[dict[str, Any]] = []
+    for outcome in outcomes:
+        base = {"case": case or brake.title, "rotation": brake.rotation, "model": outcome.model}
+        if outcome.response is None:
+            table.append({**base, "shoe": "all", "seconds": outcome.seconds, "status": f"failed: {outcome.failure}"})
+            continue
+        response, judged = outcome.response, true is not None and outcome.model != reference
+        for i, shoe in enumerate(response.shoes):
+            row = {
+                **base,
+                "shoe": shoe.name,
+                "torque": shoe.torque,
+                "peak_pressure": shoe.peak_pressure,
+                "reaction": float(np.linalg.norm(shoe.hinge_reaction)),
+                "contact": arcs_text(shoe),
+                "self_energising": "yes" if shoe.self_energising else "no",
+                "status": "converged" if response.converged else "not converged",
+            }
+            if judged and true is not None:
+                other = true.shoes[i]
+                row["torque_error"] = relative(shoe.torque, other.torque)
+                row["peak_error"] = relative(shoe.peak_pressure, other.peak_pressure)
+                row["pressure_error"] = pressure_distance(shoe, other)
+                row["reaction_error"] = vector_distance(shoe.hinge_reaction, other.hinge_reaction)
+            table.append(row)
+        whole = {**base, "shoe": "all", "torque": response.torque, "seconds": outcome.seconds, "status": "converged"}
+        if judged and true is not None:
+            whole["torque_error"] = relative(response.torque, true.torque)
+        table.append(whole)
+    return table
+
+
+def relative(value: float, true: float) -> float:
+    """(value - true) / true; nan where true is 0."""
+    return (value - true) / true if true else math.nan
+
+
+def arcs_text(shoe: ShoeResponse) -> str:
+    """Contact arcs in degrees as text."""
+    return ", ".join(f"{math.degrees(a):.1f} to {math.degrees(b):.1f}" for a, b in shoe.contact_arcs) or "none"
+
+
+def as_csv(table: Sequence[dict[str, Any]]) -> str:
+    """A table in SI units as CSV text; columns: every key that occurs."""
+    keys = list(dict.fromkeys(key for row in table for key in row))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, keys, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(table)
+    return text.getvalue()

@@ -1,0 +1,133 @@
+"""Displacements and stresses inside the bodies: recovered only where a picture asks for them."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import skfem
+from skfem.models.elasticity import plane_stress
+
+from drumlin.arrays import Floats, Ints
+from drumlin.brake import Brake, Shoe
+from drumlin.fem.mesh import ELEMENTS, cell_type
+from drumlin.fem.scene import Body, Scene, actuation, materials_of
+from drumlin.files import replacing
+from drumlin.response import Response, ShoeResponse
+
+
+@dataclass(frozen=True)
+class Fields:
+    """Fields of one shoe in the brake's frame; nodes stand once for each material that meets in them.
+
+    `points` (n, 2) [m], `cells` (m, k), `part` (m,): number of the subdomain, `displacement` (n, 2) [m],
+    `stress` (n, 3): xx, yy, xy [Pa], `von_mises` (n,) [Pa], `pressure` (n,) [Pa] on the friction surface,
+    `push` (n, 2) [Pa]: the drum's normal traction on the lining.
+    """
+
+    points: Floats
+    cells: Ints
+    cell_type: str
+    part: Ints
+    displacement: Floats
+    stress: Floats
+    von_mises: Floats
+    pressure: Floats
+    push: Floats
+
+
+def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields:
+    """Recover the fields of shoe `index` from the contact pressure of its response."""
+    shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]
+    frame = shoe.frame
+    u = _displacement(body, brake, shoe, answer)
+    parts = list(body.mesh.subdomains)
+    blocks = [_part(body, u, name, materials_of(shoe)[name][0]) for name in parts]
+    starts = np.cumsum([0] + [len(block[0]) for block in blocks])
+    nodes = np.concatenate([block[0] for block in blocks])
+    xy = frame.to_brake(body.basis.doflocs[:, nodes].T)
+    turn = frame.to_brake(np.eye(2))
+    tensor = np.concatenate([block[2] for block in blocks])
+    rotated = np.einsum("ia,nij,jb->nab", turn, tensor, turn)
+    xx, yy, shear = rotated[:, 0, 0], rotated[:, 1, 1], rotated[:, 0, 1]
+    pressure = np.zeros(body.basis.N)
+    pressure[body.line.nodes] = answer.pressure[:: frame.sense]
+    on_lining = np.concatenate(
+        [np.full(len(block[0]), name == "lining") for name, block in zip(parts, blocks, strict=True)]
+    )
+    p = np.where(on_lining, pressure[nodes], 0.0)
+    normal = shoe.sign * xy / np.linalg.norm(xy, axis=1)[:, None]
+    return Fields(
+        points=xy,
+        cells=np.concatenate([block[1] + start for start, block in zip(starts[:-1], blocks, strict=True)]),
+        cell_type=cell_type(body.mesh),
+        part=np.concatenate([np.full(len(block[1]), i) for i, block in enumerate(blocks)]),
+        displacement=frame.to_brake(u[:, nodes].T),
+        stress=np.column_stack([xx, yy, shear]),
+        von_mises=np.sqrt(xx**2 - xx * yy + yy**2 + 3 * shear**2),
+        pressure=p,
+        push=-p[:, None] * normal,
+    )
+
+
+def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) -> Floats:
+    """Displacements of all nodes (2, nodes) [m] in the shoe's frame."""
+    frame = shoe.frame
+    load, _ = actuation(body, shoe)
+    p = answer.pressure[:: frame.sense]
+    drag = brake.friction * brake.spin * frame.sense
+    turn = frame.sense * (answer.turn or 0.0)
+    contact = body.pressed @ p + drag * (body.dragged @ p) + body.loaded @ load + body.turned * turn
+    return body.condensed.displacement(np.concatenate([contact, [0.0, 0.0, turn]]), load)
+
+
+def _part(body: Body, u: Floats, name: str, material: Any) -> tuple[Ints, Ints, Floats]:
+    """Nodes, cells (numbered within the nodes) and nodal mean stresses (n, 2, 2) of one subdomain."""
+    elements = body.mesh.subdomains[name]
+    element = ELEMENTS[type(body.mesh)]()
+    at = element.doflocs.T
+    basis = skfem.Basis(body.mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
+    dofs = basis.element_dofs
+    gradient = np.zeros((2, 2, *basis.dx.shape))
+    for psi, row in zip(basis.basis, dofs, strict=True):
+        gradient += u[:, None, row, None] * psi[0].grad[None]
+    strain = 0.5 * (gradient + gradient.transpose(1, 0, 2, 3))
+    lam, mu = plane_stress(material.E, material.nu)
+    stress = 2 * mu * strain
+    stress[[0, 1], [0, 1]] += lam * (strain[0, 0] + strain[1, 1])
+    nodes, cells = np.unique(dofs, return_inverse=True)
+    cells = cells.reshape(dofs.shape)
+    total = np.zeros((len(nodes), 2, 2))
+    np.add.at(total, cells, stress.transpose(3, 2, 0, 1))
+    return nodes, cells.T, total / np.bincount(cells.ravel())[:, None, None]
+
+
+def write_vtu(path: Path, parts: list[Fields]) -> None:
+    """Write the fields of all shoes as one .vtu file for ParaView, with units in the names."""
+    starts = np.cumsum([0] + [len(part.points) for part in parts])
+
+    def joined(name: str) -> Floats:
+        return np.concatenate([getattr(part, name) for part in parts])
+
+    def spatial(name: str) -> Floats:
+        vectors = joined(name)
+        return np.column_stack([vectors, np.zeros(len(vectors))])
+
+    mesh = meshio.Mesh(
+        spatial("points"),
+        [(part.cell_type, part.cells + start) for part, start in zip(parts, starts[:-1], strict=True)],
+        point_data={
+            "displacement [m]": spatial("displacement"),
+            "stress xx, yy, xy [Pa]": joined("stress"),
+            "von Mises [Pa]": joined("von_mises"),
+            "pressure [Pa]": joined("pressure"),
+            "push of the drum [Pa]": spatial("push"),
+        },
+        cell_data={
+            "part": [part.part for part in parts],
+            "shoe": [np.full(len(part.cells), i) for i, part in enumerate(parts)],
+        },
+    )
+    with replacing(path) as partial:
+        meshio.write(partial, mesh, file_format="vtu")
