@@ -6,6 +6,8 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
 from statistics import median
 from typing import Any, NamedTuple
 
@@ -14,6 +16,7 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake import Brake
 from drumlin.errors import NoAnswer
+from drumlin.models import applicable
 from drumlin.response import EDGE_ZONE, Response, ShoeResponse
 from drumlin.statics import GAUSS, WEIGHTS
 
@@ -99,7 +102,9 @@ class Column(NamedTuple):
         value = row.get(self.key)
         if value is None or (isinstance(value, float) and math.isnan(value)):
             return "–"
-        return format(value * self.factor, self.form) if isinstance(value, int | float) else str(value)
+        if not isinstance(value, int | float):
+            return str(value)
+        return format(value if self.factor == 1 else value * self.factor, self.form)
 
     @property
     def title(self) -> str:
@@ -184,3 +189,65 @@ def as_csv(table: Sequence[dict[str, Any]]) -> str:
     writer.writeheader()
     writer.writerows(table)
     return text.getvalue()
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A brake and what every model that applies made of it; the finite elements come first."""
+
+    case: str
+    brake: Brake
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def responses(self) -> dict[str, Response]:
+        """Model -> response, of the models that answered."""
+        return {o.model: o.response for o in self.outcomes if o.response is not None}
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """The comparison as rows of a table, errors against the finite elements."""
+        return rows(self.brake, self.outcomes, case=self.case)
+
+
+def compare(brake: Brake, case: str = "", repeats: int = 1, **options: Any) -> Comparison:
+    """Run all models that apply to a brake; `options` go to the finite elements."""
+    outcomes = [
+        run(model.name, partial(model.solve, brake, **(options if model.name == "fem" else {})), repeats)
+        for model in applicable(brake)
+    ]
+    return Comparison(case or brake.title, brake, tuple(outcomes))
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """A brake on meshes that double: `elements` along the lining and the responses; order, limit, uncertainty.
+
+    `torque` and, for each shoe, `pressure`: the L2 distance of the finest p from its limit, by extrapolation
+    of the distances between successive meshes, outside the edge zones.
+    """
+
+    elements: tuple[int, ...]
+    responses: tuple[Response, ...]
+
+    @property
+    def torque(self) -> Extrapolated:
+        """The torque of the brake [N m] from the three finest meshes."""
+        return extrapolate(*(response.torque for response in self.responses[-3:]))
+
+    def pressure_steps(self, shoe: int) -> list[float]:
+        """Relative L2 distances of p between each mesh and the next finer one."""
+        return [pressure_distance(a.shoes[shoe], b.shoes[shoe]) for a, b in pairwise(self.responses)]
+
+    def pressure(self, shoe: int) -> tuple[float, float]:
+        """Observed order of p in L2 and the estimated error of the finest mesh."""
+        first, last = self.pressure_steps(shoe)[-2:]
+        order = math.log2(first / last)
+        return order, last / (2**order - 1) if order > 0 else max(first, last)
+
+
+def converge(brake: Brake, elements: Sequence[int]) -> Convergence:
+    """Solve a brake on several meshes, coarse to fine, with exact contact."""
+    from drumlin.fem.model import solve  # noqa: PLC0415  (finite elements load only where they are used)
+
+    return Convergence(tuple(elements), tuple(solve(brake, elements=n, penalty=math.inf) for n in elements))

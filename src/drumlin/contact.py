@@ -12,6 +12,7 @@ hinged shoe its rotation; C p = h: the equilibrium in these motions.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -57,10 +58,14 @@ def solve(A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, start: Bools | 
 
     active = np.ones(n, dtype=bool) if start is None else start.copy()
     seen: set[bytes] = set()
+    base: _Equations | None = None
     for step in range(1, MOST_STEPS + 1):
         if not active.any():
             active = _first_touch(q, B, C, h)
-        equations = _Equations(A, B, C, active)
+        if base is not None and _few_released(base, active):
+            equations: _Equations = _Released(base, active)
+        else:
+            equations = base = _Equations(A, B, C, active)
         p, y = equations.solve(q, h)
         w = q + A @ p + B @ y
         w[active] = 0.0
@@ -85,30 +90,73 @@ def solve(A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, start: Bools | 
 
 
 class _Equations:
-    """The linear equations w = 0 on a contact set, p = 0 off it, C p = h: factorised once."""
+    """The linear equations w = 0 on a contact set, p = 0 off it, C p = h: factorised once.
+
+    A smaller set `released` from a factorised one needs no factorisation of its own: the weighted gaps of
+    the released nodes are the unknowns that make their pressures vanish.
+    """
 
     def __init__(self, A: Floats, B: Floats, C: Floats, active: Bools) -> None:
         on = np.flatnonzero(active)
         size, k = len(on), B.shape[1]
         matrix = np.zeros((size + k, size + k))
-        matrix[:size, :size] = A[np.ix_(on, on)]
+        matrix[:size, :size] = A if size == len(A) else A[np.ix_(on, on)]
         matrix[:size, size:] = B[on]
         matrix[size:, :size] = C[:, on]
-        lu, pivots = scipy.linalg.lu_factor(matrix, overwrite_a=True, check_finite=False)
-        diagonal = np.diagonal(lu)
-        if not np.isfinite(diagonal).all() or not diagonal.all():
-            raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
-        swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
-        self.sign = int(np.prod(np.sign(diagonal)) * (-1) ** swaps)  # of the determinant
-        self._on, self._factors, self._n = on, (lu, pivots), len(A)
+        self.active, self._on, self._n = active, on, len(A)
+        self._factors = _factorised(matrix)
+        self.sign = _determinant_sign(self._factors)
 
     def solve(self, q: Floats, h: Floats) -> tuple[Floats, Floats]:
         """p (n,) and y (k,)."""
-        right = np.concatenate([-q[self._on], h])
-        solution = scipy.linalg.lu_solve(self._factors, right, check_finite=False)
+        solution = self._solution(np.concatenate([-q[self._on], h]))
         p = np.zeros(self._n)
         p[self._on] = solution[: len(self._on)]
         return p, solution[len(self._on) :]
+
+    def _solution(self, right: Floats) -> Floats:
+        return scipy.linalg.lu_solve(self._factors, right, check_finite=False)
+
+
+class _Released(_Equations):
+    """The equations of a factorised set without some of its nodes."""
+
+    def __init__(self, base: _Equations, active: Bools) -> None:
+        self.active, self._on, self._n = active, base._on, base._n
+        self._base = base
+        self._out = np.flatnonzero(~active[base._on])
+        unit = np.zeros((len(base._factors[0]), len(self._out)))
+        unit[self._out, np.arange(len(self._out))] = 1.0
+        self._spread = base._solution(unit)
+        self._inner = _factorised(self._spread[self._out])
+        self.sign = base.sign * _determinant_sign(self._inner)  # Jacobi's complementary minor
+
+    def _solution(self, right: Floats) -> Floats:
+        solution = self._base._solution(right)
+        gaps = scipy.linalg.lu_solve(self._inner, -solution[self._out], check_finite=False)
+        solution += self._spread @ gaps
+        solution[self._out] = 0.0
+        return solution
+
+
+def _factorised(matrix: Floats) -> Any:
+    factors = scipy.linalg.lu_factor(matrix, overwrite_a=True, check_finite=False)
+    diagonal = np.diagonal(factors[0])
+    if not np.isfinite(diagonal).all() or not diagonal.all():
+        raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
+    return factors
+
+
+def _determinant_sign(factors: Any) -> int:
+    lu, pivots = factors
+    swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
+    return int(np.prod(np.sign(np.diagonal(lu))) * (-1) ** swaps)
+
+
+def _few_released(base: _Equations, active: Bools) -> bool:
+    """Whether a set is a factorised one without a few of its nodes: then it is cheaper to release them."""
+    count = np.count_nonzero(base.active & ~active)
+    return bool(8 * count < len(base.active) and not (active & ~base.active).any())
 
 
 def _tangent(equations: _Equations, d: Floats, h: Floats, dq: Floats) -> Floats:

@@ -12,7 +12,7 @@ from drumlin.brake import Brake, Shoe
 from drumlin.statics import Resultant, cross, integrate, resultant
 
 EDGE_ZONE = math.radians(0.2)
-"""Zone [rad] at each end of a lining in which no pressure is judged: elastic models are singular at a sharp edge."""
+"""Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
 
 
 @dataclass(frozen=True)
@@ -28,12 +28,11 @@ class ShoeResponse:
     """What one shoe does.
 
     `theta` (n,) [rad], growing, and `pressure` (n,) [Pa] are nodes and values of a piecewise polynomial of
-    degree `order`; consecutive pieces share their end node. Between blocks of a split lining, where nothing
-    can press, the pressure is 0. `normal_force` [N] is the size of the vector sum of the normal forces,
-    `hinge_reaction` (2,) [N] the force of the pin on the shoe, `torque` >= 0 [N m] the size of the torque
-    on the drum, which opposes its rotation, `peak_pressure` [Pa] the largest nodal pressure outside the edge
-    zones. `turn` [rad] is the rotation of the shoe about its pin, where
-    a model knows it.
+    degree `order`; consecutive pieces share their end node. `torque` >= 0 [N m] is the size of the torque on the
+    drum, which opposes its rotation; `normal_force` [N] the size of the vector sum of the normal forces;
+    `hinge_reaction` (2,) [N] the force of the pin on the shoe. `peak_pressure` [Pa] is the largest pressure; of
+    elastic models the largest nodal one more than half a lining thickness from the lining's ends, where a sharp
+    edge has no bound. `turn` [rad] is the rotation of the shoe about its pin, where a model knows it.
     """
 
     name: str

@@ -1,8 +1,13 @@
 """An elastic body: its stiffness, and its condensation to the unknowns that contact and hinge need.
 
-Unknowns kept: the displacements of the contact nodes and the frame (dx, dy, turn) of the rigid line
-that the hinge holds. All others are eliminated once by a sparse factorisation in which the kept ones
-come last; the Schur complement S is then the product of the last blocks of L and U.
+Unknowns kept: the displacements c of the contact nodes and the frame f = (dx, dy, turn) of the rigid line
+that the hinge holds. All others are eliminated once by a sparse factorisation K = L D L^T in which the kept
+ones come last. Its last blocks are all that contact needs: with the frame held (f = 0),
+
+    S_cc = L_cc D_c L_cc^T,   S_fc = L_fc D_c L_cc^T
+
+so that Y = L_cc^-1 G gives the displacements' work G^T S_cc^-1 G = Y^T D_c^-1 Y under nodal forces G, and the
+forces L_fc Y that hold the frame meanwhile.
 """
 
 from collections.abc import Mapping
@@ -10,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy.linalg
 import scipy.sparse as sp
 import skfem
 from scipy.sparse.linalg import splu
@@ -24,26 +30,36 @@ FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 
 @dataclass(frozen=True)
 class Condensed:
-    """A body seen from its contact nodes and its frame.
+    """A body seen from its 2n contact displacements (nodes as x, y pairs by growing angle) and its frame.
 
-    `S` (2n + 3, 2n + 3): stiffness on the kept unknowns, contact nodes as x, y pairs by growing angle, then
-    dx, dy [m] and turn [rad] of the frame. `loads` (2n + 3, l): condensed unit loads. `springs` (2n + 3,)
-    were added on the diagonal before the elimination (a free body is singular) and are taken off in S.
-    `factors`, `ties`, `full_loads`: what recovers the displacements inside.
+    `L_cc` (2n, 2n) unit lower triangular, `D_c` (2n,) [N/m], `L_fc` (3, 2n): see above. `load_c` (2n, l) and
+    `load_f` (3, l): unit loads condensed to contact and frame. `springs` (3,) were added to the frame before
+    the elimination, since a free body is singular. `factors`, `ties`, `loads`: what recovers the inside.
     """
 
-    S: Floats
-    loads: Floats
+    L_cc: Floats
+    D_c: Floats
+    L_fc: Floats
+    load_c: Floats
+    load_f: Floats
     springs: Floats
     factors: Any
     ties: Any
-    full_loads: Floats
+    loads: Floats
 
-    def displacement(self, kept: Floats, loads: Floats) -> Floats:
-        """Displacement of all nodes (2, nodes) [m] from the kept unknowns (2n + 3,) and the load factors (l,)."""
-        inner = len(self.full_loads) - len(kept)
-        right = self.full_loads @ loads
-        right[inner:] += self.S @ kept - self.loads @ loads + self.springs * kept
+    def half(self, forces: Floats) -> Floats:
+        """Y = L_cc^-1 forces, for nodal forces (2n, m) on the contact nodes."""
+        return scipy.linalg.solve_triangular(self.L_cc, forces, lower=True, unit_diagonal=True, check_finite=False)
+
+    def displacement(self, nodal: Floats, frame: Floats, reaction: Floats, loads: Floats) -> Floats:
+        """Displacement of all nodes (2, nodes) [m].
+
+        nodal (2n,): forces on the contact nodes [N]; frame (3,): its displacement; reaction (3,): the force x, y
+        and moment that hold it; loads (l,): factors of the unit loads.
+        """
+        right = self.loads @ loads
+        right[-FRAME - len(nodal) : -FRAME] += nodal
+        right[-FRAME:] += reaction + self.springs * frame
         return np.asarray((self.ties @ self.factors.solve(right)).reshape(-1, 2).T)
 
 
@@ -146,17 +162,15 @@ def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats) -> Any:
     return sp.csc_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
 
-def condense(K: Any, ties: Any, full_loads: Floats, kept: int) -> Condensed:
-    """Eliminate all but the last `kept` unknowns.
+def condense(K: Any, ties: Any, loads: Floats, contact: int) -> Condensed:
+    """Eliminate all but the last `contact` + 3 unknowns.
 
-    K (2 nodes, 2 nodes): stiffness; ties (2 nodes, unknowns); full_loads (unknowns, l): unit loads.
+    K (2 nodes, 2 nodes): stiffness; ties (2 nodes, unknowns); loads (unknowns, l): unit loads.
     """
     A = (ties.T @ K @ ties).tocsc()
-    diagonal = A.diagonal()
-    inner = len(diagonal) - kept
-    springs = diagonal[inner:].copy()
-    padded = np.zeros(len(diagonal))
-    padded[inner:] = springs
+    inner = A.shape[0] - contact - FRAME
+    springs = A.diagonal()[-FRAME:]
+    padded = np.concatenate([np.zeros(inner + contact), springs])
     # Symmetric positive definite: pivots stay on the diagonal, the order stays ours.
     factors = splu(
         A + sp.diags_array(padded, format="csc"),
@@ -164,8 +178,10 @@ def condense(K: Any, ties: Any, full_loads: Floats, kept: int) -> Condensed:
         diag_pivot_thresh=0.0,
         options={"SymmetricMode": True},
     )
-    L = factors.L[:, inner:][inner:].toarray()
-    S = (L * factors.U.diagonal()[inner:]) @ L.T  # U = D L^T
-    loads = S @ factors.solve(full_loads)[inner:]
-    S[np.diag_indices(kept)] -= springs
-    return Condensed(S, loads, springs, factors, ties, full_loads)
+    last = factors.L[:, inner:][inner:].toarray()
+    diagonal = factors.U.diagonal()[inner:]
+    L_cc, L_fc, D_c = last[:contact, :contact], last[contact:, :contact], diagonal[:contact]
+    # L D L^T x = load: what the elimination leaves of the load on the kept unknowns is L_kk D_k L_kk^T x_k.
+    left = diagonal[:, None] * (last.T @ factors.solve(loads)[inner:])
+    condensed = last @ left
+    return Condensed(L_cc, D_c, L_fc, condensed[:contact], condensed[contact:], springs, factors, ties, loads)

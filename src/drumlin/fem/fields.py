@@ -77,9 +77,10 @@ def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) ->
     load, _ = actuation(body, shoe)
     p = answer.pressure[:: frame.sense]
     drag = brake.friction * brake.spin * frame.sense
+    nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     turn = frame.sense * (answer.turn or 0.0)
-    contact = body.pressed @ p + drag * (body.dragged @ p) + body.loaded @ load + body.turned * turn
-    return body.condensed.displacement(np.concatenate([contact, [0.0, 0.0, turn]]), load)
+    reaction = body.held_pressed @ p + drag * (body.held_dragged @ p) + body.held_loaded @ load
+    return body.condensed.displacement(nodal, np.array([0.0, 0.0, turn]), reaction, load)
 
 
 def _part(body: Body, u: Floats, name: str, material: Any) -> tuple[Ints, Ints, Floats]:

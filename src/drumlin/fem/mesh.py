@@ -29,7 +29,9 @@ ELEMENTS: dict[type, Any] = {
     skfem.MeshTri1: skfem.ElementTriP1,
     skfem.MeshTri2: skfem.ElementTriP2,
 }
-MOST_LAYERS = 8  # through lining, backing and body each: more costs time and changes nothing that matters
+MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
+EDGE_SIZE = 1 / 32  # of an element at the lining's sharp edge, relative to one in its middle
+FACE_SIZE = 1 / 8  # of a layer at the lining's faces, relative to one in its middle
 ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
 CELLS = {
     "quad9": "line3",
@@ -42,9 +44,9 @@ CELLS = {
 def shoe_mesh(shoe: Shoe, radius: float, elements: int) -> Any:
     """Quadratic quadrilateral mesh of a shoe in its own frame, with curved edges that follow the arcs.
 
-    `elements`: number along the lining, evenly spaced. Layers through each thickness follow, with nearly
-    square elements where there is room. Without a body the back of the lining (or backing) is the rigid
-    line "hinge" and the mesh has no "actuation".
+    `elements`: number along the lining. They shrink towards the lining's ends, where the pressure of a sharp
+    edge is singular, and so do the layers towards the lining's faces. Without a body the back of the
+    lining (or backing) is the rigid line "hinge" and the mesh has no "actuation".
     """
     phi_1, phi_2 = shoe.arc
     step = (phi_2 - phi_1) / elements
@@ -52,27 +54,23 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int) -> Any:
     if shoe.backing is not None:
         layers.append(("backing", shoe.backing.thickness))
     lining_depth = sum(thickness for _, thickness in layers)
-    angles = np.linspace(phi_1, phi_2, elements + 1)
+    angles = graded(phi_1, phi_2, elements, shoe.lining.thickness / radius, EDGE_SIZE)
     body = (phi_1, phi_2)
     if shoe.body is not None:
         layers.append(("shoe", shoe.body.thickness))
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
         angles = np.concatenate([_overhang(body[0], phi_1, step)[:-1], angles, _overhang(phi_2, body[1], step)[1:]])
-    depths = np.concatenate(
-        [[0.0]]
-        + [
-            start + _fractions(thickness, step * radius) * thickness
-            for start, thickness in zip(
-                np.cumsum([0.0] + [t for _, t in layers[:-1]]), [t for _, t in layers], strict=True
-            )
-        ]
-    )
-    grid = skfem.MeshQuad.init_tensor(depths, angles)
+    through = graded(0, shoe.lining.thickness, lining_layers(elements), shoe.lining.thickness / 2, FACE_SIZE)
+    depths = [through]
+    for _, thickness in layers[1:]:
+        count = min(max(1, math.ceil(thickness / (step * radius))), MOST_LAYERS)
+        depths.append(depths[-1][-1] + np.arange(1, count + 1) / count * thickness)
+    bounds = np.array([part[-1] for part in depths])
+    grid = skfem.MeshQuad.init_tensor(np.concatenate(depths), angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > lining_depth) | ((phi > phi_1) & (phi < phi_2))))
     depth, phi = grid.p[:, grid.t].mean(axis=1)
-    bounds = np.cumsum([t for _, t in layers])
     layer = np.searchsorted(bounds, depth)
     middle = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
@@ -103,10 +101,31 @@ def _overhang(start: float, end: float, step: float) -> Floats:
     return np.linspace(start, end, max(1, round((end - start) / step)) + 1)
 
 
-def _fractions(thickness: float, width: float) -> Floats:
-    """Ends of the layers through a thickness, as fractions in (0, 1], for elements of this width."""
-    count = min(max(1, math.ceil(thickness / width)), MOST_LAYERS)
-    return np.arange(1, count + 1) / count
+def lining_layers(elements: int) -> int:
+    """Layers through a lining with this number of elements along it."""
+    return min(max(2, round(elements / 15)), 12)
+
+
+def graded(start: float, end: float, count: int, zone: float, smallest: float) -> Floats:
+    """count + 1 points from start to end; steps shrink linearly over `zone` at each end to `smallest` of the inner.
+
+    The step is h(d) = h_0 min(1, smallest + d / zone) at the distance d from the nearer end: points lie at
+    equal parts of Int dd / h.
+    """
+    half = (end - start) / 2
+    reach = min(zone * (1 - smallest), half)  # beyond it all steps are h_0
+
+    def parts(d: Floats) -> Floats:
+        return zone * np.log1p(np.minimum(d, reach) / (zone * smallest)) + np.maximum(d - reach, 0.0)
+
+    total = float(parts(np.array(half)))
+    part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
+    inner = float(parts(np.array(reach)))
+    d = np.where(part <= inner, zone * smallest * np.expm1(part / zone), reach + part - inner)
+    left = np.arange(count + 1) <= count / 2
+    points = np.where(left, start + d, end - d)
+    points[0], points[-1] = start, end
+    return points
 
 
 def cell_type(mesh: Any) -> str:

@@ -16,7 +16,7 @@ from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.interface import Coupling
 from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, prepare, shape_of
-from drumlin.response import EDGE_ZONE, Balance, Response, ShoeResponse, relative_balance, untouched, worst
+from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
 from drumlin.statics import cross
 
 PENALTY = 1e6
@@ -71,8 +71,9 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
     drag = brake.friction * brake.spin * frame.sense
     load, moment = actuation(body, shoe)
     gap = shoe.sign * (brake.drum.radius - np.hypot(*line.xy)) + shoe.lining.clearance_at(frame.theta(line.phi))
+    approach = coupling.N @ body.turned  # per turn
     sense = math.copysign(1.0, moment)
-    if abs(moment) <= 1e-14 * shoe.actuation.force * brake.drum.radius or (sense * body.closing_turned <= 0).all():
+    if abs(moment) <= 1e-14 * shoe.actuation.force * brake.drum.radius or (sense * approach <= 0).all():
         note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the drum"
         return _Answer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
     _check_reach(shoe, line.xy, gap, sense)
@@ -81,8 +82,8 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
     M = coupling.M
     A = -body.closing_pressed - drag * body.closing_dragged + M / (penalty * stiffness)
     q = M @ gap - body.closing_loaded @ load
-    B = -body.closing_turned[:, None]
-    C = (drag * (coupling.T @ body.turned) - coupling.N @ body.turned)[None]
+    B = -approach[:, None]
+    C = (drag * (coupling.T @ body.turned) - approach)[None]
     try:
         found = contact.solve(A, q, B, C, np.array([-moment]))
     except NoAnswer as error:
@@ -113,7 +114,7 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
         torque=torque,
         normal_force=float(np.linalg.norm(coupling.N.T @ p @ np.tile(np.eye(2), (len(p), 1)))),
         self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
-        peak_pressure=float(p[_inside(line.phi)].max()),
+        peak_pressure=float(p[_inside(line.phi, shoe.lining.thickness / (2 * brake.drum.radius))].max()),
         hinge_reaction=frame.to_brake(reaction),
         contact_arcs=_contact_arcs(frame.theta(line.phi)[forward], p[forward], line.order),
         theta=frame.theta(line.phi)[forward],
@@ -124,9 +125,9 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
     return _Answer(response, balance, found.steps, note)
 
 
-def _inside(phi: Floats) -> Bools:
-    """Nodes outside the edge zones; all where there are none."""
-    inside = (phi > phi[0] + EDGE_ZONE) & (phi < phi[-1] - EDGE_ZONE)
+def _inside(phi: Floats, zone: float) -> Bools:
+    """Nodes more than `zone` [rad] from the ends; all where there are none."""
+    inside = (phi > phi[0] + zone) & (phi < phi[-1] - zone)
     return inside if inside.any() else ~inside
 
 
@@ -182,7 +183,7 @@ def _locking(body: Body, brake: Brake, shoe: Shoe) -> str:
     spin = brake.spin * shoe.frame.sense
     K = np.zeros((2, n + 1, n + 1))
     K[0, :n, :n], K[1, :n, :n] = -body.closing_pressed, -spin * body.closing_dragged
-    K[0, :n, n] = K[0, n, :n] = -body.closing_turned
+    K[0, :n, n] = K[0, n, :n] = -body.coupling.N @ body.turned
     K[1, n, :n] = spin * (body.coupling.T @ body.turned)
     scale = 1 / np.sqrt(np.append(np.diagonal(K[0])[:n], np.abs(K[0, n, :n]).max() ** 2 / np.diagonal(K[0]).max()))
     K = K * scale[:, None] * scale

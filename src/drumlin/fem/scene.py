@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Material, Shoe
@@ -17,7 +16,7 @@ from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple
 from drumlin.fem.mesh import read_mesh, shoe_mesh
 from drumlin.statics import cross
 
-ELEMENTS = 120  # default number along a lining
+ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
 
 Seconds = dict[str, float]
 
@@ -34,10 +33,10 @@ def clock(seconds: Seconds, phase: str) -> Iterator[None]:
 class Body:
     """One shoe with its lining, condensed, in its own frame (angle phi from the hinge).
 
-    `pressed`, `dragged` (2n, n) and `loaded` (2n, 3): contact displacements, with the frame held, under the
-    nodal forces -N^T and T^T and under the unit actuations (force x, force y, couple about `load_centre`).
-    `turned` (2n,): contact displacement per turn [rad] about the pin. `closing_*` = N times these: what they
-    take from the weighted gap. `held_*` (3, ...): the force x, y and moment that holds the frame meanwhile.
+    With the frame held, under the nodal forces -N^T and T^T and the unit actuations (force x, force y, couple
+    about `load_centre`): `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded` (n, 3) are N times the
+    contact displacements, what they take from the weighted gap; `held_*` (3, ...) the force x, y and moment that
+    hold the frame meanwhile. `turned` (2n,): contact displacement per turn [rad] about the pin.
     """
 
     mesh: Any
@@ -47,13 +46,9 @@ class Body:
     condensed: Condensed
     load_centre: Floats
     turned: Floats
-    pressed: Floats
-    dragged: Floats
-    loaded: Floats
     closing_pressed: Floats
     closing_dragged: Floats
     closing_loaded: Floats
-    closing_turned: Floats
     held_pressed: Floats
     held_dragged: Floats
     held_loaded: Floats
@@ -149,14 +144,11 @@ def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
         else:  # the force acts on the rigid shoe itself
             forces, load_centre = np.zeros((ties.shape[1], 3)), pin
             forces[-FRAME:] = np.eye(3)
-        condensed = condense(K, ties, forces, 2 * n + FRAME)
+        condensed = condense(K, ties, forces, 2 * n)
     with clock(seconds, "coupling"):
         coupling = couple(line, shoe.lining.width, shoe.sign)
-        S, N = condensed.S, coupling.N
-        right = np.hstack([-N.T, coupling.T.T, condensed.loads[: 2 * n]])
-        flexibility = scipy.linalg.cho_solve(scipy.linalg.cho_factor(S[: 2 * n, : 2 * n]), right)
-        pressed, dragged, loaded = np.split(flexibility, [n, 2 * n], axis=1)
-        closing, held = N @ flexibility, S[2 * n :, : 2 * n] @ flexibility
+        Y = condensed.half(np.hstack([-coupling.N.T, coupling.T.T, condensed.load_c]))
+        closing, held = -(Y[:, :n].T / condensed.D_c) @ Y, condensed.L_fc @ Y
         x, y = line.xy - pin[:, None]
         turned = np.column_stack([-y, x]).ravel()
         return Body(
@@ -167,16 +159,12 @@ def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
             condensed=condensed,
             load_centre=load_centre,
             turned=turned,
-            pressed=pressed,
-            dragged=dragged,
-            loaded=loaded,
             closing_pressed=closing[:, :n],
             closing_dragged=closing[:, n : 2 * n],
             closing_loaded=closing[:, 2 * n :],
-            closing_turned=N @ turned,
             held_pressed=held[:, :n],
             held_dragged=held[:, n : 2 * n],
-            held_loaded=held[:, 2 * n :] - condensed.loads[2 * n :],
+            held_loaded=held[:, 2 * n :] - condensed.load_f,
         )
 
 

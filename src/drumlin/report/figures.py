@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -100,10 +99,6 @@ def convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: str) 
     return figure
 
 
-def shoe_panels(
-    responses: Mapping[str, Response], index: int, title: str
-) -> tuple[str, dict[str, ShoeResponse]]:
+def shoe_panels(responses: Mapping[str, Response], index: int, title: str) -> tuple[str, dict[str, ShoeResponse]]:
     """The panel of shoe `index` for `pressures`, from {model: response}."""
     return title, {model: response.shoes[index] for model, response in responses.items()}
-
-

@@ -4,93 +4,126 @@ Off-screen rendering needs OpenGL or its software stand-in. Where there is none 
 instead of raising, so `render` starts this module as another one and says what came of it.
 """
 
+import json
 import math
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from drumlin.files import replacing
+from drumlin.brake import Brake
 
 TIMEOUT = 120  # s
+SCALAR = "von Mises stress [MPa]"
 
 
-def render(fields: Path, picture: Path, radius: float, title: str) -> str | None:
+def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
     """Draw a .vtu file of fields into a .png; returns None, or one line that says why there is no picture."""
-    with replacing(picture) as partial:
-        command = [sys.executable, "-m", "drumlin.report.render", str(fields), str(partial), repr(radius), title]
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT, check=False)
-        except (OSError, subprocess.TimeoutExpired) as error:
-            reason = type(error).__name__
-        else:
-            if done.returncode == 0 and partial.stat().st_size > 0:
-                return None
-            lines = done.stderr.strip().splitlines()
-            reason = lines[-1][:200] if lines else f"exit status {done.returncode}"
-    picture.unlink(missing_ok=True)
+    marks = {
+        "radius": brake.drum.radius,
+        "pins": [list(shoe.hinge.xy) for shoe in brake.shoes],
+        "forces": [[*shoe.actuation.point.xy, *shoe.actuation.vector] for shoe in brake.shoes],
+        "title": title,
+    }
+    picture.unlink(missing_ok=True)  # an old picture must not stand for a new result
+    partial = picture.with_name(f".{picture.name}")
+    command = [sys.executable, "-m", "drumlin.report.render", str(fields), str(partial), json.dumps(marks)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT, check=False)
+        if done.returncode == 0:
+            partial.replace(picture)
+            return None
+        lines = done.stderr.strip().splitlines()
+        reason = lines[-1][:200] if lines else f"exit status {done.returncode}"
+    except (OSError, subprocess.TimeoutExpired) as error:
+        reason = type(error).__name__
+    finally:
+        partial.unlink(missing_ok=True)
     return f"no field picture: off-screen rendering is not possible here ({reason})"
 
 
-def _draw(fields: Path, picture: Path, radius: float, title: str) -> None:
+def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
+    """Render in this process: von Mises stress on the deformed shoes, arrows of pressure, pins, forces, drum."""
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
-    pv.OFF_SCREEN = True
+    radius = float(marks["radius"])
     grid = pv.read(fields)
-    u, p = grid.point_data["displacement [m]"], grid.point_data["pressure [Pa]"]
-    push = np.asarray(grid.point_data["push of the drum [Pa]"])
-    largest = float(np.linalg.norm(u, axis=1).max()) or 1.0
-    factor = _round_down(0.04 * radius / largest)
-    grid.point_data["von Mises stress [MPa]"] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
-    shape = grid.copy()
-    shape.points = grid.points + factor * np.asarray(u)
-    surface = shape.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=3)
-    plotter = pv.Plotter(off_screen=True, window_size=(1500, 1350))
+    u = np.asarray(grid.point_data["displacement [m]"])
+    grid.point_data[SCALAR] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
+    factor = _round_down(0.04 * radius / (float(np.linalg.norm(u, axis=1).max()) or 1.0))
+    deformed = grid.copy()
+    deformed.points = np.asarray(grid.points) + factor * u
+    plotter = pv.Plotter(off_screen=True, window_size=(1500, 1300))
     plotter.set_background("white")
     bar = {
-        "title": "von Mises stress [MPa]", "color": "black", "vertical": True, "position_x": 0.86,
-        "position_y": 0.2, "height": 0.6, "width": 0.06, "label_font_size": 22, "title_font_size": 22, "fmt": "%.3g",
-    }
-    top = float(np.percentile(grid.point_data["von Mises stress [MPa]"], 99.5))
-    plotter.add_mesh(surface, scalars="von Mises stress [MPa]", cmap="viridis", clim=(0, top), scalar_bar_args=bar)
-    plotter.add_mesh(grid.extract_feature_edges(boundary_edges=True, feature_edges=False), color="#777777", line_width=1)
-    plotter.add_mesh(_circle(pv, radius), color="black", line_width=4)
-    touching = np.flatnonzero(np.asarray(p) > 0)
-    if len(touching):
-        step = max(1, len(touching) // 90)
-        chosen = touching[np.argsort(np.arctan2(grid.points[touching, 1], grid.points[touching, 0]))][::step]
-        length = 0.22 * radius / np.percentile(np.asarray(p)[touching], 99)
-        arrows = push[chosen] * length
-        cloud = pv.PolyData(np.asarray(grid.points)[chosen] - arrows)
-        cloud["arrow"] = arrows
-        size = np.linalg.norm(arrows, axis=1)
-        cloud["size"] = size
-        tip = pv.Arrow(tip_length=0.25, tip_radius=0.045, shaft_radius=0.014)
-        plotter.add_mesh(cloud.glyph(orient="arrow", scale="size", geom=tip), color="#c8553d")
-    plotter.add_text(
-        f"{title}\ndisplacements x {factor:g}, undeformed outline grey, drum black\narrows: pressure of the drum on the lining",
-        position="upper_left", font_size=11, color="black",
-    )
+        "title": SCALAR + "\n", "color": "black", "vertical": True, "position_x": 0.87, "position_y": 0.2,
+        "height": 0.55, "width": 0.05, "label_font_size": 22, "title_font_size": 20, "fmt": "%.3g",
+    }  # fmt: skip
+    top = float(np.percentile(grid.point_data[SCALAR], 99.5))
+    surface = deformed.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=3)
+    plotter.add_mesh(surface, scalars=SCALAR, cmap="viridis", clim=(0, top), lighting=False, scalar_bar_args=bar)
+    plotter.add_mesh(_outline(grid), color="#888888", line_width=2)
+    turn = np.linspace(0, 2 * math.pi, 361)
+    circle = radius * np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
+    plotter.add_mesh(pv.lines_from_points(circle), color="black", line_width=5)
+    _add_pressure(plotter, grid, radius)
+    for x, y, fx, fy in marks["forces"]:
+        size = math.hypot(fx, fy)
+        if size > 0:
+            arrow = pv.Arrow(start=(x, y, 0), direction=(fx / size, fy / size, 0), scale=0.28 * radius,
+                             tip_radius=0.06, shaft_radius=0.02)  # fmt: skip
+            plotter.add_mesh(arrow, color="#1d2733")
+    for x, y in marks["pins"]:
+        plotter.add_mesh(pv.Disc(center=(x, y, 0), inner=0, outer=0.035 * radius, c_res=40), color="#1d2733")
+    text = f"{marks['title']}\nDisplacements x {factor:g} (undeformed outline grey), drum black.\n"
+    text += "Red arrows: pressure of the drum on the lining. Black arrows: actuation. Discs: hinge pins."
+    plotter.add_text(text, position="upper_left", font_size=12, color="black")
     plotter.view_xy()
     plotter.enable_parallel_projection()
-    plotter.camera.parallel_scale = 1.38 * radius
-    plotter.camera.focal_point = (0.12 * radius, 0.06 * radius, 0)
-    plotter.camera.position = (0.12 * radius, 0.06 * radius, 1)
+    plotter.camera.parallel_scale = 1.42 * radius
+    plotter.camera.focal_point = (0.14 * radius, 0.1 * radius, 0)
+    plotter.camera.position = (0.14 * radius, 0.1 * radius, 1)
     plotter.screenshot(str(picture))
 
 
-def _circle(pv: object, radius: float) -> object:
-    turn = np.linspace(0, 2 * math.pi, 361)
-    points = radius * np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
-    return pv.lines_from_points(points)  # type: ignore[attr-defined]
+def _outline(grid: Any) -> Any:
+    """The undeformed outline: boundary edges of the cells, with the nodes of a shared edge merged."""
+    flat = grid.copy()
+    flat.clear_data()
+    surface = flat.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=1).clean(tolerance=1e-7)
+    return surface.extract_feature_edges(
+        boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
+    )
+
+
+def _add_pressure(plotter: Any, grid: Any, radius: float) -> None:
+    """About a hundred arrows, evenly spread over the contact, as long as the pressure is high."""
+    import pyvista as pv  # noqa: PLC0415
+
+    p = np.asarray(grid.point_data["pressure [Pa]"])
+    touching = np.flatnonzero(p > 0)
+    if not len(touching):
+        return
+    points, push = np.asarray(grid.points)[touching], np.asarray(grid.point_data["push of the drum [Pa]"])[touching]
+    turns = np.degrees(np.arctan2(points[:, 1], points[:, 0])) / 2.5
+    slot = np.round(turns)
+    order = np.lexsort((np.abs(turns - slot), slot))  # of each slot of 2.5 deg the node nearest its middle
+    chosen = order[np.unique(slot[order], return_index=True)[1]]
+    length = 0.22 * radius / float(np.percentile(p[touching], 98))
+    arrows = push[chosen] * min(length, 0.35 * radius / float(np.linalg.norm(push[chosen], axis=1).max()))
+    cloud = pv.PolyData(points[chosen] - arrows)
+    cloud["arrow"], cloud["size"] = arrows, np.linalg.norm(arrows, axis=1)
+    tip = pv.Arrow(tip_length=0.25, tip_radius=0.05, shaft_radius=0.016)
+    plotter.add_mesh(cloud.glyph(orient="arrow", scale="size", geom=tip), color="#c8553d")
 
 
 def _round_down(value: float) -> float:
     """The largest 1, 2 or 5 times a power of ten that is not above `value`."""
-    power = 10 ** math.floor(math.log10(value))
-    return next(step * power for step in (5, 2, 1) if step * power <= value * (1 + 1e-9))
+    power = 10.0 ** math.floor(math.log10(value))
+    return max((step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)), default=power)
 
 
 if __name__ == "__main__":
-    _draw(Path(sys.argv[1]), Path(sys.argv[2]), float(sys.argv[3]), sys.argv[4])
+    draw(Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3]))

@@ -1,0 +1,228 @@
+"""The command line. Exit status: 0 an answer, 2 bad input, 3 no answer; one plain line in the last two cases."""
+
+import json
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drumlin.errors import BadInput, DrumlinError
+
+if TYPE_CHECKING:
+    from rich.status import Status
+
+    from drumlin.brake import Brake
+    from drumlin.response import Response
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Shoe brakes by their pressure laws and by finite elements in frictional contact, side by side.",
+)
+
+BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake file")]
+Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
+Penalty = Annotated[str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")]
+
+
+def _options(elements: int | None, penalty: str | None) -> dict[str, Any]:
+    """The options of the finite elements that were given."""
+    options: dict[str, Any] = {} if elements is None else {"elements": elements}
+    if penalty is not None:
+        try:
+            options["penalty"] = float(penalty)
+        except ValueError as error:
+            raise BadInput(f"--penalty = {penalty!r}: must be a number greater than 0, or inf") from error
+    return options
+
+
+@app.command()
+def solve(
+    brake_file: BrakeFile,
+    model: Annotated[str, typer.Option(help="which model answers")] = "fem",
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write the response as JSON")] = None,
+    elements: Elements = None,
+    penalty: Penalty = None,
+) -> None:
+    """Solve a brake by one model."""
+    from drumlin.brake import read_brake
+    from drumlin.files import write_text
+    from drumlin.models import pick
+
+    brake = read_brake(brake_file)
+    options = _options(elements, penalty)
+    chosen = pick(model, brake)
+    if options and model != "fem":
+        raise BadInput(f"--elements and --penalty belong to --model fem, not to {model!r}")
+    with _busy(f"solving by {model}"):
+        response = chosen.solve(brake, **options)
+    if json_file is not None:
+        write_text(json_file, json.dumps(response.as_dict(), indent=1, allow_nan=False) + "\n")
+    _print_response(brake, response)
+
+
+@app.command()
+def compare(
+    brake_file: BrakeFile,
+    output: Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")] = None,
+    elements: Elements = None,
+    penalty: Penalty = None,
+) -> None:
+    """Solve a brake by all models that apply, side by side, and write one report."""
+    from drumlin.brake import read_brake
+    from drumlin.report.comparison import write_comparison
+
+    brake = read_brake(brake_file)
+    folder = output or Path("reports") / brake_file.stem
+    with _busy("comparing the models"):
+        result = write_comparison(brake, brake_file.read_text(), folder, _options(elements, penalty))
+    _print_table(result.table)
+    for line in result.notes:
+        print(line)
+    print(f"report: {result.page}")
+
+
+@app.command()
+def study(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="a folder of studies/")],
+    output: Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")] = None,
+    short: Annotated[bool, typer.Option("--short", help="the quick setting that the tests use")] = False,
+) -> None:
+    """Run a study from studies/ and write its report into reports/NAME."""
+    from drumlin.studies import load
+
+    module, root = load(name)
+    folder = output or root / "reports" / name
+    with _busy(f"study {name}") as say:
+        page = module.report(module.study(short=short, say=say), folder)
+    print(f"report: {page}")
+
+
+@app.command()
+def view(
+    brake_file: BrakeFile,
+    output: Annotated[Path | None, typer.Option(metavar="FILE", help="the picture, .png or .svg")] = None,
+    elements: Elements = None,
+) -> None:
+    """Draw a brake and its mesh."""
+    from drumlin.brake import read_brake
+    from drumlin.report.figures import save
+    from drumlin.report.view import draw
+
+    brake = read_brake(brake_file)
+    picture = output or brake_file.with_suffix(".png").name
+    if Path(picture).suffix not in {".png", ".svg"}:
+        raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
+    with _busy("drawing"):
+        save(draw(brake, **_options(elements, None)), Path(picture))
+    print(f"picture: {picture}")
+
+
+@app.command()
+def mesh(
+    brake_file: BrakeFile,
+    output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the meshes")] = Path("meshes"),
+    elements: Elements = None,
+) -> None:
+    """Write the parametric mesh of each shoe as a Gmsh file with named groups, to look at or to change."""
+    from drumlin.brake import read_brake
+    from drumlin.fem.mesh import write_mesh
+    from drumlin.fem.scene import prepare
+
+    brake = read_brake(brake_file)
+    with _busy("meshing"):
+        scene = prepare(brake, **_options(elements, None))
+        for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
+            path = output / f"{brake_file.stem}_{shoe.name}.msh"
+            write_mesh(path, body.mesh, shoe)
+            print(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
+
+
+@app.command()
+def cost(brake_file: BrakeFile, elements: Elements = None, penalty: Penalty = None) -> None:
+    """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
+    from drumlin.brake import read_brake
+    from drumlin.fem.cost import measure
+
+    brake = read_brake(brake_file)
+    with _busy("measuring"):
+        lines = measure(brake, **_options(elements, penalty))
+    for line in lines:
+        print(line)
+
+
+class _busy:
+    """A spinner on a terminal while a block runs; `say` changes its words. Silent where no one watches."""
+
+    def __init__(self, words: str) -> None:
+        self._words = words
+        self._status: Status | None = None
+
+    def __enter__(self) -> Callable[[str], None]:
+        if sys.stderr.isatty():
+            from rich.console import Console
+
+            self._status = Console(stderr=True).status(self._words)
+            self._status.start()
+        return self._say
+
+    def _say(self, words: str) -> None:
+        if self._status is not None:
+            self._status.update(words)
+
+    def __exit__(self, *_: object) -> None:
+        if self._status is not None:
+            self._status.stop()
+
+
+def _print_response(brake: "Brake", response: "Response") -> None:
+    print(f"{brake.title}: {response.model}, drum turns {brake.rotation}, mu = {brake.friction:g}")
+    print(f"torque {response.torque:.6g} N m")
+    for shoe in response.shoes:
+        from drumlin.compare import arcs_text
+
+        x, y = shoe.hinge_reaction
+        print(
+            f"  shoe {shoe.name!r}: torque {shoe.torque:.6g} N m"
+            f"{', self-energising' if shoe.self_energising else ''}; normal force {shoe.normal_force:.6g} N; "
+            f"peak pressure {shoe.peak_pressure * 1e-6:.4g} MPa; hinge reaction ({x:.6g}, {y:.6g}) N; "
+            f"contact {arcs_text(shoe)} deg"
+        )
+    spent = ", ".join(f"{phase} {seconds * 1e3:.1f}" for phase, seconds in response.seconds.items())
+    if spent:
+        print(f"  {response.iterations} active-set steps; balance: force {response.balance.force:.1e}, "
+              f"moment {response.balance.moment:.1e}; ms: {spent}")  # fmt: skip
+    for line in response.notes:
+        print(f"  {line}")
+    for line in response.left_out:
+        print(f"  left out: {line}")
+
+
+def _print_table(table: list[dict[str, Any]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from drumlin.compare import COLUMNS
+
+    shown = [c for c in COLUMNS if c.key != "case" and any(row.get(c.key) is not None for row in table)]
+    grid = Table(box=None, pad_edge=False, header_style="bold")
+    for column in shown:
+        grid.add_column(column.title, justify="left" if column.key in {"shoe", "model", "status"} else "right")
+    for row in table:
+        grid.add_row(*(column.text(row) for column in shown))
+    Console(width=None if sys.stdout.isatty() else 200).print(grid)
+
+
+def main() -> None:
+    """Run the command line; a DrumlinError becomes one line and its exit status."""
+    # The dense systems are small: a second BLAS thread makes a contact solve twice as slow, not faster.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    try:
+        app()
+    except DrumlinError as error:
+        print(f"drumlin: {error}", file=sys.stderr)
+        sys.exit(error.exit_status)

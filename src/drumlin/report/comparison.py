@@ -1,0 +1,111 @@
+"""The report of `drumlin compare`, and the pieces of it that studies use."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from drumlin.brake import Brake
+from drumlin.compare import COLUMNS, Comparison, as_csv, compare
+from drumlin.errors import NoAnswer
+from drumlin.files import write_text
+from drumlin.report import figures
+from drumlin.report.page import Figure, Section, Source, Table, Text, versions, write_page
+from drumlin.response import Response
+
+
+class Written(NamedTuple):
+    """What a comparison left: its table, lines for people, and the page."""
+
+    table: list[dict[str, Any]]
+    notes: list[str]
+    page: Path
+
+
+def panels(comparison: Comparison) -> list[tuple[str, dict[str, Any]]]:
+    """A panel of pressures for each shoe: every model that answered."""
+    brake = comparison.brake
+    made = []
+    for i, shoe in enumerate(brake.shoes):
+        responses = {model: response.shoes[i] for model, response in comparison.responses.items()}
+        if responses:
+            helps = any(response.self_energising for response in responses.values())
+            made.append((f"{shoe.name}, {brake.rotation}: friction {'assists' if helps else 'opposes'}", responses))
+    return made
+
+
+def field_picture(brake: Brake, response: Response, folder: Path, name: str, **options: Any) -> Figure | Text:
+    """Write name.vtu and, where off-screen rendering works, name.png; the figure, or a line that says why not."""
+    from drumlin.fem.fields import fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
+    from drumlin.fem.scene import prepare  # noqa: PLC0415
+    from drumlin.report.render import render  # noqa: PLC0415
+
+    scene = prepare(brake, **options)
+    write_vtu(folder / f"{name}.vtu", [fields(scene, brake, response, i) for i in range(len(brake.shoes))])
+    title = f"{brake.title}, drum turns {brake.rotation}"
+    reason = render(folder / f"{name}.vtu", folder / f"{name}.png", brake, title)
+    if reason is not None:
+        return Text(reason)
+    return Figure(
+        folder / f"{name}.png",
+        f"Von Mises stress on the deformed shoes and the drum's pressure on the linings. "
+        f"All fields are in {name}.vtu, which ParaView opens.",
+    )
+
+
+def results_json(comparisons: Sequence[Comparison], **more: Any) -> str:
+    """Every number of some comparisons as JSON text, with versions; seconds of each model are medians."""
+    cases = [
+        {
+            "case": c.case,
+            "rotation": c.brake.rotation,
+            "friction": c.brake.friction,
+            "models": [
+                {
+                    **(o.response.as_dict() if o.response else {"model": o.model, "failed": o.failure}),
+                    "run_time": o.seconds,
+                    "repeats": o.repeats,
+                }
+                for o in c.outcomes
+            ],
+        }
+        for c in comparisons
+    ]
+    return json.dumps({"versions": versions(), "cases": cases, **more}, indent=1) + "\n"
+
+
+def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str, Any]) -> Written:
+    """Compare all models that apply to a brake and write page, CSV, JSON, figure, fields into `folder`.
+
+    Raises NoAnswer, and writes nothing, where no model has an answer.
+    """
+    comparison = compare(brake, repeats=3, **options)
+    if not comparison.responses:
+        raise NoAnswer("; ".join(f"{o.model}: {o.failure}" for o in comparison.outcomes))
+    table = comparison.rows
+    write_text(folder / "results.csv", as_csv(table))
+    write_text(folder / "results.json", results_json([comparison]))
+    curve = figures.save(figures.pressures(panels(comparison)), folder / "pressure.svg")
+    blocks: list[Any] = [
+        Figure(curve, "Pressure on the linings."),
+        Table(table, COLUMNS, "Every model; errors against the finite elements. Run times are medians of 3 runs."),
+    ]
+    fem = comparison.responses.get("fem")
+    if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
+        blocks.append(
+            field_picture(brake, fem, folder, "fields", **{k: v for k, v in options.items() if k == "elements"})
+        )
+    notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]
+    left = [f"{o.model} left out {line}" for o in comparison.outcomes if o.response for line in o.response.left_out]
+    page = folder / "index.html"
+    write_page(
+        page,
+        f"{brake.title}: models side by side",
+        f"Drum turning {brake.rotation}, friction {brake.friction:g}.",
+        [
+            Section("Results", blocks),
+            Section("What each model says of itself", [Source("notes", "\n".join(notes + left))]),
+            Section("The brake", [Source("brake file", source)]),
+        ],
+    )
+    return Written(table, notes, page)
