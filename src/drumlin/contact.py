@@ -12,7 +12,7 @@ hinged shoe its rotation; C p = h: the equilibrium in these motions.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -22,6 +22,16 @@ from drumlin.errors import NoAnswer
 
 MOST_STEPS = 60
 SLACK = 1e-12  # relative: a pressure or gap below it is round-off, and does not change the contact set
+
+
+class Problem(NamedTuple):
+    """A contact problem: the matrices and vectors of the equations above."""
+
+    A: Floats
+    q: Floats
+    B: Floats
+    C: Floats
+    h: Floats
 
 
 @dataclass(frozen=True)
@@ -42,11 +52,12 @@ class Contact:
     tangent: Callable[[Floats], Floats]
 
 
-def solve(A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, start: Bools | None = None) -> Contact:
-    """Solve the complementarity problem above from the contact set `start` (all nodes if None).
+def solve(problem: Problem, start: Bools | None = None) -> Contact:
+    """Solve a contact problem from the contact set `start` (all nodes if None).
 
     Raises NoAnswer where no contact set is consistent: nothing balances the actuation, or not converged.
     """
+    A, q, B, C, h = problem
     n, k = B.shape
     # Equilibrate: unit diagonal of A, unit columns of B and rows of C. Signs, and so the answer, stay.
     tiny = np.finfo(float).tiny

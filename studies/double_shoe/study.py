@@ -21,7 +21,7 @@ from drumlin.response import ShoeResponse
 
 HERE = Path(__file__).parent
 ROTATIONS = ("counter-clockwise", "clockwise")
-RIGID = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 0.5e-3}  # E x 10^4, thin lining
+RIGID = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}  # E x 10^4, lining of R/50
 
 
 class Result(NamedTuple):
@@ -205,9 +205,10 @@ def sections(result: Result, table: list[dict[str, Any]], picture: Figure | Text
             "Can the finite elements be trusted?",
             [
                 Text(
-                    "<b>Rigid limit.</b> With the shoe's modulus 10<sup>4</sup> times higher and a lining of 0.5 mm the finite "
+                    "<b>Rigid limit.</b> With the shoe's modulus 10<sup>4</sup> times higher and a lining of 3 mm the finite "
                     "elements must return to the sine law: torque within 0.3 %, p/sin φ constant within 1 % away from the "
-                    "edges (five lining thicknesses)."
+                    "edges (five lining thicknesses). A still thinner lining would be stiffer against the shoe, and the shoe "
+                    "would bend again; a thicker one slides in shear before it presses."
                 ),
                 Table(result.limit, LIMIT, "Sine law and finite elements in the limit where both must agree."),
                 Text(

@@ -12,7 +12,7 @@ from skfem.models.elasticity import plane_stress
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Shoe
 from drumlin.fem.mesh import ELEMENTS, cell_type
-from drumlin.fem.scene import Body, Scene, actuation, materials_of
+from drumlin.fem.scene import Body, Scene, actuation, held, materials_of
 from drumlin.files import replacing
 from drumlin.response import Response, ShoeResponse
 
@@ -79,8 +79,7 @@ def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) ->
     drag = brake.friction * brake.spin * frame.sense
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     turn = frame.sense * (answer.turn or 0.0)
-    reaction = body.held_pressed @ p + drag * (body.held_dragged @ p) + body.held_loaded @ load
-    return body.condensed.displacement(nodal, np.array([0.0, 0.0, turn]), reaction, load)
+    return body.condensed.displacement(nodal, np.array([0.0, 0.0, turn]), held(body, p, drag, load), load)
 
 
 def _part(body: Body, u: Floats, name: str, material: Any) -> tuple[Ints, Ints, Floats]:

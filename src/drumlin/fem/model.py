@@ -15,7 +15,7 @@ from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.interface import Coupling
-from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, prepare, shape_of
+from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, held, prepare, shape_of
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
 from drumlin.statics import cross
 
@@ -40,19 +40,18 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Response
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
     if [shape_of(brake, s) for s in brake.shoes] != [shape_of(scene.brake, s) for s in scene.brake.shoes]:
         raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
+    if brake.friction > 0 and scene.brake.friction == 0:
+        raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
     seconds = dict(scene.seconds)
     with clock(seconds, "contact"):
         answers = [_respond(body, brake, shoe, penalty) for body, shoe in zip(scene.bodies, brake.shoes, strict=True)]
-    left_out = list(scene.left_out)
-    if brake.friction == 0:
-        left_out.append("friction: mu = 0")
     return Response(
         model="fem",
         shoes=tuple(answer.response for answer in answers),
         balance=worst([answer.balance for answer in answers]),
         iterations=max(answer.steps for answer in answers),
         seconds=seconds,
-        left_out=tuple(left_out),
+        left_out=scene.left_out,
         notes=tuple(answer.note for answer in answers),
     )
 
@@ -65,59 +64,77 @@ class _Answer:
     note: str
 
 
-def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
-    """Full slip of one shoe: the drum drags the lining with mu p everywhere in contact."""
-    frame, line, coupling = shoe.frame, body.line, body.coupling
-    drag = brake.friction * brake.spin * frame.sense
+def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
+    """Gap of the unloaded lining at the contact nodes (n,) [m]: off the drum's radius, and the clearance."""
+    theta = shoe.frame.theta(body.line.phi)
+    return shoe.sign * (brake.drum.radius - np.hypot(*body.line.xy)) + shoe.lining.clearance_at(theta)
+
+
+def contact_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float = math.inf) -> contact.Problem:
+    """Full slip of one shoe, the drum dragging its lining by mu p, as a complementarity problem.
+
+    The weighted gap  w = M (g + p/eps) - N u  closes as the lining moves by u, elastically and with the shoe's
+    turn y about its pin;  C p = h  is the balance of moments about the pin. Shoe's frame.
+    """
+    drag = brake.friction * brake.spin * shoe.frame.sense
     load, moment = actuation(body, shoe)
-    gap = shoe.sign * (brake.drum.radius - np.hypot(*line.xy)) + shoe.lining.clearance_at(frame.theta(line.phi))
-    approach = coupling.N @ body.turned  # per turn
+    N, T, M = body.coupling.N, body.coupling.T, body.coupling.M
+    approach = N @ body.turned  # per turn
+    A, C = -body.closing_pressed, -approach
+    if drag:
+        A, C = A - drag * body.closing_dragged, C + drag * (T @ body.turned)
+    return contact.Problem(
+        A=A + M / (penalty * shoe.lining.material.E / shoe.lining.thickness),
+        q=M @ gap_of(body, brake, shoe) - body.closing_loaded @ load,
+        B=-approach[:, None],
+        C=C[None],
+        h=np.array([-moment]),
+    )
+
+
+def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
+    frame, line, coupling = shoe.frame, body.line, body.coupling
+    load, moment = actuation(body, shoe)
     sense = math.copysign(1.0, moment)
+    approach = coupling.N @ body.turned
     if abs(moment) <= 1e-14 * shoe.actuation.force * brake.drum.radius or (sense * approach <= 0).all():
         note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the drum"
         return _Answer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
-    _check_reach(shoe, line.xy, gap, sense)
-
-    stiffness = shoe.lining.material.E / shoe.lining.thickness  # per area, of the lining
-    M = coupling.M
-    A = -body.closing_pressed - drag * body.closing_dragged + M / (penalty * stiffness)
-    q = M @ gap - body.closing_loaded @ load
-    B = -approach[:, None]
-    C = (drag * (coupling.T @ body.turned) - approach)[None]
+    _check_reach(shoe, line.xy, gap_of(body, brake, shoe), sense)
     try:
-        found = contact.solve(A, q, B, C, np.array([-moment]))
+        found = contact.solve(contact_problem(body, brake, shoe, penalty))
     except NoAnswer as error:
         raise NoAnswer(f"shoe {shoe.name!r}: {error}{_locking(body, brake, shoe)}") from error
     if not found.regular:
         raise NoAnswer(f"shoe {shoe.name!r}: no stable equilibrium{_locking(body, brake, shoe)}")
 
     p = found.p
+    drag = brake.friction * brake.spin * frame.sense
     nodal = (drag * (coupling.T.T @ p) - coupling.N.T @ p).reshape(-1, 2)  # on the lining [N]
+    reaction = held(body, p, drag, load)[:2]
     pin = np.array([shoe.hinge.radius, 0.0])
-    contact_force, contact_moment = nodal.sum(axis=0), float(cross(line.xy.T, nodal).sum())
-    held = body.held_pressed @ p + drag * (body.held_dragged @ p) + body.held_loaded @ load
-    reaction = held[:2]
     balance = relative_balance(
-        [contact_force, reaction, load[:2]],
-        [contact_moment, float(cross(pin, reaction)), moment + float(cross(pin, load[:2]))],
+        [nodal.sum(axis=0), reaction, load[:2]],
+        [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment + float(cross(pin, load[:2]))],
     )
-    torque = abs(drag) * float(coupling.lever @ p)
+    stiffness = penalty * shoe.lining.material.E / shoe.lining.thickness
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"
         if math.isinf(penalty)
-        else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / (penalty * stiffness):.1e} m at most, "
-        f"which changes its torque by {_softening(found, coupling, M, penalty * stiffness):+.1e} of it"
+        else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
+        f"which changes its torque by {_softening(found, coupling, stiffness):+.1e} of it"
     )
     forward = slice(None, None, frame.sense)
+    theta = frame.theta(line.phi)[forward]
     response = ShoeResponse(
         name=shoe.name,
-        torque=torque,
-        normal_force=float(np.linalg.norm(coupling.N.T @ p @ np.tile(np.eye(2), (len(p), 1)))),
+        torque=abs(drag) * float(coupling.lever @ p),
+        normal_force=float(np.linalg.norm((coupling.N.T @ p).reshape(-1, 2).sum(axis=0))),
         self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
         peak_pressure=float(p[_inside(line.phi, shoe.lining.thickness / (2 * brake.drum.radius))].max()),
         hinge_reaction=frame.to_brake(reaction),
-        contact_arcs=_contact_arcs(frame.theta(line.phi)[forward], p[forward], line.order),
-        theta=frame.theta(line.phi)[forward],
+        contact_arcs=_contact_arcs(theta, p[forward]),
+        theta=theta,
         pressure=p[forward],
         order=line.order,
         turn=frame.sense * float(found.y[0]),
@@ -131,9 +148,9 @@ def _inside(phi: Floats, zone: float) -> Bools:
     return inside if inside.any() else ~inside
 
 
-def _softening(found: contact.Contact, coupling: Coupling, M: Floats, stiffness: float) -> float:
+def _softening(found: contact.Contact, coupling: Coupling, stiffness: float) -> float:
     """Relative change of Int p r ds (and so of the torque) by the compliance M/eps, to first order in 1/eps."""
-    return float(coupling.lever @ found.tangent(M @ found.p)) / stiffness / float(coupling.lever @ found.p)
+    return float(coupling.lever @ found.tangent(coupling.M @ found.p)) / stiffness / float(coupling.lever @ found.p)
 
 
 def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, sense: float) -> None:
@@ -160,7 +177,7 @@ def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, sense: float) -> None:
         )
 
 
-def _contact_arcs(theta: Floats, p: Floats, order: int) -> tuple[tuple[float, float], ...]:
+def _contact_arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
     """Arcs [rad] in which the interpolated pressure is positive: steps between nodes with p > 0 at either end."""
     arcs: list[tuple[float, float]] = []
     for i in range(len(p) - 1):
@@ -177,7 +194,7 @@ def _locking(body: Body, brake: Brake, shoe: Shoe) -> str:
 
     K(mu) = K_0 + mu K_1 on the whole lining is singular at the smallest positive real eigenvalue.
     """
-    if brake.friction == 0:
+    if brake.friction == 0 or body.closing_dragged is None:
         return ""
     n = len(body.line.nodes)
     spin = brake.spin * shoe.frame.sense

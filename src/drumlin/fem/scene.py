@@ -36,7 +36,7 @@ class Body:
     With the frame held, under the nodal forces -N^T and T^T and the unit actuations (force x, force y, couple
     about `load_centre`): `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded` (n, 3) are N times the
     contact displacements, what they take from the weighted gap; `held_*` (3, ...) the force x, y and moment that
-    hold the frame meanwhile. `turned` (2n,): contact displacement per turn [rad] about the pin.
+    hold the frame meanwhile; the dragged ones are None where mu = 0. `turned` (2n,): contact displacement per turn [rad] about the pin.
     """
 
     mesh: Any
@@ -47,10 +47,10 @@ class Body:
     load_centre: Floats
     turned: Floats
     closing_pressed: Floats
-    closing_dragged: Floats
+    closing_dragged: Floats | None
     closing_loaded: Floats
     held_pressed: Floats
-    held_dragged: Floats
+    held_dragged: Floats | None
     held_loaded: Floats
 
     @property
@@ -117,6 +117,8 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
     left_out = ["drum: rigid, no [drum.ring] in the brake", "interior fields: recovered only for a picture"]
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
+    if brake.friction == 0:
+        left_out.append("friction: mu = 0, symmetric, without the flexibility under drag")
     for shoe in brake.shoes:
         if shoe.mesh is None and shoe.body is None:
             left_out.append(f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed")
@@ -147,8 +149,10 @@ def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
         condensed = condense(K, ties, forces, 2 * n)
     with clock(seconds, "coupling"):
         coupling = couple(line, shoe.lining.width, shoe.sign)
-        Y = condensed.half(np.hstack([-coupling.N.T, coupling.T.T, condensed.load_c]))
-        closing, held = -(Y[:, :n].T / condensed.D_c) @ Y, condensed.L_fc @ Y
+        friction = brake.friction > 0
+        drags = coupling.T.T if friction else np.empty((2 * n, 0))
+        Y = condensed.half(np.hstack([-coupling.N.T, condensed.load_c, drags]))
+        closing, holding = -(Y[:, :n].T / condensed.D_c) @ Y, condensed.L_fc @ Y
         x, y = line.xy - pin[:, None]
         turned = np.column_stack([-y, x]).ravel()
         return Body(
@@ -160,11 +164,11 @@ def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
             load_centre=load_centre,
             turned=turned,
             closing_pressed=closing[:, :n],
-            closing_dragged=closing[:, n : 2 * n],
-            closing_loaded=closing[:, 2 * n :],
-            held_pressed=held[:, :n],
-            held_dragged=held[:, n : 2 * n],
-            held_loaded=held[:, 2 * n :] - condensed.load_f,
+            closing_loaded=closing[:, n : n + 3],
+            closing_dragged=closing[:, n + 3 :] if friction else None,
+            held_pressed=holding[:, :n],
+            held_loaded=holding[:, n : n + 3] - condensed.load_f,
+            held_dragged=holding[:, n + 3 :] if friction else None,
         )
 
 
@@ -204,3 +208,9 @@ def actuation(body: Body, shoe: Shoe) -> tuple[Floats, float]:
     force, point = shoe.frame.to_shoe(shoe.actuation.vector), shoe.frame.to_shoe(shoe.actuation.point.xy)
     couple_ = float(cross(point - body.load_centre, force))
     return np.array([*force, couple_]), float(cross(point - np.array([shoe.hinge.radius, 0.0]), force))
+
+
+def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:
+    """Force x, y and moment about the pin (3,) that hold the frame, under p (n,), drag mu s and load (3,)."""
+    forces = body.held_pressed @ p + body.held_loaded @ load
+    return forces if body.held_dragged is None else forces + drag * (body.held_dragged @ p)

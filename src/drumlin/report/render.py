@@ -99,7 +99,7 @@ def _outline(grid: Any) -> Any:
 
 
 def _add_pressure(plotter: Any, grid: Any, radius: float) -> None:
-    """About a hundred arrows, evenly spread over the contact, as long as the pressure is high."""
+    """About a hundred arrows, evenly spread over the contact, their length the pressure."""
     import pyvista as pv  # noqa: PLC0415
 
     p = np.asarray(grid.point_data["pressure [Pa]"])
@@ -111,8 +111,9 @@ def _add_pressure(plotter: Any, grid: Any, radius: float) -> None:
     slot = np.round(turns)
     order = np.lexsort((np.abs(turns - slot), slot))  # of each slot of 2.5 deg the node nearest its middle
     chosen = order[np.unique(slot[order], return_index=True)[1]]
-    length = 0.22 * radius / float(np.percentile(p[touching], 98))
-    arrows = push[chosen] * min(length, 0.35 * radius / float(np.linalg.norm(push[chosen], axis=1).max()))
+    size = np.linalg.norm(push[chosen], axis=1)
+    top = float(np.percentile(size, 90))  # singular edges are cut off
+    arrows = push[chosen] * (0.2 * radius / np.maximum(size, top))[:, None]
     cloud = pv.PolyData(points[chosen] - arrows)
     cloud["arrow"], cloud["size"] = arrows, np.linalg.norm(arrows, axis=1)
     tip = pv.Arrow(tip_length=0.25, tip_radius=0.05, shaft_radius=0.016)
