@@ -206,9 +206,14 @@ class Actuation(Part):
     point: Place
 
     @property
+    def direction_vector(self) -> Floats:
+        """The direction of the force (2,), of length 1."""
+        return np.array([math.cos(self.direction), math.sin(self.direction)])
+
+    @property
     def vector(self) -> Floats:
         """The force on the shoe (2,) [N]."""
-        return self.force * np.array([math.cos(self.direction), math.sin(self.direction)])
+        return self.force * self.direction_vector
 
     def moment_about(self, point: Point) -> float:
         """Moment of the force about `point` [N m], counter-clockwise positive."""
@@ -335,17 +340,20 @@ def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
         )
 
 
-def _line(error: ValidationError) -> str:
-    """The first fault of a validation as one line: key = value: what is allowed."""
+def _line(error: ValidationError, data: Any) -> str:
+    """The first fault of a validation as one line: key = value as written: what is allowed."""
     fault = error.errors()[0]
     key = ""
     for step in fault["loc"]:
         key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
+        try:
+            data = data[step]
+        except (LookupError, TypeError):
+            data = None
     message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if fault["type"] == "missing":
         return f"{key}: is missing"
-    value = fault["input"]
-    shown = f" = {value!r}" if isinstance(value, str | int | float) else ""
+    shown = f" = {data!r}" if isinstance(data, str | int | float) else ""
     if len(shown) > 60:
         shown = shown[:57] + "..."
     return " ".join(f"{key}{shown}: {message}".removeprefix(": ").split())
@@ -359,7 +367,7 @@ def brake_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Pa
     try:
         brake = Brake.model_validate(data, context={"unit_required": unit_required})
     except ValidationError as error:
-        raise BadInput(_line(error)) from error
+        raise BadInput(_line(error, data)) from error
     if base is None:
         return brake
     shoes = tuple(

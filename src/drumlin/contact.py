@@ -1,26 +1,30 @@
 """The complementarity problem of unilateral contact, solved by an active-set (semismooth Newton) method.
 
+All wrong nodes change at once; where they do not become fewer, one at a time by Murty's rule, which ends for
+every P-matrix (block principal pivoting: Kostreva 1978; Judice & Pires 1994).
+
 Find pressures p and free motions y such that
 
     w = q + A p + B y,    p >= 0,  w >= 0,  p w = 0,       C p = h
 
 p (n,): nodal pressures; w (n,): weighted gaps; A (n, n): compliance, unsymmetric with friction, the penalty
 included as a compliance M/eps (zero for an infinite penalty); y (k,): what equilibrium leaves free, for a
-hinged shoe its rotation; C p = h: the equilibrium in these motions.
+hinged shoe its rotation; C p = h: the equilibrium in these motions, C = B^T where there is no friction.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
 
-from drumlin.arrays import Bools, Floats
+from drumlin.arrays import Bools, Floats, Ints
 from drumlin.errors import NoAnswer
 
-MOST_STEPS = 60
+MOST_STEPS = 120  # a brake that has an answer needs some ten
+PATIENCE = 5  # steps in which all wrong nodes change at once without becoming fewer
 SLACK = 1e-12  # relative: a pressure or gap below it is round-off, and does not change the contact set
 
 
@@ -52,8 +56,8 @@ class Contact:
     tangent: Callable[[Floats], Floats]
 
 
-def solve(problem: Problem, start: Bools | None = None) -> Contact:
-    """Solve a contact problem from the contact set `start` (all nodes if None).
+def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) -> Contact:
+    """Solve a contact problem from the contact set `start` (all nodes if None) in at most `most` steps.
 
     Raises NoAnswer where no contact set is consistent: nothing balances the actuation, or not converged.
     """
@@ -61,17 +65,17 @@ def solve(problem: Problem, start: Bools | None = None) -> Contact:
     n, k = B.shape
     # Equilibrate: unit diagonal of A, unit columns of B and rows of C. Signs, and so the answer, stay.
     tiny = np.finfo(float).tiny
-    d = 1 / np.sqrt(np.diagonal(A))
+    d = 1 / np.sqrt(np.maximum(np.abs(np.diagonal(A)), tiny))
     column = 1 / np.maximum(np.abs(d[:, None] * B).max(axis=0), tiny)
     row = 1 / np.maximum(np.abs(C * d).max(axis=1), tiny)
     A, q, B = d[:, None] * A * d, d * q, d[:, None] * B * column
     C, h = row[:, None] * C * d, row * h
 
     active = np.ones(n, dtype=bool) if start is None else start.copy()
-    seen: set[bytes] = set()
+    fewest, patience = n + 1, PATIENCE
     base: _Equations | None = None
-    for step in range(1, MOST_STEPS + 1):
-        if not active.any():
+    for step in range(1, most + 1):
+        if k and not active.any():
             active = _first_touch(q, B, C, h)
         if base is not None and _few_released(base, active):
             equations: _Equations = _Released(base, active)
@@ -93,11 +97,14 @@ def solve(problem: Problem, start: Bools | None = None) -> Contact:
                 regular=equations.sign == (-1) ** k,
                 tangent=partial(_tangent, equations, d, np.zeros(k)),
             )
-        if active.tobytes() in seen:  # a cycle: exchange one node at a time, the first (Murty's rule)
-            change = np.arange(n) == np.flatnonzero(change)[0]
-        seen.add(active.tobytes())
+        wrong = np.count_nonzero(change)
+        fewest, patience = (wrong, PATIENCE) if wrong < fewest else (fewest, patience - 1)
+        if (
+            patience < 0
+        ):  # perhaps a cycle: exchange the last wrong node only, which cannot cycle, until fewer are wrong
+            change = np.arange(n) == np.flatnonzero(change)[-1]
         active = active ^ change
-    raise NoAnswer(f"not converged: the contact set still changes after {MOST_STEPS} steps")
+    raise NoAnswer(f"not converged: the contact set still changes after {most} steps")
 
 
 class _Equations:
@@ -150,15 +157,17 @@ class _Released(_Equations):
         return solution
 
 
-def _factorised(matrix: Floats) -> Any:
-    factors = scipy.linalg.lu_factor(matrix, overwrite_a=True, check_finite=False)
-    diagonal = np.diagonal(factors[0])
-    if not np.isfinite(diagonal).all() or not diagonal.all():
+def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
+    """LU factors and pivots; raises NoAnswer for a singular matrix."""
+    if not matrix.size:
+        return matrix, np.zeros(0, dtype=np.int32)
+    lu, pivots, info = scipy.linalg.lapack.dgetrf(matrix)
+    if info or not np.isfinite(np.diagonal(lu)).all():
         raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
-    return factors
+    return lu, pivots
 
 
-def _determinant_sign(factors: Any) -> int:
+def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
     lu, pivots = factors
     swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
     return int(np.prod(np.sign(np.diagonal(lu))) * (-1) ** swaps)
@@ -175,9 +184,7 @@ def _tangent(equations: _Equations, d: Floats, h: Floats, dq: Floats) -> Floats:
 
 
 def _first_touch(q: Floats, B: Floats, C: Floats, h: Floats) -> Bools:
-    """The node that the actuation closes first when nothing touches: one freedom, or none."""
-    if B.shape[1] == 0:
-        return np.asarray(q <= q.min())
+    """The node that the actuation closes first when nothing touches and one motion is free."""
     if B.shape[1] > 1:
         raise NoAnswer("no equilibrium: nothing touches, and more than one motion is free")
     bearing = C[0] * h[0] > 0  # nodes whose pressure resists the actuation

@@ -74,7 +74,7 @@ def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields
 def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) -> Floats:
     """Displacements of all nodes (2, nodes) [m] in the shoe's frame."""
     frame = shoe.frame
-    load, _ = actuation(body, shoe)
+    load = abs(shoe.actuation.force) * actuation(body, shoe)[0]
     p = answer.pressure[:: frame.sense]
     drag = brake.friction * brake.spin * frame.sense
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p

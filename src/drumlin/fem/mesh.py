@@ -121,7 +121,7 @@ def graded(start: float, end: float, count: int, zone: float, smallest: float) -
     total = float(parts(np.array(half)))
     part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
     inner = float(parts(np.array(reach)))
-    d = np.where(part <= inner, zone * smallest * np.expm1(part / zone), reach + part - inner)
+    d = np.where(part <= inner, zone * smallest * np.expm1(np.minimum(part, inner) / zone), reach + part - inner)
     left = np.arange(count + 1) <= count / 2
     points = np.where(left, start + d, end - d)
     points[0], points[-1] = start, end

@@ -8,7 +8,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 
 from drumlin import contact
 from drumlin.arrays import Bools, Floats
@@ -16,6 +15,7 @@ from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.interface import Coupling
 from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, held, prepare, shape_of
+from drumlin.laws import locking_friction
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
 from drumlin.statics import cross
 
@@ -66,26 +66,28 @@ class _Answer:
 
 def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
     """Gap of the unloaded lining at the contact nodes (n,) [m]: off the drum's radius, and the clearance."""
-    theta = shoe.frame.theta(body.line.phi)
-    return shoe.sign * (brake.drum.radius - np.hypot(*body.line.xy)) + shoe.lining.clearance_at(theta)
+    theta, radius = shoe.frame.theta(body.line.phi), brake.drum.radius
+    off = shoe.sign * (radius - np.hypot(*body.line.xy))
+    return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + shoe.lining.clearance_at(theta)  # 0.0: not round-off
 
 
 def contact_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float = math.inf) -> contact.Problem:
     """Full slip of one shoe, the drum dragging its lining by mu p, as a complementarity problem.
 
     The weighted gap  w = M (g + p/eps) - N u  closes as the lining moves by u, elastically and with the shoe's
-    turn y about its pin;  C p = h  is the balance of moments about the pin. Shoe's frame.
+    turn y about its pin;  C p = h  is the balance of moments about the pin. All is in the shoe's frame and per
+    newton of actuation, so that the force enters only through the gap.
     """
     drag = brake.friction * brake.spin * shoe.frame.sense
     load, moment = actuation(body, shoe)
     N, T, M = body.coupling.N, body.coupling.T, body.coupling.M
     approach = N @ body.turned  # per turn
     A, C = -body.closing_pressed, -approach
-    if drag:
+    if body.closing_dragged is not None:
         A, C = A - drag * body.closing_dragged, C + drag * (T @ body.turned)
     return contact.Problem(
         A=A + M / (penalty * shoe.lining.material.E / shoe.lining.thickness),
-        q=M @ gap_of(body, brake, shoe) - body.closing_loaded @ load,
+        q=M @ (gap_of(body, brake, shoe) / abs(shoe.actuation.force)) - body.closing_loaded @ load,
         B=-approach[:, None],
         C=C[None],
         h=np.array([-moment]),
@@ -97,18 +99,19 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
     load, moment = actuation(body, shoe)
     sense = math.copysign(1.0, moment)
     approach = coupling.N @ body.turned
-    if abs(moment) <= 1e-14 * shoe.actuation.force * brake.drum.radius or (sense * approach <= 0).all():
+    size = abs(shoe.actuation.force)
+    if size == 0 or abs(moment) <= 1e-14 * brake.drum.radius or (sense * approach <= 0).all():
         note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the drum"
         return _Answer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
     _check_reach(shoe, line.xy, gap_of(body, brake, shoe), sense)
     try:
         found = contact.solve(contact_problem(body, brake, shoe, penalty))
     except NoAnswer as error:
-        raise NoAnswer(f"shoe {shoe.name!r}: {error}{_locking(body, brake, shoe)}") from error
+        raise NoAnswer(f"shoe {shoe.name!r}: {_locked(body, brake, shoe) or error}") from error
     if not found.regular:
-        raise NoAnswer(f"shoe {shoe.name!r}: no stable equilibrium{_locking(body, brake, shoe)}")
+        raise NoAnswer(f"shoe {shoe.name!r}: {_locked(body, brake, shoe) or 'self-locking, no stable equilibrium'}")
 
-    p = found.p
+    p, load, moment = size * found.p, size * load, size * moment
     drag = brake.friction * brake.spin * frame.sense
     nodal = (drag * (coupling.T.T @ p) - coupling.N.T @ p).reshape(-1, 2)  # on the lining [N]
     reaction = held(body, p, drag, load)[:2]
@@ -137,7 +140,7 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
         theta=theta,
         pressure=p[forward],
         order=line.order,
-        turn=frame.sense * float(found.y[0]),
+        turn=frame.sense * size * float(found.y[0]),
     )
     return _Answer(response, balance, found.steps, note)
 
@@ -189,26 +192,28 @@ def _contact_arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
     return tuple(arcs)
 
 
-def _locking(body: Body, brake: Brake, shoe: Shoe) -> str:
-    """What to say of friction when there is no equilibrium: where the elastic shoe locks itself.
+def _locked(body: Body, brake: Brake, shoe: Shoe) -> str:
+    """What to say where there is no equilibrium because of friction; empty where friction is not the reason.
 
-    K(mu) = K_0 + mu K_1 on the whole lining is singular at the smallest positive real eigenvalue.
+    The friction up to which there is an equilibrium, found by halving: the contact set changes on the way, so
+    that no single eigenvalue gives it.
     """
-    if brake.friction == 0 or body.closing_dragged is None:
+
+    def holds(friction: float) -> bool:
+        try:
+            return contact.solve(
+                contact_problem(body, brake.model_copy(update={"friction": friction}), shoe), most=25
+            ).regular
+        except NoAnswer:
+            return False
+
+    if not holds(0.0):
         return ""
-    n = len(body.line.nodes)
-    spin = brake.spin * shoe.frame.sense
-    K = np.zeros((2, n + 1, n + 1))
-    K[0, :n, :n], K[1, :n, :n] = -body.closing_pressed, -spin * body.closing_dragged
-    K[0, :n, n] = K[0, n, :n] = -body.coupling.N @ body.turned
-    K[1, n, :n] = spin * (body.coupling.T @ body.turned)
-    scale = 1 / np.sqrt(np.append(np.diagonal(K[0])[:n], np.abs(K[0, n, :n]).max() ** 2 / np.diagonal(K[0]).max()))
-    K = K * scale[:, None] * scale
-    mu = scipy.linalg.eigvals(K[0], -K[1])
-    real = mu.real[np.isfinite(mu) & (np.abs(mu.imag) < 1e-6 * np.abs(mu)) & (mu.real > 0)]
-    if not real.size or real.min() > brake.friction:
-        return ""
+    below, above = 0.0, brake.friction
+    while above - below > 1e-4 * above:
+        middle = 0.5 * (below + above)
+        below, above = (middle, above) if holds(middle) else (below, middle)
     return (
-        f" (self-locking: friction = {brake.friction:g}; with its whole lining in contact this shoe locks itself "
-        f"at {real.min():.4g})"
+        f"self-locking, no equilibrium at friction {brake.friction:g}; this elastic shoe has one up to "
+        f"mu_lock = {below:.4g} (sine law: {locking_friction(brake, shoe):.4g})"
     )

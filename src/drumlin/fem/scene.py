@@ -1,5 +1,6 @@
 """A brake made ready for contact: meshed, assembled and condensed bodies."""
 
+import math
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -36,7 +37,8 @@ class Body:
     With the frame held, under the nodal forces -N^T and T^T and the unit actuations (force x, force y, couple
     about `load_centre`): `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded` (n, 3) are N times the
     contact displacements, what they take from the weighted gap; `held_*` (3, ...) the force x, y and moment that
-    hold the frame meanwhile; the dragged ones are None where mu = 0. `turned` (2n,): contact displacement per turn [rad] about the pin.
+    hold the frame meanwhile. The dragged ones are None where mu = 0. `turned` (2n,): contact displacement per
+    turn [rad] about the pin.
     """
 
     mesh: Any
@@ -149,10 +151,13 @@ def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
         condensed = condense(K, ties, forces, 2 * n)
     with clock(seconds, "coupling"):
         coupling = couple(line, shoe.lining.width, shoe.sign)
-        friction = brake.friction > 0
-        drags = coupling.T.T if friction else np.empty((2 * n, 0))
-        Y = condensed.half(np.hstack([-coupling.N.T, condensed.load_c, drags]))
-        closing, holding = -(Y[:, :n].T / condensed.D_c) @ Y, condensed.L_fc @ Y
+        Y = condensed.half(np.hstack([-coupling.N.T, condensed.load_c]))
+        pressing = -Y[:, :n].T / condensed.D_c
+        closing, holding = pressing @ Y, condensed.L_fc @ Y
+        closing_dragged = held_dragged = None
+        if brake.friction > 0:
+            Y = condensed.half(coupling.T.T)
+            closing_dragged, held_dragged = pressing @ Y, condensed.L_fc @ Y
         x, y = line.xy - pin[:, None]
         turned = np.column_stack([-y, x]).ravel()
         return Body(
@@ -164,11 +169,11 @@ def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
             load_centre=load_centre,
             turned=turned,
             closing_pressed=closing[:, :n],
-            closing_loaded=closing[:, n : n + 3],
-            closing_dragged=closing[:, n + 3 :] if friction else None,
+            closing_loaded=closing[:, n:],
+            closing_dragged=closing_dragged,
             held_pressed=holding[:, :n],
-            held_loaded=holding[:, n : n + 3] - condensed.load_f,
-            held_dragged=holding[:, n + 3 :] if friction else None,
+            held_loaded=holding[:, n:] - condensed.load_f,
+            held_dragged=held_dragged,
         )
 
 
@@ -204,8 +209,12 @@ def materials_of(shoe: Shoe) -> dict[str, tuple[Material, float]]:
 
 
 def actuation(body: Body, shoe: Shoe) -> tuple[Floats, float]:
-    """Factors (3,) of the body's unit actuations, and the moment about the pin [N m], in the shoe's frame."""
-    force, point = shoe.frame.to_shoe(shoe.actuation.vector), shoe.frame.to_shoe(shoe.actuation.point.xy)
+    """Factors (3,) of the body's unit actuations, and the moment about the pin [m], per newton of force.
+
+    In the shoe's frame; a negative force counts as one newton the other way.
+    """
+    direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
+    force, point = shoe.frame.to_shoe(direction), shoe.frame.to_shoe(shoe.actuation.point.xy)
     couple_ = float(cross(point - body.load_centre, force))
     return np.array([*force, couple_]), float(cross(point - np.array([shoe.hinge.radius, 0.0]), force))
 

@@ -1,0 +1,160 @@
+"""Stiffness, dissection and condensation against closed forms and against solving everything at once."""
+
+import math
+
+import numpy as np
+import pytest
+import skfem
+from scipy.sparse.linalg import spsolve
+from skfem.models.elasticity import linear_elasticity, plane_stress
+
+from drumlin.brake import Material, vary
+from drumlin.fem.body import FRAME, condense, dissection, scalar_basis, stiffness, tie
+from drumlin.fem.interface import contact_line
+from drumlin.fem.mesh import shoe_mesh
+from drumlin.fem.scene import end_loads, materials_of, prepare
+
+STEEL = Material(E=210e9, nu=0.3)
+KINDS = {
+    "quad2": lambda: skfem.MeshQuad2.from_mesh(skfem.MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))),
+    "quad1": lambda: skfem.MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4)),
+    "tri2": lambda: skfem.MeshTri2.from_mesh(skfem.MeshTri.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))),
+    "tri1": lambda: skfem.MeshTri.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4)),
+}
+
+
+def whole(mesh):
+    return mesh.with_subdomains({"shoe": np.arange(mesh.nelements)})
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_stiffness_equals_skfems_own_form(kind):
+    mesh = whole(KINDS[kind]())
+    basis = scalar_basis(mesh)
+    K = stiffness(basis, {"shoe": (STEEL, 0.04)})
+    vector = basis.with_element(skfem.ElementVector(basis.elem))
+    theirs = 0.04 * linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(vector)
+    place = np.empty(2 * basis.N, dtype=int)  # ours: 2 node + component
+    place[2 * basis.element_dofs.ravel()] = vector.element_dofs[0::2].ravel()
+    place[2 * basis.element_dofs.ravel() + 1] = vector.element_dofs[1::2].ravel()
+    difference = abs(K - theirs[place][:, place]).max()
+    assert difference < 1e-13 * abs(K).max()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_uniaxial_plane_stress(kind):
+    """s_xx = E e_xx, e_yy = -nu e_xx, exactly, for every element: end forces E e b h and no others."""
+    mesh = whole(KINDS[kind]())
+    basis = scalar_basis(mesh)
+    b, strain = 0.04, 1e-3
+    K = stiffness(basis, {"shoe": (STEEL, b)})
+    x, y = basis.doflocs
+    u = np.column_stack([strain * x, -STEEL.nu * strain * y]).ravel()
+    force = (K @ u).reshape(-1, 2)
+    end = x > 2 - 1e-12
+    expected = STEEL.E * strain * b * 1.0
+    assert force[end, 0].sum() == pytest.approx(expected, rel=1e-12)
+    assert np.abs(force[(x > 1e-12) & ~end]).max() < 1e-10 * expected
+    assert np.abs(force[:, 1]).max() < 1e-10 * expected
+
+
+def test_curved_cantilever_under_end_shear():
+    """Quarter ring, a = 1, b = 2, E = 1e4, fixed at one end, moved by u0 = 0.01 at the other: P u0 = (ln 2 - 0.6)/pi.
+
+    Timoshenko & Goodier's curved bar under end shear; the strain energy, plane stress, nu = 1/4, unit width. The
+    shear traction's distribution is that of the closed form, so the end displacement is prescribed radially.
+    """
+    errors = []
+    for n in (4, 8, 16):
+        grid = skfem.MeshQuad.init_tensor(np.linspace(1, 2, n + 1), np.linspace(0, math.pi / 2, 2 * n + 1))
+        mesh = skfem.MeshQuad2.from_mesh(grid)
+        r, phi = mesh.doflocs
+        mesh = whole(skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t))
+        basis = scalar_basis(mesh)
+        K = stiffness(basis, {"shoe": (Material(E=1e4, nu=0.25), 1.0)})
+        x, y = basis.doflocs
+        u = np.zeros(2 * basis.N)
+        base, tip = np.flatnonzero(np.abs(x) < 1e-12), np.flatnonzero(np.abs(y) < 1e-12)
+        pinned = base[np.argmin(np.abs(y[base] - 1))]
+        # symmetry-like supports of the benchmark: u_x = 0 on x = 0 with one point held in y; u_x = u0 on y = 0
+        fixed = np.concatenate([2 * base, [2 * pinned + 1], 2 * tip])
+        u[2 * tip] = 0.01
+        free = np.setdiff1d(np.arange(2 * basis.N), fixed)
+        u[free] = spsolve(K[free][:, free].tocsc(), -(K[free][:, fixed] @ u[fixed]))
+        errors.append(abs(u @ (K @ u) * 1.0 - 0.0296496684) / 0.0296496684)
+    assert errors[-1] < 1e-5
+    assert math.log2(errors[-2] / errors[-1]) > 2
+
+
+def test_dissection_is_an_order_of_all_nodes_that_keeps_factors_sparse(brake):
+    scene = prepare(brake, elements=40)
+    basis = scene.bodies[0].basis
+    order = dissection(basis.doflocs, basis.element_dofs)
+    assert np.array_equal(np.sort(order), np.arange(basis.N))
+    factors = scene.bodies[0].condensed.factors
+    assert factors.nnz < 0.15 * factors.shape[0] ** 2
+
+
+@pytest.mark.parametrize("elements", [1, 2, 3, 7])
+def test_dissection_of_tiny_meshes(brake, elements):
+    mesh = shoe_mesh(brake.shoes[0], brake.drum.radius, elements)
+    basis = scalar_basis(mesh)
+    assert np.array_equal(np.sort(dissection(basis.doflocs, basis.element_dofs)), np.arange(basis.N))
+
+
+def full_system(brake, elements=12):
+    """Stiffness of a shoe and the pieces of its condensation."""
+    shoe = brake.shoes[0]
+    mesh = shoe_mesh(shoe, brake.drum.radius, elements)
+    basis = scalar_basis(mesh)
+    K = stiffness(basis, materials_of(shoe))
+    line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
+    rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
+    ties = tie(basis, line.nodes, rigid, np.array([shoe.hinge.radius, 0.0]))
+    loads, _ = end_loads(basis, mesh.boundaries["actuation"])
+    return basis, K, line, rigid, ties, loads
+
+
+def test_condensed_displacements_equal_those_of_the_whole_system(brake):
+    basis, K, line, rigid, ties, loads = full_system(brake)
+    n = 2 * len(line.nodes)
+    condensed = condense(K, ties, ties.T @ loads, n)
+    rng = np.random.default_rng(0)
+    nodal = rng.normal(size=n) * 1e3
+    forces = np.zeros(2 * basis.N)
+    forces[2 * line.nodes], forces[2 * line.nodes + 1] = nodal[0::2], nodal[1::2]
+    factors = np.array([3e3, -2e3, 5.0])
+    forces += loads @ factors
+    held = np.concatenate([2 * rigid, 2 * rigid + 1])
+    free = np.setdiff1d(np.arange(2 * basis.N), held)
+    u = np.zeros(2 * basis.N)
+    u[free] = spsolve(K[free][:, free].tocsc(), forces[free])
+    scale = np.abs(u).max()
+
+    Y = condensed.half(np.column_stack([nodal + condensed.load_c @ factors]))
+    work = float((Y[:, 0] ** 2 / condensed.D_c).sum())
+    c = np.column_stack([u[2 * line.nodes], u[2 * line.nodes + 1]]).ravel()
+    assert work == pytest.approx(c @ (nodal + condensed.load_c @ factors), rel=1e-9)
+    reaction = (condensed.L_fc @ Y)[:, 0] - condensed.load_f @ factors
+    applied = forces.reshape(-1, 2).sum(axis=0)
+    assert reaction[:2] == pytest.approx(-applied, rel=1e-9, abs=1e-9 * np.abs(applied).max())
+    everywhere = condensed.displacement(nodal, np.zeros(FRAME), reaction, factors)
+    assert everywhere.T.ravel() == pytest.approx(u, abs=1e-9 * scale)
+
+
+def test_end_loads_have_their_resultants(brake):
+    basis, _, _, _, _, loads = full_system(brake)
+    mesh = basis.mesh
+    loads, centre = end_loads(basis, mesh.boundaries["actuation"])
+    x, y = basis.doflocs - centre[:, None]
+    nodal = loads.reshape(-1, 2, 3)
+    assert nodal.sum(axis=0) == pytest.approx(np.array([[1, 0, 0], [0, 1, 0]]), abs=1e-11)
+    moments = (x[:, None] * nodal[:, 1] - y[:, None] * nodal[:, 0]).sum(axis=0)
+    assert moments == pytest.approx([0, 0, 1], abs=1e-11)
+
+
+def test_a_rigid_shoe_has_only_its_lining_meshed(brake):
+    bare = vary(brake, {"shoe.body": None})
+    scene = prepare(bare, elements=20)
+    assert list(scene.bodies[0].mesh.subdomains) == ["lining"]
+    assert any("rigid, no [shoe.body]" in line for line in scene.left_out)

@@ -1,0 +1,136 @@
+"""The command line as a person meets it: answers, refusals, exit statuses, what it loads and how fast."""
+
+import json
+import subprocess
+import sys
+import time
+from statistics import median
+
+import pytest
+
+from conftest import ROOT, STUDY
+from drumlin.brake import read_brake
+from drumlin.fem.model import solve
+
+DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
+
+
+def drumlin(*words, cwd=ROOT):
+    return subprocess.run([*DRUMLIN, *map(str, words)], capture_output=True, text=True, cwd=cwd, check=False)
+
+
+def test_solve_prints_and_writes_json(tmp_path):
+    done = drumlin("solve", STUDY / "brake.toml", "--json", tmp_path / "r.json", "--elements", 40, "--penalty", "inf")
+    assert done.returncode == 0, done.stderr
+    data = json.loads((tmp_path / "r.json").read_text())
+    expected = solve(read_brake(STUDY / "brake.toml"), elements=40, penalty=float("inf"))
+    assert data["torque"] == pytest.approx(expected.torque, rel=1e-9)
+    assert f"torque {expected.torque:.6g} N m" in done.stdout
+    assert {"model", "torque", "converged", "iterations", "balance", "seconds", "left_out", "shoes"} <= set(data)
+    shoe = data["shoes"][0]
+    assert {
+        "name", "torque", "normal_force", "self_energising", "peak_pressure", "hinge_reaction", "contact_arcs",
+        "theta", "pressure",
+    } <= set(shoe)  # fmt: skip
+    assert len(shoe["theta"]) == len(shoe["pressure"]) == 81
+    assert [path.name for path in tmp_path.iterdir()] == ["r.json"]  # no temporary file is left
+
+
+def test_solve_by_the_sine_law():
+    done = drumlin("solve", STUDY / "brake.toml", "--model", "sine")
+    assert done.returncode == 0
+    assert "torque 435.216 N m" in done.stdout  # 2 kN times the published .2176081 m
+
+
+REFUSED = {
+    "unknown model": (["--model", "guess"], None, 2, "unknown model; allowed: fem, sine"),
+    "bad penalty": (["--penalty", "soft"], None, 2, "--penalty = 'soft'"),
+    "negative penalty": (["--penalty", "-1"], None, 2, "greater than 0"),
+    "no elements": (["--elements", "0"], None, 2, "--elements = 0"),
+    "elements for a law": (["--model", "sine", "--elements", "9"], None, 2, "belong to --model fem"),
+    "self-locking": ([], ("friction = 0.3", "friction = 1.3"), 3, "self-locking"),
+    "self-locking law": (["--model", "sine"], ("friction = 0.3", "friction = 0.9"), 3, "self-locking"),
+    "never touches": ([], ('thickness = "8 mm" ', 'clearance = "100 mm"\nthickness = "8 mm" '), 3, "to touch"),
+    "broken toml": ([], ("[drum]", "[drum"), 2, "not TOML"),
+    "unknown key": ([], ("[drum]", "[drum]\ncolour = 3"), 2, "colour"),
+    "wrong unit": ([], ('"150 mm"', '"150 s"'), 2, "drum.radius = '150 s'"),
+    "missing mesh": ([], ('side = "internal"', 'side = "internal"\nmesh = "none.msh"'), 2, "no such file"),
+    "zero force": ([], ('force = "2 kN"', 'force = "0 N"'), 0, ""),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_every_refusal_is_one_line_and_its_status(tmp_path, case):
+    words, change, status, line = REFUSED[case]
+    text = (STUDY / "brake.toml").read_text()
+    if change is not None:
+        assert change[0] in text
+        text = text.replace(change[0], change[1], 1)
+    (tmp_path / "b.toml").write_text(text)
+    done = drumlin("solve", tmp_path / "b.toml", "--json", tmp_path / "r.json", *words)
+    assert done.returncode == status, done.stderr
+    if status:
+        assert not (tmp_path / "r.json").exists()  # never a number
+        assert len(done.stderr.strip().splitlines()) == 1
+        assert done.stderr.startswith("drumlin: ")
+        assert line in done.stderr
+        assert not done.stdout
+    else:
+        assert "no contact" in done.stdout
+
+
+def test_a_refused_run_leaves_an_earlier_result_whole(tmp_path):
+    (tmp_path / "r.json").write_text("earlier")
+    assert drumlin("solve", tmp_path / "none.toml", "--json", tmp_path / "r.json").returncode == 2
+    assert (tmp_path / "r.json").read_text() == "earlier"
+
+
+def test_help_answers_in_under_half_a_second():
+    seconds = []
+    for _ in range(5):
+        start = time.perf_counter()
+        assert drumlin("--help").returncode == 0
+        seconds.append(time.perf_counter() - start)
+    assert median(seconds) < 0.5
+
+
+def test_solving_loads_neither_pyvista_nor_matplotlib(tmp_path):
+    code = (
+        "import sys; sys.argv = ['drumlin', 'solve', sys.argv[1], '--json', sys.argv[2], '--elements', '10']\n"
+        "from drumlin.cli import main\n"
+        "try: main()\n"
+        "except SystemExit as end: assert not end.code\n"
+        "assert 'skfem' in sys.modules\n"
+        "print('loaded:', {'pyvista', 'matplotlib', 'vtk', 'vtkmodules'} & set(sys.modules))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, STUDY / "brake.toml", tmp_path / "r.json"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "loaded: set()" in done.stdout
+
+
+def test_compare_view_mesh_and_cost(tmp_path):
+    done = drumlin("compare", STUDY / "brake.toml", "--output", tmp_path / "report", "--elements", 30)
+    assert done.returncode == 0, done.stderr
+    assert {"index.html", "results.csv", "results.json", "pressure.svg", "fields.vtu"} <= {
+        path.name for path in (tmp_path / "report").iterdir()
+    }
+    page = (tmp_path / "report" / "index.html").read_text()
+    assert "sine" in page and 'src="data:image/svg+xml;base64' in page and "scikit-fem" in page
+    picture = tmp_path / "v.png"
+    assert drumlin("view", STUDY / "brake.toml", "--output", picture, "--elements", 20).returncode == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert drumlin("view", STUDY / "brake.toml", "--output", "v.txt").returncode == 2
+    assert drumlin("mesh", STUDY / "brake.toml", "--output", tmp_path, "--elements", 20).returncode == 0
+    assert (tmp_path / "brake_right.msh").exists() and (tmp_path / "brake_left.msh").exists()
+    done = drumlin("cost", STUDY / "brake.toml", "--elements", 20)
+    assert "times their sum" in done.stdout and "of the first" in done.stdout
+
+
+def test_an_unknown_study_is_refused_by_name():
+    done = drumlin("study", "nothing")
+    assert done.returncode == 2
+    assert "double_shoe" in done.stderr

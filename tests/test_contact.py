@@ -1,0 +1,134 @@
+"""The complementarity solver, from below: small problems with known answers before any brake."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drumlin import contact
+from drumlin.contact import Problem
+from drumlin.errors import NoAnswer
+
+
+def free(A, q):
+    """A problem without free motions."""
+    n = len(q)
+    return Problem(np.asarray(A, float), np.asarray(q, float), np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
+
+
+def p_matrix(rng, n, skew):
+    """A positive definite matrix with a skew part: every principal minor is positive."""
+    G = rng.normal(size=(n, n))
+    W = rng.normal(size=(n, n))
+    return G @ G.T + 0.05 * np.eye(n) + skew * (W - W.T)
+
+
+def test_pressure_against_penetration_of_one_spring_is_a_ramp():
+    """w = q + p/k: open for q > 0, p = -k q for q < 0."""
+    k = 7.0
+    for q in (-2.0, -1e-9, 0.0, 1e-9, 3.0):
+        found = contact.solve(free([[1 / k]], [q]))
+        assert found.p[0] == pytest.approx(max(-k * q, 0.0), rel=1e-12)
+        assert found.w[0] == pytest.approx(max(q, 0.0), rel=1e-12)
+
+
+@given(st.integers(1, 25), st.integers(0, 10_000), st.floats(0, 1))
+def test_random_p_matrices_are_solved_from_any_start_with_one_answer(n, seed, skew):
+    rng = np.random.default_rng(seed)
+    problem = free(p_matrix(rng, n, skew), rng.normal(size=n))
+    scale = np.abs(problem.q).max()
+    answers = [
+        contact.solve(problem, start) for start in (None, np.zeros(n, bool), np.ones(n, bool), rng.random(n) < 0.5)
+    ]
+    for found in answers:
+        w = problem.q + problem.A @ found.p
+        assert (found.p >= 0).all()
+        assert w.min() >= -1e-9 * scale
+        assert np.abs(found.p * w).max() <= 1e-9 * scale * max(1.0, found.p.max())
+        assert found.p == pytest.approx(answers[0].p, rel=1e-7, abs=1e-9 * max(1.0, answers[0].p.max()))
+
+
+def test_murtys_cycle_is_resolved():
+    """The classic 3 x 3 P-matrix on which the plain active-set iteration goes round for ever (Murty 1974)."""
+    A = np.array([[1.0, 2.0, 0.0], [0.0, 1.0, 2.0], [2.0, 0.0, 1.0]])
+    found = contact.solve(free(A, -np.ones(3)))
+    assert found.p == pytest.approx(np.full(3, 1 / 3), rel=1e-12)
+    for start in range(8):
+        again = contact.solve(free(A, [-1.0, -1.5, 2.0]), np.array([start & 1, start & 2, start & 4], bool))
+        w = np.array([-1.0, -1.5, 2.0]) + A @ again.p
+        assert w.min() > -1e-12 and abs(again.p @ w) < 1e-12
+
+
+def test_a_free_motion_is_found_with_its_equilibrium():
+    """Two springs under a rigid beam of length 2 hinged at its end, load 3 at its tip: known lever statics."""
+    k, x = 10.0, np.array([1.0, 2.0])
+    problem = Problem(np.eye(2) / k, np.zeros(2), -x[:, None], -x[None], np.array([-6.0]))
+    found = contact.solve(problem)
+    turn = 6.0 / (k * (x @ x))
+    assert found.y == pytest.approx([turn], rel=1e-12)
+    assert found.p == pytest.approx(k * turn * x, rel=1e-12)
+    assert found.regular
+
+
+def test_a_gap_closes_before_pressure_rises():
+    """The same beam with the inner spring standing back too far to touch: the outer one carries all."""
+    x = np.array([1.0, 2.0])
+    problem = Problem(np.eye(2) / 10, np.array([5.0, 0.1]), -x[:, None], -x[None], np.array([-6.0]))
+    found = contact.solve(problem)
+    assert found.p == pytest.approx([0, 3], rel=1e-12)
+    assert found.y == pytest.approx([(0.1 + 0.3) / 2], rel=1e-12)
+
+
+def test_a_load_that_no_pressure_balances_is_refused():
+    x = np.array([1.0, 2.0])
+    with pytest.raises(NoAnswer, match="no equilibrium"):
+        contact.solve(Problem(np.eye(2), np.zeros(2), -x[:, None], -x[None], np.array([6.0])))
+
+
+def test_beyond_locking_the_determinant_has_changed_its_sign():
+    """One spring whose pressure turns the lever by x - mu a: regular below mu = x/a, singular at it, not beyond."""
+
+    def problem(mu):
+        return Problem(np.array([[1.0]]), np.zeros(1), np.array([[-1.0]]), np.array([[mu - 1.0]]), np.array([mu - 1.0]))
+
+    assert contact.solve(problem(0.9)).regular
+    assert not contact.solve(problem(1.1)).regular
+    with pytest.raises(NoAnswer):
+        contact.solve(problem(1.0))
+
+
+@given(st.integers(2, 12), st.integers(0, 1000))
+def test_the_tangent_agrees_with_differences(n, seed):
+    rng = np.random.default_rng(seed)
+    A, q, dq = p_matrix(rng, n, 0.3), rng.normal(size=n), rng.normal(size=n)
+    found = contact.solve(free(A, q))
+    step = 1e-7
+    moved = contact.solve(free(A, q + step * dq))
+    if np.array_equal(found.active, moved.active):  # else the set changed within the step
+        change = (moved.p - found.p) / step
+        assert found.tangent(dq) == pytest.approx(change, abs=1e-4 * max(1.0, np.abs(change).max()))
+
+
+@given(st.integers(20, 60), st.integers(0, 1000))
+def test_releasing_nodes_from_a_factorised_set_equals_factorising_the_smaller_set(n, seed):
+    rng = np.random.default_rng(seed)
+    problem = Problem(
+        p_matrix(rng, n, 0.3), rng.normal(size=n), rng.normal(size=(n, 1)), rng.normal(size=(1, n)), rng.normal(size=1)
+    )
+    base = contact._Equations(problem.A, problem.B, problem.C, np.ones(n, bool))
+    smaller = np.ones(n, bool)
+    smaller[rng.choice(n, n // 10, replace=False)] = False
+    direct = contact._Equations(problem.A, problem.B, problem.C, smaller)
+    released = contact._Released(base, smaller)
+    for a, b in zip(direct.solve(problem.q, problem.h), released.solve(problem.q, problem.h), strict=True):
+        assert b == pytest.approx(a, rel=1e-6, abs=1e-8 * np.abs(a).max())
+    assert released.sign == direct.sign
+
+
+def test_scaling_of_pressures_and_gaps_does_not_change_the_answer():
+    rng = np.random.default_rng(3)
+    A, q = p_matrix(rng, 15, 0.4), rng.normal(size=15)
+    plain = contact.solve(free(A, q))
+    scaled = contact.solve(free(A * 1e-21, q * 1e-12))
+    assert scaled.p * 1e-9 == pytest.approx(plain.p, rel=1e-10, abs=1e-12 * plain.p.max())
+    assert scaled.steps == plain.steps

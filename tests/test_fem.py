@@ -1,0 +1,339 @@
+"""The finite-element model: limits, laws of physics as properties, convergence, refusals."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import independent
+from conftest import STUDY
+from drumlin import contact
+from drumlin.brake import read_brake, vary
+from drumlin.compare import converge, pressure_distance
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.cost import cost
+from drumlin.fem.model import contact_problem, respond, solve
+from drumlin.fem.scene import prepare
+from drumlin.laws import locking_friction, sine
+
+ROTATIONS = ("counter-clockwise", "clockwise")
+BRAKE = read_brake(STUDY / "brake.toml")
+SCENE = prepare(BRAKE, elements=40)
+
+
+def same(a, b, rel):
+    """Two responses agree in every number, relative to the scale of each kind."""
+    assert a.torque == pytest.approx(b.torque, rel=rel)
+    for x, y in zip(a.shoes, b.shoes, strict=True):
+        assert x.pressure == pytest.approx(y.pressure, rel=rel, abs=rel * y.pressure.max())
+        assert x.hinge_reaction == pytest.approx(y.hinge_reaction, rel=rel, abs=rel * np.abs(y.hinge_reaction).max())
+        assert x.normal_force == pytest.approx(y.normal_force, rel=rel)
+        assert x.self_energising == y.self_energising
+
+
+@pytest.mark.parametrize("rotation", ROTATIONS)
+def test_a_stiff_shoe_with_a_thin_lining_returns_to_the_sine_law(rotation):
+    rigid = vary(BRAKE, {"rotation": rotation, "shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 0.003})
+    law, fem = sine(rigid), solve(rigid, elements=120)
+    assert fem.torque == pytest.approx(law.torque, rel=3e-3)
+    for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
+        assert b.torque == pytest.approx(a.torque, rel=3e-3)
+        assert b.self_energising == a.self_energising
+        assert np.linalg.norm(b.hinge_reaction - a.hinge_reaction) < 5e-3 * np.linalg.norm(a.hinge_reaction)
+        phi = spec.frame.phi(b.theta)
+        inside = (phi > phi.min() + 0.1) & (phi < phi.max() - 0.1)
+        ratio = b.pressure[inside] / np.sin(phi[inside])
+        assert np.ptp(ratio) < 0.01 * ratio.mean()
+
+
+def test_the_deviation_from_the_law_falls_with_the_lining(brake):
+    """Rigid shoe (no body): only the lining's own shear and bulging are left, and they vanish with t/R."""
+    deviations = []
+    for thickness in (0.008, 0.004, 0.002):
+        rigid = vary(brake, {"shoe.body": None, "shoe.lining.thickness": thickness})
+        deviations.append(abs(solve(rigid, elements=80).torque / sine(rigid).torque - 1))
+    assert deviations[0] < 2e-3
+    assert deviations[2] < deviations[1] < deviations[0]
+    assert deviations[2] < 0.4 * deviations[0]
+
+
+@pytest.mark.parametrize("index", [0, 1])
+def test_an_independent_discretisation_agrees(index, brake):
+    """Triangles, skfem's forms, pointwise penalty, one sparse system: torque within 1e-4, p within 2 % in L2.
+
+    Pointwise, that method's own pressures scatter by some 5 %.
+    """
+    torque, theta, p = independent.solve(brake, index, 90, 1e4)
+    mine = solve(brake, elements=120).shoes[index]
+    assert mine.torque == pytest.approx(torque, rel=1e-4)
+    turn = theta + 2 * math.pi * np.round((mine.theta.mean() - theta) / (2 * math.pi))
+    inside = (turn > mine.theta[0] + 0.1) & (turn < mine.theta[-1] - 0.1)
+    difference = mine.pressure_at(turn[inside]) - p[inside]
+    assert np.linalg.norm(difference) < 0.02 * np.linalg.norm(p[inside])
+
+
+def test_forces_and_moments_balance_and_contact_is_complementary(brake):
+    for penalty in (1e3, 1e6, math.inf):
+        response = respond(SCENE, BRAKE, penalty=penalty)
+        assert response.converged
+        assert max(response.balance.force, response.balance.moment) < 1e-9
+        for body, shoe in zip(SCENE.bodies, BRAKE.shoes, strict=True):
+            problem = contact_problem(body, BRAKE, shoe, penalty)
+            found = contact.solve(problem)
+            w = problem.q + problem.A @ found.p + problem.B @ found.y
+            area = body.coupling.area
+            compression = found.p.max() * shoe.lining.thickness / shoe.lining.material.E
+            assert found.p.min() >= 0
+            assert (w / area).min() > -1e-9 * compression  # no penetration beyond p/eps
+            assert np.abs(found.p * w / area).max() < 1e-9 * found.p.max() * compression
+
+
+def test_a_clearance_opens_the_contact_and_stays_complementary():
+    open_ = vary(BRAKE, {"shoe.lining.clearance": 1e-4})
+    response = respond(SCENE, open_)
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    right = response.shoes[0]
+    assert right.contact_arcs[0][0] > math.radians(-40)  # the heel stays off
+    assert right.pressure[0] == 0
+    assert response.torque < respond(SCENE, BRAKE).torque
+
+
+def test_torque_and_pressure_converge(brake):
+    result = converge(brake, (20, 40, 80, 160))
+    limit = result.torque
+    assert limit.uncertainty < 1e-5 * limit.value
+    assert abs(result.responses[-1].torque / limit.value - 1) < 2e-6
+    for shoe in (0, 1):
+        steps = result.pressure_steps(shoe)
+        assert all(b < a / 1.9 for a, b in pairwise(steps))
+        order, error = result.pressure(shoe)
+        assert order > 1.9
+        assert error < 1e-3
+
+
+def test_without_friction_the_friction_path_equals_the_frictionless_one():
+    still = vary(BRAKE, {"friction": 0})
+    frictionless = prepare(still, elements=40)
+    assert frictionless.bodies[0].closing_dragged is None
+    a, b = respond(SCENE, still), respond(frictionless, still)
+    assert a.torque == b.torque == 0
+    same(a, b, 1e-12)
+    with pytest.raises(BadInput, match="without friction"):
+        respond(frictionless, BRAKE)
+
+
+@given(st.floats(1e-3, 1e3), st.floats(0, 0.6), st.sampled_from(ROTATIONS))
+def test_times_the_force_is_times_everything(factor, friction, rotation):
+    brake = vary(BRAKE, {"friction": friction, "rotation": rotation})
+    more = vary(brake, {"shoe.actuation.force": BRAKE.shoes[0].actuation.force * factor})
+    a, b = respond(SCENE, brake), respond(SCENE, more)
+    assert b.torque == pytest.approx(factor * a.torque, rel=1e-10)
+    for x, y in zip(a.shoes, b.shoes, strict=True):
+        assert y.pressure == pytest.approx(factor * x.pressure, rel=1e-10, abs=1e-10 * factor * x.pressure.max())
+        assert y.hinge_reaction == pytest.approx(factor * x.hinge_reaction, rel=1e-10, abs=1e-7 * factor)
+        assert y.turn == pytest.approx(factor * x.turn, rel=1e-10)
+
+
+def mirrored(brake):
+    """The mirror image about the y axis, rotation included."""
+    shoes = []
+    for shoe in brake.shoes:
+        data = shoe.model_dump()
+        for part in (data["lining"], data["body"]):
+            part["start"], part["end"] = math.pi - part["end"], math.pi - part["start"]
+        data["hinge"]["x"] *= -1
+        data["actuation"]["point"]["x"] *= -1
+        data["actuation"]["direction"] = math.pi - data["actuation"]["direction"]
+        shoes.append(data)
+    other = ROTATIONS[1 - ROTATIONS.index(brake.rotation)]
+    return vary(brake, {"shoe": shoes, "rotation": other})
+
+
+@settings(max_examples=10)
+@given(st.floats(0, 0.6), st.floats(-0.3, 0.3), st.floats(0.02, 0.12), st.sampled_from(ROTATIONS))
+def test_the_mirror_image_gives_the_mirrored_answer(friction, tilt, height, rotation):
+    brake = vary(
+        BRAKE,
+        {"friction": friction, "rotation": rotation, "shoe[0].actuation.direction": tilt,
+         "shoe[0].actuation.point.y": height},
+    )  # fmt: skip
+    a, b = respond(SCENE, brake), solve(mirrored(brake), elements=40)
+    assert b.torque == pytest.approx(a.torque, rel=1e-9)
+    for x, y in zip(a.shoes, b.shoes, strict=True):
+        assert y.theta == pytest.approx(math.pi - x.theta[::-1], abs=1e-9)
+        assert y.pressure[::-1] == pytest.approx(x.pressure, rel=1e-8, abs=1e-9 * x.pressure.max())
+        assert y.hinge_reaction * [-1, 1] == pytest.approx(x.hinge_reaction, rel=1e-8, abs=1e-5)
+        assert y.turn == pytest.approx(-x.turn, rel=1e-8)
+        assert y.self_energising == x.self_energising
+
+
+def test_a_brake_in_mm_n_mpa_numbers_gives_the_same_numbers(brake):
+    """All lengths as numbers of mm, moduli of MPa: torque in N mm, pressure in MPa, the same to round-off."""
+    data = brake.model_dump(by_alias=True)
+
+    def scaled(value, key=None):
+        if isinstance(value, dict):
+            return {k: scaled(v, k) for k, v in value.items()}
+        if isinstance(value, list | tuple):
+            return [scaled(v, key) for v in value]
+        lengths = {"radius", "thickness", "width", "x", "y"}
+        return value * 1e3 if key in lengths else value * 1e-6 if key == "E" else value
+
+    from drumlin.brake import brake_from
+
+    a, b = solve(brake, elements=40), solve(brake_from(scaled(data)), elements=40)
+    assert b.torque == pytest.approx(1e3 * a.torque, rel=1e-10)
+    assert b.iterations == a.iterations
+    for x, y in zip(a.shoes, b.shoes, strict=True):
+        assert 1e6 * y.pressure == pytest.approx(x.pressure, rel=1e-9, abs=1e-9 * x.pressure.max())
+        assert y.hinge_reaction == pytest.approx(x.hinge_reaction, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["brake", "flexible"])
+def test_the_contact_set_settles_in_15_steps_on_every_mesh_and_penalty(name, request):
+    spec = request.getfixturevalue(name)
+    most = ran = 0
+    for elements in (10, 20, 40, 80, 160, 320):
+        scene = prepare(spec, elements=elements)
+        for case in (spec, vary(spec, {"shoe.lining.clearance": 5e-5})):
+            torques = []
+            for penalty in (1e1, 1e3, 1e6, 1e9, 1e12, math.inf):
+                response = respond(scene, case, penalty=penalty)
+                most, ran = max(most, response.iterations), ran + 1
+                torques.append(response.torque)
+            assert torques[2:] == pytest.approx([torques[-1]] * 4, rel=1e-6)
+    assert ran == 72
+    assert most <= 15
+
+
+def test_the_softening_of_a_penalty_is_linear_in_it_and_as_stated():
+    exact = respond(SCENE, BRAKE, penalty=math.inf).torque
+    errors = [respond(SCENE, BRAKE, penalty=alpha).torque / exact - 1 for alpha in (1e3, 1e4, 1e5)]
+    assert abs(errors[0]) < 1e-3
+    assert errors[0] / errors[1] == pytest.approx(10, rel=0.02)
+    assert errors[1] / errors[2] == pytest.approx(10, rel=0.02)
+    for note, shoe, soft in zip(
+        respond(SCENE, BRAKE, penalty=1e4).notes,
+        respond(SCENE, BRAKE, penalty=math.inf).shoes,
+        respond(SCENE, BRAKE, penalty=1e4).shoes,
+        strict=True,
+    ):
+        stated = float(note.split("changes its torque by ")[1].split()[0])
+        # the note gives -softening: its sign is that of the change from exact to soft
+        assert stated == pytest.approx(soft.torque / shoe.torque - 1, rel=0.06)
+
+
+def test_starts_agree():
+    for body, shoe in zip(SCENE.bodies, BRAKE.shoes, strict=True):
+        problem = contact_problem(body, vary(BRAKE, {"shoe.lining.clearance": 1e-4}), shoe)
+        n = len(problem.q)
+        rng = np.random.default_rng(5)
+        starts = [None, np.zeros(n, bool), rng.random(n) < 0.5, rng.random(n) < 0.1]
+        answers = [contact.solve(problem, start) for start in starts]
+        for found in answers[1:]:
+            assert found.p == pytest.approx(answers[0].p, rel=1e-9, abs=1e-9 * answers[0].p.max())
+
+
+def test_equal_shoes_are_condensed_once_and_it_is_said(brake):
+    assert SCENE.bodies[0] is SCENE.bodies[1]
+    assert any("condensed once" in line for line in SCENE.left_out)
+    other = prepare(vary(brake, {"shoe[1].lining.thickness": 0.007}), elements=10)
+    assert other.bodies[0] is not other.bodies[1]
+
+
+def test_a_scene_refuses_a_brake_of_other_shape(brake):
+    with pytest.raises(BadInput, match="differs from the prepared scene"):
+        respond(SCENE, vary(brake, {"shoe[0].lining.thickness": 0.007}))
+    with pytest.raises(BadInput, match="elements"):
+        prepare(brake, elements=0)
+    for penalty in (0.0, -1.0, math.nan):
+        with pytest.raises(BadInput, match="penalty"):
+            respond(SCENE, BRAKE, penalty=penalty)
+
+
+@pytest.mark.parametrize("force", [0.0, -2000.0])
+def test_a_force_that_is_zero_or_pulls_the_shoe_off_is_an_answer(brake, force):
+    free = vary(brake, {"shoe.actuation.force": force})
+    for response in (respond(SCENE, free), sine(free)):
+        assert response.torque == 0
+        assert response.converged
+        assert all(not shoe.contact_arcs and not shoe.pressure.any() for shoe in response.shoes)
+        assert "no contact" in response.notes[0]
+        assert response.shoes[0].hinge_reaction == pytest.approx(-free.shoes[0].actuation.vector)
+
+
+@pytest.mark.parametrize("friction", [1.2, 1.5, 3.0, 20.0])
+def test_a_self_locking_brake_is_refused_with_both_limits(friction):
+    locked = vary(BRAKE, {"friction": friction})
+    with pytest.raises(NoAnswer, match=rf"self-locking, friction {friction:g} .* mu_lock = 0.823"):
+        sine(locked)
+    with pytest.raises(NoAnswer, match=rf"self-locking.*friction {friction:g};.*mu_lock = .*sine law"):
+        respond(SCENE, locked)
+
+
+def test_a_rigid_shoe_locks_where_the_sine_law_does():
+    rigid = vary(BRAKE, {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 0.003, "friction": 0.9})
+    with pytest.raises(NoAnswer) as refusal:
+        solve(rigid, elements=40)
+    limit = float(str(refusal.value).split("mu_lock = ")[1].split()[0])
+    assert limit == pytest.approx(locking_friction(rigid, rigid.shoes[1]), rel=5e-3)
+
+
+def test_torque_grows_without_bound_towards_the_elastic_limit_of_self_locking():
+    """Follow the left shoe: its torque rises with mu, faster and faster, until there is no equilibrium."""
+    torques = []
+    for friction in np.arange(0.05, 3.0, 0.05):
+        try:
+            torques.append(respond(SCENE, vary(BRAKE, {"friction": friction})).shoes[1].torque)
+        except NoAnswer:
+            break
+    assert 10 < len(torques) < 55
+    assert (np.diff(torques) > 0).all()
+    assert torques[-1] > 4 * torques[len(torques) // 2]
+
+
+def test_a_shoe_that_turns_without_ever_touching_is_refused(brake):
+    with pytest.raises(NoAnswer, match=r"turn by .* deg to touch"):
+        respond(SCENE, vary(brake, {"shoe.lining.clearance": 0.1}))
+    outside = vary(
+        brake,
+        {"shoe[0].hinge": {"x": 0.02, "y": 0.0}, "shoe[0].lining.clearance": 0.045, "shoe[0].actuation.point.y": 0.1},
+    )
+    with pytest.raises(NoAnswer, match="ever touching"):
+        solve(outside, elements=20)
+
+
+def test_a_ring_is_not_silently_left_out(brake):
+    ring = {"thickness": 0.015, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}}
+    with pytest.raises(BadInput, match="ring"):
+        solve(vary(brake, {"drum.ring": ring}))
+
+
+def test_cost_is_counted_from_the_same_run(brake):
+    """Ratios are for the command `drumlin cost` to state; here: they are finite, ordered and not absurd."""
+    c = cost(brake, elements=60, repeats=3)
+    assert 1 < c.solve_ratio < 10
+    assert 0 < c.further_ratio < 0.5
+
+
+def test_external_shoes(brake):
+    """An external brake: the law's counterpart, with the stiff limit as judge."""
+    external = {
+        "shoe.side": "external",
+        "shoe[0].hinge": {"x": 0.045, "y": -0.168},
+        "shoe[1].hinge": {"x": -0.045, "y": -0.168},
+        "shoe[0].actuation.direction": math.pi,
+        "shoe[1].actuation.direction": 0.0,
+        "shoe.body.material.E": 2.1e15,
+        "shoe.lining.thickness": 0.003,
+    }
+    for rotation in ROTATIONS:
+        spec = vary(brake, {**external, "rotation": rotation})
+        law, fem = sine(spec), solve(spec, elements=80)
+        for a, b in zip(law.shoes, fem.shoes, strict=True):
+            assert b.torque == pytest.approx(a.torque, rel=3e-3)
+            assert b.self_energising == a.self_energising
+            assert pressure_distance(a, b, math.radians(6)) < 0.01

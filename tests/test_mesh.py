@@ -1,0 +1,110 @@
+"""Meshes: groups and layers of the parametric one, files written and read back, files refused."""
+
+import meshio
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drumlin.brake import vary
+from drumlin.errors import BadInput
+from drumlin.fem.mesh import graded, read_mesh, shoe_mesh, write_mesh
+from drumlin.fem.model import solve
+
+
+@given(st.integers(1, 300), st.floats(1e-3, 2), st.floats(1e-3, 1))
+def test_graded_points_grow_from_both_ends_to_the_middle(count, zone, smallest):
+    x = graded(1.0, 3.0, count, zone, smallest)
+    assert len(x) == count + 1
+    assert (x[0], x[-1]) == (1.0, 3.0)
+    steps = np.diff(x)
+    assert (steps > 0).all()
+    assert steps == pytest.approx(steps[::-1], rel=1e-6)
+    assert (np.diff(steps[: (count + 1) // 2]) > -1e-9).all()
+
+
+def test_groups_cover_the_mesh_and_its_ends(brake):
+    backed = vary(brake, {"shoe.backing": {"thickness": 0.004, "material": {"E": 1e10, "nu": 0.3}}})
+    for spec in (brake, backed):
+        shoe = spec.shoes[0]
+        mesh = shoe_mesh(shoe, spec.drum.radius, 20)
+        members = np.concatenate(list(mesh.subdomains.values()))
+        assert np.array_equal(np.sort(members), np.arange(mesh.nelements))
+        assert set(mesh.subdomains) == {"lining", "shoe"} | ({"backing"} if shoe.backing else set())
+        assert len(mesh.boundaries["contact"]) == 20
+        radius = np.hypot(*mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["contact"]])])
+        assert radius == pytest.approx(spec.drum.radius, rel=1e-13)
+        hinge = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["hinge"]])]
+        assert np.arctan2(hinge[1], hinge[0]) == pytest.approx(0, abs=1e-12)  # the pin's ray
+        assert len(mesh.boundaries["actuation"]) > 0
+
+
+@pytest.fixture
+def written(tmp_path, brake):
+    """The parametric meshes of both shoes as files, and a brake that uses them."""
+    for shoe in brake.shoes:
+        write_mesh(tmp_path / f"{shoe.name}.msh", shoe_mesh(shoe, brake.drum.radius, 30), shoe)
+    changes = {f"shoe[{i}].mesh": str(tmp_path / f"{shoe.name}.msh") for i, shoe in enumerate(brake.shoes)}
+    return vary(brake, changes)
+
+
+def test_a_mesh_file_gives_the_answer_of_the_parametric_mesh_it_came_from(brake, written):
+    a, b = solve(brake, elements=30), solve(written)
+    assert b.torque == pytest.approx(a.torque, rel=1e-9)
+    for x, y in zip(a.shoes, b.shoes, strict=True):
+        assert y.pressure == pytest.approx(x.pressure, rel=1e-6, abs=1e-8 * x.pressure.max())
+        assert y.hinge_reaction == pytest.approx(x.hinge_reaction, rel=1e-8)
+
+
+def test_a_mesh_file_in_millimetres(tmp_path, brake, written):
+    for name in ("right", "left"):
+        mesh = meshio.read(tmp_path / f"{name}.msh")
+        mesh.points *= 1e3
+        mesh.write(tmp_path / f"{name}.msh", file_format="gmsh22", binary=False)
+    with pytest.raises(BadInput, match="coordinates are read in m"):
+        solve(written)
+    assert solve(vary(written, {"shoe.mesh_unit": "mm"})).torque == pytest.approx(
+        solve(brake, elements=30).torque, rel=1e-9
+    )
+
+
+def test_named_groups_are_in_the_file(written):
+    mesh = meshio.read(written.shoes[0].mesh)
+    assert set(mesh.field_data) == {"lining", "shoe", "contact", "hinge", "actuation"}
+
+
+def rewritten(path, change):
+    mesh = meshio.read(path)
+    change(mesh)
+    mesh.write(path, file_format="gmsh22", binary=False)
+
+
+REFUSED = {
+    "missing group": (lambda m: m.field_data.pop("contact"), "named groups missing: contact"),
+    "missing subdomain": (lambda m: m.field_data.pop("lining"), "named groups missing: lining"),
+    "not finite": (lambda m: m.points.__setitem__((3, 0), np.nan), "not finite"),
+    "wrong radius": (lambda m: m.points.__imul__(1.2), "off the drum's radius"),
+    "wrong place": (lambda m: m.points.__setitem__((slice(None), slice(0, 2)), m.points[:, 1::-1]), "lining's arc"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_mesh_that_does_not_fit_is_refused_in_one_line(written, brake, case):
+    change, words = REFUSED[case]
+    path = written.shoes[0].mesh
+    rewritten(path, change)
+    with pytest.raises(BadInput) as refusal:
+        read_mesh(path, written.shoes[0], brake.drum.radius)
+    assert words in str(refusal.value)
+    assert path.name in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_files_that_are_no_mesh_are_refused(tmp_path, brake):
+    shoe = brake.shoes[0]
+    for name, content in {"a.msh": "nonsense", "b.xyz": "nonsense", "c.msh": "", "d.vtu": "<VTKFile>"}.items():
+        (tmp_path / name).write_text(content)
+        with pytest.raises(BadInput, match="not a mesh"):
+            read_mesh(tmp_path / name, shoe, brake.drum.radius)
+    with pytest.raises(BadInput, match="no such file"):
+        read_mesh(tmp_path / "none.msh", shoe, brake.drum.radius)
