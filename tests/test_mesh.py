@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from drumlin.brake import vary
 from drumlin.errors import BadInput
-from drumlin.fem.mesh import graded, read_mesh, shoe_mesh, write_mesh
+from drumlin.fem.division import graded
+from drumlin.fem.mesh import read_mesh, shoe_mesh, write_mesh
 from drumlin.fem.model import solve
 
 

@@ -47,6 +47,9 @@ def solve(
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write the response as JSON")] = None,
     elements: Elements = None,
     penalty: Penalty = None,
+    tolerance: Annotated[
+        float | None, typer.Option(help="refine until the estimated errors of p (L2) and torque are below it")
+    ] = None,
 ) -> None:
     """Solve a brake by one model."""
     from drumlin.brake import read_brake
@@ -54,10 +57,10 @@ def solve(
     from drumlin.models import pick
 
     brake = read_brake(brake_file)
-    options = _options(elements, penalty)
+    options = _options(elements, penalty) | ({} if tolerance is None else {"tolerance": tolerance})
     chosen = pick(model, brake)
     if options and model != "fem":
-        raise BadInput(f"--elements and --penalty belong to --model fem, not to {model!r}")
+        raise BadInput(f"--elements, --penalty and --tolerance belong to --model fem, not to {model!r}")
     with _busy(f"solving by {model}"):
         response = chosen.solve(brake, **options)
     if json_file is not None:
@@ -196,6 +199,9 @@ def _print_response(brake: "Brake", response: "Response") -> None:
     if spent:
         print(f"  {response.iterations} active-set steps; balance: force {response.balance.force:.1e}, "
               f"moment {response.balance.moment:.1e}; ms: {spent}")  # fmt: skip
+    if response.error is not None:
+        print(f"  estimated error: p {response.error['pressure']:.1e} (L2, worst shoe), "
+              f"torque {response.error['torque']:.1e}")  # fmt: skip
     for line in response.notes:
         print(f"  {line}")
     for line in response.left_out:

@@ -133,7 +133,7 @@ class _Equations:
         return p, solution[len(self._on) :]
 
     def _solution(self, right: Floats) -> Floats:
-        return scipy.linalg.lu_solve(self._factors, right, check_finite=False)
+        return _back(self._factors, right)
 
 
 class _Released(_Equations):
@@ -151,7 +151,7 @@ class _Released(_Equations):
 
     def _solution(self, right: Floats) -> Floats:
         solution = self._base._solution(right)
-        gaps = scipy.linalg.lu_solve(self._inner, -solution[self._out], check_finite=False)
+        gaps = _back(self._inner, -solution[self._out])
         solution += self._spread @ gaps
         solution[self._out] = 0.0
         return solution
@@ -165,6 +165,11 @@ def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
     if info or not np.isfinite(np.diagonal(lu)).all():
         raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
     return lu, pivots
+
+
+def _back(factors: tuple[Floats, Ints], right: Floats) -> Floats:
+    """Back-substitution; LAPACK directly, since scipy's checks cost more than these small systems."""
+    return scipy.linalg.lapack.dgetrs(*factors, right)[0] if len(right) else right
 
 
 def _determinant_sign(factors: tuple[Floats, Ints]) -> int:

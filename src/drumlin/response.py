@@ -63,7 +63,11 @@ class ShoeResponse:
 
 @dataclass(frozen=True)
 class Response:
-    """What a model answers for a brake. `seconds`: time of each phase; `left_out`: what was not computed, and why."""
+    """What a model answers for a brake. `seconds`: time of each phase; `left_out`: what was not computed, and why.
+
+    `error`: estimated relative errors "pressure" (L2 outside the edge zones, the worst shoe's) and "torque", None
+    where nothing was estimated.
+    """
 
     model: str
     shoes: tuple[ShoeResponse, ...]
@@ -73,6 +77,7 @@ class Response:
     seconds: Mapping[str, float] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    error: Mapping[str, float] | None = None
 
     @property
     def torque(self) -> float:
@@ -86,6 +91,7 @@ class Response:
             "torque": self.torque,
             "converged": self.converged,
             "iterations": self.iterations,
+            "error": None if self.error is None else dict(self.error),
             "balance": {"force": self.balance.force, "moment": self.balance.moment},
             "seconds": dict(self.seconds),
             "left_out": list(self.left_out),

@@ -56,10 +56,15 @@ class Coupling:
         return self.M.sum(axis=1)
 
 
+def edge_nodes(basis: Any, facets: Ints) -> Ints:
+    """Nodes (order + 1, m) of each facet of a scalar basis, from one end to the other."""
+    ends = basis.nodal_dofs[0][basis.mesh.facets[:, facets]]
+    return np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])
+
+
 def contact_line(basis: Any, facets: Ints, middle: float) -> ContactLine:
     """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad]."""
-    ends = basis.nodal_dofs[0][basis.mesh.facets[:, facets]]
-    dofs = np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])
+    dofs = edge_nodes(basis, facets)
     nodes = np.unique(dofs)
     z = np.exp(-1j * middle) * (basis.doflocs[0, nodes] + 1j * basis.doflocs[1, nodes])
     phi = middle + np.angle(z)
@@ -76,7 +81,7 @@ def couple(line: ContactLine, width: float, sign: int) -> Coupling:
     """The coupling of a lining of this width b [m] with a round drum about O; n = sign e_r."""
     n = len(line.nodes)
     psi = shape(line.order, GAUSS)  # (k, points)
-    slope = _slopes(line.order)
+    slope = slopes(line.order)
     x = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], psi)  # (2, pieces, points)
     dx = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], slope)
     r = np.hypot(*x)
@@ -100,7 +105,32 @@ def couple(line: ContactLine, width: float, sign: int) -> Coupling:
     return Coupling(gather(np.ones_like(r)), interleave(normal), interleave(tangent), gather(r).sum(axis=1))
 
 
-def _slopes(order: int) -> Floats:
+def slopes(order: int) -> Floats:
     """Derivatives of the shape functions at the Gauss points (order + 1, points)."""
     nodes = np.linspace(-1, 1, order + 1)
     return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), GAUSS) for row in np.eye(order + 1)])
+
+
+def contact_arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
+    """Arcs [rad] of contact, from pressures p (n,) at growing angles theta (n,).
+
+    Where a contact ends inside the lining, p falls to zero as the square root of the distance from its end:
+    the end is where the line through p^2 at the last and the last but one node vanishes, within the next step.
+    """
+    on = np.flatnonzero(np.diff(np.concatenate([[0], (p > 0).astype(int), [0]])))
+    return tuple(
+        (_end(theta, p, first, -1), _end(theta, p, last - 1, 1)) for first, last in zip(on[::2], on[1::2], strict=True)
+    )
+
+
+def _end(theta: Floats, p: Floats, last: int, way: int) -> float:
+    """The end of a contact beyond its `last` node, `way` = 1 to growing and -1 to falling angles."""
+    beyond, before = last + way, last - way
+    if not 0 <= beyond < len(p):
+        return float(theta[last])
+    step = float(theta[beyond] - theta[last])
+    slope = p[before] ** 2 - p[last] ** 2 if 0 <= before < len(p) else 0.0
+    if slope <= 0:
+        return float(theta[last]) + 0.5 * step
+    distance = p[last] ** 2 * (theta[last] - theta[before]) / slope
+    return float(theta[last] + way * min(abs(distance), abs(step)))

@@ -20,6 +20,7 @@ from skfem.io.meshio import from_meshio
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Shoe
 from drumlin.errors import BadInput
+from drumlin.fem.division import Division, divide
 from drumlin.files import replacing
 from drumlin.units import deg, mm
 
@@ -30,8 +31,6 @@ ELEMENTS: dict[type, Any] = {
     skfem.MeshTri2: skfem.ElementTriP2,
 }
 MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
-EDGE_SIZE = 1 / 32  # of an element at the lining's sharp edge, relative to one in its middle
-FACE_SIZE = 1 / 8  # of a layer at the lining's faces, relative to one in its middle
 ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
 CELLS = {
     "quad9": "line3",
@@ -41,30 +40,29 @@ CELLS = {
 }  # meshio's cells and edges
 
 
-def shoe_mesh(shoe: Shoe, radius: float, elements: int) -> Any:
+def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division) -> Any:
     """Quadratic quadrilateral mesh of a shoe in its own frame, with curved edges that follow the arcs.
 
-    `elements`: number along the lining. They shrink towards the lining's ends, where the pressure of a sharp
-    edge is singular, and so do the layers towards the lining's faces. Without a body the back of the
+    `elements`: number along the lining, graded to its edges, or its division. Without a body the back of the
     lining (or backing) is the rigid line "hinge" and the mesh has no "actuation".
     """
+    division = elements if isinstance(elements, Division) else divide(shoe, radius, elements)
     phi_1, phi_2 = shoe.arc
-    step = (phi_2 - phi_1) / elements
     layers = [("lining", shoe.lining.thickness)]
     if shoe.backing is not None:
         layers.append(("backing", shoe.backing.thickness))
     lining_depth = sum(thickness for _, thickness in layers)
-    angles = graded(phi_1, phi_2, elements, shoe.lining.thickness / radius, EDGE_SIZE)
+    angles = division.angles
     body = (phi_1, phi_2)
     if shoe.body is not None:
         layers.append(("shoe", shoe.body.thickness))
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        angles = np.concatenate([_overhang(body[0], phi_1, step)[:-1], angles, _overhang(phi_2, body[1], step)[1:]])
-    through = graded(0, shoe.lining.thickness, lining_layers(elements), shoe.lining.thickness / 2, FACE_SIZE)
-    depths = [through]
+        before, after = _overhang(body[0], phi_1, division.step), _overhang(phi_2, body[1], division.step)
+        angles = np.concatenate([before[:-1], angles, after[1:]])
+    depths = [division.depths]
     for _, thickness in layers[1:]:
-        count = min(max(1, math.ceil(thickness / (step * radius))), MOST_LAYERS)
+        count = min(max(division.behind, math.ceil(thickness / (division.step * radius))), MOST_LAYERS)
         depths.append(depths[-1][-1] + np.arange(1, count + 1) / count * thickness)
     bounds = np.array([part[-1] for part in depths])
     grid = skfem.MeshQuad.init_tensor(np.concatenate(depths), angles)
@@ -99,33 +97,6 @@ def _overhang(start: float, end: float, step: float) -> Floats:
     if end - start < 1e-9:
         return np.array([end])
     return np.linspace(start, end, max(1, round((end - start) / step)) + 1)
-
-
-def lining_layers(elements: int) -> int:
-    """Layers through a lining with this number of elements along it."""
-    return min(max(2, round(elements / 15)), 12)
-
-
-def graded(start: float, end: float, count: int, zone: float, smallest: float) -> Floats:
-    """count + 1 points from start to end; steps shrink linearly over `zone` at each end to `smallest` of the inner.
-
-    The step is h(d) = h_0 min(1, smallest + d / zone) at the distance d from the nearer end: points lie at
-    equal parts of Int dd / h.
-    """
-    half = (end - start) / 2
-    reach = min(zone * (1 - smallest), half)  # beyond it all steps are h_0
-
-    def parts(d: Floats) -> Floats:
-        return zone * np.log1p(np.minimum(d, reach) / (zone * smallest)) + np.maximum(d - reach, 0.0)
-
-    total = float(parts(np.array(half)))
-    part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
-    inner = float(parts(np.array(reach)))
-    d = np.where(part <= inner, zone * smallest * np.expm1(np.minimum(part, inner) / zone), reach + part - inner)
-    left = np.arange(count + 1) <= count / 2
-    points = np.where(left, start + d, end - d)
-    points[0], points[-1] = start, end
-    return points
 
 
 def cell_type(mesh: Any) -> str:

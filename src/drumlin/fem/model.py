@@ -6,6 +6,7 @@ force, line of action, clearance and penalty, in milliseconds on the same scene.
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -13,7 +14,8 @@ from drumlin import contact
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.interface import Coupling
+from drumlin.fem.adapt import adapt
+from drumlin.fem.interface import Coupling, contact_arcs
 from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, held, prepare, shape_of
 from drumlin.laws import locking_friction
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
@@ -25,16 +27,27 @@ lining's own compression p t/E, and the pressure is off by about as much; each r
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
 
 
-def solve(brake: Brake, *, elements: int = ELEMENTS, penalty: float = PENALTY) -> Response:
-    """Mesh, condense and solve a brake: prepare, then respond."""
-    return respond(prepare(brake, elements=elements), brake, penalty=penalty)
+def solve(
+    brake: Brake, *, elements: int | None = None, tolerance: float | None = None, penalty: float = PENALTY
+) -> Response:
+    """Mesh, condense and solve a brake: prepare, then respond; with a `tolerance` on meshes adapted to it.
+
+    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque. Raises
+    NoAnswer where it is not reached, BadInput where `elements` are given too.
+    """
+    if tolerance is None:
+        return respond(prepare(brake, elements=ELEMENTS if elements is None else elements), brake, penalty=penalty)
+    if elements is not None:
+        raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
+    return adapt(brake, tolerance, partial(respond, penalty=penalty))
 
 
-def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Response:
+def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None) -> Response:
     """The response of a brake on a prepared scene of the same geometry and stiffness.
 
-    penalty: factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact.
-    Raises NoAnswer: self-locking, no equilibrium, not converged.
+    penalty: factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact. start: a
+    response of a similar brake or on another mesh, whose contact is the first guess: it saves steps and does
+    not change the answer. Raises NoAnswer: self-locking, no equilibrium, not converged.
     """
     if not penalty > 0:
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
@@ -44,7 +57,11 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Response
         raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
     seconds = dict(scene.seconds)
     with clock(seconds, "contact"):
-        answers = [_respond(body, brake, shoe, penalty) for body, shoe in zip(scene.bodies, brake.shoes, strict=True)]
+        guesses = start.shoes if start is not None else [None] * len(brake.shoes)
+        answers = [
+            _respond(body, brake, shoe, penalty, guess)
+            for body, shoe, guess in zip(scene.bodies, brake.shoes, guesses, strict=True)
+        ]
     return Response(
         model="fem",
         shoes=tuple(answer.response for answer in answers),
@@ -94,7 +111,7 @@ def contact_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float = math.
     )
 
 
-def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
+def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float, guess: ShoeResponse | None) -> _Answer:
     frame, line, coupling = shoe.frame, body.line, body.coupling
     load, moment = actuation(body, shoe)
     sense = math.copysign(1.0, moment)
@@ -105,7 +122,8 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
         return _Answer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
     _check_reach(shoe, line.xy, gap_of(body, brake, shoe), sense)
     try:
-        found = contact.solve(contact_problem(body, brake, shoe, penalty))
+        first = None if guess is None else _touching(frame.theta(line.phi), guess)
+        found = contact.solve(contact_problem(body, brake, shoe, penalty), first)
     except NoAnswer as error:
         raise NoAnswer(f"shoe {shoe.name!r}: {_locked(body, brake, shoe) or error}") from error
     if not found.regular:
@@ -136,13 +154,18 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
         self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
         peak_pressure=float(p[_inside(line.phi, shoe.lining.thickness / (2 * brake.drum.radius))].max()),
         hinge_reaction=frame.to_brake(reaction),
-        contact_arcs=_contact_arcs(theta, p[forward]),
+        contact_arcs=contact_arcs(theta, p[forward]),
         theta=theta,
         pressure=p[forward],
         order=line.order,
         turn=frame.sense * size * float(found.y[0]),
     )
     return _Answer(response, balance, found.steps, note)
+
+
+def _touching(theta: Floats, guess: ShoeResponse) -> Bools:
+    """Nodes at the angles `theta` within the contact arcs of a response."""
+    return np.any([(theta > a - 1e-9) & (theta < b + 1e-9) for a, b in guess.contact_arcs] or [theta < -np.inf], axis=0)
 
 
 def _inside(phi: Floats, zone: float) -> Bools:
@@ -178,18 +201,6 @@ def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, sense: float) -> None:
             f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turns.min()):.3g} deg to touch the drum; "
             f"small displacements hold up to {math.degrees(LARGEST_TURN):.3g} deg"
         )
-
-
-def _contact_arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
-    """Arcs [rad] in which the interpolated pressure is positive: steps between nodes with p > 0 at either end."""
-    arcs: list[tuple[float, float]] = []
-    for i in range(len(p) - 1):
-        if p[i] > 0 or p[i + 1] > 0:
-            if arcs and arcs[-1][1] == theta[i]:
-                arcs[-1] = (arcs[-1][0], float(theta[i + 1]))
-            else:
-                arcs.append((float(theta[i]), float(theta[i + 1])))
-    return tuple(arcs)
 
 
 def _locked(body: Body, brake: Brake, shoe: Shoe) -> str:

@@ -2,9 +2,10 @@
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,13 +14,14 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Material, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, slopes
 from drumlin.fem.mesh import read_mesh, shoe_mesh
-from drumlin.statics import cross
+from drumlin.statics import GAUSS, WEIGHTS, cross, shape
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
 
 Seconds = dict[str, float]
+Mesher = Callable[[Shoe, float], Any]  # shoe, drum radius [m] -> mesh in the shoe's frame
 
 
 @contextmanager
@@ -97,10 +99,11 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     )
 
 
-def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
+def prepare(brake: Brake, *, elements: int = ELEMENTS, mesher: Mesher | None = None) -> Scene:
     """Mesh and condense the bodies of a brake; shoes of one shape share one body.
 
-    elements: number along each parametric lining. Raises BadInput for a brake that finite elements do not
+    elements: number along each parametric lining; mesher: what makes the mesh of a shoe without a file, in the
+    place of shoe_mesh with `elements`. Raises BadInput for a brake that finite elements do not
     cover, and for a mesh file that cannot serve.
     """
     reason = why_not(brake)
@@ -114,7 +117,7 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
     for shoe in brake.shoes:
         key = shape_of(brake, shoe)
         if key not in made:
-            made[key] = _body(brake, shoe, elements, seconds)
+            made[key] = _body(brake, shoe, mesher or partial(shoe_mesh, elements=elements), seconds)
         bodies.append(made[key])
     left_out = ["drum: rigid, no [drum.ring] in the brake", "interior fields: recovered only for a picture"]
     if len(made) < len(bodies):
@@ -127,10 +130,10 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
     return Scene(brake, tuple(bodies), seconds, tuple(left_out))
 
 
-def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
+def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
     with clock(seconds, "mesh"):
         if shoe.mesh is None:
-            mesh = shoe_mesh(shoe, brake.drum.radius, elements)
+            mesh = mesher(shoe, brake.drum.radius)
         else:
             mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
         basis = scalar_basis(mesh)
@@ -182,19 +185,19 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
 
     The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows linearly from it.
     """
-    edge = basis.boundary(facets)
-    x, weight = np.asarray(edge.global_coordinates()), edge.dx
+    dofs = edge_nodes(basis, facets)
+    order = len(dofs) - 1
+    psi, nodes = shape(order, GAUSS), basis.doflocs[:, dofs]
+    x = np.einsum("cai,aq->ciq", nodes, psi)
+    weight = np.hypot(*np.einsum("cai,aq->ciq", nodes, slopes(order))) * WEIGHTS
     length = weight.sum()
     centre = (x * weight).sum(axis=(1, 2)) / length
     arm = x - centre[:, None, None]
     inertia = float((arm**2 * weight).sum())
-    turn = np.array([-arm[1], arm[0]]) / inertia
     ones, zeros = np.full(weight.shape, 1 / length), np.zeros(weight.shape)
+    tractions = np.array([[ones, zeros], [zeros, ones], [-arm[1] / inertia, arm[0] / inertia]])  # (l, c, i, q)
     loads = np.zeros((basis.N, 2, 3))
-    for k, traction in enumerate(np.array([[ones, zeros], [zeros, ones], turn])):
-        for c in range(2):
-            for psi, dofs in zip(edge.basis, edge.element_dofs, strict=True):
-                np.add.at(loads[:, c, k], dofs, (psi[0] * traction[c] * weight).sum(axis=1))
+    np.add.at(loads, dofs, np.einsum("aq,lciq,iq->aicl", psi, tractions, weight))
     return loads.reshape(-1, 3), centre
 
 
