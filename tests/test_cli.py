@@ -36,6 +36,13 @@ def test_solve_prints_and_writes_json(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["r.json"]  # no temporary file is left
 
 
+def test_solve_to_a_tolerance_states_the_estimated_errors(tmp_path):
+    done = drumlin("solve", STUDY / "brake.toml", "--tolerance", "5e-3", "--json", tmp_path / "r.json")
+    assert done.returncode == 0, done.stderr
+    assert "estimated error: p " in done.stdout
+    assert 0 < json.loads((tmp_path / "r.json").read_text())["error"]["pressure"] <= 5e-3
+
+
 def test_solve_by_the_sine_law():
     done = drumlin("solve", STUDY / "brake.toml", "--model", "sine")
     assert done.returncode == 0
@@ -48,6 +55,9 @@ REFUSED = {
     "negative penalty": (["--penalty", "-1"], None, 2, "greater than 0"),
     "no elements": (["--elements", "0"], None, 2, "--elements = 0"),
     "elements for a law": (["--model", "sine", "--elements", "9"], None, 2, "belong to --model fem"),
+    "tolerance for a law": (["--model", "sine", "--tolerance", "1e-3"], None, 2, "belong to --model fem"),
+    "tolerance of nothing": (["--tolerance", "0"], None, 2, "--tolerance = 0: must be greater than 0"),
+    "tolerance and elements": (["--tolerance", "1e-3", "--elements", "9"], None, 2, "leave out --elements"),
     "self-locking": ([], ("friction = 0.3", "friction = 1.3"), 3, "self-locking"),
     "self-locking law": (["--model", "sine"], ("friction = 0.3", "friction = 0.9"), 3, "self-locking"),
     "never touches": ([], ('thickness = "8 mm" ', 'clearance = "100 mm"\nthickness = "8 mm" '), 3, "to touch"),
@@ -128,6 +138,7 @@ def test_compare_view_mesh_and_cost(tmp_path):
     assert (tmp_path / "brake_right.msh").exists() and (tmp_path / "brake_left.msh").exists()
     done = drumlin("cost", STUDY / "brake.toml", "--elements", 20)
     assert "times their sum" in done.stdout and "of the first" in done.stdout
+    assert drumlin("cost", STUDY / "brake.toml", "--elements", 20, "--table").returncode == 2
 
 
 def test_an_unknown_study_is_refused_by_name():

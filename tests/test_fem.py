@@ -14,7 +14,7 @@ from drumlin import contact
 from drumlin.brake import read_brake, vary
 from drumlin.compare import converge, pressure_distance
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.cost import cost
+from drumlin.fem.cost import cost, table
 from drumlin.fem.model import contact_problem, respond, solve
 from drumlin.fem.scene import prepare
 from drumlin.laws import locking_friction, sine
@@ -317,6 +317,21 @@ def test_cost_is_counted_from_the_same_run(brake):
     c = cost(brake, elements=60, repeats=3)
     assert 1 < c.solve_ratio < 10
     assert 0 < c.further_ratio < 0.5
+
+
+def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
+    head, *rows, last = table(brake, sizes=(2_000, 4_000))
+    assert "peak memory" in head
+    assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.25)
+    assert all(0.05 < float(row.split()[-1]) < 2 for row in rows)  # GiB: Python and its libraries take 0.08
+    assert "solve ~ N^" in last
+
+
+def test_an_earlier_response_is_a_start_and_not_an_answer():
+    other = vary(BRAKE, {"friction": 0.1, "rotation": "clockwise"})
+    same(respond(SCENE, BRAKE, start=respond(SCENE, other)), respond(SCENE, BRAKE), 1e-11)
+    untouched = respond(SCENE, vary(BRAKE, {"shoe.actuation.force": 0.0}))
+    same(respond(SCENE, BRAKE, start=untouched), respond(SCENE, BRAKE), 1e-11)
 
 
 def test_external_shoes(brake):

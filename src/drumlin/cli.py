@@ -146,14 +146,28 @@ def mesh(
 
 
 @app.command()
-def cost(brake_file: BrakeFile, elements: Elements = None, penalty: Penalty = None) -> None:
+def cost(
+    brake_file: BrakeFile,
+    elements: Elements = None,
+    penalty: Penalty = None,
+    by_size: Annotated[
+        bool, typer.Option("--table", help="against the unknowns, up to 1 000 000: some minutes, some 8 GiB")
+    ] = False,
+) -> None:
     """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
     from drumlin.brake import read_brake
-    from drumlin.fem.cost import measure
+    from drumlin.fem.cost import measure, table
 
     brake = read_brake(brake_file)
+    options = _options(elements, penalty)
+    if by_size and options:
+        raise BadInput("--table chooses the elements itself; leave out --elements and --penalty")
+    if by_size:
+        for line in table(brake):
+            print(line, flush=True)
+        return
     with _busy("measuring"):
-        lines = measure(brake, **_options(elements, penalty))
+        lines = measure(brake, **options)
     for line in lines:
         print(line)
 

@@ -91,7 +91,7 @@ def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]]) -> An
     K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
     for i in range(2):
         K[:, :, i, :, i] += mu[:, :, 0, :, 0] * np.trace(H, axis1=2, axis2=4)
-    dofs = (2 * basis.element_dofs.T[:, :, None] + np.arange(2)).reshape(elements, 2 * a)
+    dofs = (2 * basis.element_dofs.T[:, :, None] + np.arange(2)).reshape(elements, 2 * a).astype(np.int32)
     rows = np.broadcast_to(dofs[:, :, None], (elements, 2 * a, 2 * a))
     columns = np.broadcast_to(dofs[:, None, :], rows.shape)
     return sp.coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * basis.N, 2 * basis.N)).tocsc()

@@ -62,7 +62,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division) -> Any:
         angles = np.concatenate([before[:-1], angles, after[1:]])
     depths = [division.depths]
     for _, thickness in layers[1:]:
-        count = min(max(division.behind, math.ceil(thickness / (division.step * radius))), MOST_LAYERS)
+        count = max(division.behind, min(math.ceil(thickness / (division.step * radius)), MOST_LAYERS))
         depths.append(depths[-1][-1] + np.arange(1, count + 1) / count * thickness)
     bounds = np.array([part[-1] for part in depths])
     grid = skfem.MeshQuad.init_tensor(np.concatenate(depths), angles)

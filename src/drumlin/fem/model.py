@@ -136,7 +136,8 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float, guess: ShoeRe
     pin = np.array([shoe.hinge.radius, 0.0])
     balance = relative_balance(
         [nodal.sum(axis=0), reaction, load[:2]],
-        [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment + float(cross(pin, load[:2]))],
+        # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
+        [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))],
     )
     stiffness = penalty * shoe.lining.material.E / shoe.lining.thickness
     note = f"shoe {shoe.name!r}: " + (
