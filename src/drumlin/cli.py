@@ -126,6 +126,9 @@ def view(
 def mesh(
     brake_file: BrakeFile,
     output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the meshes")] = Path("meshes"),
+    name: Annotated[
+        str | None, typer.Option(help="first word of the file names; default: that of the brake file")
+    ] = None,
     elements: Elements = None,
 ) -> None:
     """Write the parametric mesh of each shoe as a Gmsh file with named groups, to look at or to change."""
@@ -137,7 +140,7 @@ def mesh(
     with _busy("meshing"):
         scene = prepare(brake, **_options(elements, None))
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
-            path = output / f"{brake_file.stem}_{shoe.name}.msh"
+            path = output / f"{name or brake_file.stem}_{shoe.name}.msh"
             write_mesh(path, body.mesh, shoe)
             print(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
 

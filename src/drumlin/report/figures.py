@@ -47,9 +47,11 @@ def color_of(model: str) -> str:
     return COLORS.get(model, "#444444")
 
 
-def smooth(shoe: ShoeResponse, points: int = 1200) -> tuple[Floats, Floats]:
-    """Angles [rad] and pressure [Pa] of a response for drawing, its own nodes included."""
-    theta = np.unique(np.concatenate([shoe.theta, np.linspace(shoe.theta[0], shoe.theta[-1], points)]))
+def smooth(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
+    """Angles [rad] and pressure [Pa] of a response for drawing: evenly spread, and its own nodes near the ends."""
+    even = np.linspace(shoe.theta[0], shoe.theta[-1], points)
+    near = np.minimum(shoe.theta - shoe.theta[0], shoe.theta[-1] - shoe.theta) < 3 * (even[1] - even[0])
+    theta = np.unique(np.concatenate([shoe.theta[near], even]))
     return theta, np.maximum(shoe.pressure_at(theta), 0.0)
 
 
