@@ -15,6 +15,7 @@ from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple
 from drumlin.fem.mesh import read_mesh, shoe_mesh
+from drumlin.fem.ring import RingBody, ring_body
 from drumlin.statics import cross
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
@@ -63,25 +64,27 @@ class Body:
 
 @dataclass(frozen=True)
 class Scene:
-    """A brake made ready: a condensed body for each shoe (equal shoes share one), and what that cost."""
+    """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if it has one."""
 
     brake: Brake
     bodies: tuple[Body, ...]
+    ring: RingBody | None
     seconds: Seconds
     left_out: tuple[str, ...]
 
 
 def why_not(brake: Brake) -> str | None:
     """Why finite elements do not apply to a brake (None: they do)."""
-    if brake.drum.ring is not None:
-        return "an elastic drum ring is not modelled yet; leave out [drum.ring] for a rigid drum"
+    if brake.drum.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
+        return "shoes inside and outside of one elastic ring are not modelled"
     return None
 
 
 def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     """What a body depends on: equal for shoes that are the same but for place, hand, load and clearance."""
     if shoe.mesh is not None:
-        return (brake.drum.radius, shoe.model_dump(exclude={"name", "actuation"}).__repr__())
+        kept = shoe.model_dump(exclude={"name": True, "actuation": True, "lining": {"clearance"}})
+        return (brake.drum.radius, repr(kept))
     arcs = [shoe.arc]
     if shoe.body is not None:
         arcs.append(tuple(sorted(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist())))
@@ -116,7 +119,13 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
         if key not in made:
             made[key] = _body(brake, shoe, elements, seconds)
         bodies.append(made[key])
-    left_out = ["drum: rigid, no [drum.ring] in the brake", "interior fields: recovered only for a picture"]
+    ring = None
+    left_out = ["interior fields: recovered only for a picture"]
+    if brake.drum.ring is None:
+        left_out.append("drum: rigid, no [drum.ring] in the brake")
+    else:
+        with clock(seconds, "ring"):
+            ring = ring_body(brake, brake.drum.ring, tuple(body.line for body in bodies), elements)
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
@@ -124,7 +133,7 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
     for shoe in brake.shoes:
         if shoe.mesh is None and shoe.body is None:
             left_out.append(f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed")
-    return Scene(brake, tuple(bodies), seconds, tuple(left_out))
+    return Scene(brake, tuple(bodies), ring, seconds, tuple(left_out))
 
 
 def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
