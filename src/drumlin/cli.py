@@ -199,11 +199,12 @@ def _print_response(brake: "AnyBrake", response: "Response") -> None:
         effect, unit = f"torque {shoe.torque:.6g} N m", "deg"
         if isinstance(merit, FlatMerit):
             effect, unit = f"braking force {merit.braking_force:.6g} N", "mm"
+        touching = f"contact {arcs_text(shoe, unit)} {unit}" if shoe.contact_arcs else "no contact"
         print(
             f"  shoe {shoe.name!r}: {effect}"
             f"{', self-energising' if shoe.self_energising else ''}; normal force {shoe.normal_force:.6g} N; "
             f"peak pressure {shoe.peak_pressure * 1e-6:.4g} MPa; hinge reaction ({x:.6g}, {y:.6g}) N; "
-            f"contact {arcs_text(shoe, unit)} {unit}"
+            f"{touching}"
         )
         print(f"    {_merit_text(merit)}")
     spent = ", ".join(f"{phase} {seconds * 1e3:.1f}" for phase, seconds in response.seconds.items())

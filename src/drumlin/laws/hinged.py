@@ -90,7 +90,7 @@ def _notes(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[s
     if not response.contact_arcs:
         return [no_contact(response.name)]
     if response.lumped is None:
-        return []
+        return [f"{said} {law.remark}"] if law.remark else []
     spread = contact_resultant(brake, index, replace(response, lumped=None))
     share = np.linalg.norm(spread.normal) / np.linalg.norm(response.lumped.normal)
     ratio = float(law.friction(layout(brake, brake.shoes[index])))

@@ -130,7 +130,8 @@ class Law:
     """A law p = p_0 f(phi) of a shoe that turns about its hinge.
 
     `load`: integrals of f; `pressure`: f at phi; `peak_at`: phi [rad] where f is largest; `lumped`: all of
-    the contact acts at the lining's middle; `friction`: factor on mu of a friction that is lumped.
+    the contact acts at the lining's middle; `friction`: factor on mu of a friction that is lumped; `remark`:
+    what a reader of its numbers should know.
     """
 
     name: str
@@ -140,6 +141,7 @@ class Law:
     peak_at: Callable[[Layout], Floats]
     lumped: bool = False
     friction: Callable[[Layout], Floats] = _one
+    remark: str = ""
 
     def moments(self, arc: Layout) -> tuple[Floats, Floats]:
         """M_N and M_F [m] about the hinge over b R p_0: `moments_about`."""
@@ -210,6 +212,7 @@ COSINE = Law(
     cosine_load,
     _cosine,
     _middle,
+    remark="friction is mu N at psi R, each element in its place; mu' N at the drum's surface is the law 'block'",
 )
 BLOCK = Law(
     "block",
