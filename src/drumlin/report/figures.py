@@ -26,8 +26,27 @@ STYLE = {
     "svg.hashsalt": "drumlin",
     "svg.fonttype": "path",
 }
-COLORS = {"fem": "#0b6e99", "sine": "#c8553d", "cosine": "#7a5195", "uniform": "#8a8f98", "foundation": "#2a9d5c"}
-NAMES = {"fem": "finite elements", "sine": "sine law", "cosine": "cosine law", "uniform": "uniform pressure"}
+COLORS = {
+    "fem": "#0b6e99",
+    "sine": "#c8553d",
+    "cosine": "#7a5195",
+    "block": "#b58ad6",
+    "uniform": "#8a8f98",
+    "short": "#1d2733",
+    "pivoted": "#d19a1b",
+    "linear": "#6b8e23",
+    "foundation": "#2a9d5c",
+}
+NAMES = {
+    "fem": "finite elements",
+    "sine": "sine law",
+    "cosine": "cosine law",
+    "block": "block formula",
+    "uniform": "uniform pressure",
+    "short": "short shoe",
+    "pivoted": "shoe on a pivot",
+    "linear": "long flat shoe",
+}
 
 
 def save(figure: Figure, path: Path) -> Path:
