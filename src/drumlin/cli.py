@@ -188,10 +188,8 @@ def hold(
     if json_file is not None:
         write_text(json_file, json.dumps(as_dict(states), indent=1, allow_nan=False) + "\n")
     print(f"{'rotation [deg]':>15}{'moment [N m]':>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
-    for state in states:
-        print(
-            f"{np.degrees(state.rotation):15.6f}{state.torque:15.4f}{100 * state.sticking:14.1f}{state.dissipated:16.5g}"
-        )
+    for at in states:
+        print(f"{np.degrees(at.rotation):15.6f}{at.torque:15.4f}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
 
 
 @app.command()

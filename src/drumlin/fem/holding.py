@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from drumlin import stickslip
+from drumlin import contact, stickslip
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
@@ -24,8 +24,9 @@ class Hold:
     """One state of a holding brake.
 
     `rotation` [rad] of the drum against its rest; `torque` [N m], the moment that holds the drum there, positive
-    against the rotation; `dissipated` [J] by slip since the force came on; for each shoe `theta` (n,) [rad], `pressure`, `traction` (n,) [Pa] along e_theta on the
-    lining, `state` (n,): open, stick, slip forward or backward; `stick`, `slip`: arcs [rad].
+    against the rotation; `dissipated` [J] by slip since the force came on. For each shoe `theta` (n,) [rad],
+    `pressure` and `traction` (n,) [Pa] along e_theta on the lining, `state` (n,): open, stick, slip forward or
+    backward; `stick`, `slip`: arcs [rad].
     """
 
     rotation: float
@@ -127,7 +128,8 @@ def _path(
     size = unit_force(brake, group)
     n = len(lever)
     rest = History(np.zeros(n), np.zeros(n))
-    increment = stickslip.solve(problem, brake.friction, rest, np.full(n, STICK))
+    touching = contact.solve(contact_problem(scene, brake.model_copy(update={"friction": 0.0}), group, penalty)).active
+    increment = stickslip.solve(problem, brake.friction, rest, np.where(touching, STICK, OPEN))
     done, spent, reached = [], [], 0.0
     energy = _slip_work(problem, increment, rest)
     for rotation in rotations:
