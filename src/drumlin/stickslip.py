@@ -133,6 +133,8 @@ def _balance(problem: Problem, mu: float, history: History, state: Ints) -> tupl
 
 def _solve_scaled(matrix: Floats, right: Floats) -> Floats:
     """Solve after equilibrating rows and columns, whose units differ."""
+    if not right.size:
+        return right
     tiny = np.finfo(float).tiny
     row = 1 / np.maximum(np.abs(matrix).max(axis=1), tiny)
     column = 1 / np.maximum(np.abs(row[:, None] * matrix).max(axis=0), tiny)
