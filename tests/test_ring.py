@@ -8,6 +8,7 @@ import pytest
 from conftest import STUDY
 from drumlin.brake import read_brake, vary
 from drumlin.errors import BadInput
+from drumlin.fem.fields import fields, ring_fields
 from drumlin.fem.model import respond, solve
 from drumlin.fem.ring import ring_mesh
 from drumlin.fem.scene import prepare
@@ -112,3 +113,26 @@ def test_a_scene_with_another_ring_is_refused():
     scene = prepare(ringed(), elements=10)
     with pytest.raises(BadInput, match="ring"):
         respond(scene, ringed(E=1e12))
+
+
+@pytest.mark.parametrize("support", ["fixed", "free"])
+def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
+    """Recovered inside both bodies on their own meshes, the normal displacements agree where there is contact."""
+    spec = ringed(support=support)
+    scene = prepare(spec, elements=60)
+    response = respond(scene, spec)
+    lining, ring = fields(scene, spec, response, 1), ring_fields(scene, spec, response)
+    touching = lining.pressure > 0.05 * lining.pressure.max()
+    surface = np.hypot(*ring.points.T) < 0.150 + 1e-9
+
+    def outwards(part, where):
+        angle = np.mod(np.arctan2(part.points[where, 1], part.points[where, 0]), 2 * math.pi)
+        return angle, np.einsum("ij,ij->i", part.displacement[where], part.points[where]) / 0.150
+
+    angle, mine = outwards(lining, touching)
+    theirs = np.interp(angle, *zip(*sorted(zip(*outwards(ring, surface), strict=True)), strict=True))
+    compression = response.shoes[1].peak_pressure * 0.008 / 3e8
+    assert np.abs(mine - theirs).max() < 2e-3 * compression
+    if support == "free":  # the rim's mean motion is zero
+        far = np.hypot(*ring.points.T) > 0.165 - 1e-9
+        assert np.abs(ring.displacement[far].mean(axis=0)).max() < 0.05 * np.abs(ring.displacement).max()

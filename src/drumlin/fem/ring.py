@@ -33,7 +33,8 @@ class RingBody:
 
     `pressed[i]`, `dragged[i]` (m, n_i): for shoe i the half flexibilities under the nodal forces N^T and -T^T of
     its pressure: the weighted gap of shoe i opens under the pressure of shoe j by
-    pressed[i]^T (pressed[j] + drag dragged[j]) p_j.
+    pressed[i]^T (pressed[j] + drag dragged[j]) p_j. `coupled[i]`: N and T (n_i, 2n) of shoe i. `free`: what makes a
+    free ring determinate, None where its far edge is fixed.
     """
 
     mesh: Any
@@ -42,6 +43,23 @@ class RingBody:
     condensed: Condensed
     pressed: tuple[Floats, ...]
     dragged: tuple[Floats, ...]
+    coupled: tuple[tuple[Floats, Floats], ...]
+    free: "_Free | None"
+
+    def displacement(self, pressures: list[Floats], drag: float) -> Floats:
+        """Displacement of all nodes (2, nodes) [m] under the pressures (n_i,) [Pa] of the linings, drag = mu s."""
+        forces = sum(N.T @ p - drag * (T.T @ p) for (N, T), p in zip(self.coupled, pressures, strict=True))
+        nodal = np.asarray(forces)
+        frame = np.zeros(FRAME)
+        if self.free is None:
+            reaction = self.condensed.L_fc @ self.condensed.half(nodal)
+            return self.condensed.displacement(nodal, frame, reaction, np.zeros(0))
+        u = self.condensed.displacement(nodal, frame, frame, -self.free.balance @ nodal)
+        x, y = self.basis.doflocs
+        rigid = np.array([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
+        mean = np.einsum("kci,cil->kl", rigid, self.free.rim)
+        motion = np.linalg.solve(mean.T, np.einsum("ci,cil->l", u, self.free.rim))
+        return np.asarray(u - np.einsum("k,kci->ci", motion, rigid))
 
 
 def ring_mesh(ring: Ring, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
@@ -108,13 +126,13 @@ def ring_body(brake: Brake, ring: Ring, linings: tuple[ContactLine, ...], elemen
         rim = rim_loads(basis, mesh.boundaries["support"])
         condensed = condense(K, ties, ties.T @ rim, n)
         free = _Free.of(basis, rim, condensed, line)
-    halves = []
-    for shoe, lining in zip(brake.shoes, linings, strict=True):
-        placed = replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T)
-        N, T = couple_ring(placed, line, shoe.lining.width, shoe.sign)
-        halves.append([_half(condensed, forces.T, free) for forces in (N, -T)])
-    pressed, dragged = zip(*halves, strict=True)
-    return RingBody(mesh, basis, line, condensed, tuple(pressed), tuple(dragged))
+    coupled = tuple(
+        couple_ring(replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T), line, shoe.lining.width, shoe.sign)
+        for shoe, lining in zip(brake.shoes, linings, strict=True)
+    )
+    pressed = tuple(_half(condensed, N.T, free) for N, _ in coupled)
+    dragged = tuple(_half(condensed, -T.T, free) for _, T in coupled)
+    return RingBody(mesh, basis, line, condensed, pressed, dragged, coupled, free)
 
 
 def _facets_under(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
@@ -227,6 +245,7 @@ class _Free:
     where beta is the work of B with the contact nodes held too.
     """
 
+    rim: Floats
     balance: Floats
     half_rim: Floats
     root: Floats
@@ -242,7 +261,9 @@ class _Free:
         kept = np.vstack([condensed.load_c, condensed.load_f])
         beta = condensed.loads.T @ V - kept.T @ V[-len(kept) :]
         root = scipy.linalg.sqrtm(0.5 * (beta + beta.T)).real
-        return cls(np.asarray(balance), condensed.half(condensed.load_c), root)
+        return cls(
+            rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), np.asarray(balance), condensed.half(condensed.load_c), root
+        )
 
 
 def _half(condensed: Condensed, forces: Floats, free: _Free | None) -> Floats:
