@@ -73,6 +73,17 @@ def test_a_shoe_that_lifts_off_in_places_is_followed_to_its_contact_ends(brake):
         assert np.array(a.contact_arcs) == pytest.approx(np.array(b.contact_arcs), abs=2e-3)
 
 
+@pytest.mark.parametrize("support", ["fixed", "free"])
+def test_an_elastic_ring_is_refined_with_the_linings(brake, support):
+    ring = {"thickness": 0.01, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": support}
+    ringed = vary(brake, CLEARANCE | {"drum.ring": ring})
+    response, truth = solve(ringed, tolerance=3e-3), solve(ringed, tolerance=2e-4)
+    assert distance(response, truth) < 3e-3
+    assert response.torque == pytest.approx(truth.torque, rel=1e-4)
+    assert max(response.iterations, truth.iterations) <= 15
+    assert abs(truth.torque / solve(vary(brake, CLEARANCE), tolerance=1e-3).torque - 1) > 1e-3  # the ring matters
+
+
 def test_finer_meshes_start_from_coarser_ones_and_shoes_share_their_mesh(brake):
     response = solve(vary(brake, CLEARANCE), tolerance=1e-3)
     assert response.iterations <= 6

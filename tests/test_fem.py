@@ -80,8 +80,8 @@ def test_forces_and_moments_balance_and_contact_is_complementary(brake):
         response = respond(SCENE, BRAKE, penalty=penalty)
         assert response.converged
         assert max(response.balance.force, response.balance.moment) < 1e-9
-        for body, shoe in zip(SCENE.bodies, BRAKE.shoes, strict=True):
-            problem = contact_problem(body, BRAKE, shoe, penalty)
+        for index, (body, shoe) in enumerate(zip(SCENE.bodies, BRAKE.shoes, strict=True)):
+            problem = contact_problem(SCENE, BRAKE, [index], penalty)
             found = contact.solve(problem)
             w = problem.q + problem.A @ found.p + problem.B @ found.y
             area = body.coupling.area
@@ -227,8 +227,8 @@ def test_the_softening_of_a_penalty_is_linear_in_it_and_as_stated():
 
 
 def test_starts_agree():
-    for body, shoe in zip(SCENE.bodies, BRAKE.shoes, strict=True):
-        problem = contact_problem(body, vary(BRAKE, {"shoe.lining.clearance": 1e-4}), shoe)
+    for index in (0, 1):
+        problem = contact_problem(SCENE, vary(BRAKE, {"shoe.lining.clearance": 1e-4}), [index])
         n = len(problem.q)
         rng = np.random.default_rng(5)
         starts = [None, np.zeros(n, bool), rng.random(n) < 0.5, rng.random(n) < 0.1]
@@ -306,12 +306,6 @@ def test_a_shoe_that_turns_without_ever_touching_is_refused(brake):
         solve(outside, elements=20)
 
 
-def test_a_ring_is_not_silently_left_out(brake):
-    ring = {"thickness": 0.015, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}}
-    with pytest.raises(BadInput, match="ring"):
-        solve(vary(brake, {"drum.ring": ring}))
-
-
 def test_cost_is_counted_from_the_same_run(brake):
     """Ratios are for the command `drumlin cost` to state; here: they are finite, ordered and not absurd."""
     c = cost(brake, elements=60, repeats=3)
@@ -322,7 +316,7 @@ def test_cost_is_counted_from_the_same_run(brake):
 def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
     head, *rows, last = table(brake, sizes=(2_000, 4_000))
     assert "peak memory" in head
-    assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.25)
+    assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.4)  # whole layers
     assert all(0.05 < float(row.split()[-1]) < 2 for row in rows)  # GiB: Python and its libraries take 0.08
     assert "solve ~ N^" in last
 

@@ -102,8 +102,8 @@ def test_a_hundred_random_brakes_end_converged_or_refused_with_a_reason():
             ends["untouched"] += 1
             return
         ends[f"{len(response.shoes[0].contact_arcs)} arcs"] += 1
-        body, shoe = scene.bodies[0], brake.shoes[0]
-        problem = contact_problem(body, brake, shoe, penalty)
+        body = scene.bodies[0]
+        problem = contact_problem(scene, brake, [0], penalty)
         rng = np.random.default_rng(seed)
         found, other = (contact.solve(problem, start) for start in (None, rng.random(len(problem.q)) < 0.5))
         w = (problem.q + problem.A @ found.p + problem.B @ found.y) / body.coupling.area

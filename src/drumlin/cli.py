@@ -1,6 +1,7 @@
 """The command line. Exit status: 0 an answer, 2 bad input, 3 no answer; one plain line in the last two cases."""
 
 import json
+import math
 import os
 import sys
 from collections.abc import Callable
@@ -14,8 +15,8 @@ from drumlin.errors import BadInput, DrumlinError
 if TYPE_CHECKING:
     from rich.status import Status
 
-    from drumlin.brake import Brake
-    from drumlin.response import Response
+    from drumlin.flat import AnyBrake
+    from drumlin.response import FlatMerit, Merit, Response
 
 app = typer.Typer(
     add_completion=False,
@@ -52,11 +53,11 @@ def solve(
     ] = None,
 ) -> None:
     """Solve a brake by one model."""
-    from drumlin.brake import read_brake
     from drumlin.files import write_text
+    from drumlin.flat import read_any
     from drumlin.models import pick
 
-    brake = read_brake(brake_file)
+    brake = read_any(brake_file)
     options = _options(elements, penalty) | ({} if tolerance is None else {"tolerance": tolerance})
     chosen = pick(model, brake)
     if options and model != "fem":
@@ -76,10 +77,14 @@ def compare(
     penalty: Penalty = None,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
-    from drumlin.brake import read_brake
+    from drumlin.flat import FlatBrake, read_any
     from drumlin.report.comparison import write_comparison
 
-    brake = read_brake(brake_file)
+    brake = read_any(brake_file)
+    if isinstance(brake, FlatBrake):
+        raise BadInput(
+            f"{brake_file}: plane: compare takes brakes on a drum; solve this one by --model linear or short"
+        )
     folder = output or Path("reports") / brake_file.stem
     with _busy("comparing the models"):
         result = write_comparison(brake, brake_file.read_text(), folder, _options(elements, penalty))
@@ -112,11 +117,11 @@ def view(
     elements: Elements = None,
 ) -> None:
     """Draw a brake and its mesh."""
-    from drumlin.brake import read_brake
+    from drumlin.flat import read_any
     from drumlin.report.figures import save
     from drumlin.report.view import draw
 
-    brake = read_brake(brake_file)
+    brake = read_any(brake_file)
     picture = output or brake_file.with_suffix(".png").name
     if Path(picture).suffix not in {".png", ".svg"}:
         raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
@@ -129,6 +134,9 @@ def view(
 def mesh(
     brake_file: BrakeFile,
     output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the meshes")] = Path("meshes"),
+    name: Annotated[
+        str | None, typer.Option(help="first word of the file names; default: that of the brake file")
+    ] = None,
     elements: Elements = None,
 ) -> None:
     """Write the parametric mesh of each shoe as a Gmsh file with named groups, to look at or to change."""
@@ -140,9 +148,51 @@ def mesh(
     with _busy("meshing"):
         scene = prepare(brake, **_options(elements, None))
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
-            path = output / f"{brake_file.stem}_{shoe.name}.msh"
+            path = output / f"{name or brake_file.stem}_{shoe.name}.msh"
             write_mesh(path, body.mesh, shoe)
             print(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
+
+
+@app.command()
+def hold(
+    brake_file: BrakeFile,
+    rotation: Annotated[
+        str | None,
+        typer.Option(metavar="ANGLE", help='how far the drum is turned, such as "0.02 deg"; default: to full slip'),
+    ] = None,
+    steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")] = None,
+    elements: Elements = None,
+    penalty: Penalty = None,
+) -> None:
+    """Hold the drum: from rest through partial slip to full slip, as it is turned against the shoes."""
+    import numpy as np
+
+    from drumlin.brake import read_brake
+    from drumlin.fem.holding import as_dict, full_slip_rotation
+    from drumlin.fem.holding import hold as turn
+    from drumlin.fem.scene import prepare
+    from drumlin.files import write_text
+    from drumlin.units import to_si
+
+    brake = read_brake(brake_file)
+    if not 1 <= steps <= 10_000:
+        raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
+    options = _options(elements, penalty)
+    stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
+    try:
+        end = None if rotation is None else to_si(rotation, "rad", unit_required=True)
+    except ValueError as error:
+        raise BadInput(f"--rotation = {rotation!r}: {error}") from error
+    with _busy("holding") as say:
+        scene = prepare(brake, **options)
+        end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
+        states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
+    if json_file is not None:
+        write_text(json_file, json.dumps(as_dict(states), indent=1, allow_nan=False) + "\n")
+    print(f"{'rotation [deg]':>15}{'moment [N m]':>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
+    for at in states:
+        print(f"{np.degrees(at.rotation):15.6f}{at.torque:15.4f}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
 
 
 @app.command()
@@ -196,19 +246,26 @@ class _busy:
             self._status.stop()
 
 
-def _print_response(brake: "Brake", response: "Response") -> None:
-    print(f"{brake.title}: {response.model}, drum turns {brake.rotation}, mu = {brake.friction:g}")
-    print(f"torque {response.torque:.6g} N m")
-    for shoe in response.shoes:
-        from drumlin.compare import arcs_text
+def _print_response(brake: "AnyBrake", response: "Response") -> None:
+    from drumlin.compare import arcs_text
+    from drumlin.response import FlatMerit
 
+    print(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
+    forces = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]
+    print(f"braking force {sum(forces):.6g} N" if forces else f"torque {response.torque:.6g} N m")
+    for shoe, merit in zip(response.shoes, response.merits, strict=True):
         x, y = shoe.hinge_reaction
+        effect, unit = f"torque {shoe.torque:.6g} N m", "deg"
+        if isinstance(merit, FlatMerit):
+            effect, unit = f"braking force {merit.braking_force:.6g} N", "mm"
+        touching = f"contact {arcs_text(shoe, unit)} {unit}" if shoe.contact_arcs else "no contact"
         print(
-            f"  shoe {shoe.name!r}: torque {shoe.torque:.6g} N m"
+            f"  shoe {shoe.name!r}: {effect}"
             f"{', self-energising' if shoe.self_energising else ''}; normal force {shoe.normal_force:.6g} N; "
             f"peak pressure {shoe.peak_pressure * 1e-6:.4g} MPa; hinge reaction ({x:.6g}, {y:.6g}) N; "
-            f"contact {arcs_text(shoe)} deg"
+            f"{touching}"
         )
+        print(f"    {_merit_text(merit)}")
     spent = ", ".join(f"{phase} {seconds * 1e3:.1f}" for phase, seconds in response.seconds.items())
     if spent:
         print(f"  {response.iterations} active-set steps; balance: force {response.balance.force:.1e}, "
@@ -220,6 +277,14 @@ def _print_response(brake: "Brake", response: "Response") -> None:
         print(f"  {line}")
     for line in response.left_out:
         print(f"  left out: {line}")
+
+
+def _merit_text(merit: "Merit | FlatMerit") -> str:
+    """Figures of merit for people: names as in the JSON, the angle in degrees; without those that are None."""
+    values = {key: value for key, value in merit._asdict().items() if value is not None}
+    angle = values.pop("resultant_angle", None)
+    said = [] if angle is None else [f"resultant at {math.degrees(angle):.4g} deg"]
+    return ", ".join(said + [f"{key} {value:.5g}" for key, value in values.items()])
 
 
 def _print_table(table: list[dict[str, Any]]) -> None:

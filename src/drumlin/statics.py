@@ -10,10 +10,16 @@ GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 
 class Resultant(NamedTuple):
-    """Force (2,) [N] and moment about O [N m] of the drum on the lining."""
+    """What the drum does to the lining: forces of pressure and of friction (2,) [N], moment about O [N m]."""
 
-    force: Floats
+    normal: Floats
+    friction: Floats
     moment: float
+
+    @property
+    def force(self) -> Floats:
+        """The whole force (2,) [N]."""
+        return self.normal + self.friction
 
 
 def cross(a: Floats, b: Floats) -> Floats:
@@ -53,5 +59,6 @@ def resultant(
     angle, p, w = gauss_points(theta, pressure, order)
     load = p * w * radius * width
     c, s = np.cos(angle), np.sin(angle)
-    force = np.array([np.sum(load * (-sign * c - drag * s)), np.sum(load * (-sign * s + drag * c))])
-    return Resultant(force, float(np.sum(load)) * drag * radius)
+    along = np.array([np.sum(load * c), np.sum(load * s)])
+    across = np.array([-along[1], along[0]])
+    return Resultant(-sign * along, drag * across, float(np.sum(load)) * drag * radius)

@@ -104,12 +104,13 @@ def _scene(brake: Brake, level: int, response: Response | None) -> Scene:
         found = _points(shoe, None if response is None else response.shoes[i])
         points.setdefault(shape_of(brake, shoe), []).extend(found)
 
+    elements = round(FIRST_ELEMENTS * GROWTH**level)
+
     def mesher(shoe: Shoe, radius: float) -> Any:
         places = sorted(points[shape_of(brake, shoe)])
-        elements = round(FIRST_ELEMENTS * GROWTH**level)
         return shoe_mesh(shoe, radius, refine(shoe, radius, elements, FIRST_LAYERS + level, places))
 
-    return prepare(brake, mesher=mesher)
+    return prepare(brake, elements=elements, mesher=mesher)
 
 
 def _points(shoe: Shoe, response: ShoeResponse | None) -> list[float]:

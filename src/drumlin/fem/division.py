@@ -38,12 +38,21 @@ def divide(shoe: Shoe, radius: float, elements: int) -> Division:
     """`elements` along the lining, graded to its edges; layers in proportion, graded to both faces."""
     start, end = shoe.arc
     thickness = shoe.lining.thickness
-    layers = min(max(2, round(elements / 15)), 12)
     return Division(
-        angles=graded(start, end, elements, thickness / radius, EDGE_SIZE),
-        depths=graded(0, thickness, layers, thickness / 2, FACE_SIZE),
+        angles=start + lining_angles(end - start, shoe, radius, elements),
+        depths=graded(0, thickness, lining_layers(elements), thickness / 2, FACE_SIZE),
         step=(end - start) / elements,
     )
+
+
+def lining_angles(arc: float, shoe: Shoe, radius: float, elements: int) -> Floats:
+    """Ends of the elements along a lining, from 0 to `arc` [rad]: symmetric, fine at its ends."""
+    return graded(0.0, arc, elements, shoe.lining.thickness / radius, EDGE_SIZE)
+
+
+def lining_layers(elements: int) -> int:
+    """Layers through a lining with this number of elements along it."""
+    return min(max(2, round(elements / 15)), 12)
 
 
 def refine(shoe: Shoe, radius: float, elements: int, layers: int, points: Sequence[float]) -> Division:

@@ -14,8 +14,9 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Material, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, slopes
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, radial, slopes
 from drumlin.fem.mesh import read_mesh, shoe_mesh
+from drumlin.fem.ring import RingBody, ring_body
 from drumlin.statics import GAUSS, WEIGHTS, cross, shape
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
@@ -65,25 +66,27 @@ class Body:
 
 @dataclass(frozen=True)
 class Scene:
-    """A brake made ready: a condensed body for each shoe (equal shoes share one), and what that cost."""
+    """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if it has one."""
 
     brake: Brake
     bodies: tuple[Body, ...]
+    ring: RingBody | None
     seconds: Seconds
     left_out: tuple[str, ...]
 
 
 def why_not(brake: Brake) -> str | None:
     """Why finite elements do not apply to a brake (None: they do)."""
-    if brake.drum.ring is not None:
-        return "an elastic drum ring is not modelled yet; leave out [drum.ring] for a rigid drum"
+    if brake.drum.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
+        return "shoes inside and outside of one elastic ring are not modelled"
     return None
 
 
 def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     """What a body depends on: equal for shoes that are the same but for place, hand, load and clearance."""
     if shoe.mesh is not None:
-        return (brake.drum.radius, shoe.model_dump(exclude={"name", "actuation"}).__repr__())
+        kept = shoe.model_dump(exclude={"name": True, "actuation": True, "lining": {"clearance"}})
+        return (brake.drum.radius, repr(kept))
     arcs = [shoe.arc]
     if shoe.body is not None:
         arcs.append(tuple(sorted(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist())))
@@ -103,8 +106,8 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS, mesher: Mesher | None = N
     """Mesh and condense the bodies of a brake; shoes of one shape share one body.
 
     elements: number along each parametric lining; mesher: what makes the mesh of a shoe without a file, in the
-    place of shoe_mesh with `elements`. Raises BadInput for a brake that finite elements do not
-    cover, and for a mesh file that cannot serve.
+    place of shoe_mesh with `elements`, which then count for an elastic ring only. Raises BadInput for a brake
+    that finite elements do not cover, and for a mesh file that cannot serve.
     """
     reason = why_not(brake)
     if reason is not None:
@@ -119,7 +122,13 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS, mesher: Mesher | None = N
         if key not in made:
             made[key] = _body(brake, shoe, mesher or partial(shoe_mesh, elements=elements), seconds)
         bodies.append(made[key])
-    left_out = ["drum: rigid, no [drum.ring] in the brake", "interior fields: recovered only for a picture"]
+    ring = None
+    left_out = ["interior fields: recovered only for a picture"]
+    if brake.drum.ring is None:
+        left_out.append("drum: rigid, no [drum.ring] in the brake")
+    else:
+        with clock(seconds, "ring"):
+            ring = ring_body(brake, brake.drum.ring, tuple(body.line for body in bodies), elements)
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
@@ -127,7 +136,7 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS, mesher: Mesher | None = N
     for shoe in brake.shoes:
         if shoe.mesh is None and shoe.body is None:
             left_out.append(f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed")
-    return Scene(brake, tuple(bodies), seconds, tuple(left_out))
+    return Scene(brake, tuple(bodies), ring, seconds, tuple(left_out))
 
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
@@ -153,7 +162,7 @@ def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
             forces[-FRAME:] = np.eye(3)
         condensed = condense(K, ties, forces, 2 * n)
     with clock(seconds, "coupling"):
-        coupling = couple(line, shoe.lining.width, shoe.sign)
+        coupling = couple(line, shoe.lining.width, radial(shoe.sign))
         Y = condensed.half(np.hstack([-coupling.N.T, condensed.load_c]))
         pressing = -Y[:, :n].T / condensed.D_c
         closing, holding = pressing @ Y, condensed.L_fc @ Y
