@@ -301,7 +301,7 @@ class Brake(Part):
 
     title: Name
     rotation: Literal["counter-clockwise", "clockwise"]
-    friction: Annotated[float, Field(ge=0)]
+    friction: Annotated[float, Field(ge=0, le=1e6)]
     drum: Drum
     shoes: Annotated[tuple[Shoe, ...], Field(alias="shoe", min_length=1)]
 

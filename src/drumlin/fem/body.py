@@ -23,6 +23,7 @@ from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Material
+from drumlin.errors import NoAnswer
 from drumlin.fem.mesh import ELEMENTS
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
@@ -169,12 +170,15 @@ def condense(K: Any, ties: Any, loads: Floats, contact: int) -> Condensed:
     springs = A.diagonal()[-FRAME:]
     padded = np.concatenate([np.zeros(inner + contact), springs])
     # Symmetric positive definite: pivots stay on the diagonal, the order stays ours.
-    factors = splu(
-        A + sp.diags_array(padded, format="csc"),
-        permc_spec="NATURAL",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    try:
+        factors = splu(
+            A + sp.diags_array(padded, format="csc"),
+            permc_spec="NATURAL",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError as error:  # a zero pivot
+        raise NoAnswer("singular stiffness: a part hangs on nothing, or moduli are too far apart") from error
     last = factors.L[:, inner:][inner:].toarray()
     diagonal = factors.U.diagonal()[inner:]
     L_cc, L_fc, D_c = last[:contact, :contact], last[contact:, :contact], diagonal[:contact]

@@ -22,6 +22,7 @@ from drumlin.statics import cross
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
 lining's own compression p t/E, and the pressure is off by about as much; each response states by how much."""
+LARGEST_IMBALANCE = 1e-6  # relative; a response that balances worse has lost its digits and is none
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
 
 
@@ -52,10 +53,16 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Response
         answers = {i: answer for group in groups for i, answer in _answers(scene, brake, group, penalty).items()}
         for i in set(range(len(brake.shoes))) - set(touching):
             answers[i] = _untouched(brake.shoes[i])
+    balance = worst([answer.balance for answer in answers.values()])
+    if not max(balance.force, balance.moment) < LARGEST_IMBALANCE:
+        raise NoAnswer(
+            f"not converged: forces balance only to {balance.force:.1e} and moments to {balance.moment:.1e}; "
+            "stiffnesses or sizes are too far apart for the arithmetic"
+        )
     return Response(
         model="fem",
         shoes=tuple(answers[i].response for i in sorted(answers)),
-        balance=worst([answer.balance for answer in answers.values()]),
+        balance=balance,
         iterations=max(answer.steps for answer in answers.values()),
         seconds=seconds,
         left_out=scene.left_out,

@@ -13,12 +13,14 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Material, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, radial
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
 from drumlin.fem.mesh import read_mesh, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
 from drumlin.statics import cross
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
+
+MOST_ELEMENTS = 4000  # along a lining: the dense contact matrices fill 2 GB
 
 Seconds = dict[str, float]
 
@@ -109,8 +111,8 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
     reason = why_not(brake)
     if reason is not None:
         raise BadInput(f"fem does not apply to this brake: {reason}")
-    if not 1 <= elements <= 100_000:
-        raise BadInput(f"--elements = {elements}: must be from 1 to 100000")
+    if not 1 <= elements <= MOST_ELEMENTS:
+        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")
     seconds: Seconds = {}
     made: dict[tuple[object, ...], Body] = {}
     bodies = []
@@ -191,19 +193,15 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
 
     The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows linearly from it.
     """
-    edge = basis.boundary(facets)
-    x, weight = np.asarray(edge.global_coordinates()), edge.dx
-    length = weight.sum()
-    centre = (x * weight).sum(axis=(1, 2)) / length
+    nodes = edge_nodes(basis, facets)
+    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
     arm = x - centre[:, None, None]
-    inertia = float((arm**2 * weight).sum())
-    turn = np.array([-arm[1], arm[0]]) / inertia
-    ones, zeros = np.full(weight.shape, 1 / length), np.zeros(weight.shape)
+    turn = np.array([-arm[1], arm[0]]) / float((arm**2 * ds).sum())
+    ones, zeros = np.full(ds.shape, 1 / ds.sum()), np.zeros(ds.shape)
+    tractions = np.array([[ones, zeros], [zeros, ones], turn])
     loads = np.zeros((basis.N, 2, 3))
-    for k, traction in enumerate(np.array([[ones, zeros], [zeros, ones], turn])):
-        for c in range(2):
-            for psi, dofs in zip(edge.basis, edge.element_dofs, strict=True):
-                np.add.at(loads[:, c, k], dofs, (psi[0] * traction[c] * weight).sum(axis=1))
+    np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, tractions, ds))
     return loads.reshape(-1, 3), centre
 
 
