@@ -250,7 +250,11 @@ class Frame(NamedTuple):
 
 
 class Shoe(Part):
-    """One shoe with its lining, hinged at a pin; without `body` the shoe is rigid."""
+    """One shoe with its lining, hinged at a pin; without `body` the shoe is rigid.
+
+    `mesh`: a mesh file in place of the parametric mesh. Its coordinates are the brake's or, so that a shoe and
+    its mirror image can share one file, those of the shoe's own `frame`.
+    """
 
     name: Name
     side: Literal["internal", "external"]
@@ -261,6 +265,7 @@ class Shoe(Part):
     actuation: Actuation
     mesh: Path | None = None
     mesh_unit: Literal["m", "mm"] = "m"
+    mesh_frame: Literal["brake", "shoe"] = "brake"
 
     @property
     def sign(self) -> int:

@@ -56,10 +56,15 @@ class Coupling:
         return self.M.sum(axis=1)
 
 
+def edge_nodes(basis: Any, facets: Ints) -> Ints:
+    """Nodes along each of some facets of a scalar basis (order + 1, facets): end, middle where quadratic, end."""
+    ends = basis.nodal_dofs[0][basis.mesh.facets[:, facets]]
+    return np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])
+
+
 def contact_line(basis: Any, facets: Ints, middle: float) -> ContactLine:
     """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad]."""
-    ends = basis.nodal_dofs[0][basis.mesh.facets[:, facets]]
-    dofs = np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])
+    dofs = edge_nodes(basis, facets)
     nodes = np.unique(dofs)
     z = np.exp(-1j * middle) * (basis.doflocs[0, nodes] + 1j * basis.doflocs[1, nodes])
     phi = middle + np.angle(z)
@@ -76,7 +81,7 @@ def couple(line: ContactLine, width: float, sign: int) -> Coupling:
     """The coupling of a lining of this width b [m] with a round drum about O; n = sign e_r."""
     n = len(line.nodes)
     psi = shape(line.order, GAUSS)  # (k, points)
-    slope = _slopes(line.order)
+    slope = slopes(line.order)
     x = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], psi)  # (2, pieces, points)
     dx = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], slope)
     r = np.hypot(*x)
@@ -100,7 +105,7 @@ def couple(line: ContactLine, width: float, sign: int) -> Coupling:
     return Coupling(gather(np.ones_like(r)), interleave(normal), interleave(tangent), gather(r).sum(axis=1))
 
 
-def _slopes(order: int) -> Floats:
+def slopes(order: int) -> Floats:
     """Derivatives of the shape functions at the Gauss points (order + 1, points)."""
     nodes = np.linspace(-1, 1, order + 1)
     return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), GAUSS) for row in np.eye(order + 1)])

@@ -14,6 +14,7 @@ from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.interface import Coupling
+from drumlin.fem.mesh import DEFAULT_KIND
 from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, held, prepare, shape_of
 from drumlin.laws import locking_friction
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
@@ -25,9 +26,9 @@ lining's own compression p t/E, and the pressure is off by about as much; each r
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
 
 
-def solve(brake: Brake, *, elements: int = ELEMENTS, penalty: float = PENALTY) -> Response:
+def solve(brake: Brake, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, penalty: float = PENALTY) -> Response:
     """Mesh, condense and solve a brake: prepare, then respond."""
-    return respond(prepare(brake, elements=elements), brake, penalty=penalty)
+    return respond(prepare(brake, elements=elements, kind=kind), brake, penalty=penalty)
 
 
 def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Response:

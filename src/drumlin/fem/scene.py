@@ -13,9 +13,10 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Material, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple
-from drumlin.fem.mesh import read_mesh, shoe_mesh
-from drumlin.statics import cross
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, slopes
+from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.meshfile import read_mesh
+from drumlin.statics import GAUSS, WEIGHTS, cross, shape
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
 
@@ -80,8 +81,6 @@ def why_not(brake: Brake) -> str | None:
 
 def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     """What a body depends on: equal for shoes that are the same but for place, hand, load and clearance."""
-    if shoe.mesh is not None:
-        return (brake.drum.radius, shoe.model_dump(exclude={"name", "actuation"}).__repr__())
     arcs = [shoe.arc]
     if shoe.body is not None:
         arcs.append(tuple(sorted(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist())))
@@ -94,14 +93,15 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
         None if body is None else (body.shape, body.thickness, body.width, body.material),
+        None if shoe.mesh is None else (shoe.mesh, shoe.mesh_unit, shoe.mesh_frame == "shoe" or shoe.frame),
     )
 
 
-def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
+def prepare(brake: Brake, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND) -> Scene:
     """Mesh and condense the bodies of a brake; shoes of one shape share one body.
 
-    elements: number along each parametric lining. Raises BadInput for a brake that finite elements do not
-    cover, and for a mesh file that cannot serve.
+    elements: number along each parametric lining; kind: "quad2", "quad1", "tri2" or "tri1". Raises BadInput
+    for a brake that finite elements do not cover, and for a mesh file that cannot serve.
     """
     reason = why_not(brake)
     if reason is not None:
@@ -114,7 +114,7 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
     for shoe in brake.shoes:
         key = shape_of(brake, shoe)
         if key not in made:
-            made[key] = _body(brake, shoe, elements, seconds)
+            made[key] = _body(brake, shoe, elements, kind, seconds)
         bodies.append(made[key])
     left_out = ["drum: rigid, no [drum.ring] in the brake", "interior fields: recovered only for a picture"]
     if len(made) < len(bodies):
@@ -127,10 +127,10 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
     return Scene(brake, tuple(bodies), seconds, tuple(left_out))
 
 
-def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
+def _body(brake: Brake, shoe: Shoe, elements: int, kind: str, seconds: Seconds) -> Body:
     with clock(seconds, "mesh"):
         if shoe.mesh is None:
-            mesh = shoe_mesh(shoe, brake.drum.radius, elements)
+            mesh = shoe_mesh(shoe, brake.drum.radius, elements, kind)
         else:
             mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
         basis = scalar_basis(mesh)
@@ -182,8 +182,11 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
 
     The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows linearly from it.
     """
-    edge = basis.boundary(facets)
-    x, weight = np.asarray(edge.global_coordinates()), edge.dx
+    nodes = edge_nodes(basis, facets)  # (k, m)
+    order = len(nodes) - 1
+    psi = shape(order, GAUSS)  # (k, points)
+    x = np.einsum("cki,kq->ciq", basis.doflocs[:, nodes], psi)
+    weight = np.hypot(*np.einsum("cki,kq->ciq", basis.doflocs[:, nodes], slopes(order))) * WEIGHTS
     length = weight.sum()
     centre = (x * weight).sum(axis=(1, 2)) / length
     arm = x - centre[:, None, None]
@@ -193,8 +196,7 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     loads = np.zeros((basis.N, 2, 3))
     for k, traction in enumerate(np.array([[ones, zeros], [zeros, ones], turn])):
         for c in range(2):
-            for psi, dofs in zip(edge.basis, edge.element_dofs, strict=True):
-                np.add.at(loads[:, c, k], dofs, (psi[0] * traction[c] * weight).sum(axis=1))
+            np.add.at(loads[:, c, k], nodes, psi @ (traction[c] * weight).T)
     return loads.reshape(-1, 3), centre
 
 

@@ -93,7 +93,9 @@ def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str,
     fem = comparison.responses.get("fem")
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         blocks.append(
-            field_picture(brake, fem, folder, "fields", **{k: v for k, v in options.items() if k == "elements"})
+            field_picture(
+                brake, fem, folder, "fields", **{k: v for k, v in options.items() if k in {"elements", "kind"}}
+            )
         )
     notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]
     left = [f"{o.model} left out {line}" for o in comparison.outcomes if o.response for line in o.response.left_out]
