@@ -55,9 +55,7 @@ def web() -> list[tuple[int, int]]:
     turn = math.radians(-PIN_ANGLE)  # from the brake to the shoe's frame
 
     def turned(x: float, y: float) -> int:
-        return int(
-            occ.addPoint(x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn), 0)
-        )
+        return int(occ.addPoint(x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn), 0))
 
     corners = [
         point(inner, WEB_END),
@@ -108,10 +106,14 @@ def build(refine: float) -> None:
             groups["hinge"].append(tag)
         elif all(abs(bx - FACE_X) < 1e-6 for bx in brake_x):
             groups["actuation"].append(tag)
-        elif gmsh.model.getType(1, tag) == "Circle" and math.hypot(x, y) < DRUM - LINING - TABLE - 1 and any(
-            math.hypot(x - d * math.cos(math.radians(a)), y - d * math.sin(math.radians(a))) < 1e-3
-            for group in HOLES.values()
-            for a, d, _ in group
+        elif (
+            gmsh.model.getType(1, tag) == "Circle"
+            and math.hypot(x, y) < DRUM - LINING - TABLE - 1
+            and any(
+                math.hypot(x - d * math.cos(math.radians(a)), y - d * math.sin(math.radians(a))) < 1e-3
+                for group in HOLES.values()
+                for a, d, _ in group
+            )
         ):
             groups["holes"].append(tag)
         elif min(radii) > DRUM - LINING + 1e-6:

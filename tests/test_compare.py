@@ -40,7 +40,7 @@ def test_pressure_is_interpolated_between_nodes_and_zero_beyond(brake):
 
 
 def test_a_failed_model_stays_in_the_table(brake):
-    comparison = compare(vary(brake, {"friction": 0.9}), elements=20)
+    comparison = compare(vary(brake, {"friction": 0.9}), models=("fem", "sine"), elements=20)
     failed = [row for row in comparison.rows if row["status"].startswith("failed")]
     assert [row["model"] for row in failed] == ["sine"]
     assert "self-locking" in failed[0]["status"]

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin.brake import vary
+from conftest import ROOT
+from drumlin.brake import read_brake, vary
 from drumlin.errors import BadInput
 from drumlin.fem.mesh import graded, shoe_mesh
 from drumlin.fem.meshfile import read_mesh, write_mesh
@@ -109,3 +110,9 @@ def test_files_that_are_no_mesh_are_refused(tmp_path, brake):
             read_mesh(tmp_path / name, shoe, brake.drum.radius)
     with pytest.raises(BadInput, match="no such file"):
         read_mesh(tmp_path / "none.msh", shoe, brake.drum.radius)
+
+
+def test_the_committed_meshes_solve_as_the_brake_they_were_made_from(brake):
+    """meshes/double_shoe.toml: the parametric shoes of the study at 24 elements, through their files."""
+    filed = read_brake(ROOT / "meshes" / "double_shoe.toml")
+    assert solve(filed).torque == pytest.approx(solve(brake, elements=24).torque, rel=1e-9)

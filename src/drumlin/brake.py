@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
 import numpy as np
 from pydantic import (
@@ -254,11 +254,15 @@ class Shoe(Part):
 
     `mesh`: a mesh file in place of the parametric mesh. Its coordinates are the brake's or, so that a shoe and
     its mirror image can share one file, those of the shoe's own `frame`.
+
+    With a `pivot` the shoe has a second freedom: `hinge` is the pin of a lever, the actuation acts on
+    the lever, and the shoe turns about the pivot at the lever's end.
     """
 
     name: Name
     side: Literal["internal", "external"]
     hinge: Place
+    pivot: Place | None = None
     lining: Lining
     backing: Backing | None = None
     body: Body | None = None
@@ -310,6 +314,11 @@ class Brake(Part):
         """Sense of the drum's rotation s: +1 counter-clockwise, -1 clockwise."""
         return 1 if self.rotation == "counter-clockwise" else -1
 
+    @property
+    def motion(self) -> str:
+        """What moves, in words."""
+        return f"drum turns {self.rotation}"
+
     @model_validator(mode="after")
     def _geometry(self) -> Self:
         names = [shoe.name for shoe in self.shoes]
@@ -324,6 +333,7 @@ def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
     """Raise ValueError where a shoe does not fit together or into a drum of this radius [m]."""
     if shoe.hinge.radius < 1e-9 * radius:
         raise ValueError(f"{key}.hinge = (0, 0): must not be the drum's centre, about which the shoe would only slide")
+    _check_pivot(key, shoe, radius)
     if shoe.sign > 0 and shoe.depth >= radius:
         raise ValueError(
             f"{key}: lining, backing and body are {mm(shoe.depth)} thick together; "
@@ -345,6 +355,16 @@ def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
         )
 
 
+def _check_pivot(key: str, shoe: Shoe, radius: float) -> None:
+    if shoe.pivot is None:
+        return
+    shown = f"{key}.pivot = ({mm(shoe.pivot.x)}, {mm(shoe.pivot.y)})"
+    if shoe.pivot.radius < 1e-9 * radius:
+        raise ValueError(f"{shown}: must not be the drum's centre, about which the shoe would only slide")
+    if math.dist(shoe.pivot.xy, shoe.hinge.xy) < 1e-9 * radius:
+        raise ValueError(f"{shown}: must not be the hinge; leave it out for a shoe that turns about its hinge")
+
+
 def _line(error: ValidationError, data: Any) -> str:
     """The first fault of a validation as one line: key = value as written: what is allowed."""
     fault = error.errors()[0]
@@ -364,15 +384,26 @@ def _line(error: ValidationError, data: Any) -> str:
     return " ".join(f"{key}{shown}: {message}".removeprefix(": ").split())
 
 
+P = TypeVar("P", bound=Part)
+
+
+def validated(kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False) -> P:
+    """A part from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
+
+    Raises BadInput with one line that names the key, the value and what is allowed.
+    """
+    try:
+        return kind.model_validate(data, context={"unit_required": unit_required})
+    except ValidationError as error:
+        raise BadInput(_line(error, data)) from error
+
+
 def brake_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> Brake:
     """A brake from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
 
     `base`: folder that relative mesh paths start from. Raises BadInput with one line.
     """
-    try:
-        brake = Brake.model_validate(data, context={"unit_required": unit_required})
-    except ValidationError as error:
-        raise BadInput(_line(error, data)) from error
+    brake = validated(Brake, data, unit_required=unit_required)
     if base is None:
         return brake
     shoes = tuple(
@@ -381,26 +412,31 @@ def brake_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Pa
     return brake.model_copy(update={"shoes": shoes})
 
 
+def read_toml(path: Path) -> dict[str, Any]:
+    """The data of a brake file; raises BadInput where the file cannot be read or is not TOML."""
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; not a brake file")
+        return tomllib.loads(path.read_bytes().decode())
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise BadInput(f"{path}: is not TOML ({error})") from error
+
+
 def read_brake(path: Path) -> Brake:
     """The brake described by the TOML file `path`, every quantity with its unit.
 
     Raises BadInput with one line that names the key, the value and what is allowed.
     """
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; not a brake file")
-        data = tomllib.loads(path.read_bytes().decode())
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise BadInput(f"{path}: is not TOML ({error})") from error
+    data = read_toml(path)
     try:
         return brake_from(data, unit_required=True, base=path.parent)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 
 
-def vary(brake: Brake, changes: Mapping[str, Any]) -> Brake:
+def vary(brake: P, changes: Mapping[str, Any]) -> P:
     """The brake with some keys changed, validated anew.
 
     A key is written as in the file's error lines, "shoe[0].lining.thickness"; "shoe.lining.thickness"
@@ -410,7 +446,7 @@ def vary(brake: Brake, changes: Mapping[str, Any]) -> Brake:
     for key, value in changes.items():
         steps = key.replace("[", ".").replace("]", "").split(".")
         _set(data, steps, value, key)
-    return brake_from(data)
+    return validated(type(brake), data)
 
 
 def _set(data: Any, steps: list[str], value: Any, key: str) -> None:

@@ -1,6 +1,7 @@
 """The command line. Exit status: 0 an answer, 2 bad input, 3 no answer; one plain line in the last two cases."""
 
 import json
+import math
 import os
 import sys
 from collections.abc import Callable
@@ -14,8 +15,8 @@ from drumlin.errors import BadInput, DrumlinError
 if TYPE_CHECKING:
     from rich.status import Status
 
-    from drumlin.brake import Brake
-    from drumlin.response import Response
+    from drumlin.flat import AnyBrake
+    from drumlin.response import FlatMerit, Merit, Response
 
 app = typer.Typer(
     add_completion=False,
@@ -52,11 +53,11 @@ def solve(
     penalty: Penalty = None,
 ) -> None:
     """Solve a brake by one model."""
-    from drumlin.brake import read_brake
     from drumlin.files import write_text
+    from drumlin.flat import read_any
     from drumlin.models import pick
 
-    brake = read_brake(brake_file)
+    brake = read_any(brake_file)
     options = _options(elements, kind, penalty)
     chosen = pick(model, brake)
     if options and model != "fem":
@@ -77,10 +78,14 @@ def compare(
     penalty: Penalty = None,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
-    from drumlin.brake import read_brake
+    from drumlin.flat import FlatBrake, read_any
     from drumlin.report.comparison import write_comparison
 
-    brake = read_brake(brake_file)
+    brake = read_any(brake_file)
+    if isinstance(brake, FlatBrake):
+        raise BadInput(
+            f"{brake_file}: plane: compare takes brakes on a drum; solve this one by --model linear or short"
+        )
     folder = output or Path("reports") / brake_file.stem
     with _busy("comparing the models"):
         result = write_comparison(brake, brake_file.read_text(), folder, _options(elements, kind, penalty))
@@ -114,11 +119,11 @@ def view(
     kind: Kind = None,
 ) -> None:
     """Draw a brake and its mesh."""
-    from drumlin.brake import read_brake
+    from drumlin.flat import read_any
     from drumlin.report.figures import save
     from drumlin.report.view import draw
 
-    brake = read_brake(brake_file)
+    brake = read_any(brake_file)
     picture = output or brake_file.with_suffix(".png").name
     if Path(picture).suffix not in {".png", ".svg"}:
         raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
@@ -131,6 +136,9 @@ def view(
 def mesh(
     brake_file: BrakeFile,
     output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the meshes")] = Path("meshes"),
+    name: Annotated[
+        str | None, typer.Option(help="first word of the file names; default: that of the brake file")
+    ] = None,
     elements: Elements = None,
     kind: Kind = None,
     suffix: Annotated[str, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")] = "msh",
@@ -144,7 +152,7 @@ def mesh(
     with _busy("meshing"):
         scene = prepare(brake, **_options(elements, kind))
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
-            path = output / f"{brake_file.stem}_{shoe.name}.{suffix}"
+            path = output / f"{name or brake_file.stem}_{shoe.name}.{suffix}"
             write_mesh(path, body.mesh, shoe)
             print(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
 
@@ -186,19 +194,26 @@ class _busy:
             self._status.stop()
 
 
-def _print_response(brake: "Brake", response: "Response") -> None:
-    print(f"{brake.title}: {response.model}, drum turns {brake.rotation}, mu = {brake.friction:g}")
-    print(f"torque {response.torque:.6g} N m")
-    for shoe in response.shoes:
-        from drumlin.compare import arcs_text
+def _print_response(brake: "AnyBrake", response: "Response") -> None:
+    from drumlin.compare import arcs_text
+    from drumlin.response import FlatMerit
 
+    print(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
+    forces = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]
+    print(f"braking force {sum(forces):.6g} N" if forces else f"torque {response.torque:.6g} N m")
+    for shoe, merit in zip(response.shoes, response.merits, strict=True):
         x, y = shoe.hinge_reaction
+        effect, unit = f"torque {shoe.torque:.6g} N m", "deg"
+        if isinstance(merit, FlatMerit):
+            effect, unit = f"braking force {merit.braking_force:.6g} N", "mm"
+        touching = f"contact {arcs_text(shoe, unit)} {unit}" if shoe.contact_arcs else "no contact"
         print(
-            f"  shoe {shoe.name!r}: torque {shoe.torque:.6g} N m"
+            f"  shoe {shoe.name!r}: {effect}"
             f"{', self-energising' if shoe.self_energising else ''}; normal force {shoe.normal_force:.6g} N; "
             f"peak pressure {shoe.peak_pressure * 1e-6:.4g} MPa; hinge reaction ({x:.6g}, {y:.6g}) N; "
-            f"contact {arcs_text(shoe)} deg"
+            f"{touching}"
         )
+        print(f"    {_merit_text(merit)}")
     spent = ", ".join(f"{phase} {seconds * 1e3:.1f}" for phase, seconds in response.seconds.items())
     if spent:
         print(f"  {response.iterations} active-set steps; balance: force {response.balance.force:.1e}, "
@@ -207,6 +222,14 @@ def _print_response(brake: "Brake", response: "Response") -> None:
         print(f"  {line}")
     for line in response.left_out:
         print(f"  left out: {line}")
+
+
+def _merit_text(merit: "Merit | FlatMerit") -> str:
+    """Figures of merit for people: names as in the JSON, the angle in degrees; without those that are None."""
+    values = {key: value for key, value in merit._asdict().items() if value is not None}
+    angle = values.pop("resultant_angle", None)
+    said = [] if angle is None else [f"resultant at {math.degrees(angle):.4g} deg"]
+    return ", ".join(said + [f"{key} {value:.5g}" for key, value in values.items()])
 
 
 def _print_table(table: list[dict[str, Any]]) -> None:

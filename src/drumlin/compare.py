@@ -176,9 +176,10 @@ def relative(value: float, true: float) -> float:
     return (value - true) / true if true else math.nan
 
 
-def arcs_text(shoe: ShoeResponse) -> str:
-    """Contact arcs in degrees as text."""
-    return ", ".join(f"{math.degrees(a):.1f} to {math.degrees(b):.1f}" for a, b in shoe.contact_arcs) or "none"
+def arcs_text(shoe: ShoeResponse, unit: str = "deg") -> str:
+    """Contact arcs as text: numbers in degrees, or in mm for a shoe on a plane."""
+    factor = {"deg": 180 / math.pi, "mm": 1e3}[unit]
+    return ", ".join(f"{a * factor:.1f} to {b * factor:.1f}" for a, b in shoe.contact_arcs) or "none"
 
 
 def as_csv(table: Sequence[dict[str, Any]]) -> str:
@@ -210,11 +211,14 @@ class Comparison:
         return rows(self.brake, self.outcomes, case=self.case)
 
 
-def compare(brake: Brake, case: str = "", repeats: int = 1, **options: Any) -> Comparison:
-    """Run all models that apply to a brake; `options` go to the finite elements."""
+def compare(
+    brake: Brake, case: str = "", repeats: int = 1, models: Sequence[str] | None = None, **options: Any
+) -> Comparison:
+    """Run all models that apply to a brake, or those of `models`; `options` go to the finite elements."""
     outcomes = [
         run(model.name, partial(model.solve, brake, **(options if model.name == "fem" else {})), repeats)
         for model in applicable(brake)
+        if models is None or model.name in models
     ]
     return Comparison(case or brake.title, brake, tuple(outcomes))
 

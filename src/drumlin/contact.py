@@ -75,8 +75,8 @@ def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) 
     fewest, patience = n + 1, PATIENCE
     base: _Equations | None = None
     for step in range(1, most + 1):
-        if k and not active.any():
-            active = _first_touch(q, B, C, h)
+        if k and not (B[active] != 0).any(axis=0).all():  # a motion that nothing resists yet
+            active = active | _first_touch(q, B, C, h)
         if base is not None and _few_released(base, active):
             equations: _Equations = _Released(base, active)
         else:
@@ -184,11 +184,12 @@ def _tangent(equations: _Equations, d: Floats, h: Floats, dq: Floats) -> Floats:
 
 
 def _first_touch(q: Floats, B: Floats, C: Floats, h: Floats) -> Bools:
-    """The node that the actuation closes first when nothing touches and one motion is free."""
-    if B.shape[1] > 1:
-        raise NoAnswer("no equilibrium: nothing touches, and more than one motion is free")
-    bearing = C[0] * h[0] > 0  # nodes whose pressure resists the actuation
-    if not bearing.any():
-        raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
-    reach = np.where(bearing, q / np.maximum(np.abs(B[:, 0]), np.finfo(float).tiny), np.inf)
-    return np.asarray(reach <= reach.min())
+    """For each free motion the node that the actuation closes first, when nothing touches."""
+    touching = np.zeros(len(q), dtype=bool)
+    for k in range(B.shape[1]):
+        bearing = C[k] * h[k] > 0  # nodes whose pressure resists the actuation
+        if not bearing.any():
+            raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
+        reach = np.where(bearing, q / np.maximum(np.abs(B[:, k]), np.finfo(float).tiny), np.inf)
+        touching |= reach <= reach.min()
+    return touching

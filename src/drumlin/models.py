@@ -1,11 +1,14 @@
-"""The models that answer for a brake, by name. Each takes a Brake and returns a Response."""
+"""The models that answer for a brake, by name. Each takes a brake and returns a Response."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
-from drumlin import laws
 from drumlin.brake import Brake
 from drumlin.errors import BadInput
+from drumlin.flat import AnyBrake, FlatBrake
+from drumlin.laws import LAWS, flat, hinged, pivoted
+from drumlin.merit import with_merits
 from drumlin.response import Response
 
 
@@ -14,47 +17,78 @@ class Model(NamedTuple):
 
     name: str
     assumes: str
-    why_not: Callable[[Brake], str | None]
+    why_not: Callable[[AnyBrake], str | None]
     solve: Callable[..., Response]
 
 
 def _fem(brake: Brake, **options: Any) -> Response:
     from drumlin.fem import model
 
-    return model.solve(brake, **options)
+    return with_merits(brake, model.solve(brake, **options))
 
 
-def _fem_why_not(brake: Brake) -> str | None:
+def _fem_why_not(brake: AnyBrake) -> str | None:
     from drumlin.fem import scene
 
+    if isinstance(brake, FlatBrake):
+        return "its shoes press on a plane, not on a drum"
+    for shoe in brake.shoes:
+        if shoe.pivot is not None:
+            return f"shoe {shoe.name!r}: a shoe on a pivot of a lever is not meshed"
     return scene.why_not(brake)
+
+
+def _short_why_not(brake: AnyBrake) -> str | None:
+    """The short shoe is a law of both kinds of brake."""
+    if isinstance(brake, FlatBrake):
+        return flat.why_not(flat.FLAT_SHORT, brake)
+    return hinged.why_not(LAWS["short"], brake)
+
+
+def _short(brake: AnyBrake) -> Response:
+    if isinstance(brake, FlatBrake):
+        return flat.solve(flat.FLAT_SHORT, brake)
+    return hinged.solve(LAWS["short"], brake)
+
+
+def _hinged(name: str) -> Model:
+    law = LAWS[name]
+    return Model(name, law.assumes, partial(hinged.why_not, law), partial(hinged.solve, law))
 
 
 MODELS: Mapping[str, Model] = {
     model.name: model
     for model in (
         Model("fem", "2D plane stress, unilateral contact, full-slip Coulomb friction", _fem_why_not, _fem),
-        Model(
-            "sine",
-            "rigid shoe turning about its hinge, rigid drum, lining that fits",
-            laws.sine_why_not,
-            laws.sine,
-        ),
+        _hinged("sine"),
+        _hinged("cosine"),
+        _hinged("block"),
+        _hinged("uniform"),
+        Model("short", LAWS["short"].assumes, _short_why_not, _short),
+        Model("pivoted", pivoted.ASSUMES, pivoted.why_not, pivoted.solve),
+        Model("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(flat.solve, flat.LINEAR)),
     )
 }
 
 
-def pick(name: str, brake: Brake) -> Model:
+def pick(name: str, brake: AnyBrake) -> Model:
     """The model called `name`; raises BadInput where there is none, or where it does not apply to the brake."""
     if name not in MODELS:
         raise BadInput(f"--model = {name!r}: unknown model; allowed: {', '.join(MODELS)}")
     model = MODELS[name]
     reason = model.why_not(brake)
     if reason is not None:
-        raise BadInput(f"--model = {name!r}: does not apply to this brake: {reason}")
+        apply = ", ".join(other.name for other in applicable(brake)) or "none"
+        raise BadInput(f"--model = {name!r}: does not apply to this brake: {reason}; allowed: {apply}")
     return model
 
 
-def applicable(brake: Brake) -> tuple[Model, ...]:
+def applicable(brake: AnyBrake) -> tuple[Model, ...]:
     """The models that apply to a brake."""
     return tuple(model for model in MODELS.values() if model.why_not(brake) is None)
+
+
+def refusals(brake: AnyBrake) -> dict[str, str]:
+    """Why each of the other models does not apply to a brake, by name."""
+    reasons = {model.name: model.why_not(brake) for model in MODELS.values()}
+    return {name: reason for name, reason in reasons.items() if reason is not None}

@@ -3,12 +3,13 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake import Brake, Shoe
+from drumlin.flat import FlatShoe
 from drumlin.statics import Resultant, cross, integrate, resultant
 
 EDGE_ZONE = math.radians(0.2)
@@ -33,6 +34,10 @@ class ShoeResponse:
     `hinge_reaction` (2,) [N] the force of the pin on the shoe. `peak_pressure` [Pa] is the largest pressure; of
     elastic models the largest nodal one more than half a lining thickness from the lining's ends, where a sharp
     edge has no bound. `turn` [rad] is the rotation of the shoe about its pin, where a model knows it.
+    `pivot_reaction` (2,) [N] is the force of the pivot on the shoe, where there is one; `lumped` the contact's
+    forces, where a law lumps them at one point: else they are the integrals of the pressure.
+
+    Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
     """
 
     name: str
@@ -46,6 +51,8 @@ class ShoeResponse:
     pressure: Floats
     order: int = 2
     turn: float | None = None
+    lumped: Resultant | None = None
+    pivot_reaction: Floats | None = None
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
@@ -60,10 +67,58 @@ class ShoeResponse:
             value += y[..., i] * np.prod([(theta - x[..., j]) / (x[..., i] - x[..., j]) for j in others], axis=0)
         return np.where((theta >= self.theta[0]) & (theta <= self.theta[-1]), value, 0.0)
 
+    def as_dict(self) -> dict[str, Any]:
+        """The response as plain data for JSON (units as in the attributes)."""
+        data: dict[str, Any] = {
+            "name": self.name,
+            "torque": self.torque,
+            "normal_force": self.normal_force,
+            "self_energising": self.self_energising,
+            "peak_pressure": self.peak_pressure,
+            "hinge_reaction": [float(x) for x in self.hinge_reaction],
+            "contact_arcs": [list(arc) for arc in self.contact_arcs],
+            "theta": [float(x) for x in self.theta],
+            "pressure": [float(x) for x in self.pressure],
+        }
+        if self.pivot_reaction is not None:
+            data["pivot_reaction"] = [float(x) for x in self.pivot_reaction]
+        return data
+
+
+class Merit(NamedTuple):
+    """Figures of merit of a shoe on a drum, from its p(theta); None where 0 is divided by 0 or by mu = 0.
+
+    `resultant_angle` [rad] of the normal pressure at O, counted as the lining's angles are; `friction_radius`
+    psi, the apparent radius of friction over R; `shoe_factor` T/(F R); `mechanical_advantage`
+    eta = T/M = 1/(m - double_delta n); `sensitivity_at_fixed_shape` m eta, the (mu/eta) d eta/d mu of a
+    pressure whose shape does not change.
+    """
+
+    resultant_angle: float | None
+    friction_radius: float | None
+    shoe_factor: float | None
+    mechanical_advantage: float | None
+    m: float | None
+    n: float | None
+    double_delta: int
+    sensitivity_at_fixed_shape: float | None
+
+
+class FlatMerit(NamedTuple):
+    """Figures of merit of a shoe on a plane: braking force [N], the same over the actuation moment M [1/m], S."""
+
+    braking_force: float
+    braking_force_over_moment: float | None
+    sensitivity_at_fixed_shape: float | None
+
 
 @dataclass(frozen=True)
 class Response:
-    """What a model answers for a brake. `seconds`: time of each phase; `left_out`: what was not computed, and why."""
+    """What a model answers for a brake.
+
+    `seconds`: time of each phase; `left_out`: what was not computed, and why; `merits`: one a shoe;
+    `bearing_load` (2,) [N]: force of all shoes on the drum, which its bearings carry.
+    """
 
     model: str
     shoes: tuple[ShoeResponse, ...]
@@ -73,6 +128,8 @@ class Response:
     seconds: Mapping[str, float] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    merits: tuple[Merit | FlatMerit, ...] = ()
+    bearing_load: Floats | None = None
 
     @property
     def torque(self) -> float:
@@ -81,7 +138,8 @@ class Response:
 
     def as_dict(self) -> dict[str, Any]:
         """The response as plain data for JSON (units as in the attributes: N m, N, Pa, rad, s)."""
-        return {
+        merits = [merit._asdict() for merit in self.merits] or [{} for _ in self.shoes]
+        data: dict[str, Any] = {
             "model": self.model,
             "torque": self.torque,
             "converged": self.converged,
@@ -90,24 +148,14 @@ class Response:
             "seconds": dict(self.seconds),
             "left_out": list(self.left_out),
             "notes": list(self.notes),
-            "shoes": [
-                {
-                    "name": shoe.name,
-                    "torque": shoe.torque,
-                    "normal_force": shoe.normal_force,
-                    "self_energising": shoe.self_energising,
-                    "peak_pressure": shoe.peak_pressure,
-                    "hinge_reaction": [float(x) for x in shoe.hinge_reaction],
-                    "contact_arcs": [list(arc) for arc in shoe.contact_arcs],
-                    "theta": [float(x) for x in shoe.theta],
-                    "pressure": [float(x) for x in shoe.pressure],
-                }
-                for shoe in self.shoes
-            ],
+            "shoes": [shoe.as_dict() | merit for shoe, merit in zip(self.shoes, merits, strict=True)],
         }
+        if self.bearing_load is not None:
+            data["bearing_load"] = [float(x) for x in self.bearing_load]
+        return data
 
 
-def untouched(shoe: Shoe, hinge_reaction: Floats) -> ShoeResponse:
+def untouched(shoe: Shoe | FlatShoe, hinge_reaction: Floats) -> ShoeResponse:
     """The response of a shoe that does not touch the drum: no torque, no pressure."""
     theta = np.linspace(shoe.lining.start, shoe.lining.end, 3)
     return ShoeResponse(
@@ -120,11 +168,14 @@ def untouched(shoe: Shoe, hinge_reaction: Floats) -> ShoeResponse:
         contact_arcs=(),
         theta=theta,
         pressure=np.zeros(3),
+        pivot_reaction=np.zeros(2) if isinstance(shoe, Shoe) and shoe.pivot else None,
     )
 
 
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
-    """Force and moment about O of the drum on shoe `index`, by integrating the response's own p(theta)."""
+    """What the drum does to shoe `index`: the integrals of the response's own p(theta), or what its law lumps."""
+    if response.lumped is not None:
+        return response.lumped
     shoe = brake.shoes[index]
     return resultant(
         response.theta,

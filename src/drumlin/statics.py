@@ -10,10 +10,16 @@ GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 
 class Resultant(NamedTuple):
-    """Force (2,) [N] and moment about O [N m] of the drum on the lining."""
+    """What the drum does to the lining: forces of pressure and of friction (2,) [N], moment about O [N m]."""
 
-    force: Floats
+    normal: Floats
+    friction: Floats
     moment: float
+
+    @property
+    def force(self) -> Floats:
+        """The whole force (2,) [N]."""
+        return self.normal + self.friction
 
 
 def cross(a: Floats, b: Floats) -> Floats:
@@ -27,6 +33,12 @@ def shape(order: int, xi: Floats) -> Floats:
     return np.array(
         [np.prod([(xi - b) / (a - b) for j, b in enumerate(nodes) if j != i], axis=0) for i, a in enumerate(nodes)]
     ).reshape(order + 1, len(xi))
+
+
+def slopes(order: int, xi: Floats) -> Floats:
+    """Derivatives of these shape functions at xi (any shape): (order + 1, *xi.shape)."""
+    nodes = np.linspace(-1, 1, order + 1)
+    return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), xi) for row in np.eye(order + 1)])
 
 
 def gauss_points(theta: Floats, values: Floats, order: int) -> tuple[Floats, Floats, Floats]:
@@ -53,5 +65,6 @@ def resultant(
     angle, p, w = gauss_points(theta, pressure, order)
     load = p * w * radius * width
     c, s = np.cos(angle), np.sin(angle)
-    force = np.array([np.sum(load * (-sign * c - drag * s)), np.sum(load * (-sign * s + drag * c))])
-    return Resultant(force, float(np.sum(load)) * drag * radius)
+    along = np.array([np.sum(load * c), np.sum(load * s)])
+    across = np.array([-along[1], along[0]])
+    return Resultant(-sign * along, drag * across, float(np.sum(load)) * drag * radius)

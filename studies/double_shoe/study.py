@@ -44,7 +44,8 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         brake = read_brake(HERE / file)
         for rotation in ROTATIONS:
             say(f"{case}, {rotation}")
-            comparisons.append(compare(vary(brake, {"rotation": rotation}), case, repeats, elements=elements))
+            turning = vary(brake, {"rotation": rotation})
+            comparisons.append(compare(turning, case, repeats, ("fem", "sine"), elements=elements))
     brake = comparisons[0].brake
     say("limit of a rigid shoe")
     limit = [row for rotation in ROTATIONS for row in rigid_limit(vary(brake, {"rotation": rotation}), elements)]

@@ -135,31 +135,28 @@ def _means(group: Ints, values: Floats) -> Floats:
     return np.array([(np.bincount(group, row) / np.maximum(size, 1))[group] for row in values])
 
 
-def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats) -> Any:
+def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None) -> Any:
     """Sparse matrix (2 nodes, unknowns) from the reduced unknowns to the displacements of all nodes.
 
     Unknowns: inner nodes in dissection order, contact nodes, then the frame: the `rigid` nodes move with
-    u = (dx, dy) + turn k x (x - pin).
+    u = (dx, dy) + turn k x (x - pin). Without rigid nodes three unknowns `alone` (3,) stand in their place.
     """
-    special = np.zeros(basis.N, dtype=bool)
-    special[contact] = special[rigid] = True
     order = dissection(basis.doflocs, basis.element_dofs)
-    nodes = np.concatenate([order[~special[order]], contact])
-    unknowns = 2 * len(nodes) + FRAME
+    inner = np.ones(basis.N, dtype=bool)
+    inner[contact] = inner[rigid] = False
+    nodes = np.concatenate([order[inner[order]], contact])
+    dofs = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
+    if alone is not None:
+        dofs = np.concatenate([dofs[~np.isin(dofs, alone)], alone])
+        return sp.csc_matrix((np.ones(len(dofs)), (dofs, np.arange(len(dofs)))), shape=(2 * basis.N, len(dofs)))
+    frame = np.arange(len(dofs), len(dofs) + FRAME)
     x, y = basis.doflocs[:, rigid] - pin[:, None]
-    ones, frame = np.ones(len(rigid)), np.full(len(rigid), unknowns - FRAME)
-    rows = [2 * nodes, 2 * nodes + 1, 2 * rigid, 2 * rigid, 2 * rigid + 1, 2 * rigid + 1]
-    columns = [
-        np.arange(0, 2 * len(nodes), 2),
-        np.arange(1, 2 * len(nodes), 2),
-        frame,
-        frame + 2,
-        frame + 1,
-        frame + 2,
-    ]
-    values = [np.ones(len(nodes)), np.ones(len(nodes)), ones, -y, ones, x]
-    shape = (2 * basis.N, unknowns)
-    return sp.csc_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+    ones = np.ones(len(rigid))
+    rows = [dofs, 2 * rigid, 2 * rigid, 2 * rigid + 1, 2 * rigid + 1]
+    columns = [np.arange(len(dofs)), *(np.full(len(rigid), frame[k]) for k in (0, 2, 1, 2))]
+    values = [np.ones(len(dofs)), ones, -y, ones, x]
+    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+    return sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs) + FRAME))
 
 
 def condense(K: Any, ties: Any, loads: Floats, contact: int) -> Condensed:

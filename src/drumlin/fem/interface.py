@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.statics import GAUSS, WEIGHTS, shape
+from drumlin.statics import GAUSS, WEIGHTS, shape, slopes
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def couple(line: ContactLine, width: float, sign: int) -> Coupling:
     """The coupling of a lining of this width b [m] with a round drum about O; n = sign e_r."""
     n = len(line.nodes)
     psi = shape(line.order, GAUSS)  # (k, points)
-    slope = slopes(line.order)
+    slope = slopes(line.order, GAUSS)
     x = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], psi)  # (2, pieces, points)
     dx = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], slope)
     r = np.hypot(*x)
@@ -103,9 +103,3 @@ def couple(line: ContactLine, width: float, sign: int) -> Coupling:
         return matrix
 
     return Coupling(gather(np.ones_like(r)), interleave(normal), interleave(tangent), gather(r).sum(axis=1))
-
-
-def slopes(order: int) -> Floats:
-    """Derivatives of the shape functions at the Gauss points (order + 1, points)."""
-    nodes = np.linspace(-1, 1, order + 1)
-    return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), GAUSS) for row in np.eye(order + 1)])

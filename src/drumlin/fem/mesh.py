@@ -58,7 +58,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int, kind: str = DEFAULT_KIND
     if shoe.backing is not None:
         layers.append(("backing", shoe.backing.thickness))
     lining_depth = sum(thickness for _, thickness in layers)
-    angles = graded(phi_1, phi_2, elements, shoe.lining.thickness / radius, EDGE_SIZE)
+    angles = phi_1 + lining_angles(phi_2 - phi_1, shoe, radius, elements)
     body = (phi_1, phi_2)
     if shoe.body is not None:
         layers.append(("shoe", shoe.body.thickness))
@@ -107,6 +107,11 @@ def _overhang(start: float, end: float, step: float) -> Floats:
     if end - start < 1e-9:
         return np.array([end])
     return np.linspace(start, end, max(1, round((end - start) / step)) + 1)
+
+
+def lining_angles(arc: float, shoe: Shoe, radius: float, elements: int) -> Floats:
+    """Ends of the elements along a lining, from 0 to `arc` [rad]: symmetric, fine at its ends."""
+    return graded(0.0, arc, elements, shoe.lining.thickness / radius, EDGE_SIZE)
 
 
 def lining_layers(elements: int) -> int:

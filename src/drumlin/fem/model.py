@@ -8,12 +8,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
 
 from drumlin import contact
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.interface import Coupling
+from drumlin.fem.ends import contact_arcs
 from drumlin.fem.mesh import DEFAULT_KIND
 from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, held, prepare, shape_of
 from drumlin.laws import locking_friction
@@ -43,17 +44,24 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Response
         raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
     if brake.friction > 0 and scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
+    if brake.drum.ring != scene.brake.drum.ring:
+        raise BadInput("the brake's drum.ring differs from that of the prepared scene")
     seconds = dict(scene.seconds)
     with clock(seconds, "contact"):
-        answers = [_respond(body, brake, shoe, penalty) for body, shoe in zip(scene.bodies, brake.shoes, strict=True)]
+        touching = [i for i, shoe in enumerate(brake.shoes) if turns_towards(scene.bodies[i], shoe)]
+        # Shoes meet each other only through an elastic ring.
+        groups = [[i] for i in touching] if scene.ring is None else [touching] if touching else []
+        answers = {i: answer for group in groups for i, answer in _answers(scene, brake, group, penalty).items()}
+        for i in set(range(len(brake.shoes))) - set(touching):
+            answers[i] = _untouched(brake.shoes[i])
     return Response(
         model="fem",
-        shoes=tuple(answer.response for answer in answers),
-        balance=worst([answer.balance for answer in answers]),
-        iterations=max(answer.steps for answer in answers),
+        shoes=tuple(answers[i].response for i in sorted(answers)),
+        balance=worst([answer.balance for answer in answers.values()]),
+        iterations=max(answer.steps for answer in answers.values()),
         seconds=seconds,
         left_out=scene.left_out,
-        notes=tuple(answer.note for answer in answers),
+        notes=tuple(answers[i].note for i in sorted(answers)),
     )
 
 
@@ -65,6 +73,20 @@ class _Answer:
     note: str
 
 
+def turns_towards(body: Body, shoe: Shoe) -> bool:
+    """Whether the force turns the shoe towards the drum, at one lining point at least."""
+    if shoe.actuation.force == 0:
+        return False
+    _, moment = actuation(body, shoe)
+    approach = body.coupling.N @ body.turned
+    return bool(abs(moment) > 1e-14 * np.abs(body.line.xy).max() and (moment * approach > 0).any())
+
+
+def _untouched(shoe: Shoe) -> _Answer:
+    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the drum"
+    return _Answer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
+
+
 def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
     """Gap of the unloaded lining at the contact nodes (n,) [m]: off the drum's radius, and the clearance."""
     theta, radius = shoe.frame.theta(body.line.phi), brake.drum.radius
@@ -72,15 +94,38 @@ def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
     return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + shoe.lining.clearance_at(theta)  # 0.0: not round-off
 
 
-def contact_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float = math.inf) -> contact.Problem:
-    """Full slip of one shoe, the drum dragging its lining by mu p, as a complementarity problem.
+def contact_problem(scene: Scene, brake: Brake, group: list[int], penalty: float = math.inf) -> contact.Problem:
+    """Full slip of a group of shoes, the drum dragging their linings by mu p, as one complementarity problem.
 
-    The weighted gap  w = M (g + p/eps) - N u  closes as the lining moves by u, elastically and with the shoe's
-    turn y about its pin;  C p = h  is the balance of moments about the pin. All is in the shoe's frame and per
-    newton of actuation, so that the force enters only through the gap.
+    The weighted gap  w = M (g + p/eps) - N u + N_ring u_ring  closes as the lining moves by u, elastically and with
+    the shoe's turn y about its pin, and opens as the ring moves by u_ring;  C p = h  is the balance of moments
+    about the pins. All is per newton of `unit_force`, so that one force alone enters only through the gap.
     """
+    size = unit_force(brake, group)
+    parts = [_shoe_problem(scene.bodies[i], brake, brake.shoes[i], penalty, size) for i in group]
+    A = scipy.linalg.block_diag(*(part.A for part in parts))
+    if scene.ring is not None:
+        drag = brake.friction * brake.spin
+        pressed = np.hstack([scene.ring.pressed[i] for i in group])
+        A += pressed.T @ (pressed + drag * np.hstack([scene.ring.dragged[i] for i in group]))
+    return contact.Problem(
+        A=A,
+        q=np.concatenate([part.q for part in parts]),
+        B=scipy.linalg.block_diag(*(part.B for part in parts)),
+        C=scipy.linalg.block_diag(*(part.C for part in parts)),
+        h=np.concatenate([part.h for part in parts]),
+    )
+
+
+def unit_force(brake: Brake, group: list[int]) -> float:
+    """The largest actuation force of a group of shoes [N]."""
+    return max(abs(brake.shoes[i].actuation.force) for i in group)
+
+
+def _shoe_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float, size: float) -> contact.Problem:
     drag = brake.friction * brake.spin * shoe.frame.sense
     load, moment = actuation(body, shoe)
+    share = abs(shoe.actuation.force) / size
     N, T, M = body.coupling.N, body.coupling.T, body.coupling.M
     approach = N @ body.turned  # per turn
     A, C = -body.closing_pressed, -approach
@@ -88,31 +133,47 @@ def contact_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float = math.
         A, C = A - drag * body.closing_dragged, C + drag * (T @ body.turned)
     return contact.Problem(
         A=A + M / (penalty * shoe.lining.material.E / shoe.lining.thickness),
-        q=M @ (gap_of(body, brake, shoe) / abs(shoe.actuation.force)) - body.closing_loaded @ load,
+        q=M @ (gap_of(body, brake, shoe) / size) - share * (body.closing_loaded @ load),
         B=-approach[:, None],
         C=C[None],
-        h=np.array([-moment]),
+        h=np.array([-share * moment]),
     )
 
 
-def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
+def _answers(scene: Scene, brake: Brake, group: list[int], penalty: float) -> dict[int, _Answer]:
+    """The answers of a group of shoes that meet the drum together."""
+    for i in group:
+        body, shoe = scene.bodies[i], brake.shoes[i]
+        _check_reach(shoe, body.line.xy, gap_of(body, brake, shoe), actuation(body, shoe)[1])
+    names = ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
+    try:
+        found = contact.solve(contact_problem(scene, brake, group, penalty))
+    except NoAnswer as error:
+        raise NoAnswer(f"{names}: {_locked(scene, brake, group) or error}") from error
+    if not found.regular:
+        raise NoAnswer(f"{names}: {_locked(scene, brake, group) or 'self-locking, no stable equilibrium'}")
+    size = unit_force(brake, group)
+    soft = [
+        scene.bodies[i].coupling.M / (penalty * brake.shoes[i].lining.material.E / brake.shoes[i].lining.thickness)
+        for i in group
+    ]
+    change = size * found.tangent(scipy.linalg.block_diag(*soft) @ found.p)  # by the penalty's compliance
+    answers, start = {}, 0
+    for k, i in enumerate(group):
+        part = slice(start, start + len(soft[k]))
+        start = part.stop
+        p, turn = size * found.p[part], size * float(found.y[k])
+        answers[i] = _answer(scene.bodies[i], brake, brake.shoes[i], p, turn, change[part], penalty, found.steps)
+    return answers
+
+
+def _answer(
+    body: Body, brake: Brake, shoe: Shoe, p: Floats, turn: float, change: Floats, penalty: float, steps: int
+) -> _Answer:
+    """What one shoe does under the pressure p (n,) and the turn about its pin, in its own frame."""
     frame, line, coupling = shoe.frame, body.line, body.coupling
     load, moment = actuation(body, shoe)
-    sense = math.copysign(1.0, moment)
-    approach = coupling.N @ body.turned
-    size = abs(shoe.actuation.force)
-    if size == 0 or abs(moment) <= 1e-14 * brake.drum.radius or (sense * approach <= 0).all():
-        note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the drum"
-        return _Answer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
-    _check_reach(shoe, line.xy, gap_of(body, brake, shoe), sense)
-    try:
-        found = contact.solve(contact_problem(body, brake, shoe, penalty))
-    except NoAnswer as error:
-        raise NoAnswer(f"shoe {shoe.name!r}: {_locked(body, brake, shoe) or error}") from error
-    if not found.regular:
-        raise NoAnswer(f"shoe {shoe.name!r}: {_locked(body, brake, shoe) or 'self-locking, no stable equilibrium'}")
-
-    p, load, moment = size * found.p, size * load, size * moment
+    load, moment = abs(shoe.actuation.force) * load, abs(shoe.actuation.force) * moment
     drag = brake.friction * brake.spin * frame.sense
     nodal = (drag * (coupling.T.T @ p) - coupling.N.T @ p).reshape(-1, 2)  # on the lining [N]
     reaction = held(body, p, drag, load)[:2]
@@ -122,28 +183,29 @@ def _respond(body: Body, brake: Brake, shoe: Shoe, penalty: float) -> _Answer:
         [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment + float(cross(pin, load[:2]))],
     )
     stiffness = penalty * shoe.lining.material.E / shoe.lining.thickness
+    pressed = float(coupling.lever @ p)
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"
         if math.isinf(penalty)
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
-        f"which changes its torque by {_softening(found, coupling, stiffness):+.1e} of it"
+        f"which changes its torque by {float(coupling.lever @ change) / pressed if pressed else 0.0:+.1e} of it"
     )
     forward = slice(None, None, frame.sense)
     theta = frame.theta(line.phi)[forward]
     response = ShoeResponse(
         name=shoe.name,
-        torque=abs(drag) * float(coupling.lever @ p),
+        torque=abs(drag) * pressed,
         normal_force=float(np.linalg.norm((coupling.N.T @ p).reshape(-1, 2).sum(axis=0))),
         self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
         peak_pressure=float(p[_inside(line.phi, shoe.lining.thickness / (2 * brake.drum.radius))].max()),
         hinge_reaction=frame.to_brake(reaction),
-        contact_arcs=_contact_arcs(theta, p[forward]),
+        contact_arcs=contact_arcs(theta, p[forward], line.order),
         theta=theta,
         pressure=p[forward],
         order=line.order,
-        turn=frame.sense * size * float(found.y[0]),
+        turn=frame.sense * turn,
     )
-    return _Answer(response, balance, found.steps, note)
+    return _Answer(response, balance, steps, note)
 
 
 def _inside(phi: Floats, zone: float) -> Bools:
@@ -152,12 +214,7 @@ def _inside(phi: Floats, zone: float) -> Bools:
     return inside if inside.any() else ~inside
 
 
-def _softening(found: contact.Contact, coupling: Coupling, stiffness: float) -> float:
-    """Relative change of Int p r ds (and so of the torque) by the compliance M/eps, to first order in 1/eps."""
-    return float(coupling.lever @ found.tangent(coupling.M @ found.p)) / stiffness / float(coupling.lever @ found.p)
-
-
-def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, sense: float) -> None:
+def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
     """Raise NoAnswer where the shoe would have to turn too far to touch, or could turn for ever.
 
     A lining point at distance d from the pin and angle psi reaches the radius r when it has turned by
@@ -173,7 +230,7 @@ def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, sense: float) -> None:
     if not meets.any():
         raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, the force turns it without its ever touching the drum")
     angle = np.arccos(cosine[meets])
-    turns = sense * (np.concatenate([angle, -angle]) - np.tile(psi[meets], 2)) % (2 * math.pi)
+    turns = math.copysign(1.0, moment) * (np.concatenate([angle, -angle]) - np.tile(psi[meets], 2)) % (2 * math.pi)
     if turns.min() > LARGEST_TURN:
         raise NoAnswer(
             f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turns.min()):.3g} deg to touch the drum; "
@@ -181,19 +238,7 @@ def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, sense: float) -> None:
         )
 
 
-def _contact_arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
-    """Arcs [rad] in which the interpolated pressure is positive: steps between nodes with p > 0 at either end."""
-    arcs: list[tuple[float, float]] = []
-    for i in range(len(p) - 1):
-        if p[i] > 0 or p[i + 1] > 0:
-            if arcs and arcs[-1][1] == theta[i]:
-                arcs[-1] = (arcs[-1][0], float(theta[i + 1]))
-            else:
-                arcs.append((float(theta[i]), float(theta[i + 1])))
-    return tuple(arcs)
-
-
-def _locked(body: Body, brake: Brake, shoe: Shoe) -> str:
+def _locked(scene: Scene, brake: Brake, group: list[int]) -> str:
     """What to say where there is no equilibrium because of friction; empty where friction is not the reason.
 
     The friction up to which there is an equilibrium, found by halving: the contact set changes on the way, so
@@ -201,10 +246,9 @@ def _locked(body: Body, brake: Brake, shoe: Shoe) -> str:
     """
 
     def holds(friction: float) -> bool:
+        problem = contact_problem(scene, brake.model_copy(update={"friction": friction}), group)
         try:
-            return contact.solve(
-                contact_problem(body, brake.model_copy(update={"friction": friction}), shoe), most=25
-            ).regular
+            return contact.solve(problem, most=25).regular
         except NoAnswer:
             return False
 
@@ -214,7 +258,8 @@ def _locked(body: Body, brake: Brake, shoe: Shoe) -> str:
     while above - below > 1e-4 * above:
         middle = 0.5 * (below + above)
         below, above = (middle, above) if holds(middle) else (below, middle)
+    law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     return (
-        f"self-locking, no equilibrium at friction {brake.friction:g}; this elastic shoe has one up to "
-        f"mu_lock = {below:.4g} (sine law: {locking_friction(brake, shoe):.4g})"
+        f"self-locking, no equilibrium at friction {brake.friction:g}; elastic as it is there is one up to "
+        f"mu_lock = {below:.4g} (sine law: {law:.4g})"
     )

@@ -13,10 +13,11 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Material, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, slopes
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes
 from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.meshfile import read_mesh
-from drumlin.statics import GAUSS, WEIGHTS, cross, shape
+from drumlin.fem.ring import RingBody, ring_body
+from drumlin.statics import GAUSS, WEIGHTS, cross, shape, slopes
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
 
@@ -64,18 +65,19 @@ class Body:
 
 @dataclass(frozen=True)
 class Scene:
-    """A brake made ready: a condensed body for each shoe (equal shoes share one), and what that cost."""
+    """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if it has one."""
 
     brake: Brake
     bodies: tuple[Body, ...]
+    ring: RingBody | None
     seconds: Seconds
     left_out: tuple[str, ...]
 
 
 def why_not(brake: Brake) -> str | None:
     """Why finite elements do not apply to a brake (None: they do)."""
-    if brake.drum.ring is not None:
-        return "an elastic drum ring is not modelled yet; leave out [drum.ring] for a rigid drum"
+    if brake.drum.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
+        return "shoes inside and outside of one elastic ring are not modelled"
     return None
 
 
@@ -116,7 +118,13 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND)
         if key not in made:
             made[key] = _body(brake, shoe, elements, kind, seconds)
         bodies.append(made[key])
-    left_out = ["drum: rigid, no [drum.ring] in the brake", "interior fields: recovered only for a picture"]
+    ring = None
+    left_out = ["interior fields: recovered only for a picture"]
+    if brake.drum.ring is None:
+        left_out.append("drum: rigid, no [drum.ring] in the brake")
+    else:
+        with clock(seconds, "ring"):
+            ring = ring_body(brake, brake.drum.ring, tuple(body.line for body in bodies), elements)
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
@@ -124,7 +132,7 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND)
     for shoe in brake.shoes:
         if shoe.mesh is None and shoe.body is None:
             left_out.append(f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed")
-    return Scene(brake, tuple(bodies), seconds, tuple(left_out))
+    return Scene(brake, tuple(bodies), ring, seconds, tuple(left_out))
 
 
 def _body(brake: Brake, shoe: Shoe, elements: int, kind: str, seconds: Seconds) -> Body:
@@ -186,7 +194,7 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     order = len(nodes) - 1
     psi = shape(order, GAUSS)  # (k, points)
     x = np.einsum("cki,kq->ciq", basis.doflocs[:, nodes], psi)
-    weight = np.hypot(*np.einsum("cki,kq->ciq", basis.doflocs[:, nodes], slopes(order))) * WEIGHTS
+    weight = np.hypot(*np.einsum("cki,kq->ciq", basis.doflocs[:, nodes], slopes(order, GAUSS))) * WEIGHTS
     length = weight.sum()
     centre = (x * weight).sum(axis=(1, 2)) / length
     arm = x - centre[:, None, None]

@@ -9,6 +9,7 @@ from drumlin.brake import Brake
 from drumlin.compare import COLUMNS, Comparison, as_csv, compare
 from drumlin.errors import NoAnswer
 from drumlin.files import write_text
+from drumlin.models import refusals
 from drumlin.report import figures
 from drumlin.report.page import Figure, Section, Source, Table, Text, versions, write_page
 from drumlin.response import Response
@@ -98,6 +99,7 @@ def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str,
             )
         )
     notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]
+    notes += [f"{name}: does not apply: {reason}" for name, reason in refusals(brake).items()]
     left = [f"{o.model} left out {line}" for o in comparison.outcomes if o.response for line in o.response.left_out]
     page = folder / "index.html"
     write_page(

@@ -26,8 +26,27 @@ STYLE = {
     "svg.hashsalt": "drumlin",
     "svg.fonttype": "path",
 }
-COLORS = {"fem": "#0b6e99", "sine": "#c8553d", "cosine": "#7a5195", "uniform": "#8a8f98", "foundation": "#2a9d5c"}
-NAMES = {"fem": "finite elements", "sine": "sine law", "cosine": "cosine law", "uniform": "uniform pressure"}
+COLORS = {
+    "fem": "#0b6e99",
+    "sine": "#c8553d",
+    "cosine": "#7a5195",
+    "block": "#b58ad6",
+    "uniform": "#8a8f98",
+    "short": "#1d2733",
+    "pivoted": "#d19a1b",
+    "linear": "#6b8e23",
+    "foundation": "#2a9d5c",
+}
+NAMES = {
+    "fem": "finite elements",
+    "sine": "sine law",
+    "cosine": "cosine law",
+    "block": "block formula",
+    "uniform": "uniform pressure",
+    "short": "short shoe",
+    "pivoted": "shoe on a pivot",
+    "linear": "long flat shoe",
+}
 
 
 def save(figure: Figure, path: Path) -> Path:
@@ -47,9 +66,11 @@ def color_of(model: str) -> str:
     return COLORS.get(model, "#444444")
 
 
-def smooth(shoe: ShoeResponse, points: int = 1200) -> tuple[Floats, Floats]:
-    """Angles [rad] and pressure [Pa] of a response for drawing, its own nodes included."""
-    theta = np.unique(np.concatenate([shoe.theta, np.linspace(shoe.theta[0], shoe.theta[-1], points)]))
+def smooth(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
+    """Angles [rad] and pressure [Pa] of a response for drawing: evenly spread, and its own nodes near the ends."""
+    even = np.linspace(shoe.theta[0], shoe.theta[-1], points)
+    near = np.minimum(shoe.theta - shoe.theta[0], shoe.theta[-1] - shoe.theta) < 3 * (even[1] - even[0])
+    theta = np.unique(np.concatenate([shoe.theta[near], even]))
     return theta, np.maximum(shoe.pressure_at(theta), 0.0)
 
 

@@ -1,0 +1,181 @@
+"""Rigid shoes on a sliding plane: the short shoe and the long one with p proportional to x.
+
+x is the distance from the hinge's foot on the plane, h the height of the hinge above it (UWA notes,
+translational shoes, eq. iii and iv), s' = +1 where the body drags the lining away from the hinge: with
+h > 0 the friction then opposes the actuation. A pressure p = p_0 f(x) has the moment about the hinge
+
+    M = w p_0 (Load.x + s' mu h Load.total),    mu_lock = -Load.x / (s' h Load.total)
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Floats, Values
+from drumlin.errors import NoAnswer
+from drumlin.flat import AnyBrake, FlatBrake, FlatShoe
+from drumlin.laws.hinged import no_contact
+from drumlin.merit import with_merits
+from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
+from drumlin.statics import gauss_points
+from drumlin.units import mm
+
+
+class FlatLoad(NamedTuple):
+    """Integrals over the lining of a pressure of amplitude 1: of f [m] and of f x [m^2]."""
+
+    total: Floats
+    x: Floats
+
+
+class FlatLayout(NamedTuple):
+    """What a law asks of a flat shoe; entries broadcast.
+
+    Lining x_min to x_max [m] from the hinge's foot, hinge height h [m], and s': +1 where the body
+    drags the lining away from the hinge, -1 towards it.
+    """
+
+    x_min: Values
+    x_max: Values
+    h: Values
+    s: Values
+
+
+def linear_load(pad: FlatLayout) -> FlatLoad:
+    """f = x/x_max (UWA, eq. iv)."""
+    total = (pad.x_max**2 - pad.x_min**2) / (2 * pad.x_max)
+    return FlatLoad(np.asarray(total), np.asarray((pad.x_max**3 - pad.x_min**3) / (3 * pad.x_max)))
+
+
+def short_load(pad: FlatLayout) -> FlatLoad:
+    """f = 1: N = p_m A acts at the lining's middle (UWA, eq. iii)."""
+    total = np.asarray(pad.x_max - pad.x_min)
+    return FlatLoad(total, total * (pad.x_min + pad.x_max) / 2)
+
+
+@dataclass(frozen=True)
+class FlatLaw:
+    """A law p = p_0 f(x) of a shoe on a plane."""
+
+    name: str
+    assumes: str
+    load: Callable[[FlatLayout], FlatLoad]
+    pressure: Callable[[Floats, FlatLayout], Floats]
+
+    def resistance(self, mu: Values, pad: FlatLayout) -> Floats:
+        """Load.x + s' mu h Load.total [m^2], the moment over w p_0; not positive where the shoe locks itself."""
+        load = self.load(pad)
+        return load.x + pad.s * mu * pad.h * load.total
+
+    def amplitude(self, moment: Values, width: Values, mu: Values, pad: FlatLayout) -> Floats:
+        """p_0 [Pa] under an actuation moment [N m], lining `width` [m]; nan where the shoe locks itself."""
+        resistance = self.resistance(mu, pad)
+        return moment / (width * np.where(resistance > 0, resistance, np.nan))
+
+    def braking_force(self, moment: Values, mu: Values, pad: FlatLayout) -> Floats:
+        """Braking force mu N [N] under an actuation moment [N m]; nan where the shoe locks itself."""
+        return mu * self.amplitude(moment, 1.0, mu, pad) * self.load(pad).total
+
+    def sensitivity(self, mu: Values, pad: FlatLayout) -> Floats:
+        """S = (mu/F) dF/dmu of the braking force at fixed actuation; nan where the shoe locks itself."""
+        resistance = self.resistance(mu, pad)
+        return self.load(pad).x / np.where(resistance > 0, resistance, np.nan)
+
+    def locking_friction(self, pad: FlatLayout) -> Floats:
+        """mu_lock; inf where friction does not help the actuation."""
+        load = self.load(pad)
+        helps = -pad.s * pad.h * load.total
+        with np.errstate(over="ignore"):  # a hinge as good as on the plane: infinite is right
+            return np.where(helps > 0, load.x / np.where(helps > 0, helps, 1.0), np.inf)
+
+
+LINEAR = FlatLaw(
+    "linear",
+    "rigid flat shoe turning about its hinge on a plane: p = p_max x/x_max, x from the hinge's foot",
+    linear_load,
+    lambda x, pad: np.asarray(x / pad.x_max),
+)
+FLAT_SHORT = FlatLaw(
+    "short",
+    "short flat shoe: N = p_m A and friction mu N at the lining's middle",
+    short_load,
+    lambda x, pad: np.ones(np.shape(x)),
+)
+
+
+def layout(brake: FlatBrake, shoe: FlatShoe) -> FlatLayout:
+    """What a law asks of a shoe on a plane."""
+    return FlatLayout(*shoe.span, h=shoe.hinge.y, s=brake.spin * shoe.frame.sense)
+
+
+def why_not(law: FlatLaw, brake: AnyBrake) -> str | None:
+    """Why a law of flat shoes does not apply to a brake; None where it does."""
+    if not isinstance(brake, FlatBrake):
+        return "its shoes press on a drum, not on a plane"
+    for shoe in brake.shoes:
+        x_min, x_max = shoe.span
+        if law is LINEAR and x_min < 0:
+            return f"shoe {shoe.name!r}: the lining must lie on one side of the hinge, not reach {mm(-x_min)} beyond"
+        if x_min + x_max <= 0:
+            return f"shoe {shoe.name!r}: the normal force passes through the hinge, so that no moment can press it"
+    return None
+
+
+def solve(law: FlatLaw, brake: FlatBrake) -> Response:
+    """The response of a brake on a plane by a law, from the actuation of each shoe.
+
+    Raises NoAnswer for a self-locking shoe.
+    """
+    shoes = tuple(_shoe(law, brake, shoe) for shoe in brake.shoes)
+    response = Response(
+        model=law.name,
+        shoes=shoes,
+        balance=worst([flat_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
+        left_out=("elasticity: rigid by assumption",),
+        notes=tuple(no_contact(shoe.name, "plane") for shoe in shoes if not shoe.contact_arcs),
+    )
+    return with_merits(brake, response)
+
+
+def _shoe(law: FlatLaw, brake: FlatBrake, shoe: FlatShoe) -> ShoeResponse:
+    pad, mu, w = layout(brake, shoe), brake.friction, shoe.lining.width
+    moment = -shoe.frame.sense * shoe.actuation.moment_about(shoe.hinge)
+    if moment <= 0:  # no force, or one that lifts the lining off the plane
+        return untouched(shoe, -shoe.actuation.vector)
+    if law.resistance(mu, pad) <= 0:
+        raise NoAnswer(
+            f"shoe {shoe.name!r}: self-locking, friction {mu:g} is not below "
+            f"mu_lock = {float(law.locking_friction(pad)):.6g} of the {law.name} law"
+        )
+    amplitude = float(law.amplitude(moment, w, mu, pad))
+    N = amplitude * w * float(law.load(pad).total)
+    x = np.linspace(shoe.lining.start, shoe.lining.end, 3)  # p is linear: two pieces would be one too many
+    return ShoeResponse(
+        name=shoe.name,
+        torque=0.0,
+        normal_force=N,
+        self_energising=bool(mu * pad.s * pad.h < 0),
+        peak_pressure=amplitude,
+        hinge_reaction=-shoe.actuation.vector - N * np.array([mu * brake.spin, 1.0]),
+        contact_arcs=((shoe.lining.start, shoe.lining.end),),
+        theta=x,
+        pressure=amplitude * law.pressure(shoe.frame.distance(x), pad),
+    )
+
+
+def flat_balance(brake: FlatBrake, index: int, response: ShoeResponse) -> Balance:
+    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(x), about the hinge."""
+    shoe = brake.shoes[index]
+    x, p, dx = gauss_points(response.theta, response.pressure, response.order)
+    load = p * dx * shoe.lining.width
+    contact = float(np.sum(load)) * np.array([brake.friction * brake.spin, 1.0])
+    return relative_balance(
+        [contact, response.hinge_reaction, shoe.actuation.vector],
+        [
+            float(np.sum(load * (x - shoe.hinge.x))),
+            brake.friction * brake.spin * shoe.hinge.y * float(np.sum(load)),
+            shoe.actuation.moment_about(shoe.hinge),
+        ],
+    )

@@ -1,0 +1,166 @@
+"""Rigid shoes that turn about their hinge on a drum: brake -> law -> response.
+
+A block on a lever is such a shoe: its hinge is the lever's pin, and the actuation acts on the lever.
+Signs are those of the shoe's own frame, so that internal and external shoes, both rotations and both
+hands are one formula, and self-energising follows from moments.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake import Brake, Shoe
+from drumlin.errors import NoAnswer
+from drumlin.flat import AnyBrake, FlatBrake
+from drumlin.laws.shapes import SINE, Law, Layout, Load
+from drumlin.merit import double_delta, with_merits
+from drumlin.response import Response, ShoeResponse, contact_resultant, shoe_balance, untouched, worst
+from drumlin.statics import Resultant, cross
+from drumlin.units import deg
+
+NODES = 257  # of p(theta) over the lining; quadratic pieces: integrals are right to 1e-10
+SLACK = 1e-9  # rad
+
+LEFT_OUT = (
+    "elasticity of shoe, backing and drum: rigid by assumption",
+    "clearance: the law is that of a lining that fits",
+)
+
+
+def layout(brake: Brake, shoe: Shoe) -> Layout:
+    """What a law asks of the shoe of a brake."""
+    return Layout(*shoe.arc, R=brake.drum.radius, a=shoe.hinge.radius, dD=double_delta(brake, shoe))
+
+
+def locking_friction(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
+    """mu_lock of a shoe by a law: where its torque becomes infinite; inf where friction does not help."""
+    return float(law.locking_friction(layout(brake, shoe)))
+
+
+def why_not(law: Law, brake: AnyBrake) -> str | None:
+    """Why a law of hinged shoes does not apply to a brake; None where it does."""
+    if isinstance(brake, FlatBrake):
+        return "its shoes press on a plane, not on a drum"
+    for shoe in brake.shoes:
+        phi_1, phi_2 = shoe.arc
+        said = f"shoe {shoe.name!r}:"
+        if shoe.pivot is not None:
+            return f"{said} it turns about a pivot on its lever, not about its hinge"
+        if law is SINE:
+            if phi_1 < -SLACK or phi_2 > math.pi + SLACK:
+                return f"{said} the lining must lie within 0 to 180 deg of the hinge, not {deg(phi_1)} to {deg(phi_2)}"
+        elif phi_2 - phi_1 > math.pi + SLACK:
+            return f"{said} the lining's arc {deg(phi_2 - phi_1)} must not be more than 180 deg"
+        elif not SLACK < 0.5 * (phi_1 + phi_2) < math.pi - SLACK:
+            return f"{said} the normal force passes through the hinge, so that no moment can press the lining"
+    return None
+
+
+def solve(law: Law, brake: Brake) -> Response:
+    """The response of a brake of hinged shoes by a law, from the actuation of each shoe.
+
+    Raises NoAnswer for a self-locking shoe.
+    """
+    shoes = tuple(_shoe(law, brake, i) for i in range(len(brake.shoes)))
+    response = Response(
+        model=law.name,
+        shoes=shoes,
+        balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
+        left_out=LEFT_OUT,
+        notes=tuple(note for i, shoe in enumerate(shoes) for note in _notes(law, brake, i, shoe)),
+    )
+    return with_merits(brake, response)
+
+
+def sine(brake: Brake) -> Response:
+    """The response of a brake by the sine law; raises NoAnswer for a self-locking shoe."""
+    return solve(SINE, brake)
+
+
+def no_contact(name: str, body: str = "drum") -> str:
+    """The note for a shoe that its force does not press."""
+    return f"shoe {name!r}: no contact, the force does not turn it towards the {body}"
+
+
+def _notes(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[str]:
+    said = f"shoe {response.name!r}:"
+    if not response.contact_arcs:
+        return [no_contact(response.name)]
+    if response.lumped is None:
+        return [f"{said} {law.remark}"] if law.remark else []
+    spread = contact_resultant(brake, index, replace(response, lumped=None))
+    share = np.linalg.norm(spread.normal) / np.linalg.norm(response.lumped.normal)
+    ratio = float(law.friction(layout(brake, brake.shoes[index])))
+    return [
+        f"{said} contact lumped at the lining's middle; spread over its arc, the same pressure has "
+        f"{share:.1%} of that normal force and {share / ratio:.1%} of that friction force"
+    ]
+
+
+def _shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
+    shoe = brake.shoes[index]
+    arc, mu = layout(brake, shoe), brake.friction
+    moment = pressing_moment(shoe)
+    if moment <= 0:
+        return untouched(shoe, -shoe.actuation.vector)
+    if law.resistance(mu, arc) <= 0:
+        raise NoAnswer(
+            f"shoe {shoe.name!r}: self-locking, friction {mu:g} is not below "
+            f"mu_lock = {locking_friction(brake, shoe, law):.6g} of the {law.name} law"
+        )
+    amplitude = float(law.amplitude(moment, shoe.lining.width, mu, arc))
+    load = Load(*(amplitude * integral for integral in law.load(arc)))
+    return pressed(
+        brake,
+        shoe,
+        contact(brake, shoe, load, float(law.friction(arc))),
+        lambda phi: amplitude * law.pressure(phi, arc),
+        float(law.peak_at(arc)),
+        lumped=law.lumped,
+    )
+
+
+def pressing_moment(shoe: Shoe) -> float:
+    """Moment of the actuation about the hinge [N m], positive where it turns the lining towards the drum."""
+    return -shoe.sign * shoe.frame.sense * shoe.actuation.moment_about(shoe.hinge)
+
+
+def contact(brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0) -> Resultant:
+    """What the drum does to a shoe of this load [Pa], at `factor` times the brake's friction."""
+    force = shoe.lining.width * brake.drum.radius
+    along: Floats = force * np.array([load.cos, load.sin])
+    drag = factor * brake.friction * brake.spin
+    return Resultant(
+        normal=shoe.frame.to_brake(-shoe.sign * along),
+        friction=shoe.frame.to_brake(drag * shoe.frame.sense * np.array([-along[1], along[0]])),
+        moment=drag * force * float(load.total) * brake.drum.radius,
+    )
+
+
+def pressed(
+    brake: Brake,
+    shoe: Shoe,
+    contact: Resultant,
+    pressure: Callable[[Floats], Floats],
+    peak_at: float,
+    *,
+    lumped: bool = False,
+) -> ShoeResponse:
+    """The response of a rigid shoe that touches all along its lining with pressure(phi) [Pa]."""
+    phi = np.linspace(*shoe.arc, NODES)[:: shoe.frame.sense]
+    helping = contact.moment + float(cross(-shoe.hinge.xy, contact.friction))
+    return ShoeResponse(
+        name=shoe.name,
+        torque=abs(contact.moment),
+        normal_force=float(np.linalg.norm(contact.normal)),
+        self_energising=helping * shoe.actuation.moment_about(shoe.hinge) > 0,
+        peak_pressure=float(pressure(np.array(peak_at))),
+        hinge_reaction=-shoe.actuation.vector - contact.force,
+        contact_arcs=((shoe.lining.start, shoe.lining.end),),
+        theta=shoe.frame.theta(phi),
+        pressure=np.maximum(pressure(phi), 0.0),  # sin(pi) is 1e-16 off
+        lumped=contact if lumped else None,
+    )

@@ -1,0 +1,241 @@
+"""The rigid-shoe laws of a drum brake as pure formulas on arrays.
+
+Angles phi are measured at the drum's centre O from the hinge, in the shoe's own frame. A law says
+p(phi) = p_0 f(phi); all that a shoe needs of it are three integrals over the arc, its `Load`. With them
+every law is the short shoe of the UWA notes (eq. 6a) in disguise:
+
+    M = b R p_0 (M_N - dD mu M_F),   M_N = a Load.sin,   M_F = R Load.total - a Load.cos
+    T = mu b R^2 p_0 Load.total,     mu_lock = M_N / (dD M_F)
+
+Everything broadcasts: a million brakes are one call.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Floats, Values
+
+
+class Load(NamedTuple):
+    """Integrals over the arc of a pressure of amplitude 1: of f, f cos phi and f sin phi."""
+
+    total: Floats
+    cos: Floats
+    sin: Floats
+
+
+class Layout(NamedTuple):
+    """What a law asks of a shoe; entries broadcast.
+
+    Arc phi_1 to phi_2 [rad] from the hinge, drum radius R [m], hinge radius a [m], and the double
+    delta dD of the UWA notes: +1 for an external shoe whose lining the drum drags away from the hinge
+    and for an internal shoe whose lining it drags towards the hinge, else -1.
+    """
+
+    phi_1: Values
+    phi_2: Values
+    R: Values
+    a: Values
+    dD: Values
+
+    @property
+    def middle(self) -> Floats:
+        """phi of the lining's middle [rad]."""
+        return np.asarray(0.5 * (self.phi_1 + self.phi_2))
+
+    @property
+    def half(self) -> Floats:
+        """Half the lining's arc, theta_0 [rad]."""
+        return np.asarray(0.5 * (self.phi_2 - self.phi_1))
+
+
+def moments_about(load: Load, R: Values, x: Values, y: Values = 0.0) -> tuple[Floats, Floats]:
+    """M_N and M_F [m] of a load about the point x, y [m] of the shoe's frame, over b R p_0.
+
+    M_N: the moment with which the normal pressure resists the actuation; M_F: with which the friction
+    helps it at mu = dD = 1. About the hinge, x = a and y = 0.
+    """
+    M_N = x * load.sin - y * load.cos
+    M_F = R * load.total - x * load.cos - y * load.sin
+    return np.asarray(M_N), np.asarray(M_F)
+
+
+def sine_load(arc: Layout) -> Load:
+    """f = sin phi: Is, Isc, Iss (UWA long shoe; NPTEL lesson 12.1; Simscape double-shoe brake)."""
+    phi_1, phi_2 = arc.phi_1, arc.phi_2
+    Is = np.cos(phi_1) - np.cos(phi_2)
+    Iss = (phi_2 - phi_1) / 2 - (np.sin(2 * phi_2) - np.sin(2 * phi_1)) / 4
+    Isc = (np.cos(2 * phi_1) - np.cos(2 * phi_2)) / 4
+    return Load(Is, Isc, Iss)
+
+
+def cos_load(arc: Layout) -> Load:
+    """f = cos phi: Ic, Icc, Isc; with sin phi it spans the pressures of a shoe with two freedoms."""
+    phi_1, phi_2 = arc.phi_1, arc.phi_2
+    Ic = np.sin(phi_2) - np.sin(phi_1)
+    Icc = (phi_2 - phi_1) / 2 + (np.sin(2 * phi_2) - np.sin(2 * phi_1)) / 4
+    return Load(Ic, Icc, sine_load(arc).cos)
+
+
+def cosine_load(arc: Layout) -> Load:
+    """f = cos(phi - middle): 2 sin theta_0 in all, and theta_0 + sin(2 theta_0)/2 along the middle."""
+    along = arc.half + np.sin(2 * arc.half) / 2
+    return Load(2 * np.sin(arc.half), along * np.cos(arc.middle), along * np.sin(arc.middle))
+
+
+def uniform_load(arc: Layout) -> Load:
+    """f = 1, every element pressing along its own radius."""
+    along = 2 * np.sin(arc.half)
+    return Load(2 * arc.half, along * np.cos(arc.middle), along * np.sin(arc.middle))
+
+
+def short_load(arc: Layout) -> Load:
+    """f = 1, all of it pressing along the middle radius: N = p_m A (UWA short shoe, eq. v)."""
+    along = 2 * arc.half
+    return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
+
+
+def block_load(arc: Layout) -> Load:
+    """f = cos(phi - middle) lumped at the middle: N = b R p_0 (theta_0 + sin(2 theta_0)/2) (NPTEL)."""
+    along = arc.half + np.sin(2 * arc.half) / 2
+    return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
+
+
+def equivalent_friction(theta_0: Values) -> Floats:
+    """mu'/mu = 4 sin theta_0 / (2 theta_0 + sin 2 theta_0) for p = p_0 cos over the half-arc theta_0 [rad].
+
+    The lumped friction T/R of a block over its normal force (NPTEL lesson 12.1).
+    """
+    return np.asarray(4 * np.sin(theta_0) / (2 * theta_0 + np.sin(2 * theta_0)))
+
+
+def pivot_radius(R: Values, theta_0: Values) -> Floats:
+    """Distance [m] from O at which a pivot leaves p = p_0 cos: 4 R sin theta_0 / (2 theta_0 + sin 2 theta_0)."""
+    return np.asarray(R * equivalent_friction(theta_0))
+
+
+def _one(arc: Layout) -> Floats:
+    return np.ones(np.shape(arc.half))
+
+
+def _of_block(arc: Layout) -> Floats:
+    return equivalent_friction(arc.half)
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law p = p_0 f(phi) of a shoe that turns about its hinge.
+
+    `load`: integrals of f; `pressure`: f at phi; `peak_at`: phi [rad] where f is largest; `lumped`: all of
+    the contact acts at the lining's middle; `friction`: factor on mu of a friction that is lumped; `remark`:
+    what a reader of its numbers should know.
+    """
+
+    name: str
+    assumes: str
+    load: Callable[[Layout], Load]
+    pressure: Callable[[Floats, Layout], Floats]
+    peak_at: Callable[[Layout], Floats]
+    lumped: bool = False
+    friction: Callable[[Layout], Floats] = _one
+    remark: str = ""
+
+    def moments(self, arc: Layout) -> tuple[Floats, Floats]:
+        """M_N and M_F [m] about the hinge over b R p_0: `moments_about`."""
+        M_N, M_F = moments_about(self.load(arc), arc.R, arc.a)
+        return M_N, self.friction(arc) * M_F
+
+    def resistance(self, mu: Values, arc: Layout) -> Floats:
+        """M_N - dD mu M_F [m], the actuation moment over b R p_0; not positive where the shoe locks itself."""
+        M_N, M_F = self.moments(arc)
+        return M_N - arc.dD * mu * M_F
+
+    def amplitude(self, moment: Values, width: Values, mu: Values, arc: Layout) -> Floats:
+        """p_0 [Pa] under an actuation moment [N m], lining `width` [m]; nan where the shoe locks itself."""
+        resistance = self.resistance(mu, arc)
+        return moment / (width * arc.R * np.where(resistance > 0, resistance, np.nan))
+
+    def torque(self, moment: Values, mu: Values, arc: Layout) -> Floats:
+        """Torque [N m] under an actuation moment [N m]; nan where the shoe locks itself."""
+        return moment * self.mechanical_advantage(mu, arc)
+
+    def mechanical_advantage(self, mu: Values, arc: Layout) -> Floats:
+        """eta = T/M = 1/(m - dD n) (UWA, eq. 8); nan where the shoe locks itself."""
+        resistance = self.resistance(mu, arc)
+        effect = mu * self.friction(arc) * arc.R * self.load(arc).total
+        return effect / np.where(resistance > 0, resistance, np.nan)
+
+    def sensitivity(self, mu: Values, arc: Layout) -> Floats:
+        """S = (mu/eta) d eta/d mu = m eta (UWA, eq. 8); nan where the shoe locks itself."""
+        M_N, _ = self.moments(arc)
+        resistance = self.resistance(mu, arc)
+        return M_N / np.where(resistance > 0, resistance, np.nan)
+
+    def locking_friction(self, arc: Layout) -> Floats:
+        """mu_lock = M_N / (dD M_F), where the torque becomes infinite; inf where friction does not help."""
+        M_N, M_F = self.moments(arc)
+        helps = arc.dD * M_F > 0
+        with np.errstate(over="ignore"):  # friction through the hinge: infinite is right
+            return np.where(helps, M_N / np.where(helps, arc.dD * M_F, 1.0), np.inf)
+
+
+def m_and_n(mu: Values, theta_m: Values, r: Values, a: Values) -> tuple[Floats, Floats]:
+    """m = (a/(mu r)) sin theta_m and n = 1 - (a/r) cos theta_m of a short shoe at theta_m (UWA, eq. 6a)."""
+    return np.asarray(a / (mu * r) * np.sin(theta_m)), np.asarray(1 - a / r * np.cos(theta_m))
+
+
+def _middle(arc: Layout) -> Floats:
+    return arc.middle
+
+
+def _cosine(phi: Floats, arc: Layout) -> Floats:
+    return np.cos(phi - arc.middle)
+
+
+def _constant(phi: Floats, arc: Layout) -> Floats:
+    return np.ones(np.broadcast_shapes(np.shape(phi), np.shape(arc.middle)))
+
+
+SINE = Law(
+    "sine",
+    "rigid shoe turning about its hinge: p = p_a sin(phi)/sin(phi_a), phi from the hinge",
+    sine_load,
+    lambda phi, arc: np.sin(phi),
+    lambda arc: np.clip(np.pi / 2, arc.phi_1, arc.phi_2),
+)
+COSINE = Law(
+    "cosine",
+    "rigid shoe moving along its middle radius: p = p_0 cos(theta - middle), each element along its radius",
+    cosine_load,
+    _cosine,
+    _middle,
+    remark="friction is mu N at psi R, each element in its place; mu' N at the drum's surface is the law 'block'",
+)
+BLOCK = Law(
+    "block",
+    "p = p_0 cos(theta - middle) lumped at the drum's surface: N, and friction mu' N, at the lining's middle",
+    block_load,
+    _cosine,
+    _middle,
+    lumped=True,
+    friction=_of_block,
+)
+UNIFORM = Law(
+    "uniform",
+    "the same pressure everywhere on the lining, each element along its radius",
+    uniform_load,
+    _constant,
+    _middle,
+)
+SHORT = Law(
+    "short",
+    "short shoe: N = p_m A and friction mu N at the lining's middle",
+    short_load,
+    _constant,
+    _middle,
+    lumped=True,
+)
+LAWS = {law.name: law for law in (SINE, COSINE, BLOCK, UNIFORM, SHORT)}

@@ -1,0 +1,185 @@
+"""The double-shoe brake block of Simscape Driveline, with the block's own parameters.
+
+Two shoes, mirror images about the brake's symmetry axis, each under the same force F. The sine law gives
+their torques from F c = M_N -+ M_F (leading, trailing), with three things that a brake file does not have:
+
+    mu = mu_Coulomb tanh(4 omega / omega_threshold)
+    T = T_LS + T_TS + mu_visc omega          (the block's page prints + mu_visc, which is no torque)
+    T = 0 for F <= 0
+
+The page calls theta_s the shoe's span, with the default 130 deg, and its formulas use it as the angle from
+the hinge at which the lining ends. Both readings are offered; the formulas' is the default.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from drumlin.arrays import Floats, Values
+from drumlin.brake import Brake, Material, brake_from
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.laws.shapes import SINE, Layout
+from drumlin.units import deg, mm
+
+LINING = Material(E=300e6, nu=0.25)
+
+
+@dataclass(frozen=True)
+class DoubleShoe:
+    """Parameters of the block with its defaults, in SI; raises BadInput outside the documented ranges.
+
+    r_D drum radius, r_a distance of the force line from the centre, r_p pin radius [m]; theta_p angle of
+    the pin from the symmetry axis, theta_sb from the pin to the lining's beginning, theta_s the shoe's
+    span or end angle according to `reading` [rad]; mu_visc [N m s/rad]; omega_threshold [rad/s].
+    """
+
+    r_D: float = 0.150
+    r_a: float = 0.100
+    r_p: float = 0.125
+    theta_p: float = math.radians(15)
+    theta_sb: float = math.radians(5)
+    theta_s: float = math.radians(130)
+    mu_Coulomb: float = 0.3
+    mu_visc: float = 0.01
+    omega_threshold: float = 0.01
+    reading: Literal["end", "span"] = "end"
+
+    def __post_init__(self) -> None:
+        """Refuse what the block's page does not allow."""
+        widest = math.pi - self.theta_p
+        least = self.theta_sb if self.reading == "end" else 0.0
+        rules = (
+            ("r_D", mm, self.r_D > 0, "must be greater than 0"),
+            ("r_a", mm, self.r_a > 0, "must be greater than 0"),
+            ("r_p", mm, self.r_p > 0, "must be greater than 0"),
+            ("theta_p", deg, self.theta_p >= 0, "must be at least 0"),
+            (
+                "theta_sb",
+                deg,
+                0 <= self.theta_sb <= widest,
+                f"must be from 0 to 180 deg - theta_p = {deg(widest)}",
+            ),
+            (
+                "theta_s",
+                deg,
+                least < self.theta_s <= widest - self.theta_sb,
+                f"must be above {deg(least)} and at most 180 deg - theta_p - theta_sb = {deg(widest - self.theta_sb)}",
+            ),
+            ("mu_Coulomb", "{:g}".format, self.mu_Coulomb > 0, "must be greater than 0"),
+            ("mu_visc", "{:g} N m s/rad".format, self.mu_visc >= 0, "must be at least 0"),
+            ("omega_threshold", "{:g} rad/s".format, self.omega_threshold > 0, "must be greater than 0"),
+        )
+        for key, shown, allowed, message in rules:
+            value = getattr(self, key)
+            if not (allowed and math.isfinite(value)):
+                raise BadInput(f"{key} = {shown(value)}: {message}")
+        if self.reading not in ("end", "span"):
+            raise BadInput(f"reading = {self.reading!r}: must be 'end' or 'span'")
+
+    @property
+    def arc(self) -> tuple[float, float]:
+        """The lining's arc from the pin (phi_1, phi_2) [rad], according to `reading`."""
+        return self.theta_sb, self.theta_s + (self.theta_sb if self.reading == "span" else 0.0)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the block's page warns of."""
+        phi_1, phi_2 = self.arc
+        if phi_2 - phi_1 >= math.radians(45) - 1e-9:
+            return ()
+        said = f"contact angle {deg(phi_2 - phi_1)}"
+        return (f"{said}: below 45 deg the long-shoe approximation is less accurate",)
+
+    @property
+    def arm(self) -> float:
+        """c = r_a + r_p cos theta_p: arm of the force about the pin [m]."""
+        return self.r_a + self.r_p * math.cos(self.theta_p)
+
+    @property
+    def mu_lock(self) -> float:
+        """The friction at which the leading shoe locks itself."""
+        return float(SINE.locking_friction(self._layout(1)))
+
+    def _layout(self, dD: int) -> Layout:
+        return Layout(*self.arc, R=self.r_D, a=self.r_p, dD=dD)
+
+    def friction(self, omega: Values) -> Floats:
+        """mu [1] at the speeds omega [rad/s], same shape and sign."""
+        return np.asarray(self.mu_Coulomb * np.tanh(4 * np.asarray(omega) / self.omega_threshold))
+
+    def shoe_torques(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
+        """T_LS and T_TS [N m] of the shoes that lead and trail at omega > 0; force [N], omega [rad/s] broadcast.
+
+        Raises NoAnswer where the block would lock itself.
+        """
+        if self.mu_Coulomb >= self.mu_lock:
+            raise NoAnswer(
+                f"double shoe: self-locking, mu_Coulomb = {self.mu_Coulomb:g} is not below mu_lock = {self.mu_lock:.6g}"
+            )
+        moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
+        return SINE.torque(moment, mu, self._layout(1)), SINE.torque(moment, mu, self._layout(-1))
+
+    def line_pressures(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
+        """p_a and p_b [N/m], the largest linear pressures of both shoes; force [N], omega [rad/s] broadcast."""
+        moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
+        leading, trailing = (
+            SINE.amplitude(moment, 1.0, mu, layout) * SINE.pressure(SINE.peak_at(layout), layout)
+            for layout in (self._layout(1), self._layout(-1))
+        )
+        return leading, trailing
+
+    def torque(self, force: Values, omega: Values) -> Floats:
+        """T [N m] against a rotation omega [rad/s], of its sign; force [N] and omega broadcast.
+
+        Zero without a force that presses: then nothing touches, so nothing is viscous either. Raises
+        NoAnswer where the block would lock itself.
+        """
+        leading, trailing = self.shoe_torques(force, omega)
+        return np.where(np.asarray(force) > 0, leading + trailing + self.mu_visc * np.asarray(omega), 0.0)
+
+    def brake(
+        self,
+        force: float,
+        rotation: str = "counter-clockwise",
+        side: str = "internal",
+        *,
+        width: float = 0.04,
+        thickness: float = 0.008,
+        material: Material = LINING,
+    ) -> Brake:
+        """The block at full friction as a Brake, symmetric about the y axis, its pins below.
+
+        The block knows neither width [m] nor thickness [m] nor material of the lining; the sine law's
+        torque does not ask for them.
+        """
+        phi_1, phi_2 = self.arc
+        layers = {"thickness": thickness, "width": width, "material": material}
+        inwards = 180.0 if side == "external" else 0.0
+        shoes = []
+        for name, hand in (("right", 1), ("left", -1)):
+            pin = -math.pi / 2 + hand * self.theta_p
+            start, end = sorted((pin + hand * phi_1, pin + hand * phi_2))
+            shoes.append(
+                {
+                    "name": name,
+                    "side": side,
+                    "hinge": {"radius": self.r_p, "angle": pin},
+                    "lining": {"start": start, "end": end} | layers,
+                    "actuation": {
+                        "force": force,
+                        "direction": math.radians(inwards + (0.0 if hand > 0 else 180.0)),
+                        "point": {"x": 0.0, "y": self.r_a},
+                    },
+                }
+            )
+        return brake_from(
+            {
+                "title": f"{side} double-shoe brake",
+                "rotation": rotation,
+                "friction": self.mu_Coulomb,
+                "drum": {"radius": self.r_D},
+                "shoe": shoes,
+            }
+        )

@@ -1,0 +1,424 @@
+"""Identities that every rigid-shoe law must keep, on random brakes."""
+
+import math
+import time
+from math import pi
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+from pytest import approx
+
+from drumlin.brake import Brake, vary
+from drumlin.errors import NoAnswer
+from drumlin.laws import LAWS, Layout, pivoted
+from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout, flat_balance
+from drumlin.laws.hinged import layout
+from drumlin.laws.shapes import pivot_radius
+from drumlin.laws.simscape import DoubleShoe
+from drumlin.merit import barecki_shoe_factor, double_delta, sensitivity
+from drumlin.models import MODELS
+from drumlin.response import ShoeResponse, shoe_balance
+from law_brakes import hinged, pad
+
+settings.register_profile("laws", deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("laws")
+
+LAW_NAMES = st.sampled_from(sorted(LAWS))
+SPREAD = [name for name, law in LAWS.items() if not law.lumped]
+SIGNS = st.sampled_from([1, -1])
+SIDES = st.sampled_from(["internal", "external"])
+
+
+@st.composite
+def arcs(draw: st.DrawFn) -> tuple[float, float]:
+    """An arc of 6 to 150 deg within 0..180 deg of the hinge, as every law allows it."""
+    half = draw(st.floats(0.05, 1.3))
+    middle = draw(st.floats(half, pi - half))
+    return middle - half, middle + half
+
+
+@st.composite
+def layouts(draw: st.DrawFn) -> Layout:
+    """A shoe as the laws see it."""
+    return Layout(*draw(arcs()), R=draw(st.floats(0.05, 2.0)), a=draw(st.floats(0.05, 3.0)), dD=draw(SIGNS))
+
+
+@st.composite
+def brakes(draw: st.DrawFn) -> Brake:
+    """One hinged shoe, turned anyhow, either hand and side, with friction below and above mu_lock."""
+    return hinged(
+        R=draw(st.floats(0.05, 2.0)),
+        a=draw(st.floats(0.05, 3.0)),
+        arc=draw(arcs()),
+        moment=draw(st.floats(1.0, 1e4)),
+        mu=draw(st.floats(0.0, 0.6)),
+        side=draw(SIDES),
+        spin=draw(SIGNS),
+        hand=draw(SIGNS),
+        turned=draw(st.floats(-pi, pi)),
+    )
+
+
+def unlocked(name: str, brake: Brake) -> ShoeResponse:
+    try:
+        return MODELS[name].solve(brake).shoes[0]
+    except NoAnswer:
+        assume(False)
+        raise
+
+
+def forces(brake: Brake, shoe: ShoeResponse) -> tuple[np.ndarray, float]:
+    """Force (2,) and moment about O of p(theta) on the shoe, by trapezoids with the tractions written out."""
+    theta = np.linspace(shoe.theta[0], shoe.theta[-1], 40001)
+    p = shoe.pressure_at(theta) * brake.shoes[0].lining.width * brake.drum.radius
+    outward = 1 if brake.shoes[0].side == "internal" else -1
+    drag = brake.friction * (1 if brake.rotation == "counter-clockwise" else -1)
+    x = -outward * p * np.cos(theta) - drag * p * np.sin(theta)
+    y = -outward * p * np.sin(theta) + drag * p * np.cos(theta)
+    force = np.array([np.trapezoid(x, theta), np.trapezoid(y, theta)])
+    return force, float(np.trapezoid(drag * p, theta) * brake.drum.radius)
+
+
+@given(brakes(), st.sampled_from(SPREAD))
+def test_response_balances_by_integrating_its_own_pressure(brake: Brake, name: str) -> None:
+    shoe = unlocked(name, brake)
+    force, moment = forces(brake, shoe)
+    data = brake.shoes[0]
+    largest = max(np.linalg.norm(force), np.linalg.norm(data.actuation.vector), np.linalg.norm(shoe.hinge_reaction))
+    assert np.linalg.norm(force + data.actuation.vector + shoe.hinge_reaction) < 1e-7 * largest
+    about_hinge = moment - (data.hinge.x * force[1] - data.hinge.y * force[0])
+    actuation = data.actuation.moment_about(data.hinge)
+    assert abs(about_hinge + actuation) < 1e-6 * max(abs(moment), abs(actuation), largest * data.hinge.radius)
+    assert shoe.torque == approx(abs(moment), rel=1e-7)
+    assert shoe.pressure.min() >= 0
+    assert shoe.peak_pressure == approx(shoe.pressure.max(), rel=1e-4)  # nodes straddle the peak
+
+
+@given(brakes(), st.sampled_from(["short", "block"]))
+def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None:
+    """The lumped laws' own free body: N and F = T/R at the middle, sized by integrals of their own p."""
+    shoe = unlocked(name, brake)
+    data = brake.shoes[0]
+    theta = np.linspace(shoe.theta[0], shoe.theta[-1], 20001)
+    middle = 0.5 * (theta[0] + theta[-1])
+    area = data.lining.width * brake.drum.radius
+    p = shoe.pressure_at(theta) * area
+    N = np.trapezoid(p if name == "short" else p * np.cos(theta - middle), theta)
+    F = brake.friction * np.trapezoid(p, theta)
+    e_r, e_t = np.array([math.cos(middle), math.sin(middle)]), np.array([-math.sin(middle), math.cos(middle)])
+    contact = -data.sign * N * e_r + brake.spin * F * e_t
+    largest = max(N, F, np.linalg.norm(shoe.hinge_reaction))
+    assert np.linalg.norm(contact + data.actuation.vector + shoe.hinge_reaction) < 1e-7 * largest
+    arm = brake.drum.radius * e_r - data.hinge.xy
+    moment = arm[0] * contact[1] - arm[1] * contact[0]
+    actuation = data.actuation.moment_about(data.hinge)
+    assert abs(moment + actuation) < 1e-7 * max(largest * np.linalg.norm(arm), abs(actuation))
+    assert shoe.torque == approx(F * brake.drum.radius, rel=1e-7)
+    balance = shoe_balance(brake, 0, shoe)
+    assert balance.force < 1e-12
+    assert balance.moment < 1e-11
+
+
+@given(layouts(), LAW_NAMES, st.floats(0.05, 0.6))
+def test_sensitivity_is_the_derivative_of_the_mechanical_advantage(arc: Layout, name: str, mu: float) -> None:
+    law, h = LAWS[name], 1e-5
+    assume(mu < 0.9 * law.locking_friction(arc))
+    eta = [float(law.mechanical_advantage(mu * (1 + k * h), arc)) for k in (-1, 0, 1)]
+    slope = (eta[2] - eta[0]) / (2 * h * eta[1])
+    assert law.sensitivity(mu, arc) == approx(slope, rel=1e-6)
+
+
+@given(brakes(), LAW_NAMES)
+def test_merits_of_a_response_are_those_of_the_formula(brake: Brake, name: str) -> None:
+    assume(brake.friction > 1e-3)
+    unlocked(name, brake)
+    (merit,) = MODELS[name].solve(brake).merits
+    law, arc = LAWS[name], layout(brake, brake.shoes[0])
+    assert merit.mechanical_advantage == approx(float(law.mechanical_advantage(brake.friction, arc)), rel=1e-8)
+    assert merit.sensitivity_at_fixed_shape == approx(float(law.sensitivity(brake.friction, arc)), rel=1e-8)
+    assert merit.mechanical_advantage == approx(1 / (merit.m - merit.double_delta * merit.n), rel=1e-6)
+    assert sensitivity(brake, MODELS[name].solve) == approx(float(law.sensitivity(brake.friction, arc)), rel=1e-2)
+
+
+@given(brakes(), st.sampled_from([*SPREAD, "short"]))
+def test_shoe_factor_by_barecki_from_the_position_of_the_resultant(brake: Brake, name: str) -> None:
+    """Barecki & Scieszka, eq. 26, is the moment balance in other words: S = T/(P R) for any pressure."""
+    assume(brake.friction > 1e-3)
+    unlocked(name, brake)
+    (merit,) = MODELS[name].solve(brake).merits
+    shoe, R = brake.shoes[0], brake.drum.radius
+    angle = float(shoe.frame.phi(np.array(merit.resultant_angle)))
+    up = brake.spin * shoe.frame.sense  # friction on the shoe points from the hinge to the loaded end
+    leading = up if shoe.side == "external" else -up
+    S = barecki_shoe_factor(brake.friction, angle, merit.friction_radius, shoe.hinge.radius / R, 1.0 / R, leading)
+    assert merit.shoe_factor == approx(S, rel=1e-6)
+
+
+@given(st.floats(0.3, 2.8), st.floats(0.05, 0.5), st.floats(0.05, 3.0), SIGNS, st.floats(0.05, 0.4))
+def test_every_law_becomes_the_short_shoe_as_the_arc_shrinks(
+    middle: float, R: float, a: float, dD: int, mu: float
+) -> None:
+    """The difference in eta falls with the square of the arc."""
+    errors = {}
+    for half in (0.02, 0.01):
+        arc = Layout(middle - half, middle + half, R, a, dD)
+        short = LAWS["short"]
+        assume(mu < 0.7 * short.locking_friction(arc))
+        eta = float(short.mechanical_advantage(mu, arc))
+        for name, law in LAWS.items():
+            errors.setdefault(name, []).append(abs(float(law.mechanical_advantage(mu, arc)) / eta - 1))
+    del errors["short"]
+    assert len(errors) == 4
+    for coarse, fine in errors.values():
+        assert coarse < 100 * 0.02**2
+        assert fine < 0.26 * coarse + 1e-10
+
+
+@given(brakes(), LAW_NAMES)
+def test_external_is_internal_with_all_forces_reversed(brake: Brake, name: str) -> None:
+    """Shoe outside for inside, other rotation, force reversed: same pressure, opposite reaction."""
+    inside = unlocked(name, brake)
+    shoe = brake.shoes[0]
+    other = vary(
+        brake,
+        {
+            "rotation": "clockwise" if brake.spin > 0 else "counter-clockwise",
+            "shoe.side": "external" if shoe.side == "internal" else "internal",
+            "shoe.actuation.force": -shoe.actuation.force,
+        },
+    )
+    outside = unlocked(name, other)
+    assert outside.torque == approx(inside.torque, rel=1e-9, abs=0)
+    assert outside.pressure == approx(inside.pressure, rel=1e-9)
+    scale = np.linalg.norm(inside.hinge_reaction) + shoe.actuation.force
+    assert np.linalg.norm(outside.hinge_reaction + inside.hinge_reaction) < 1e-9 * scale
+    assert outside.self_energising == inside.self_energising
+    assert double_delta(other, other.shoes[0]) == double_delta(brake, shoe)
+
+
+@given(brakes(), LAW_NAMES)
+def test_mirrored_brake_gives_the_mirrored_answer(brake: Brake, name: str) -> None:
+    """Mirrored on the x axis, with mirrored rotation."""
+    here = unlocked(name, brake)
+    shoe = brake.shoes[0]
+    there = unlocked(
+        name,
+        vary(
+            brake,
+            {
+                "rotation": "clockwise" if brake.spin > 0 else "counter-clockwise",
+                "shoe.hinge.y": -shoe.hinge.y,
+                "shoe.lining.start": -shoe.lining.end,
+                "shoe.lining.end": -shoe.lining.start,
+                "shoe.actuation.direction": -shoe.actuation.direction,
+                "shoe.actuation.point.y": -shoe.actuation.point.y,
+            },
+        ),
+    )
+    assert there.torque == approx(here.torque, rel=1e-9)
+    assert there.pressure[::-1] == approx(here.pressure, rel=1e-9, abs=1e-12 * here.peak_pressure)
+    scale = np.linalg.norm(here.hinge_reaction) + shoe.actuation.force
+    assert np.linalg.norm(there.hinge_reaction - here.hinge_reaction * [1, -1]) < 1e-9 * scale
+
+
+@given(brakes(), LAW_NAMES)
+def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictionless_pressure(
+    brake: Brake, name: str
+) -> None:
+    free = MODELS[name].solve(vary(brake, {"friction": 0.0})).shoes[0]
+    assert free.torque == 0.0
+    assert free.peak_pressure > 0
+    assert not free.self_energising
+    mu = 1e-6
+    slight = MODELS[name].solve(vary(brake, {"friction": mu})).shoes[0]
+    integral = np.trapezoid(free.pressure, free.theta) * brake.shoes[0].lining.width * brake.drum.radius**2
+    M_N = LAWS[name].moments(Layout(*brake.shoes[0].arc, brake.drum.radius, brake.shoes[0].hinge.radius, 1))
+    assume(abs(M_N[1] / M_N[0]) < 100)
+    assert slight.torque / mu == approx(integral, rel=1e-3)
+
+
+@given(layouts(), LAW_NAMES)
+def test_torque_grows_without_bound_towards_locking(arc: Layout, name: str) -> None:
+    """T (mu_lock - mu)/mu stays what it is: T ~ 1/(mu_lock - mu); at mu_lock and beyond there is no number."""
+    law = LAWS[name]
+    mu_lock = float(law.locking_friction(arc))
+    assume(mu_lock < 1e3)
+    near = [mu_lock * (1 - gap) for gap in (1e-2, 1e-4, 1e-6)]
+    constant = [float(law.torque(1.0, mu, arc)) * (mu_lock - mu) / mu for mu in near]
+    assert constant == approx([constant[0]] * 3, rel=1e-8)
+    assert constant[0] > 0
+    assert np.isnan(law.torque(1.0, mu_lock * (1 + 1e-9), arc))
+    assert float(law.locking_friction(arc._replace(dD=-arc.dD))) == math.inf
+
+
+@given(brakes(), LAW_NAMES)
+def test_self_locking_is_refused_exactly_beyond_mu_lock(brake: Brake, name: str) -> None:
+    mu_lock = float(LAWS[name].locking_friction(layout(brake, brake.shoes[0])))
+    assume(mu_lock < 1e3)
+    below = MODELS[name].solve(vary(brake, {"friction": mu_lock * (1 - 1e-9)}))
+    assert below.shoes[0].self_energising
+    with pytest.raises(NoAnswer, match=r"^shoe 'shoe': self-locking, friction .* is not below mu_lock = .*"):
+        MODELS[name].solve(vary(brake, {"friction": mu_lock * (1 + 1e-9)}))
+
+
+@given(brakes(), LAW_NAMES, st.floats(-1e4, 0.0))
+def test_a_force_that_does_not_press_is_an_answer(brake: Brake, name: str, force: float) -> None:
+    response = MODELS[name].solve(vary(brake, {"shoe.actuation.force": force}))
+    (shoe,) = response.shoes
+    assert (shoe.torque, shoe.normal_force, shoe.contact_arcs) == (0.0, 0.0, ())
+    assert shoe.hinge_reaction == approx(-vary(brake, {"shoe.actuation.force": force}).shoes[0].actuation.vector)
+    assert response.notes == ("shoe 'shoe': no contact, the force does not turn it towards the drum",)
+    assert response.merits[0].resultant_angle is None
+
+
+# shoes on a pivot
+
+
+@st.composite
+def levers(draw: st.DrawFn) -> Brake:
+    """A shoe on a pivot near where the pressure is p_0 cos, so that all of it presses at moderate friction."""
+    middle, half, R = draw(st.floats(0.8, 2.2)), draw(st.floats(0.3, 0.75)), 0.25
+    pivot = float(pivot_radius(R, half)) * draw(st.floats(0.85, 1.15)), middle + draw(st.floats(-0.03, 0.03))
+    return hinged(
+        R=R, a=draw(st.floats(0.3, 0.6)), arc=(middle - half, middle + half), moment=100.0,
+        mu=draw(st.floats(0.05, 0.4)), side=draw(SIDES), spin=draw(SIGNS), hand=draw(SIGNS),
+        turned=draw(st.floats(-pi, pi)), pivot=pivot,
+    )  # fmt: skip
+
+
+@given(levers())
+def test_pivoted_shoe_keeps_both_equilibria(brake: Brake) -> None:
+    shoe = unlocked("pivoted", brake)
+    data = brake.shoes[0]
+    force, moment = forces(brake, shoe)
+    size = np.linalg.norm(force)
+    pivot = data.pivot.xy
+    assert abs(moment - (pivot[0] * force[1] - pivot[1] * force[0])) < 1e-7 * size * brake.drum.radius
+    assert np.linalg.norm(shoe.pivot_reaction + force) < 1e-7 * size
+    assert np.linalg.norm(shoe.hinge_reaction + force + data.actuation.vector) < 1e-7 * size
+    assert shoe_balance(brake, 0, shoe).moment < 1e-9
+    p = shoe.pressure_at(np.linspace(shoe.theta[0], shoe.theta[-1], 101))
+    assert p.min() > -1e-9 * shoe.peak_pressure
+
+
+@given(levers())
+def test_pivoted_formulas_are_the_response_and_its_derivative(brake: Brake) -> None:
+    shoe = unlocked("pivoted", brake)
+    arc, pivot, mu, h = layout(brake, brake.shoes[0]), pivoted.pivot_place(brake.shoes[0]), brake.friction, 1e-5
+    T = [float(pivoted.torque(100.0, mu * (1 + k * h), arc, *pivot)) for k in (-1, 0, 1)]
+    assume(not np.isnan(T).any())
+    assert shoe.torque == approx(T[1], rel=1e-9)
+    assert pivoted.sensitivity(mu, arc, *pivot) == approx((T[2] - T[0]) / (2 * h * T[1]), rel=1e-5, abs=1e-5)
+
+
+@given(st.floats(0.9, 2.0), st.floats(0.3, 0.8), st.floats(0.3, 0.6), st.floats(0.0, 0.35), SIGNS, SIDES)
+def test_pivot_at_its_place_makes_the_pressure_a_cosine_at_any_friction(
+    middle: float, half: float, a: float, mu: float, spin: int, side: str
+) -> None:
+    brake = hinged(
+        R=0.25, a=a, arc=(middle - half, middle + half), moment=50.0, mu=mu, side=side, spin=spin,
+        pivot=(float(pivot_radius(0.25, half)), middle),
+    )  # fmt: skip
+    shoe = unlocked("pivoted", brake)
+    assert shoe.pressure == approx(shoe.peak_pressure * np.cos(shoe.theta - middle), rel=1e-9)
+    # and then it is the cosine law of a block fixed to the lever
+    fixed = vary(brake, {"shoe.pivot": None})
+    assert shoe.torque == approx(MODELS["cosine"].solve(fixed).torque, rel=1e-9, abs=1e-12)
+
+
+def test_pivoted_lever_locks_and_tips() -> None:
+    """Beyond mu_lock, and with the pivot too far off the lining, there is no answer, and the line says which."""
+    half, middle = 0.6, 1.2
+    place = (float(pivot_radius(0.25, half)), middle)
+    arc = (middle - half, middle + half)
+    brake = hinged(R=0.25, a=0.1, arc=arc, moment=50.0, mu=0.2, side="external", spin=1, pivot=place)
+    shape, pivot = layout(brake, brake.shoes[0]), pivoted.pivot_place(brake.shoes[0])
+    mu_lock = pivoted.locking_friction(shape, *pivot)
+    assert mu_lock == approx(float(LAWS["cosine"].locking_friction(shape)), rel=1e-9)
+    T = [float(pivoted.torque(1.0, mu_lock * (1 - gap), shape, *pivot)) * gap for gap in (1e-4, 1e-6)]
+    assert T[0] == approx(T[1], rel=1e-3)
+    with pytest.raises(NoAnswer, match=rf"self-locking, friction .* is not below mu_lock = {mu_lock:.6g}"):
+        MODELS["pivoted"].solve(vary(brake, {"friction": mu_lock * 1.01}))
+    tipping = hinged(R=0.25, a=0.4, arc=arc, moment=50.0, mu=0.3, side="external", pivot=(0.28, middle + 0.3))
+    with pytest.raises(NoAnswer, match=r"tips about its pivot, p = A cos \+ B sin would be -"):
+        MODELS["pivoted"].solve(tipping)
+    lifted = vary(brake, {"shoe.actuation.force": -50.0})
+    assert MODELS["pivoted"].solve(lifted).torque == 0.0
+
+
+# shoes on a plane
+
+
+@given(
+    st.floats(0.02, 0.3), st.floats(0.01, 0.5), st.floats(0.0, 0.2), st.floats(0.0, 0.6),
+    st.sampled_from(["+x", "-x"]), SIGNS, st.sampled_from(["linear", "short"]),
+)  # fmt: skip
+def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
+    x_min: float, length: float, h: float, mu: float, sliding: str, hand: int, name: str
+) -> None:
+    brake = pad(h=h, span=(x_min, x_min + length), moment=70.0, mu=mu, sliding=sliding, hand=hand)
+    shoe = unlocked(name, brake)
+    balance = flat_balance(brake, 0, shoe)
+    assert balance.force < 1e-12
+    assert balance.moment < 1e-11
+    law = {"linear": LINEAR, "short": FLAT_SHORT}[name]
+    s = (1 if sliding == "+x" else -1) * hand
+    strip = FlatLayout(x_min, x_min + length, h, s)
+    (merit,) = MODELS[name].solve(brake).merits
+    assert merit.braking_force == approx(float(law.braking_force(70.0, mu, strip)), rel=1e-9)
+    assert shoe.self_energising == (mu * h > 0 and s < 0)
+    assume(0.05 < mu < 0.9 * law.locking_friction(strip))
+    step = 1e-5
+    F = [float(law.braking_force(1.0, mu * (1 + k * step), strip)) for k in (-1, 0, 1)]
+    slope = (F[2] - F[0]) / (2 * step * F[1])
+    assert law.sensitivity(mu, strip) == approx(slope, rel=1e-6)
+    assert merit.sensitivity_at_fixed_shape == approx(slope, rel=1e-6)
+
+
+def test_long_flat_shoe_becomes_the_short_one() -> None:
+    errors = []
+    for length in (0.02, 0.01):
+        strip = FlatLayout(0.2 - length / 2, 0.2 + length / 2, 0.06, 1)
+        errors.append(LINEAR.braking_force(1.0, 0.4, strip) / FLAT_SHORT.braking_force(1.0, 0.4, strip) - 1)
+    assert errors[0] / errors[1] == approx(4, rel=1e-2)
+
+
+def test_flat_shoe_locks_towards_its_hinge_only() -> None:
+    """N = M/(a - mu h): beyond mu = a/h the body pulls the shoe in; the other way it never does."""
+    brake = pad(h=0.3, span=(0.05, 0.07), moment=10.0, mu=0.21, sliding="-x")
+    with pytest.raises(NoAnswer, match=r"shoe 'pad': self-locking, friction 0.21 is not below mu_lock = 0.2 of"):
+        MODELS["short"].solve(brake)
+    assert MODELS["short"].solve(vary(brake, {"plane.sliding": "+x"})).merits[0].braking_force > 0
+    lifted = MODELS["short"].solve(vary(brake, {"shoe.actuation.force": -10.0}))
+    assert lifted.notes == ("shoe 'pad': no contact, the force does not turn it towards the plane",)
+    assert lifted.merits[0].braking_force == 0.0
+
+
+# many at once
+
+
+def test_a_million_torques_of_every_law_in_under_two_seconds_each() -> None:
+    rng = np.random.default_rng(1)
+    mu = rng.uniform(0.05, 0.5, 10**6)
+    phi_1 = rng.uniform(0.0, 1.0, 10**6)
+    phi_2 = phi_1 + rng.uniform(0.5, 2.0, 10**6)
+    arc = Layout(phi_1, phi_2, 0.15, 0.125, 1)
+    plane = FlatLayout(0.1 + phi_1, 0.1 + phi_2, 0.06, -1)
+    x, y = 0.16 * np.cos(arc.middle), 0.16 * np.sin(arc.middle)
+    block = DoubleShoe()
+    calls = {
+        **{name: lambda law=law: law.torque(100.0, mu, arc) for name, law in LAWS.items()},
+        "pivoted": lambda: pivoted.torque(100.0, mu, arc, x, y),
+        "linear": lambda: LINEAR.braking_force(100.0, mu, plane),
+        "flat short": lambda: FLAT_SHORT.braking_force(100.0, mu, plane),
+        "simscape": lambda: block.torque(1e3 * mu, phi_1 - 0.5),
+    }
+    assert len(calls) == 9
+    for name, call in calls.items():
+        start = time.perf_counter()
+        torque = call()
+        assert time.perf_counter() - start < 2.0, name
+        assert torque.shape == (10**6,)
+        assert np.nanmax(torque) > 0

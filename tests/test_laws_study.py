@@ -1,0 +1,99 @@
+"""The laws' study and its report, and the drawing of every kind of brake."""
+
+import importlib.util
+import json
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from drumlin.brake import Brake
+from drumlin.flat import read_any
+from drumlin.report.drawing import draw_brake
+
+STUDIES = Path(__file__).parent.parent / "studies"
+
+
+@pytest.fixture(scope="module")
+def laws() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("laws_study", STUDIES / "laws/study.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_study_meets_every_worked_example_and_names_the_two_that_were_printed_rounded(laws: ModuleType) -> None:
+    result = laws.study(short=True)
+    assert len(result.examples) == 41
+    odd = [(row["source"], row["given"]) for row in result.examples if row["status"] != "agrees"]
+    assert odd == [
+        ("block on a lever, friction assists", "83.87"),
+        ("block on a lever, friction opposes", "69.14"),
+    ]
+    assert all(abs(row["difference"]) < 3e-4 for row in result.examples if row["status"] != "agrees")
+    assert not [row for row in result.applies if row["status"] == "no answer"]
+
+
+def test_a_wrong_number_would_be_seen(laws: ModuleType) -> None:
+    assert laws.compared("sine", "", "", "527.761", 527.7606)["status"] == "agrees"
+    assert laws.compared("sine", "", "", "527.761", 527.7616)["status"] == "differs"
+
+
+def test_barecki_leading_post_has_the_smaller_shoe_factor_where_n_is_negative(laws: ModuleType) -> None:
+    rows = laws.word_rows()
+    assert len(rows) == 8
+    for leading, trailing in zip(rows[::2], rows[1::2], strict=True):
+        assert (leading["word"], trailing["word"]) == ("leading", "trailing")
+        assert leading["S_26"] == pytest.approx(leading["S"], rel=1e-9)
+        assert (leading["S_26"] < trailing["S_26"]) == (leading["n"] < 0)
+    assert {row["law"]: row["n"] < 0 for row in rows} == {"short": True, "cosine": True, "uniform": True, "sine": False}
+
+
+def test_report_is_one_page_with_every_law(laws: ModuleType, tmp_path: Path) -> None:
+    page = laws.report(laws.study(short=True), tmp_path)
+    text = page.read_text()
+    for heading in (
+        "Short shoe",
+        "Long shoe on a plane",
+        "Long shoe turning about its hinge: the sine law",
+        "Double-shoe block of Simscape",
+        "Block on a lever: p = p₀ cos",
+        "Shoe on a pivot at the end of a lever",
+        "Uniform pressure",
+        "Leading and trailing: whose word means what",
+    ):
+        assert f"<h2>{heading}</h2>" in text
+    assert text.count("data:image/svg+xml") == 9
+    assert '<img src="http' not in text
+    assert text.count("<b>Assumes</b>") == 7
+    data = json.loads((tmp_path / "results.json").read_text())
+    assert len(data["examples"]) == 41
+
+
+BRAKES = sorted([*STUDIES.glob("laws/*.toml"), *STUDIES.glob("*/brake.toml")])
+BRAKES = [path for path in BRAKES if path.name not in {"examples.toml", "text.toml"}]
+
+
+def test_there_are_brakes_of_every_kind_to_draw() -> None:
+    assert len(BRAKES) >= 11
+
+
+@pytest.mark.parametrize("path", BRAKES, ids=lambda path: f"{path.parent.name}-{path.stem}")
+def test_every_brake_is_drawn_with_its_pins_inside_the_picture(path: Path) -> None:
+    brake = read_any(path)
+    axes = Figure().subplots()
+    draw_brake(axes, brake)
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    if isinstance(brake, Brake):
+        assert min(-left, right, -low, high) > brake.drum.radius * 1e3
+    for shoe in brake.shoes:
+        x, y = shoe.hinge.xy * 1e3
+        assert left < x < right
+        assert low < y < high
+    words = {text.get_text() for text in axes.texts}
+    assert {shoe.name for shoe in brake.shoes} <= words
+    assert any(word.endswith("N") for word in words)
+    assert axes.get_aspect() == 1.0
+    assert all(np.isfinite(line.get_xydata()).all() for line in axes.lines)
