@@ -165,7 +165,7 @@ def _with_groups(raw: Any, cell: str, mesh: Any, vertex: Ints, cells: Ints, faul
         ends = cells[:, :corners]
         pairs = np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1)
         whole = inside[pairs].all(axis=-1)
-        if mesh.doflocs.shape[1] > mesh.p.shape[1]:
+        if cells.shape[1] > corners:
             whole &= inside[cells[:, corners : 2 * corners]]
         found = np.intersect1d(_facets(mesh, vertex[pairs[whole]], fault), outer)
         if name not in boundaries and len(found):
@@ -175,10 +175,10 @@ def _with_groups(raw: Any, cell: str, mesh: Any, vertex: Ints, cells: Ints, faul
 
 def _facets(mesh: Any, ends: Ints, fault: str) -> Ints:
     """Numbers of the facets between the vertices `ends` (n, 2), each once."""
-    key = mesh.facets[0].astype(np.int64) * mesh.p.shape[1] + mesh.facets[1]
+    key = mesh.facets[0].astype(np.int64) * mesh.nvertices + mesh.facets[1]
     order = np.argsort(key)
     low, high = np.sort(ends, axis=1).T
-    wanted = np.unique(low * mesh.p.shape[1] + high)
+    wanted = np.unique(low * mesh.nvertices + high)
     place = order[np.minimum(np.searchsorted(key, wanted, sorter=order), len(key) - 1)]
     strange = np.count_nonzero(key[place] != wanted)
     if strange:
