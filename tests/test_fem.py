@@ -3,6 +3,7 @@
 import math
 from itertools import pairwise
 
+import meshio
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,6 +16,7 @@ from drumlin.brake import read_brake, vary
 from drumlin.compare import converge, pressure_distance
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.cost import cost
+from drumlin.fem.fields import fields, write_vtu
 from drumlin.fem.model import contact_problem, respond, solve
 from drumlin.fem.scene import prepare
 from drumlin.laws import locking_friction, sine
@@ -140,6 +142,24 @@ def test_every_kind_of_mesh_converges_to_one_answer(kind, brake, fine):
 @pytest.fixture(scope="module")
 def fine(brake):
     return solve(brake, elements=320, penalty=math.inf)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_fields_of_every_kind_agree(kind, brake, tmp_path):
+    """Displacements of the loaded end within 5 %, and the .vtu file read back."""
+    moved = []
+    for chosen, elements in (("quad2", 80), (kind, 60)):
+        scene = prepare(brake, elements=elements, kind=chosen)
+        found = fields(scene, brake, respond(scene, brake), 1)
+        far = np.argmin(np.linalg.norm(found.points - brake.shoes[1].actuation.point.xy, axis=1))
+        moved.append(found.displacement[far])
+        assert np.isfinite(found.stress).all()
+        assert len(np.unique(found.cells)) == len(found.points)
+    assert np.linalg.norm(moved[1] - moved[0]) < 0.05 * np.linalg.norm(moved[0])
+    write_vtu(tmp_path / "f.vtu", [found])
+    mesh = meshio.read(tmp_path / "f.vtu")
+    assert [block.type for block in mesh.cells] == [found.cell_type]
+    assert mesh.point_data["von Mises [Pa]"] == pytest.approx(found.von_mises)
 
 
 @pytest.fixture(scope="module")
