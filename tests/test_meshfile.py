@@ -1,6 +1,7 @@
 """Mesh files: every format and kind gives the answer of the mesh that was written, and every fault is one line."""
 
 import math
+import random
 import subprocess
 import sys
 
@@ -11,7 +12,7 @@ import pytest
 from conftest import ROOT
 from drumlin.brake import read_brake, vary
 from drumlin.compare import pressure_distance
-from drumlin.errors import BadInput
+from drumlin.errors import BadInput, DrumlinError
 from drumlin.fem.inp import read_inp
 from drumlin.fem.mesh import KINDS, shoe_mesh
 from drumlin.fem.meshfile import read_mesh, write_mesh
@@ -74,6 +75,21 @@ def test_files_that_gmsh_itself_writes(tmp_path, brake, kind, version, binary):
     assert solve(written).torque == pytest.approx(solve(brake, elements=ELEMENTS, kind=kind).torque, rel=1e-9)
 
 
+def test_an_input_file_that_gmsh_writes_has_edges_as_elements(tmp_path):
+    gmsh = pytest.importorskip("gmsh")
+    web = read_brake(WEB)
+    gmsh.initialize(readConfigFiles=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(WEB.with_suffix(".msh")))
+        gmsh.write(str(tmp_path / "web.inp"))
+    finally:
+        gmsh.finalize()
+    assert "T3D3" in (tmp_path / "web.inp").read_text()
+    again = vary(web, {"shoe.mesh": str(tmp_path / "web.inp")})
+    assert solve(again).torque == pytest.approx(solve(web).torque, rel=1e-9)
+
+
 def test_an_input_file_as_people_write_it(tmp_path, brake):
     """Two element sections with their sets, sets of sets, ranges, long lines, small letters, foreign keywords."""
     (tmp_path / "m.inp").write_text(
@@ -95,6 +111,8 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
  8, 2, 3, 13, 12
 *ELEMENT, TYPE=T2D2, ELSET=Edge
  20, 1, 2
+*ELEMENT, TYPE=B32, ELSET=Curve
+ 21, 1, 2, 3
 *Elset, elset=both
  left, right
 *NSET, NSET=Bottom, GENERATE
@@ -109,6 +127,7 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
     assert mesh.cell_sets_dict["right"]["quad"].tolist() == [1]
     assert mesh.cell_sets_dict["both"]["quad"].tolist() == [0, 1]
     assert mesh.cell_sets_dict["edge"]["line"].tolist() == [0]
+    assert mesh.cells_dict["line3"].tolist() == [[0, 2, 1]]  # end, middle, end in the file; here the middle is last
     assert mesh.point_sets["bottom"].tolist() == [0, 1, 2]
     assert len(mesh.point_sets["all"]) == 7
 
@@ -248,7 +267,10 @@ FAULTS = {
     "inverted curved quadrilateral": ("quad2", inverted, "inverted or without area in a corner"),
     "folded triangles": ("tri1", folded, "folded over a neighbour"),
     "twice the same elements": ("tri1", twice, "more than two elements meet in an edge"),
+    "one node twice": ("quad1", lambda m: cells_of(m).__setitem__((3, 0), cells_of(m)[3, 2]), "that a cell has twice"),
+    "middle not shared": ("tri2", lambda m: cells_of(m).__setitem__((3, 4), cells_of(m)[9, 4]), "not its middle node"),
     "not plane": ("tri1", tilted, "is not plane"),
+    "far away": ("tri1", lambda m: m.points.__setitem__((0, 0), 1e300), "e+299 m far"),
     "inner contact": ("tri1", cell_edges, "edges of the group contact are not on the boundary"),
     "strange contact": ("tri1", strange_edges, "group contact: 1 of its 5 edges are not edges of the cells"),
     "no hinge": ("tri2", regrouped("hinge", lambda m: np.zeros(len(m.points))), "missing or empty: hinge"),
@@ -286,6 +308,34 @@ def test_a_fault_in_a_mesh_is_one_line_that_names_it(tmp_path, brake, case):
     assert words in str(refusal.value)
     assert str(path) in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("suffix", ["msh", "inp", "vtu"])
+def test_a_damaged_file_is_solved_or_refused_in_one_line(tmp_path, brake, suffix):
+    """Lines lost, doubled, exchanged, cut off, numbers overwritten: nothing else may come of it."""
+    alone = vary(brake, {"shoe": [brake.shoes[0].model_dump()]})
+    path = tmp_path / f"m.{suffix}"
+    write_mesh(path, shoe_mesh(brake.shoes[0], brake.drum.radius, 6, "tri2"), brake.shoes[0])
+    whole = path.read_text().split("\n")
+    rng = random.Random(7)
+    solved = refused = 0
+    for i in range(60):
+        lines, at, other = list(whole), rng.randrange(len(whole)), rng.randrange(len(whole))
+        words = lines[at].replace(",", " , ").split(" ")
+        words[rng.randrange(len(words))] = rng.choice(["-1", "0", "1e300", "nan", "99999", "7", "x", "12.5"])
+        overwritten = " ".join(words)
+        damages = ([], [lines[at], lines[other]], [lines[other]], [overwritten], [overwritten])
+        lines[at : at + 1] = damages[i % 5]
+        path.write_text("\n".join(lines if i % 7 else lines[:at]))
+        try:
+            response = solve(vary(alone, {"shoe.mesh": str(path)}))
+            assert max(response.balance.force, response.balance.moment) < 1e-8
+            solved += 1
+        except DrumlinError as refusal:
+            assert "\n" not in str(refusal)
+            refused += 1
+    assert solved + refused == 60
+    assert refused > 10
 
 
 def test_nodes_of_no_element_either_orientation_and_other_groups_do_not_matter(tmp_path, brake):

@@ -53,7 +53,8 @@ def read_inp(path: Path) -> Any:
                 if element in place:
                     raise ValueError(f"element {element} is defined twice")
                 place[element] = (len(blocks), row)
-            blocks.append((cell, [[number[label] for label in nodes] for nodes in cells]))
+            rows_of = [[number[label] for label in nodes] for nodes in cells]
+            blocks.append((cell, [[a, b, middle] for a, middle, b in rows_of] if cell == "line3" else rows_of))
             _members(element_sets, options.get("ELSET"), [[str(label)] for label in labels])
         elif keyword == "NSET":
             _members(node_sets, options.get("NSET"), rows, "GENERATE" in options)
@@ -67,7 +68,10 @@ def read_inp(path: Path) -> Any:
         np.array(points).reshape(-1, 3),
         [(cell, np.array(cells, dtype=np.int64).reshape(-1, NODES[cell])) for cell, cells in blocks],
         cell_sets=cell_sets,
-        point_sets={name: np.unique([number[label] for label in labels]) for name, labels in node_sets.items()},
+        point_sets={
+            name: np.unique(np.array([number[label] for label in labels], dtype=np.int64))
+            for name, labels in node_sets.items()
+        },
     )
 
 

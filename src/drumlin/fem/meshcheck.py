@@ -16,17 +16,32 @@ from drumlin.units import deg, mm
 
 ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
 APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
+LARGEST = 1e6  # drum's radii that a mesh may reach: beyond it not even the checks are sure
 UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
 
 
 def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
     """The mesh (in the shoe's frame [m]) with the groups that the shoe needs; raises BadInput, led by `fault`."""
     mesh = _check_groups(mesh, shoe, fault)
-    _check_nodes(mesh, fault)
+    _check_nodes(mesh, shoe, radius, fault)
     _check_elements(mesh, shoe, fault)
     _check_boundaries(mesh, fault)
     _check_contact(mesh, shoe, radius, fault)
     return mesh
+
+
+def check_cells(cells: Ints, corners: int, fault: str) -> None:
+    """Refuse cells (m, k), in meshio's order, whose nodes do not make them a mesh."""
+    ends, middles, centres = np.split(cells, [corners, 2 * corners], axis=1)
+    edges = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    distinct = [len(np.unique(nodes)) for nodes in (ends, middles, centres)]
+    if (np.diff(np.sort(cells, axis=1), axis=1) == 0).any() or sum(distinct) > len(np.unique(cells)):
+        raise BadInput(f"{fault}: has nodes that a cell has twice, or that are a corner here and inside an edge there")
+    bonds = {len(np.unique(edges, axis=0))}
+    if middles.size:
+        bonds |= {distinct[1], len(np.unique(np.column_stack([edges, middles.ravel()]), axis=0))}
+    if len(bonds) > 1 or distinct[2] not in {0, len(cells)}:
+        raise BadInput(f"{fault}: has cells that share an edge but not its middle node, or a middle but not the edge")
 
 
 def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
@@ -48,8 +63,13 @@ def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
     )
 
 
-def _check_nodes(mesh: Any, fault: str) -> None:
-    size = float(np.ptp(mesh.doflocs, axis=1).max())
+def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
+    size = float(np.abs(mesh.doflocs).max())
+    if size > LARGEST * radius:
+        raise BadInput(
+            f"{fault}: reaches {size:.3g} m far; must be a shoe in a drum of radius {mm(radius)} "
+            f"(coordinates are read in {shoe.mesh_unit})"
+        )
     pairs = scipy.spatial.cKDTree(mesh.doflocs.T).query_pairs(APART * size, output_type="ndarray")
     if len(pairs):
         raise BadInput(f"{fault}: {len(pairs)} pairs of nodes stand in one place; merge them, the parts are bonded")

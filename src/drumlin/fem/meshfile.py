@@ -22,10 +22,11 @@ from drumlin.errors import BadInput
 from drumlin.fem.inp import read_inp, write_inp
 from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh import KINDS, kind_of
-from drumlin.fem.meshcheck import check
+from drumlin.fem.meshcheck import check, check_cells
 from drumlin.files import replacing
 
 FORMATS = (".msh", ".inp", ".vtu")
+GROUPS = ("lining", "backing", "shoe", "contact", "hinge", "actuation")
 SCALE = {"m": 1.0, "mm": 1e-3}
 
 
@@ -138,9 +139,8 @@ def _mesh(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints
     used, numbered = np.unique(cells, return_inverse=True)
     numbered = numbered.reshape(cells.shape)
     corners = 3 if cell.startswith("triangle") else 4
+    check_cells(numbered, corners, fault)
     mesh = kind.mesh(np.ascontiguousarray(points[used].T), np.ascontiguousarray(numbered.T))
-    if mesh.doflocs.shape[1] != skfem.Basis(mesh, kind.element(), intorder=1).N:
-        raise BadInput(f"{fault}: has cells that share an edge but not the node in its middle")
     vertex = np.full(len(points), -1)
     vertices = np.unique(cells[:, :corners])
     vertex[vertices] = np.arange(len(vertices))
@@ -153,6 +153,8 @@ def _with_groups(raw: Any, cell: str, mesh: Any, vertex: Ints, cells: Ints, faul
     filed = "quad8" if cell == "quad9" and "quad9" not in raw.cells_dict else cell
     edge = kind_of(mesh).edge
     for name, members in _named_cells(raw).items():
+        if name not in GROUPS:
+            continue
         if len(members.get(filed, ())):
             subdomains[name] = members[filed]
         if len(members.get(edge, ())):
@@ -160,6 +162,8 @@ def _with_groups(raw: Any, cell: str, mesh: Any, vertex: Ints, cells: Ints, faul
     corners = len(mesh.t)
     outer = mesh.boundary_facets()
     for name, nodes in _named_nodes(raw).items():
+        if name not in GROUPS or name in boundaries:
+            continue
         inside = np.zeros(len(vertex), dtype=bool)
         inside[nodes] = True
         ends = cells[:, :corners]
@@ -168,7 +172,7 @@ def _with_groups(raw: Any, cell: str, mesh: Any, vertex: Ints, cells: Ints, faul
         if cells.shape[1] > corners:
             whole &= inside[cells[:, corners : 2 * corners]]
         found = np.intersect1d(_facets(mesh, vertex[pairs[whole]], fault), outer)
-        if name not in boundaries and len(found):
+        if len(found):
             boundaries[name] = found
     return dataclasses.replace(mesh, _subdomains=subdomains, _boundaries=boundaries)
 
