@@ -158,6 +158,48 @@ def mesh(
 
 
 @app.command()
+def hold(
+    brake_file: BrakeFile,
+    rotation: Annotated[
+        str | None,
+        typer.Option(metavar="ANGLE", help='how far the drum is turned, such as "0.02 deg"; default: to full slip'),
+    ] = None,
+    steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")] = None,
+    elements: Elements = None,
+    penalty: Penalty = None,
+) -> None:
+    """Hold the drum: from rest through partial slip to full slip, as it is turned against the shoes."""
+    import numpy as np
+
+    from drumlin.brake import read_brake
+    from drumlin.fem.holding import as_dict, full_slip_rotation
+    from drumlin.fem.holding import hold as turn
+    from drumlin.fem.scene import prepare
+    from drumlin.files import write_text
+    from drumlin.units import to_si
+
+    brake = read_brake(brake_file)
+    if not 1 <= steps <= 10_000:
+        raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
+    options = _options(elements, penalty)
+    stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
+    try:
+        end = None if rotation is None else to_si(rotation, "rad", unit_required=True)
+    except ValueError as error:
+        raise BadInput(f"--rotation = {rotation!r}: {error}") from error
+    with _busy("holding") as say:
+        scene = prepare(brake, **options)
+        end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
+        states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
+    if json_file is not None:
+        write_text(json_file, json.dumps(as_dict(states), indent=1, allow_nan=False) + "\n")
+    print(f"{'rotation [deg]':>15}{'moment [N m]':>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
+    for at in states:
+        print(f"{np.degrees(at.rotation):15.6f}{at.torque:15.4f}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
+
+
+@app.command()
 def cost(brake_file: BrakeFile, elements: Elements = None, penalty: Penalty = None) -> None:
     """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
     from drumlin.brake import read_brake

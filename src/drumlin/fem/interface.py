@@ -10,6 +10,7 @@ Nodal forces of a pressure p with the drag mu s p are  -N^T p + mu s T^T p: thei
 of the traction on the same arc to round-off, on any mesh.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +18,8 @@ import numpy as np
 
 from drumlin.arrays import Floats, Ints
 from drumlin.statics import GAUSS, WEIGHTS, shape, slopes
+
+Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
 
 
 @dataclass(frozen=True)
@@ -77,8 +80,18 @@ def contact_line(basis: Any, facets: Ints, middle: float) -> ContactLine:
     return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces[:, np.argsort(phi[pieces[0]])])
 
 
-def couple(line: ContactLine, width: float, sign: int) -> Coupling:
-    """The coupling of a lining of this width b [m] with a round drum about O; n = sign e_r."""
+def radial(sign: int) -> Directions:
+    """Normals sign e_r and tangents e_phi at the points x (2, ...) of a round drum about O."""
+
+    def directions(x: Floats) -> tuple[Floats, Floats]:
+        r = np.hypot(*x)
+        return sign * x / r, np.array([-x[1], x[0]]) / r
+
+    return directions
+
+
+def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
+    """The coupling of a lining of this width b [m] with a counterface of known directions; see `radial`."""
     n = len(line.nodes)
     psi = shape(line.order, GAUSS)  # (k, points)
     slope = slopes(line.order, GAUSS)
@@ -86,8 +99,7 @@ def couple(line: ContactLine, width: float, sign: int) -> Coupling:
     dx = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], slope)
     r = np.hypot(*x)
     weight = width * np.hypot(*dx) * WEIGHTS
-    normal = sign * x / r
-    tangent = np.array([-x[1], x[0]]) / r
+    normal, tangent = directions(x)
     pair = np.einsum("aq,bq->abq", psi, psi)
     rows = np.broadcast_to(line.pieces[:, None], (len(psi), *line.pieces.shape))
     columns = np.broadcast_to(line.pieces[None], rows.shape)

@@ -13,7 +13,7 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Material, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, radial
 from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.meshfile import read_mesh
 from drumlin.fem.ring import RingBody, ring_body
@@ -158,7 +158,7 @@ def _body(brake: Brake, shoe: Shoe, elements: int, kind: str, seconds: Seconds) 
             forces[-FRAME:] = np.eye(3)
         condensed = condense(K, ties, forces, 2 * n)
     with clock(seconds, "coupling"):
-        coupling = couple(line, shoe.lining.width, shoe.sign)
+        coupling = couple(line, shoe.lining.width, radial(shoe.sign))
         Y = condensed.half(np.hstack([-coupling.N.T, condensed.load_c]))
         pressing = -Y[:, :n].T / condensed.D_c
         closing, holding = pressing @ Y, condensed.L_fc @ Y
