@@ -31,7 +31,7 @@ Kind = Annotated[str | None, typer.Option(metavar="quad2|quad1|tri2|tri1", help=
 Penalty = Annotated[str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")]
 
 
-def _options(elements: int | None, kind: str | None = None, penalty: str | None = None) -> dict[str, Any]:
+def _options(elements: int | None, *, kind: str | None = None, penalty: str | None = None) -> dict[str, Any]:
     """The options of the finite elements that were given."""
     given = {"elements": elements, "kind": kind}
     options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
@@ -58,7 +58,7 @@ def solve(
     from drumlin.models import pick
 
     brake = read_any(brake_file)
-    options = _options(elements, kind, penalty)
+    options = _options(elements, kind=kind, penalty=penalty)
     chosen = pick(model, brake)
     if options and model != "fem":
         raise BadInput(f"--elements, --kind and --penalty belong to --model fem, not to {model!r}")
@@ -88,7 +88,7 @@ def compare(
         )
     folder = output or Path("reports") / brake_file.stem
     with _busy("comparing the models"):
-        result = write_comparison(brake, brake_file.read_text(), folder, _options(elements, kind, penalty))
+        result = write_comparison(brake, brake_file.read_text(), folder, _options(elements, kind=kind, penalty=penalty))
     _print_table(result.table)
     for line in result.notes:
         print(line)
@@ -128,7 +128,7 @@ def view(
     if Path(picture).suffix not in {".png", ".svg"}:
         raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
     with _busy("drawing"):
-        save(draw(brake, **_options(elements, kind)), Path(picture))
+        save(draw(brake, **_options(elements, kind=kind)), Path(picture))
     print(f"picture: {picture}")
 
 
@@ -150,7 +150,7 @@ def mesh(
 
     brake = read_brake(brake_file)
     with _busy("meshing"):
-        scene = prepare(brake, **_options(elements, kind))
+        scene = prepare(brake, **_options(elements, kind=kind))
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
             path = output / f"{name or brake_file.stem}_{shoe.name}.{suffix}"
             write_mesh(path, body.mesh, shoe)
@@ -167,6 +167,7 @@ def hold(
     steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")] = None,
     elements: Elements = None,
+    kind: Kind = None,
     penalty: Penalty = None,
 ) -> None:
     """Hold the drum: from rest through partial slip to full slip, as it is turned against the shoes."""
@@ -182,7 +183,7 @@ def hold(
     brake = read_brake(brake_file)
     if not 1 <= steps <= 10_000:
         raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
-    options = _options(elements, penalty)
+    options = _options(elements, kind=kind, penalty=penalty)
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
     try:
         end = None if rotation is None else to_si(rotation, "rad", unit_required=True)

@@ -1,7 +1,7 @@
 """The holding brake: from rest through partial slip to full slip, as the drum is turned against the shoes."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -133,22 +133,37 @@ def _path(
     done, spent, reached = [], [], 0.0
     energy = _slip_work(problem, increment, rest)
     for rotation in rotations:
-        target, pieces = float(rotation), 1
-        while reached != target:
-            step = reached + (target - reached) / pieces
-            moved = problem._replace(q_s=problem.q_s + lever * (brake.spin * step / size))
-            try:
-                after = stickslip.solve(moved, brake.friction, increment.history, increment.state)
-            except NoAnswer:
-                if pieces >= 2**HALVINGS:
-                    raise
-                pieces *= 2
-                continue
-            energy += _slip_work(problem, after, increment.history)
-            increment, reached, pieces = after, step if pieces > 1 else target, max(1, pieces // 2)
+        for step in turned(problem, lever * (brake.spin / size), brake.friction, increment, reached, float(rotation)):
+            energy += _slip_work(problem, step, increment.history)
+            increment = step
+        reached = float(rotation)
         done.append(increment)
         spent.append(energy * size**2)
     return done, spent
+
+
+def turned(
+    problem: Problem, lever: Floats, friction: float, increment: Increment, start: float, end: float
+) -> Iterator[Increment]:
+    """The increments from a converged one at the rotation `start` to `end` [rad], q_s growing by lever (n,) a radian.
+
+    One, where its states settle; else halves of it. Raises NoAnswer where 2^-8 of it does not settle.
+    """
+    reached, pieces = start, 1
+    while reached != end or start == end:
+        step = end if pieces == 1 else reached + (end - reached) / pieces
+        moved = problem._replace(q_s=problem.q_s + lever * step)
+        try:
+            increment = stickslip.solve(moved, friction, increment.history, increment.state)
+        except NoAnswer:
+            if pieces >= 2**HALVINGS:
+                raise
+            pieces *= 2
+            continue
+        yield increment
+        if step == end:
+            return
+        reached, pieces = step, pieces - 1
 
 
 def _slip_work(problem: Problem, after: Increment, before: History) -> float:
