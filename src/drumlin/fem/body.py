@@ -24,7 +24,7 @@ from skfem.models.elasticity import plane_stress
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Material
 from drumlin.errors import NoAnswer
-from drumlin.fem.mesh import ELEMENTS
+from drumlin.fem.mesh import kind_of
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 
@@ -65,8 +65,8 @@ class Condensed:
 
 
 def scalar_basis(mesh: Any) -> Any:
-    """skfem's basis of one component; 3 x 3 Gauss points in a quadratic quadrilateral, 2 x 2 in a linear."""
-    element = ELEMENTS[type(mesh)]()
+    """skfem's basis of one component; quadrature of order 4 in a quadratic element, 2 in a linear."""
+    element = kind_of(mesh).element()
     return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
 
 

@@ -14,7 +14,8 @@ from drumlin.brake import Brake, Material, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
-from drumlin.fem.mesh import read_mesh, shoe_mesh
+from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.meshfile import read_mesh
 from drumlin.fem.ring import RingBody, ring_body
 from drumlin.statics import cross
 
@@ -84,9 +85,6 @@ def why_not(brake: Brake) -> str | None:
 
 def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     """What a body depends on: equal for shoes that are the same but for place, hand, load and clearance."""
-    if shoe.mesh is not None:
-        kept = shoe.model_dump(exclude={"name": True, "actuation": True, "lining": {"clearance"}})
-        return (brake.drum.radius, repr(kept))
     arcs = [shoe.arc]
     if shoe.body is not None:
         arcs.append(tuple(sorted(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist())))
@@ -99,14 +97,15 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
         None if body is None else (body.shape, body.thickness, body.width, body.material),
+        None if shoe.mesh is None else (shoe.mesh, shoe.mesh_unit, shoe.mesh_frame == "shoe" or shoe.frame),
     )
 
 
-def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
+def prepare(brake: Brake, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND) -> Scene:
     """Mesh and condense the bodies of a brake; shoes of one shape share one body.
 
-    elements: number along each parametric lining. Raises BadInput for a brake that finite elements do not
-    cover, and for a mesh file that cannot serve.
+    elements: number along each parametric lining; kind: "quad2", "quad1", "tri2" or "tri1". Raises BadInput
+    for a brake that finite elements do not cover, and for a mesh file that cannot serve.
     """
     reason = why_not(brake)
     if reason is not None:
@@ -119,7 +118,7 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
     for shoe in brake.shoes:
         key = shape_of(brake, shoe)
         if key not in made:
-            made[key] = _body(brake, shoe, elements, seconds)
+            made[key] = _body(brake, shoe, elements, kind, seconds)
         bodies.append(made[key])
     ring = None
     left_out = ["interior fields: recovered only for a picture"]
@@ -138,10 +137,10 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
     return Scene(brake, tuple(bodies), ring, seconds, tuple(left_out))
 
 
-def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
+def _body(brake: Brake, shoe: Shoe, elements: int, kind: str, seconds: Seconds) -> Body:
     with clock(seconds, "mesh"):
         if shoe.mesh is None:
-            mesh = shoe_mesh(shoe, brake.drum.radius, elements)
+            mesh = shoe_mesh(shoe, brake.drum.radius, elements, kind)
         else:
             mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
         basis = scalar_basis(mesh)
