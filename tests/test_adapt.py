@@ -11,8 +11,8 @@ from drumlin.compare import pressure_distance
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import estimate
 from drumlin.fem.division import apart, refine
-from drumlin.fem.interface import contact_arcs
-from drumlin.fem.mesh import shoe_mesh, write_mesh
+from drumlin.fem.mesh import shoe_mesh
+from drumlin.fem.meshfile import write_mesh
 from drumlin.fem.model import solve
 from references import reference
 
@@ -122,16 +122,6 @@ def test_kinks_of_a_clearance_are_refined(brake):
     for angle in (-0.5, 0.1, 0.6):
         assert np.abs(theta - angle).min() < 1e-12
         assert np.diff(theta)[np.abs(theta[:-1] - angle).argmin()] < np.diff(theta).max() / 10
-
-
-def test_contact_ends_are_found_inside_elements():
-    """p = sqrt(theta - 0.137) on nodes that miss its end; a contact up to the last node ends there."""
-    for count in (11, 12, 30):
-        theta = np.linspace(0, 1, count)
-        p = np.sqrt(np.maximum(theta - 0.137, 0))
-        assert contact_arcs(theta, p) == (pytest.approx((0.137, 1.0), abs=1e-12),)
-        assert contact_arcs(1 - theta[::-1], p[::-1]) == (pytest.approx((0.0, 0.863), abs=1e-12),)
-    assert contact_arcs(theta, np.zeros(30)) == ()
 
 
 def test_refined_divisions_contain_their_points_and_shrink_towards_them(brake):

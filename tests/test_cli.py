@@ -54,6 +54,8 @@ REFUSED = {
     "bad penalty": (["--penalty", "soft"], None, 2, "--penalty = 'soft'"),
     "negative penalty": (["--penalty", "-1"], None, 2, "greater than 0"),
     "no elements": (["--elements", "0"], None, 2, "--elements = 0"),
+    "unknown kind": (["--kind", "hex8"], None, 2, "allowed: quad2, quad1, tri2, tri1"),
+    "kind for a law": (["--model", "sine", "--kind", "tri2"], None, 2, "belong to --model fem"),
     "elements for a law": (["--model", "sine", "--elements", "9"], None, 2, "belong to --model fem"),
     "tolerance for a law": (["--model", "sine", "--tolerance", "1e-3"], None, 2, "belong to --model fem"),
     "tolerance of nothing": (["--tolerance", "0"], None, 2, "--tolerance = 0: must be greater than 0"),
@@ -139,6 +141,23 @@ def test_compare_view_mesh_and_cost(tmp_path):
     done = drumlin("cost", STUDY / "brake.toml", "--elements", 20)
     assert "times their sum" in done.stdout and "of the first" in done.stdout
     assert drumlin("cost", STUDY / "brake.toml", "--elements", 20, "--table").returncode == 2
+
+
+@pytest.mark.parametrize("suffix", ["msh", "inp", "vtu"])
+def test_meshes_of_every_kind_are_written_and_solved(tmp_path, suffix):
+    words = ["--kind", "tri2", "--elements", 16]
+    done = drumlin("mesh", STUDY / "brake.toml", "--output", tmp_path, "--format", suffix, *words)
+    assert done.returncode == 0, done.stderr
+    text = (STUDY / "brake.toml").read_text()
+    for name in ("right", "left"):
+        text = text.replace(f'name = "{name}"', f'name = "{name}"\nmesh = "brake_{name}.{suffix}"')
+    (tmp_path / "filed.toml").write_text(text)
+    torques = [
+        drumlin("solve", *solved).stdout.splitlines()[1]
+        for solved in ([tmp_path / "filed.toml"], [STUDY / "brake.toml", *words])
+    ]
+    assert torques[0] == torques[1]
+    assert "torque" in torques[0]
 
 
 def test_an_unknown_study_is_refused_by_name():

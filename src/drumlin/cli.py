@@ -27,12 +27,14 @@ app = typer.Typer(
 
 BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake file")]
 Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
+Kind = Annotated[str | None, typer.Option(metavar="quad2|quad1|tri2|tri1", help="kind of the parametric mesh")]
 Penalty = Annotated[str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")]
 
 
-def _options(elements: int | None, penalty: str | None) -> dict[str, Any]:
+def _options(elements: int | None, *, kind: str | None = None, penalty: str | None = None) -> dict[str, Any]:
     """The options of the finite elements that were given."""
-    options: dict[str, Any] = {} if elements is None else {"elements": elements}
+    given = {"elements": elements, "kind": kind}
+    options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     if penalty is not None:
         try:
             options["penalty"] = float(penalty)
@@ -47,6 +49,7 @@ def solve(
     model: Annotated[str, typer.Option(help="which model answers")] = "fem",
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write the response as JSON")] = None,
     elements: Elements = None,
+    kind: Kind = None,
     penalty: Penalty = None,
     tolerance: Annotated[
         float | None, typer.Option(help="refine until the estimated errors of p (L2) and torque are below it")
@@ -58,10 +61,10 @@ def solve(
     from drumlin.models import pick
 
     brake = read_any(brake_file)
-    options = _options(elements, penalty) | ({} if tolerance is None else {"tolerance": tolerance})
+    options = _options(elements, kind=kind, penalty=penalty) | ({} if tolerance is None else {"tolerance": tolerance})
     chosen = pick(model, brake)
     if options and model != "fem":
-        raise BadInput(f"--elements, --penalty and --tolerance belong to --model fem, not to {model!r}")
+        raise BadInput(f"--elements, --kind, --penalty and --tolerance belong to --model fem, not to {model!r}")
     with _busy(f"solving by {model}"):
         response = chosen.solve(brake, **options)
     if json_file is not None:
@@ -74,6 +77,7 @@ def compare(
     brake_file: BrakeFile,
     output: Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")] = None,
     elements: Elements = None,
+    kind: Kind = None,
     penalty: Penalty = None,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
@@ -87,7 +91,7 @@ def compare(
         )
     folder = output or Path("reports") / brake_file.stem
     with _busy("comparing the models"):
-        result = write_comparison(brake, brake_file.read_text(), folder, _options(elements, penalty))
+        result = write_comparison(brake, brake_file.read_text(), folder, _options(elements, kind=kind, penalty=penalty))
     _print_table(result.table)
     for line in result.notes:
         print(line)
@@ -115,6 +119,7 @@ def view(
     brake_file: BrakeFile,
     output: Annotated[Path | None, typer.Option(metavar="FILE", help="the picture, .png or .svg")] = None,
     elements: Elements = None,
+    kind: Kind = None,
 ) -> None:
     """Draw a brake and its mesh."""
     from drumlin.flat import read_any
@@ -126,7 +131,7 @@ def view(
     if Path(picture).suffix not in {".png", ".svg"}:
         raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
     with _busy("drawing"):
-        save(draw(brake, **_options(elements, None)), Path(picture))
+        save(draw(brake, **_options(elements, kind=kind)), Path(picture))
     print(f"picture: {picture}")
 
 
@@ -138,17 +143,19 @@ def mesh(
         str | None, typer.Option(help="first word of the file names; default: that of the brake file")
     ] = None,
     elements: Elements = None,
+    kind: Kind = None,
+    suffix: Annotated[str, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")] = "msh",
 ) -> None:
-    """Write the parametric mesh of each shoe as a Gmsh file with named groups, to look at or to change."""
+    """Write the mesh of each shoe as a file with named groups, to look at or to change."""
     from drumlin.brake import read_brake
-    from drumlin.fem.mesh import write_mesh
+    from drumlin.fem.meshfile import write_mesh
     from drumlin.fem.scene import prepare
 
     brake = read_brake(brake_file)
     with _busy("meshing"):
-        scene = prepare(brake, **_options(elements, None))
+        scene = prepare(brake, **_options(elements, kind=kind))
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
-            path = output / f"{name or brake_file.stem}_{shoe.name}.msh"
+            path = output / f"{name or brake_file.stem}_{shoe.name}.{suffix}"
             write_mesh(path, body.mesh, shoe)
             print(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
 
@@ -163,6 +170,7 @@ def hold(
     steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")] = None,
     elements: Elements = None,
+    kind: Kind = None,
     penalty: Penalty = None,
 ) -> None:
     """Hold the drum: from rest through partial slip to full slip, as it is turned against the shoes."""
@@ -178,7 +186,7 @@ def hold(
     brake = read_brake(brake_file)
     if not 1 <= steps <= 10_000:
         raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
-    options = _options(elements, penalty)
+    options = _options(elements, kind=kind, penalty=penalty)
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
     try:
         end = None if rotation is None else to_si(rotation, "rad", unit_required=True)
@@ -209,7 +217,7 @@ def cost(
     from drumlin.fem.cost import measure, table
 
     brake = read_brake(brake_file)
-    options = _options(elements, penalty)
+    options = _options(elements, penalty=penalty)
     if by_size and options:
         raise BadInput("--table chooses the elements itself; leave out --elements and --penalty")
     if by_size:

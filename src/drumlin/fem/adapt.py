@@ -25,7 +25,7 @@ from drumlin.brake import Brake, Shoe
 from drumlin.compare import pressure_distance
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.division import refine
-from drumlin.fem.mesh import shoe_mesh
+from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.scene import Scene, prepare, shape_of
 from drumlin.response import Response, ShoeResponse
 
@@ -45,7 +45,7 @@ class Respond(Protocol):
         """The response."""
 
 
-def adapt(brake: Brake, tolerance: float, respond: Respond) -> Response:
+def adapt(brake: Brake, tolerance: float, respond: Respond, kind: str = DEFAULT_KIND) -> Response:
     """The response whose estimated errors of p and of the torque are at most `tolerance` (relative).
 
     Raises NoAnswer, saying what was reached, where the meshes that are allowed do not suffice; BadInput for a
@@ -61,7 +61,7 @@ def adapt(brake: Brake, tolerance: float, respond: Respond) -> Response:
     unknowns = 0
     for level in range(MOST_MESHES):
         last = responses[-1] if responses else None
-        scene = _scene(brake, level, last)
+        scene = _scene(brake, level, last, kind)
         responses.append(respond(scene, brake, start=last))
         unknowns = max(body.unknowns for body in scene.bodies)
         if level > 1:
@@ -97,7 +97,7 @@ def _limit(before: float, last: float) -> float:
     return last / (max(before / last, SLOWEST) - 1) if last else 0.0
 
 
-def _scene(brake: Brake, level: int, response: Response | None) -> Scene:
+def _scene(brake: Brake, level: int, response: Response | None, kind: str) -> Scene:
     """Mesh number `level`. Shoes of one shape share a mesh, refined at the contact ends of them all."""
     points: Points = {}
     for i, shoe in enumerate(brake.shoes):
@@ -108,7 +108,7 @@ def _scene(brake: Brake, level: int, response: Response | None) -> Scene:
 
     def mesher(shoe: Shoe, radius: float) -> Any:
         places = sorted(points[shape_of(brake, shoe)])
-        return shoe_mesh(shoe, radius, refine(shoe, radius, elements, FIRST_LAYERS + level, places))
+        return shoe_mesh(shoe, radius, refine(shoe, radius, elements, FIRST_LAYERS + level, places), kind)
 
     return prepare(brake, elements=elements, mesher=mesher)
 

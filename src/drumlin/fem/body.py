@@ -23,7 +23,8 @@ from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Material
-from drumlin.fem.mesh import ELEMENTS
+from drumlin.errors import NoAnswer
+from drumlin.fem.mesh import kind_of
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 
@@ -64,8 +65,8 @@ class Condensed:
 
 
 def scalar_basis(mesh: Any) -> Any:
-    """skfem's basis of one component; 3 x 3 Gauss points in a quadratic quadrilateral, 2 x 2 in a linear."""
-    element = ELEMENTS[type(mesh)]()
+    """skfem's basis of one component; quadrature of order 4 in a quadratic element, 2 in a linear."""
+    element = kind_of(mesh).element()
     return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
 
 
@@ -169,12 +170,15 @@ def condense(K: Any, ties: Any, loads: Floats, contact: int) -> Condensed:
     springs = A.diagonal()[-FRAME:]
     padded = np.concatenate([np.zeros(inner + contact), springs])
     # Symmetric positive definite: pivots stay on the diagonal, the order stays ours.
-    factors = splu(
-        A + sp.diags_array(padded, format="csc"),
-        permc_spec="NATURAL",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    try:
+        factors = splu(
+            A + sp.diags_array(padded, format="csc"),
+            permc_spec="NATURAL",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError as error:  # a zero pivot
+        raise NoAnswer("singular stiffness: a part hangs on nothing, or moduli are too far apart") from error
     last = factors.L[:, inner:][inner:].toarray()
     diagonal = factors.U.diagonal()[inner:]
     L_cc, L_fc, D_c = last[:contact, :contact], last[contact:, :contact], diagonal[:contact]

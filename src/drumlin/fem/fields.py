@@ -12,7 +12,7 @@ from skfem.models.elasticity import plane_stress
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Frame, Material, Shoe
 from drumlin.errors import BadInput
-from drumlin.fem.mesh import ELEMENTS, cell_type
+from drumlin.fem.mesh import kind_of
 from drumlin.fem.scene import Body, Scene, actuation, held, materials_of
 from drumlin.files import replacing
 from drumlin.response import Response, ShoeResponse
@@ -80,7 +80,7 @@ def _fields(
     return Fields(
         points=xy,
         cells=np.concatenate([block[1] + start for start, block in zip(starts[:-1], blocks, strict=True)]),
-        cell_type=cell_type(mesh),
+        cell_type=kind_of(mesh).cell,
         part=np.concatenate([np.full(len(block[1]), i) for i, block in enumerate(blocks)]),
         displacement=frame.to_brake(u[:, nodes].T),
         stress=np.column_stack([xx, yy, shear]),
@@ -104,7 +104,7 @@ def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) ->
 def _part(mesh: Any, u: Floats, name: str, material: Material) -> tuple[Ints, Ints, Floats]:
     """Nodes, cells (numbered within the nodes) and nodal mean stresses (n, 2, 2) of one subdomain."""
     elements = mesh.subdomains[name]
-    element = ELEMENTS[type(mesh)]()
+    element = kind_of(mesh).element()
     at = element.doflocs.T
     basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
     dofs = basis.element_dofs

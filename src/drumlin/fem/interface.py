@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.statics import GAUSS, WEIGHTS, shape
+from drumlin.statics import GAUSS, WEIGHTS, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
 
@@ -60,9 +60,22 @@ class Coupling:
 
 
 def edge_nodes(basis: Any, facets: Ints) -> Ints:
-    """Nodes (order + 1, m) of each facet of a scalar basis, from one end to the other."""
+    """Nodes (order + 1, m) of boundary edges, from one end to the other, of a scalar basis."""
     ends = basis.nodal_dofs[0][basis.mesh.facets[:, facets]]
     return np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])
+
+
+def edge_points(xy: Floats) -> tuple[Floats, Floats, Floats]:
+    """Gauss points on edges with the nodes xy (2, order + 1, m): shape functions, points (2, m, q), ds (m, q).
+
+    Integrated along the edges themselves: skfem's boundary bases invert the map of the element with an absolute
+    tolerance, which small and slender elements do not meet.
+    """
+    order = xy.shape[1] - 1
+    psi = shape(order, GAUSS)
+    x = np.einsum("cki,kq->ciq", xy, psi)
+    ds = np.hypot(*np.einsum("cki,kq->ciq", xy, slopes(order, GAUSS))) * WEIGHTS
+    return psi, x, ds
 
 
 def contact_line(basis: Any, facets: Ints, middle: float) -> ContactLine:
@@ -93,12 +106,8 @@ def radial(sign: int) -> Directions:
 def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
     """The coupling of a lining of this width b [m] with a counterface of known directions; see `radial`."""
     n = len(line.nodes)
-    psi = shape(line.order, GAUSS)  # (k, points)
-    slope = slopes(line.order)
-    x = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], psi)  # (2, pieces, points)
-    dx = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], slope)
-    r = np.hypot(*x)
-    weight = width * np.hypot(*dx) * WEIGHTS
+    psi, x, ds = edge_points(line.xy[:, line.pieces])
+    r, weight = np.hypot(*x), width * ds
     normal, tangent = directions(x)
     pair = np.einsum("aq,bq->abq", psi, psi)
     rows = np.broadcast_to(line.pieces[:, None], (len(psi), *line.pieces.shape))
@@ -115,34 +124,3 @@ def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
         return matrix
 
     return Coupling(gather(np.ones_like(r)), interleave(normal), interleave(tangent), gather(r).sum(axis=1))
-
-
-def slopes(order: int) -> Floats:
-    """Derivatives of the shape functions at the Gauss points (order + 1, points)."""
-    nodes = np.linspace(-1, 1, order + 1)
-    return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), GAUSS) for row in np.eye(order + 1)])
-
-
-def contact_arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
-    """Arcs [rad] of contact, from pressures p (n,) at growing angles theta (n,).
-
-    Where a contact ends inside the lining, p falls to zero as the square root of the distance from its end:
-    the end is where the line through p^2 at the last and the last but one node vanishes, within the next step.
-    """
-    on = np.flatnonzero(np.diff(np.concatenate([[0], (p > 0).astype(int), [0]])))
-    return tuple(
-        (_end(theta, p, first, -1), _end(theta, p, last - 1, 1)) for first, last in zip(on[::2], on[1::2], strict=True)
-    )
-
-
-def _end(theta: Floats, p: Floats, last: int, way: int) -> float:
-    """The end of a contact beyond its `last` node, `way` = 1 to growing and -1 to falling angles."""
-    beyond, before = last + way, last - way
-    if not 0 <= beyond < len(p):
-        return float(theta[last])
-    step = float(theta[beyond] - theta[last])
-    slope = p[before] ** 2 - p[last] ** 2 if 0 <= before < len(p) else 0.0
-    if slope <= 0:
-        return float(theta[last]) + 0.5 * step
-    distance = p[last] ** 2 * (theta[last] - theta[before]) / slope
-    return float(theta[last] + way * min(abs(distance), abs(step)))

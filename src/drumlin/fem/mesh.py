@@ -1,53 +1,58 @@
-"""Meshes of a shoe: the parametric one, and a user's own through meshio. Both in the shoe's frame.
+"""The parametric mesh of a shoe, in its own frame.
 
 Named groups: subdomains "shoe", "lining", "backing"; boundaries "contact" (lining against drum),
 "hinge" (moves as a rigid line that turns about the pin) and "actuation" (carries the force).
 """
 
-import contextlib
-import dataclasses
-import io
 import math
-from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-import meshio
 import numpy as np
-import scipy.spatial
 import skfem
-from skfem.io.meshio import from_meshio
 
-from drumlin.arrays import Floats, Ints
+from drumlin.arrays import Floats
 from drumlin.brake import Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.division import Division, divide
-from drumlin.files import replacing
-from drumlin.units import deg, mm
 
-ELEMENTS: dict[type, Any] = {
-    skfem.MeshQuad1: skfem.ElementQuad1,
-    skfem.MeshQuad2: skfem.ElementQuad2,
-    skfem.MeshTri1: skfem.ElementTriP1,
-    skfem.MeshTri2: skfem.ElementTriP2,
+
+class Kind(NamedTuple):
+    """A kind of mesh: skfem's mesh and element, meshio's names of its cells and of their edges."""
+
+    mesh: Any
+    element: Any
+    cell: str
+    edge: str
+
+
+KINDS = {
+    "quad2": Kind(skfem.MeshQuad2, skfem.ElementQuad2, "quad9", "line3"),
+    "quad1": Kind(skfem.MeshQuad1, skfem.ElementQuad1, "quad", "line"),
+    "tri2": Kind(skfem.MeshTri2, skfem.ElementTriP2, "triangle6", "line3"),
+    "tri1": Kind(skfem.MeshTri1, skfem.ElementTriP1, "triangle", "line"),
 }
+DEFAULT_KIND = "quad2"
 MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
-ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
-CELLS = {
-    "quad9": "line3",
-    "triangle6": "line3",
-    "quad": "line",
-    "triangle": "line",
-}  # meshio's cells and edges
 
 
-def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division) -> Any:
-    """Quadratic quadrilateral mesh of a shoe in its own frame, with curved edges that follow the arcs.
+def kind_of(mesh: Any) -> Kind:
+    """The kind of a mesh."""
+    return next(kind for kind in KINDS.values() if kind.mesh is type(mesh))
+
+
+def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = DEFAULT_KIND) -> Any:
+    """Mesh of a shoe in its own frame; the nodes lie on the arcs, the edges of quadratic kinds follow them.
+
+    `kind`: "quad2", "quad1", "tri2" or "tri1" (quadrilaterals or triangles, quadratic or linear).
 
     `elements`: number along the lining, graded to its edges, or its division. Without a body the back of the
     lining (or backing) is the rigid line "hinge" and the mesh has no "actuation".
     """
-    division = elements if isinstance(elements, Division) else divide(shoe, radius, elements)
+    if kind not in KINDS:
+        raise BadInput(f"--kind = {kind!r}: unknown kind of mesh; allowed: {', '.join(KINDS)}")
     phi_1, phi_2 = shoe.arc
+    division = elements if isinstance(elements, Division) else divide(shoe, radius, elements)
+    step = division.step
     layers = [("lining", shoe.lining.thickness)]
     if shoe.backing is not None:
         layers.append(("backing", shoe.backing.thickness))
@@ -58,16 +63,18 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division) -> Any:
         layers.append(("shoe", shoe.body.thickness))
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        before, after = _overhang(body[0], phi_1, division.step), _overhang(phi_2, body[1], division.step)
-        angles = np.concatenate([before[:-1], angles, after[1:]])
+        angles = np.concatenate([_overhang(body[0], phi_1, step)[:-1], angles, _overhang(phi_2, body[1], step)[1:]])
+    most = MOST_LAYERS if kind.endswith("2") else len(angles)  # linear elements bend well only in thin layers
     depths = [division.depths]
     for _, thickness in layers[1:]:
-        count = max(division.behind, min(math.ceil(thickness / (division.step * radius)), MOST_LAYERS))
+        count = max(division.behind, min(math.ceil(thickness / (step * radius)), most))
         depths.append(depths[-1][-1] + np.arange(1, count + 1) / count * thickness)
     bounds = np.array([part[-1] for part in depths])
     grid = skfem.MeshQuad.init_tensor(np.concatenate(depths), angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > lining_depth) | ((phi > phi_1) & (phi < phi_2))))
+    if kind.startswith("tri"):
+        grid = grid.to_meshtri()
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     layer = np.searchsorted(bounds, depth)
     middle = grid.p[:, grid.facets].mean(axis=1)
@@ -81,10 +88,11 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division) -> Any:
         behind = outer & (middle[0] > lining_depth)
         on["hinge"] = behind & (np.abs(middle[1] - near) < slack)
         on["actuation"] = behind & (np.abs(middle[1] - far) < slack)
-    mesh = skfem.MeshQuad2.from_mesh(grid)
+    shape = KINDS[kind].mesh
+    mesh = shape.from_mesh(grid)
     depth, phi = mesh.doflocs
     r = radius - shoe.sign * depth
-    return skfem.MeshQuad2(
+    return shape(
         np.array([r * np.cos(phi), r * np.sin(phi)]),
         mesh.t,
         _subdomains={name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layers)},
@@ -97,124 +105,3 @@ def _overhang(start: float, end: float, step: float) -> Floats:
     if end - start < 1e-9:
         return np.array([end])
     return np.linspace(start, end, max(1, round((end - start) / step)) + 1)
-
-
-def cell_type(mesh: Any) -> str:
-    """meshio's name of a mesh's cells."""
-    kinds = {skfem.MeshQuad2: "quad9", skfem.MeshTri2: "triangle6", skfem.MeshQuad1: "quad", skfem.MeshTri1: "triangle"}
-    return kinds[type(mesh)]
-
-
-def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
-    """Write a shoe's mesh as a Gmsh file (format 2.2) in the brake's frame [m], groups as physical names."""
-    basis = skfem.Basis(mesh, ELEMENTS[type(mesh)](), intorder=1)
-    cell = cell_type(mesh)
-    blocks, names = [], {}
-    for number, (name, elements) in enumerate(mesh.subdomains.items(), start=1):
-        blocks.append((cell, basis.element_dofs[:, elements].T))
-        names[name] = np.array([number, 2])
-    for number, (name, facets) in enumerate(mesh.boundaries.items(), start=len(names) + 1):
-        nodes = np.vstack(
-            [basis.nodal_dofs[0][mesh.facets[:, facets]], *(row[None, facets] for row in basis.facet_dofs)]
-        )
-        blocks.append((CELLS[cell], nodes.T))
-        names[name] = np.array([number, 1])
-    tags = [np.full(len(block[1]), number, dtype=np.int32) for number, block in enumerate(blocks, start=1)]
-    xy = shoe.frame.to_brake(basis.doflocs.T)
-    points = np.column_stack([xy, np.zeros(len(xy))])
-    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
-    content = meshio.Mesh(points, blocks, cell_data=data, field_data=names)
-    with replacing(path) as partial:
-        meshio.write(partial, content, file_format="gmsh22", binary=False)
-
-
-def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
-    """A user's mesh of a shoe [in shoe.mesh_unit, brake's frame], in the shoe's frame [m].
-
-    Raises BadInput, naming `key` and the file, for a file that cannot be read or used.
-    """
-    fault = f"{key} = '{path}'"
-    if not path.is_file():
-        raise BadInput(f"{fault}: no such file")
-    try:
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            raw = meshio.read(path)
-    except (Exception, SystemExit) as error:  # meshio's readers fail in their own many ways
-        raise BadInput(f"{fault}: is not a mesh that meshio can read ({type(error).__name__})") from error
-    cells = {block.type for block in raw.cells if block.dim == 2}
-    if len(cells) != 1 or not cells <= set(CELLS):
-        raise BadInput(f"{fault}: has cells {sorted(cells)}; allowed is one kind of: {', '.join(CELLS)}")
-    if not np.isfinite(raw.points).all():
-        raise BadInput(f"{fault}: has coordinates that are not finite")
-    scale = {"m": 1.0, "mm": 1e-3}[shoe.mesh_unit]
-    raw.points = shoe.frame.to_shoe(raw.points[:, :2] * scale)
-    try:
-        bare = from_meshio(meshio.Mesh(raw.points, [(kind, raw.cells_dict[kind]) for kind in cells]))
-    except Exception as error:
-        raise BadInput(f"{fault}: is not a valid mesh ({error})") from error
-    mesh = _with_groups(bare, raw, cells.pop())
-    _check_groups(mesh, shoe, fault)
-    _check_contact(mesh, shoe, radius, fault)
-    return mesh
-
-
-def _with_groups(bare: Any, raw: Any, kind: str) -> Any:
-    """The mesh with the named groups of the file: subdomains from its cells, boundaries from its edges."""
-    tree = scipy.spatial.cKDTree(bare.p.T)  # skfem renumbers the nodes
-    facet = {tuple(sorted(ends)): i for i, ends in enumerate(bare.facets.T.tolist())}
-    subdomains, boundaries = {}, {}
-    for name, members in _named_cells(raw).items():
-        if len(members.get(kind, ())):
-            subdomains[name] = members[kind]
-        edges = members.get(CELLS[kind], np.empty(0, dtype=np.int64))
-        if len(edges):
-            ends = tree.query(raw.points[raw.cells_dict[CELLS[kind]][edges, :2]])[1]
-            known = [facet.get((min(pair), max(pair)), -1) for pair in ends.tolist()]
-            boundaries[name] = np.array([number for number in known if number >= 0], dtype=np.int64)
-    return dataclasses.replace(bare, _subdomains=subdomains, _boundaries=boundaries)
-
-
-def _named_cells(raw: Any) -> dict[str, dict[str, Ints]]:
-    """Group name -> cell type -> numbers of its cells of that type, from physical names or cell sets."""
-    groups: dict[str, dict[str, Ints]] = {
-        name: dict(members) for name, members in raw.cell_sets_dict.items() if not name.startswith("gmsh:")
-    }
-    tags = raw.cell_data_dict.get("gmsh:physical", {})
-    for name, (tag, _) in raw.field_data.items():
-        for kind, values in tags.items():
-            members = np.flatnonzero(values == tag)
-            if len(members):
-                groups.setdefault(name, {})[kind] = members
-    return groups
-
-
-def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> None:
-    subdomains, boundaries = mesh.subdomains or {}, mesh.boundaries or {}
-    needed = {"lining"} | ({"shoe"} if shoe.body else set()) | ({"backing"} if shoe.backing else set())
-    lines = {"contact", "hinge"} | ({"actuation"} if shoe.body else set())
-    missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
-    if missing:
-        found = ", ".join([*subdomains, *boundaries]) or "none"
-        raise BadInput(f"{fault}: named groups missing: {', '.join(missing)}; found: {found}")
-    named = np.concatenate([subdomains[name] for name in needed])
-    if len(np.unique(named)) < mesh.nelements or len(named) > mesh.nelements:
-        raise BadInput(f"{fault}: every element must be in exactly one of the groups {', '.join(sorted(needed))}")
-
-
-def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
-    nodes = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["contact"]])]
-    off = float(np.abs(np.hypot(*nodes) - radius).max())
-    if off > shoe.lining.thickness:
-        raise BadInput(
-            f"{fault}: the group contact lies up to {mm(off)} off the drum's radius {mm(radius)}; "
-            f"must be within the lining's thickness (coordinates are read in {shoe.mesh_unit})"
-        )
-    middle = sum(shoe.arc) / 2
-    phi = middle + np.angle(np.exp(-1j * middle) * (nodes[0] + 1j * nodes[1]))
-    arc = (float(phi.min()), float(phi.max()))
-    if max(abs(a - b) for a, b in zip(arc, shoe.arc, strict=True)) > ARC_SLACK:
-        ends = sorted(shoe.frame.theta(np.array(arc)).tolist())
-        raise BadInput(
-            f"{fault}: the group contact runs from {deg(ends[0])} to {deg(ends[1])}; must be the lining's arc, "
-            f"{deg(shoe.lining.start)} to {deg(shoe.lining.end)}, within {deg(ARC_SLACK)}"
-        )

@@ -16,7 +16,8 @@ from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import adapt
-from drumlin.fem.interface import contact_arcs
+from drumlin.fem.ends import contact_arcs
+from drumlin.fem.mesh import DEFAULT_KIND
 from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, held, prepare, shape_of
 from drumlin.laws import locking_friction
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
@@ -25,11 +26,17 @@ from drumlin.statics import cross
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
 lining's own compression p t/E, and the pressure is off by about as much; each response states by how much."""
+LARGEST_IMBALANCE = 1e-6  # relative; a response that balances worse has lost its digits and is none
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
 
 
 def solve(
-    brake: Brake, *, elements: int | None = None, tolerance: float | None = None, penalty: float = PENALTY
+    brake: Brake,
+    *,
+    elements: int | None = None,
+    kind: str = DEFAULT_KIND,
+    tolerance: float | None = None,
+    penalty: float = PENALTY,
 ) -> Response:
     """Mesh, condense and solve a brake: prepare, then respond; with a `tolerance` on meshes adapted to it.
 
@@ -37,10 +44,11 @@ def solve(
     NoAnswer where it is not reached, BadInput where `elements` are given too.
     """
     if tolerance is None:
-        return respond(prepare(brake, elements=ELEMENTS if elements is None else elements), brake, penalty=penalty)
+        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind)
+        return respond(scene, brake, penalty=penalty)
     if elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
-    return adapt(brake, tolerance, partial(respond, penalty=penalty))
+    return adapt(brake, tolerance, partial(respond, penalty=penalty), kind)
 
 
 def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None) -> Response:
@@ -66,10 +74,16 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         answers = {i: answer for group in groups for i, answer in _answers(scene, brake, group, penalty, start).items()}
         for i in set(range(len(brake.shoes))) - set(touching):
             answers[i] = _untouched(brake.shoes[i])
+    balance = worst([answer.balance for answer in answers.values()])
+    if not max(balance.force, balance.moment) < LARGEST_IMBALANCE:
+        raise NoAnswer(
+            f"not converged: forces balance only to {balance.force:.1e} and moments to {balance.moment:.1e}; "
+            "stiffnesses or sizes are too far apart for the arithmetic"
+        )
     return Response(
         model="fem",
         shoes=tuple(answers[i].response for i in sorted(answers)),
-        balance=worst([answer.balance for answer in answers.values()]),
+        balance=balance,
         iterations=max(answer.steps for answer in answers.values()),
         seconds=seconds,
         left_out=scene.left_out,
@@ -215,7 +229,7 @@ def _answer(
         self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
         peak_pressure=float(p[_inside(line.phi, shoe.lining.thickness / (2 * brake.drum.radius))].max()),
         hinge_reaction=frame.to_brake(reaction),
-        contact_arcs=contact_arcs(theta, p[forward]),
+        contact_arcs=contact_arcs(theta, p[forward], line.order),
         theta=theta,
         pressure=p[forward],
         order=line.order,

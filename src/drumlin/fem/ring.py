@@ -23,8 +23,8 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Ring, Shoe
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.division import FACE_SIZE, graded, lining_angles, lining_layers
-from drumlin.fem.interface import ContactLine, contact_line
-from drumlin.statics import GAUSS, WEIGHTS, shape
+from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, edge_points
+from drumlin.statics import GAUSS, WEIGHTS, shape, slopes
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ def couple_ring(lining: ContactLine, ring: ContactLine, width: float, sign: int)
     angle = low[:, None] + 0.5 * (high - low)[:, None] * (1 + GAUSS)
     xi = _local(xy[:, pieces_of_lining[:, i]], angle)
     eta = _local(ring.xy[:, pieces[:, j]], angle)
-    psi, slope = shape(order, xi.ravel()).reshape(-1, *xi.shape), _slopes(order, xi)
+    psi, slope = shape(order, xi.ravel()).reshape(-1, *xi.shape), slopes(order, xi)
     phi = shape(ring.order, eta.ravel()).reshape(-1, *eta.shape)
     x = np.einsum("cki,kiq->ciq", xy[:, pieces_of_lining[:, i]], psi)
     dx = np.einsum("cki,kiq->ciq", xy[:, pieces_of_lining[:, i]], slope)
@@ -174,7 +174,7 @@ def couple_ring(lining: ContactLine, ring: ContactLine, width: float, sign: int)
     ds = np.hypot(*dx) / turning * 0.5 * (high - low)[:, None] * WEIGHTS * width
     nodes = ring.xy[:, pieces[:, j]]
     r_ring = np.hypot(*np.einsum("cki,kiq->ciq", nodes, phi))
-    tau = np.einsum("cki,kiq->ciq", nodes, _slopes(ring.order, eta))
+    tau = np.einsum("cki,kiq->ciq", nodes, slopes(ring.order, eta))
     length = np.hypot(*tau)
     aside = np.array([-tau[1], tau[0]]) / length * (r - r_ring)
     n, m = len(lining.nodes), len(ring.nodes)
@@ -183,7 +183,7 @@ def couple_ring(lining: ContactLine, ring: ContactLine, width: float, sign: int)
     normal, tangent = sign * x / r, np.array([-x[1], x[0]]) / r
     np.add.at(N, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi, normal, ds))
     np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi, tangent, ds))
-    np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", psi, _slopes(ring.order, eta) / length, aside, ds))
+    np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", psi, slopes(ring.order, eta) / length, aside, ds))
     return N.reshape(n, 2 * m), T.reshape(n, 2 * m)
 
 
@@ -205,26 +205,18 @@ def _local(xy: Floats, angle: Floats) -> Floats:
     xi = (side[0] + side[-1]) / (side[0] - side[-1])
     for _ in range(8 if order > 1 else 0):
         value = np.einsum("kiq,kiq->iq", shape(order, xi.ravel()).reshape(-1, *xi.shape), side)
-        xi = xi - value / np.einsum("kiq,kiq->iq", _slopes(order, xi), side)
+        xi = xi - value / np.einsum("kiq,kiq->iq", slopes(order, xi), side)
     return np.clip(xi, -1.0, 1.0)
-
-
-def _slopes(order: int, xi: Floats) -> Floats:
-    """Derivatives of the shape functions at xi (any shape): (order + 1, *xi.shape)."""
-    nodes = np.linspace(-1, 1, order + 1)
-    return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), xi) for row in np.eye(order + 1)])
 
 
 def rim_loads(basis: Any, facets: Ints) -> Floats:
     """Nodal forces (2 nodes, 3) spread over the rim as the rigid motions are: the mean motions are their work."""
-    edge = basis.boundary(facets)
-    x, weight = np.asarray(edge.global_coordinates()), edge.dx / edge.dx.sum()
-    modes = np.array([[np.ones_like(x[0]), 0 * x[0]], [0 * x[0], np.ones_like(x[0])], [-x[1], x[0]]])
+    nodes = edge_nodes(basis, facets)
+    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    weight = ds / ds.sum()
+    modes = np.array([[np.ones_like(ds), 0 * ds], [0 * ds, np.ones_like(ds)], [-x[1], x[0]]])
     loads = np.zeros((basis.N, 2, FRAME))
-    for psi, dofs in zip(edge.basis, edge.element_dofs, strict=True):
-        for k in range(FRAME):
-            for c in range(2):
-                np.add.at(loads[:, c, k], dofs, (psi[0] * modes[k, c] * weight).sum(axis=1))
+    np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, modes, weight))
     return loads.reshape(-1, FRAME)
 
 

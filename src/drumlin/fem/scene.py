@@ -14,12 +14,15 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Material, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, radial, slopes
-from drumlin.fem.mesh import read_mesh, shoe_mesh
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
+from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.meshfile import read_mesh
 from drumlin.fem.ring import RingBody, ring_body
-from drumlin.statics import GAUSS, WEIGHTS, cross, shape
+from drumlin.statics import cross
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
+
+MOST_ELEMENTS = 4000  # along a lining: the dense contact matrices fill 2 GB
 
 Seconds = dict[str, float]
 Mesher = Callable[[Shoe, float], Any]  # shoe, drum radius [m] -> mesh in the shoe's frame
@@ -84,9 +87,6 @@ def why_not(brake: Brake) -> str | None:
 
 def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     """What a body depends on: equal for shoes that are the same but for place, hand, load and clearance."""
-    if shoe.mesh is not None:
-        kept = shoe.model_dump(exclude={"name": True, "actuation": True, "lining": {"clearance"}})
-        return (brake.drum.radius, repr(kept))
     arcs = [shoe.arc]
     if shoe.body is not None:
         arcs.append(tuple(sorted(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist())))
@@ -99,28 +99,29 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
         None if body is None else (body.shape, body.thickness, body.width, body.material),
+        None if shoe.mesh is None else (shoe.mesh, shoe.mesh_unit, shoe.mesh_frame == "shoe" or shoe.frame),
     )
 
 
-def prepare(brake: Brake, *, elements: int = ELEMENTS, mesher: Mesher | None = None) -> Scene:
+def prepare(brake: Brake, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None) -> Scene:
     """Mesh and condense the bodies of a brake; shoes of one shape share one body.
 
-    elements: number along each parametric lining; mesher: what makes the mesh of a shoe without a file, in the
-    place of shoe_mesh with `elements`, which then count for an elastic ring only. Raises BadInput for a brake
-    that finite elements do not cover, and for a mesh file that cannot serve.
+    elements: number along each parametric lining; kind: "quad2", "quad1", "tri2" or "tri1"; mesher: what makes
+    the mesh of a shoe without a file in the place of shoe_mesh: `elements` then count for an elastic ring only.
+    Raises BadInput for a brake that finite elements do not cover, and for a mesh file that cannot serve.
     """
     reason = why_not(brake)
     if reason is not None:
         raise BadInput(f"fem does not apply to this brake: {reason}")
-    if not 1 <= elements <= 100_000:
-        raise BadInput(f"--elements = {elements}: must be from 1 to 100000")
+    if not 1 <= elements <= MOST_ELEMENTS:
+        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")
     seconds: Seconds = {}
     made: dict[tuple[object, ...], Body] = {}
     bodies = []
     for shoe in brake.shoes:
         key = shape_of(brake, shoe)
         if key not in made:
-            made[key] = _body(brake, shoe, mesher or partial(shoe_mesh, elements=elements), seconds)
+            made[key] = _body(brake, shoe, mesher or partial(shoe_mesh, elements=elements, kind=kind), seconds)
         bodies.append(made[key])
     ring = None
     left_out = ["interior fields: recovered only for a picture"]
@@ -194,19 +195,15 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
 
     The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows linearly from it.
     """
-    dofs = edge_nodes(basis, facets)
-    order = len(dofs) - 1
-    psi, nodes = shape(order, GAUSS), basis.doflocs[:, dofs]
-    x = np.einsum("cai,aq->ciq", nodes, psi)
-    weight = np.hypot(*np.einsum("cai,aq->ciq", nodes, slopes(order))) * WEIGHTS
-    length = weight.sum()
-    centre = (x * weight).sum(axis=(1, 2)) / length
+    nodes = edge_nodes(basis, facets)
+    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
     arm = x - centre[:, None, None]
-    inertia = float((arm**2 * weight).sum())
-    ones, zeros = np.full(weight.shape, 1 / length), np.zeros(weight.shape)
-    tractions = np.array([[ones, zeros], [zeros, ones], [-arm[1] / inertia, arm[0] / inertia]])  # (l, c, i, q)
+    turn = np.array([-arm[1], arm[0]]) / float((arm**2 * ds).sum())
+    ones, zeros = np.full(ds.shape, 1 / ds.sum()), np.zeros(ds.shape)
+    tractions = np.array([[ones, zeros], [zeros, ones], turn])
     loads = np.zeros((basis.N, 2, 3))
-    np.add.at(loads, dofs, np.einsum("aq,lciq,iq->aicl", psi, tractions, weight))
+    np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, tractions, ds))
     return loads.reshape(-1, 3), centre
 
 

@@ -97,7 +97,9 @@ def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str,
     fem = comparison.responses.get("fem")
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         blocks.append(
-            field_picture(brake, fem, folder, "fields", **{k: v for k, v in options.items() if k == "elements"})
+            field_picture(
+                brake, fem, folder, "fields", **{k: v for k, v in options.items() if k in {"elements", "kind"}}
+            )
         )
     notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]
     notes += [f"{name}: does not apply: {reason}" for name, reason in refusals(brake).items()]

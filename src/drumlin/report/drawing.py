@@ -100,10 +100,11 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
             axes.plot(*stroke.T, color=BODY, lw=7, solid_capstyle="round", solid_joinstyle="round", zorder=2)
     lining = shoe.lining.thickness * MM
     _layer(axes, shoe, R, 0.0, lining, (start, end), LINING)
-    if shoe.backing is not None:
+    own = shoe.mesh is not None  # then only the mesh knows what is behind the lining
+    if shoe.backing is not None and not own:
         _layer(axes, shoe, R, lining, shoe.backing.thickness * MM, (start, end), "#e3cfa4")
         lining += shoe.backing.thickness * MM
-    if shoe.body is not None:
+    if shoe.body is not None and not own:
         arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
         _layer(axes, shoe, R, lining, shoe.body.thickness * MM, arc, BODY)
     _pin(axes, shoe.hinge, unit, fixed=True)
