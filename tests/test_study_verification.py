@@ -12,7 +12,7 @@ def test_orders_and_estimates(tmp_path):
     errors = {row["kind"]: row["pressure"] for row in whole if row["elements"] == 40}
     assert errors["quad2"] < errors["quad1"] < errors["tri1"]
     for row in result.estimates:
-        assert row["status"] == "converged"
+        assert row["status"].startswith("converged")
         assert row["estimate"] <= row["tolerance"]
         assert row["true"] < 1.5 * row["tolerance"]
     text = module.report(result, tmp_path).read_text()
