@@ -68,12 +68,12 @@ def body(mesh, material, width=1.0, middle=0.0):
     line = contact_line(basis, mesh.boundaries["contact"], middle)
     ties = tie(basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2))
     K = stiffness(basis, {"body": (material, width)})
-    return Body(basis, line, condense(K, ties, np.zeros((ties.shape[1], 0)), 2 * len(line.nodes)))
+    return Body(basis, line, condense(K, ties, np.zeros((ties.matrix.shape[1], 0)), 2 * len(line.nodes)))
 
 
 @dataclass
 class Pair:
-    """Flexibilities of both bodies together: P under -N^T (normal), T under T^T (tangential), D^-1/2 in them."""
+    """Flexibilities of both bodies together: P under -N^T (normal), T under T^T (tangential)."""
 
     inner: Body
     coupling: object
@@ -134,7 +134,7 @@ def nested_start(problem, share=6):
 
 
 def _half(one, forces):
-    return one.condensed.half(forces.T) / np.sqrt(one.condensed.D_c)[:, None]
+    return one.condensed.half(forces.T)
 
 
 STEEL = Material(E=210e9, nu=0.3)

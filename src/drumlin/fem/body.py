@@ -1,67 +1,72 @@
 """An elastic body: its stiffness, and its condensation to the unknowns that contact and hinge need.
 
 Unknowns kept: the displacements c of the contact nodes and the frame f = (dx, dy, turn) of the rigid line
-that the hinge holds. All others are eliminated once by a sparse factorisation K = L D L^T in which the kept
-ones come last. Its last blocks are all that contact needs: with the frame held (f = 0),
-
-    S_cc = L_cc D_c L_cc^T,   S_fc = L_fc D_c L_cc^T
-
-so that Y = L_cc^-1 G gives the displacements' work G^T S_cc^-1 G = Y^T D_c^-1 Y under nodal forces G, and the
-forces L_fc Y that hold the frame meanwhile.
+that the hinge holds. All others are eliminated once. With the frame held (f = 0) and S_cc = L_cc L_cc^T,
+Y = L_cc^-1 G gives the work G^T S_cc^-1 G = Y^T Y of nodal forces G, and L_fc Y, with L_fc = S_fc L_cc^-T, the
+forces that hold the frame meanwhile.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
 import skfem
-from scipy.sparse.linalg import splu
+from scipy.linalg.lapack import dpotrf
+from scipy.sparse.linalg import spsolve
 from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Material
 from drumlin.errors import NoAnswer
+from drumlin.fem.elimination import SINGULAR, dissection, eliminate
 from drumlin.fem.mesh import kind_of
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 
 
+class Ties(NamedTuple):
+    """Reduced unknowns of a body: `matrix` (2 nodes, unknowns) from them to the displacements of all nodes, and the
+    `region` of elimination of each inner one. Order: inner, contact nodes as x, y pairs by growing angle, frame."""
+
+    matrix: Any
+    region: Ints
+
+
 @dataclass(frozen=True)
 class Condensed:
-    """A body seen from its 2n contact displacements (nodes as x, y pairs by growing angle) and its frame.
+    """A body seen from its 2n contact displacements and its frame.
 
-    `L_cc` (2n, 2n) unit lower triangular, `D_c` (2n,) [N/m], `L_fc` (3, 2n): see above. `load_c` (2n, l) and
-    `load_f` (3, l): unit loads condensed to contact and frame. `springs` (3,) were added to the frame before
-    the elimination, since a free body is singular. `factors`, `ties`, `loads`: what recovers the inside.
+    `L_cc` (2n, 2n) lower triangular, `L_fc` (3, 2n): see above. `load_c` (2n, l) and `load_f` (3, l): unit loads
+    condensed to contact and frame; `load_work` (l, l): their work with both held. `A`, `ties`, `loads`: stiffness on
+    the reduced unknowns and what recovers the inside from it.
     """
 
     L_cc: Floats
-    D_c: Floats
     L_fc: Floats
     load_c: Floats
     load_f: Floats
-    springs: Floats
-    factors: Any
-    ties: Any
+    load_work: Floats
+    A: Any
+    ties: Ties
     loads: Floats
 
     def half(self, forces: Floats) -> Floats:
         """Y = L_cc^-1 forces, for nodal forces (2n, m) on the contact nodes."""
-        return scipy.linalg.solve_triangular(self.L_cc, forces, lower=True, unit_diagonal=True, check_finite=False)
+        return scipy.linalg.solve_triangular(self.L_cc, forces, lower=True, check_finite=False)
 
-    def displacement(self, nodal: Floats, frame: Floats, reaction: Floats, loads: Floats) -> Floats:
-        """Displacement of all nodes (2, nodes) [m].
+    def displacement(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+        """Displacement of all nodes (2, nodes) [m], by one sparse factorisation that nothing else needs.
 
-        nodal (2n,): forces on the contact nodes [N]; frame (3,): its displacement; reaction (3,): the force x, y
-        and moment that hold it; loads (l,): factors of the unit loads.
+        nodal (2n,): forces on the contact nodes [N]; frame (3,): its displacement; loads (l,): factors of the unit
+        loads.
         """
-        right = self.loads @ loads
-        right[-FRAME - len(nodal) : -FRAME] += nodal
-        right[-FRAME:] += reaction + self.springs * frame
-        return np.asarray((self.ties @ self.factors.solve(right)).reshape(-1, 2).T)
+        right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
+        right[len(right) - len(nodal) :] += nodal
+        u = spsolve(self.A[:-FRAME, :-FRAME], right, permc_spec="MMD_AT_PLUS_A")
+        return np.asarray((self.ties.matrix @ np.concatenate([u, frame])).reshape(-1, 2).T)
 
 
 def scalar_basis(mesh: Any) -> Any:
@@ -98,58 +103,24 @@ def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]]) -> An
     return sp.coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * basis.N, 2 * basis.N)).tocsc()
 
 
-def dissection(xy: Floats, elements: Ints) -> Ints:
-    """Nodes in the order of a nested dissection: elimination in this order keeps the factors sparse.
+def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None) -> Ties:
+    """The reduced unknowns: inner nodes in the order of a dissection, contact nodes, then the frame.
 
-    xy (2, n) [m]; elements (k, m): nodes of each element. The elements are halved again and again across
-    the long direction of their region; a node belongs to the smallest region that holds all its elements,
-    and comes after all nodes of the regions inside that one.
-    """
-    centre = xy[:, elements].mean(axis=1)
-    count = elements.shape[1]
-    region = np.zeros(count, dtype=np.int64)  # binary path of halvings
-    depth = max(0, int(np.ceil(np.log2(count))))
-    resolution = 1e-9 * float(np.ptp(centre, axis=1).max()) or 1.0
-    for level in range(depth):
-        size = np.bincount(region, minlength=1 << level)
-
-        dx, dy = centre - _means(region, centre)
-        xy_, xx_yy = _means(region, np.array([dx * dy, dx * dx - dy * dy]))
-        along = 0.5 * np.arctan2(2 * xy_, xx_yy)  # principal axis
-        place = np.round((dx * np.cos(along) + dy * np.sin(along)) / resolution)
-        order = np.lexsort((place, region))
-        rank = np.empty(count, dtype=np.int64)
-        rank[order] = np.arange(count) - (np.cumsum(size) - size)[region[order]]
-        region = 2 * region + (rank >= (size[region] + 1) // 2)
-    first = np.full(xy.shape[1], 1 << depth)
-    last = np.full(xy.shape[1], -1)
-    for nodes in elements:
-        np.minimum.at(first, nodes, region)
-        np.maximum.at(last, nodes, region)
-    height = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)  # levels up to the common region
-    return np.lexsort((height, (first >> height << height) + (1 << height)))
-
-
-def _means(group: Ints, values: Floats) -> Floats:
-    """Mean of each row of `values` (k, m) over the members of a member's group (m,): (k, m)."""
-    size = np.bincount(group)
-    return np.array([(np.bincount(group, row) / np.maximum(size, 1))[group] for row in values])
-
-
-def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None) -> Any:
-    """Sparse matrix (2 nodes, unknowns) from the reduced unknowns to the displacements of all nodes.
-
-    Unknowns: inner nodes in dissection order, contact nodes, then the frame: the `rigid` nodes move with
-    u = (dx, dy) + turn k x (x - pin). Without rigid nodes three unknowns `alone` (3,) stand in their place.
+    The `rigid` nodes move with u = (dx, dy) + turn k x (x - pin). Without rigid nodes three unknowns `alone` (3,) of
+    other nodes stand in the frame's place.
     """
     order = dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones(basis.N, dtype=bool)
     inner[contact] = inner[rigid] = False
-    nodes = np.concatenate([order[inner[order]], contact])
+    inside = inner[order.nodes]
+    nodes = np.concatenate([order.nodes[inside], contact])
+    region = np.repeat(order.region[inside], 2)
     dofs = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
     if alone is not None:
-        dofs = np.concatenate([dofs[~np.isin(dofs, alone)], alone])
-        return sp.csc_matrix((np.ones(len(dofs)), (dofs, np.arange(len(dofs)))), shape=(2 * basis.N, len(dofs)))
+        others = ~np.isin(dofs, alone)
+        dofs = np.concatenate([dofs[others], alone])
+        entries = np.ones(len(dofs)), (dofs, np.arange(len(dofs)))
+        return Ties(sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs))), region[others[: len(region)]])
     frame = np.arange(len(dofs), len(dofs) + FRAME)
     x, y = basis.doflocs[:, rigid] - pin[:, None]
     ones = np.ones(len(rigid))
@@ -157,32 +128,18 @@ def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None 
     columns = [np.arange(len(dofs)), *(np.full(len(rigid), frame[k]) for k in (0, 2, 1, 2))]
     values = [np.ones(len(dofs)), ones, -y, ones, x]
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    return sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs) + FRAME))
+    return Ties(sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs) + FRAME)), region)
 
 
-def condense(K: Any, ties: Any, loads: Floats, contact: int) -> Condensed:
+def condense(K: Any, ties: Ties, loads: Floats, contact: int) -> Condensed:
     """Eliminate all but the last `contact` + 3 unknowns.
 
-    K (2 nodes, 2 nodes): stiffness; ties (2 nodes, unknowns); loads (unknowns, l): unit loads.
+    K (2 nodes, 2 nodes): stiffness; loads (unknowns, l): unit loads. Raises NoAnswer for a singular stiffness.
     """
-    A = (ties.T @ K @ ties).tocsc()
-    inner = A.shape[0] - contact - FRAME
-    springs = A.diagonal()[-FRAME:]
-    padded = np.concatenate([np.zeros(inner + contact), springs])
-    # Symmetric positive definite: pivots stay on the diagonal, the order stays ours.
-    try:
-        factors = splu(
-            A + sp.diags_array(padded, format="csc"),
-            permc_spec="NATURAL",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError as error:  # a zero pivot
-        raise NoAnswer("singular stiffness: a part hangs on nothing, or moduli are too far apart") from error
-    last = factors.L[:, inner:][inner:].toarray()
-    diagonal = factors.U.diagonal()[inner:]
-    L_cc, L_fc, D_c = last[:contact, :contact], last[contact:, :contact], diagonal[:contact]
-    # L D L^T x = load: what the elimination leaves of the load on the kept unknowns is L_kk D_k L_kk^T x_k.
-    left = diagonal[:, None] * (last.T @ factors.solve(loads)[inner:])
-    condensed = last @ left
-    return Condensed(L_cc, D_c, L_fc, condensed[:contact], condensed[contact:], springs, factors, ties, loads)
+    A = (ties.matrix.T @ K @ ties.matrix).tocsc()
+    S, left, work = eliminate(A, ties.region, loads)
+    L_cc, info = dpotrf(S[:contact, :contact], lower=1)
+    if info:
+        raise NoAnswer(SINGULAR)
+    L_fc = scipy.linalg.solve_triangular(L_cc, S[:contact, contact:], lower=True, check_finite=False).T
+    return Condensed(L_cc, L_fc, left[:contact], left[contact:], work, A, ties, loads)

@@ -13,7 +13,7 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Frame, Material, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.mesh import kind_of
-from drumlin.fem.scene import Body, Scene, actuation, held, materials_of
+from drumlin.fem.scene import Body, Scene, actuation, materials_of
 from drumlin.files import replacing
 from drumlin.response import Response, ShoeResponse
 
@@ -98,7 +98,7 @@ def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) ->
     drag = brake.friction * brake.spin * frame.sense
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     turn = frame.sense * (answer.turn or 0.0)
-    return body.condensed.displacement(nodal, np.array([0.0, 0.0, turn]), held(body, p, drag, load), load)
+    return body.condensed.displacement(nodal, np.array([0.0, 0.0, turn]), load)
 
 
 def _part(mesh: Any, u: Floats, name: str, material: Material) -> tuple[Ints, Ints, Floats]:

@@ -77,19 +77,18 @@ def _tangential(body: Body, shoe: Shoe, size: float, penalty: float) -> tuple[Fl
     T = sense * coupling.T  # along e_theta of the brake
     Y = condensed.half(np.hstack([-coupling.N.T, T.T, condensed.load_c]))
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
-    sliding = dragged.T / condensed.D_c  # T u = sliding Y
     load, _ = actuation(body, shoe)
     share = abs(shoe.actuation.force) / size
     turning = T @ body.turned
     compliance = coupling.M / (penalty * shoe.lining.material.E / shoe.lining.thickness)
     return (
-        (pressed.T / condensed.D_c) @ dragged,  # -N u under T^T t
-        -sliding @ pressed,
-        -sliding @ dragged,
+        pressed.T @ dragged,  # -N u under T^T t
+        -dragged.T @ pressed,
+        -dragged.T @ dragged,
         -turning[:, None],
         turning[None],
         compliance,
-        -share * (sliding @ loaded @ load),
+        -share * (dragged.T @ (loaded @ load)),
         coupling.lever,
     )
 

@@ -52,9 +52,8 @@ class RingBody:
         nodal = np.asarray(forces)
         frame = np.zeros(FRAME)
         if self.free is None:
-            reaction = self.condensed.L_fc @ self.condensed.half(nodal)
-            return self.condensed.displacement(nodal, frame, reaction, np.zeros(0))
-        u = self.condensed.displacement(nodal, frame, frame, -self.free.balance @ nodal)
+            return self.condensed.displacement(nodal, frame, np.zeros(0))
+        u = self.condensed.displacement(nodal, frame, -self.free.balance @ nodal)
         x, y = self.basis.doflocs
         rigid = np.array([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
         mean = np.einsum("kci,cil->kl", rigid, self.free.rim)
@@ -119,12 +118,12 @@ def ring_body(brake: Brake, ring: Ring, linings: tuple[ContactLine, ...], elemen
     support = basis.get_dofs(mesh.boundaries["support"]).flatten()
     if ring.support == "fixed":
         ties = tie(basis, line.nodes, support, np.zeros(2))
-        condensed = condense(K, ties, np.zeros((ties.shape[1], 0)), n)
+        condensed = condense(K, ties, np.zeros((ties.matrix.shape[1], 0)), n)
         free = None
     else:
         ties = tie(basis, line.nodes, support[:0], np.zeros(2), determinate(basis, support))
         rim = rim_loads(basis, mesh.boundaries["support"])
-        condensed = condense(K, ties, ties.T @ rim, n)
+        condensed = condense(K, ties, ties.matrix.T @ rim, n)
         free = _Free.of(basis, rim, condensed, line)
     coupled = tuple(
         couple_ring(replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T), line, shoe.lining.width, shoe.sign)
@@ -233,7 +232,7 @@ class _Free:
     """A free ring: contact forces f are met by rim forces -B lambda, and the mean motion of the rim is zero.
 
     With R the rigid motions,  lambda = (R^T B)^-1 R^T f;  held at three determinate unknowns, which then carry
-    nothing, the work of the displacements is (Y - Y_B lambda)^T D^-1 (Y - Y_B lambda) + lambda^T beta lambda,
+    nothing, the work of the displacements is (Y - Y_B lambda)^T (Y - Y_B lambda) + lambda^T beta lambda,
     where beta is the work of B with the contact nodes held too.
     """
 
@@ -249,10 +248,7 @@ class _Free:
         rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
         rigid[:, 0, 2], rigid[:, 1, 2] = -y, x
         balance = np.linalg.solve(rigid.reshape(-1, FRAME).T @ rim, rigid[line.nodes].reshape(-1, FRAME).T)
-        V = condensed.factors.solve(condensed.loads)
-        kept = np.vstack([condensed.load_c, condensed.load_f])
-        beta = condensed.loads.T @ V - kept.T @ V[-len(kept) :]
-        root = scipy.linalg.sqrtm(0.5 * (beta + beta.T)).real
+        root = scipy.linalg.sqrtm(condensed.load_work).real
         return cls(
             rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), np.asarray(balance), condensed.half(condensed.load_c), root
         )
@@ -262,6 +258,6 @@ def _half(condensed: Condensed, forces: Floats, free: _Free | None) -> Floats:
     """W (m, k) with W^T W the work of the displacements under nodal forces (2n, k)."""
     Y = condensed.half(forces)
     if free is None:
-        return Y / np.sqrt(condensed.D_c)[:, None]
+        return Y
     reaction = free.balance @ forces
-    return np.vstack([(Y - free.half_rim @ reaction) / np.sqrt(condensed.D_c)[:, None], free.root @ reaction])
+    return np.vstack([Y - free.half_rim @ reaction, free.root @ reaction])

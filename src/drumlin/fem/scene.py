@@ -157,15 +157,15 @@ def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
         ties = tie(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries:
             full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
-            forces = ties.T @ full
+            forces = ties.matrix.T @ full
         else:  # the force acts on the rigid shoe itself
-            forces, load_centre = np.zeros((ties.shape[1], 3)), pin
+            forces, load_centre = np.zeros((ties.matrix.shape[1], 3)), pin
             forces[-FRAME:] = np.eye(3)
         condensed = condense(K, ties, forces, 2 * n)
     with clock(seconds, "coupling"):
         coupling = couple(line, shoe.lining.width, radial(shoe.sign))
         Y = condensed.half(np.hstack([-coupling.N.T, condensed.load_c]))
-        pressing = -Y[:, :n].T / condensed.D_c
+        pressing = -Y[:, :n].T
         closing, holding = pressing @ Y, condensed.L_fc @ Y
         closing_dragged = held_dragged = None
         if brake.friction > 0:
