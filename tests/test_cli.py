@@ -47,6 +47,8 @@ REFUSED = {
     "bad penalty": (["--penalty", "soft"], None, 2, "--penalty = 'soft'"),
     "negative penalty": (["--penalty", "-1"], None, 2, "greater than 0"),
     "no elements": (["--elements", "0"], None, 2, "--elements = 0"),
+    "lift for a law": (["--model", "sine", "--lift", "tilt"], None, 2, "belong to --model foundation, not to 'sine'"),
+    "foundation of an arc": (["--model", "foundation"], None, 2, "not a straight beam"),
     "elements for a law": (["--model", "sine", "--elements", "9"], None, 2, "belong to --model fem"),
     "self-locking": ([], ("friction = 0.3", "friction = 1.3"), 3, "self-locking"),
     "self-locking law": (["--model", "sine"], ("friction = 0.3", "friction = 0.9"), 3, "self-locking"),

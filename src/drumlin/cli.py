@@ -28,6 +28,7 @@ app = typer.Typer(
 BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake file")]
 Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
 Penalty = Annotated[str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")]
+OPTIONS = {"fem": ("elements", "penalty"), "foundation": ("sections", "lift")}  # model -> its own options
 
 
 def _options(elements: int | None, penalty: str | None) -> dict[str, Any]:
@@ -48,6 +49,10 @@ def solve(
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write the response as JSON")] = None,
     elements: Elements = None,
     penalty: Penalty = None,
+    sections: Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")] = None,
+    lift: Annotated[
+        list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
+    ] = None,
 ) -> None:
     """Solve a brake by one model."""
     from drumlin.files import write_text
@@ -57,8 +62,10 @@ def solve(
     brake = read_any(brake_file)
     options = _options(elements, penalty)
     chosen = pick(model, brake)
-    if options and model != "fem":
-        raise BadInput(f"--elements and --penalty belong to --model fem, not to {model!r}")
+    options |= {name: value for name, value in (("sections", sections), ("lift", lift)) if value is not None}
+    for owner, names in OPTIONS.items():
+        if model != owner and set(names) & set(options):
+            raise BadInput(f"{' and '.join(f'--{name}' for name in names)} belong to --model {owner}, not to {model!r}")
     with _busy(f"solving by {model}"):
         response = chosen.solve(brake, **options)
     if json_file is not None:

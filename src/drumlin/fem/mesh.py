@@ -18,7 +18,7 @@ import skfem
 from skfem.io.meshio import from_meshio
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Shoe
+from drumlin.brake import Body, Shoe
 from drumlin.errors import BadInput
 from drumlin.files import replacing
 from drumlin.units import deg, mm
@@ -57,10 +57,11 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int) -> Any:
     angles = phi_1 + lining_angles(phi_2 - phi_1, shoe, radius, elements)
     body = (phi_1, phi_2)
     if shoe.body is not None:
+        assert isinstance(shoe.body, Body)  # a straight beam: beam_mesh
         layers.append(("shoe", shoe.body.thickness))
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        angles = np.concatenate([_overhang(body[0], phi_1, step)[:-1], angles, _overhang(phi_2, body[1], step)[1:]])
+        angles = np.concatenate([overhang(body[0], phi_1, step)[:-1], angles, overhang(phi_2, body[1], step)[1:]])
     through = graded(0, shoe.lining.thickness, lining_layers(elements), shoe.lining.thickness / 2, FACE_SIZE)
     depths = [through]
     for _, thickness in layers[1:]:
@@ -94,7 +95,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int) -> Any:
     )
 
 
-def _overhang(start: float, end: float, step: float) -> Floats:
+def overhang(start: float, end: float, step: float) -> Floats:
     """Angles from start to end, about `step` apart; both ends once even where they coincide."""
     if end - start < 1e-9:
         return np.array([end])

@@ -16,7 +16,7 @@ from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, held, prepare, shape_of
 from drumlin.laws import locking_friction
-from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
+from drumlin.response import Balance, Response, ShoeResponse, contact_arcs, relative_balance, untouched, worst
 from drumlin.statics import cross
 
 PENALTY = 1e6
@@ -197,7 +197,7 @@ def _answer(
         self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
         peak_pressure=float(p[_inside(line.phi, shoe.lining.thickness / (2 * brake.drum.radius))].max()),
         hinge_reaction=frame.to_brake(reaction),
-        contact_arcs=_contact_arcs(theta, p[forward]),
+        contact_arcs=contact_arcs(theta, p[forward]),
         theta=theta,
         pressure=p[forward],
         order=line.order,
@@ -234,18 +234,6 @@ def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
             f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turns.min()):.3g} deg to touch the drum; "
             f"small displacements hold up to {math.degrees(LARGEST_TURN):.3g} deg"
         )
-
-
-def _contact_arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
-    """Arcs [rad] in which the interpolated pressure is positive: steps between nodes with p > 0 at either end."""
-    arcs: list[tuple[float, float]] = []
-    for i in range(len(p) - 1):
-        if p[i] > 0 or p[i + 1] > 0:
-            if arcs and arcs[-1][1] == theta[i]:
-                arcs[-1] = (arcs[-1][0], float(theta[i + 1]))
-            else:
-                arcs.append((float(theta[i]), float(theta[i + 1])))
-    return tuple(arcs)
 
 
 def _locked(scene: Scene, brake: Brake, group: list[int]) -> str:

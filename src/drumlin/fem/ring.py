@@ -17,7 +17,7 @@ import scipy.linalg
 import skfem
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Ring, Shoe
+from drumlin.brake import Brake, Ring, Section, Shoe
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, contact_line
 from drumlin.fem.mesh import FACE_SIZE, graded, lining_angles, lining_layers
@@ -41,7 +41,7 @@ class RingBody:
     dragged: tuple[Floats, ...]
 
 
-def ring_mesh(ring: Ring, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
+def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
     """Quadratic quadrilateral mesh of the whole ring, away from the shoes; finer where linings end.
 
     `elements`: number along each lining. Boundaries: "contact" (all of the friction surface), "support".
@@ -80,9 +80,11 @@ def ring_mesh(ring: Ring, radius: float, shoes: tuple[Shoe, ...], elements: int)
 
 def ring_body(brake: Brake, ring: Ring, linings: tuple[ContactLine, ...], elements: int) -> RingBody:
     """Mesh and condense the ring under the linings, given by their contact lines in the shoes' frames."""
-    mesh = ring_mesh(ring, brake.drum.radius, brake.shoes, elements)
+    section = ring.section
+    assert section is not None  # scene.why_not
+    mesh = ring_mesh(section, brake.drum.radius, brake.shoes, elements)
     basis = scalar_basis(mesh)
-    K = stiffness(basis, {"drum": (ring.material, ring.width)})
+    K = stiffness(basis, {"drum": (section.material, section.width)})
     angles = [shoe.frame.theta(line.phi) for shoe, line in zip(brake.shoes, linings, strict=True)]
     under = _facets_under(mesh, [(float(a.min()), float(a.max())) for a in angles])
     line = contact_line(basis, under, math.pi)

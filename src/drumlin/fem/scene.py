@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Material, Shoe
+from drumlin.brake import Beam, Brake, Material, Shoe
 from drumlin.errors import BadInput
+from drumlin.fem import beam_mesh
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple
 from drumlin.fem.mesh import read_mesh, shoe_mesh
@@ -77,6 +78,12 @@ def why_not(brake: Brake) -> str | None:
     """Why finite elements do not apply to a brake (None: they do)."""
     if brake.drum.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
         return "shoes inside and outside of one elastic ring are not modelled"
+    if brake.drum.ring is not None and brake.drum.ring.section is None:
+        return "its ring has no section to mesh: thickness, width, material"
+    for shoe in brake.shoes:
+        reason = beam_mesh.why_not(shoe, brake.drum.radius)
+        if reason is not None:
+            return f"shoe {shoe.name!r}: {reason}"
     return None
 
 
@@ -86,18 +93,22 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         kept = shoe.model_dump(exclude={"name": True, "actuation": True, "lining": {"clearance"}})
         return (brake.drum.radius, repr(kept))
     arcs = [shoe.arc]
+    if isinstance(shoe.body, Beam):
+        loaded = np.round(shoe.frame.to_shoe(shoe.actuation.point.xy) / brake.drum.radius, 12)
+        return (*_layers_of(brake, shoe), tuple(np.round(shoe.arc, 12).tolist()), tuple(loaded.tolist()), shoe.body)
     if shoe.body is not None:
         arcs.append(tuple(sorted(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist())))
-    lining, body = shoe.lining, shoe.body
+    body = shoe.body
     return (
-        brake.drum.radius,
-        shoe.side,
-        round(shoe.hinge.radius / brake.drum.radius, 12),
+        *_layers_of(brake, shoe),
         tuple(round(angle, 12) for arc in arcs for angle in arc),
-        (lining.thickness, lining.width, lining.material),
-        shoe.backing,
         None if body is None else (body.shape, body.thickness, body.width, body.material),
     )
+
+
+def _layers_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
+    lining, hinge = shoe.lining, round(shoe.hinge.radius / brake.drum.radius, 12)
+    return brake.drum.radius, shoe.side, hinge, lining.thickness, lining.width, lining.material, shoe.backing
 
 
 def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
@@ -139,7 +150,8 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
 def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
     with clock(seconds, "mesh"):
         if shoe.mesh is None:
-            mesh = shoe_mesh(shoe, brake.drum.radius, elements)
+            parametric = beam_mesh.beam_mesh if isinstance(shoe.body, Beam) else shoe_mesh
+            mesh = parametric(shoe, brake.drum.radius, elements)
         else:
             mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
         basis = scalar_basis(mesh)
@@ -213,7 +225,9 @@ def materials_of(shoe: Shoe) -> dict[str, tuple[Material, float]]:
     if shoe.backing is not None:
         parts["backing"] = (shoe.backing.material, shoe.lining.width)
     if shoe.body is not None:
-        parts["shoe"] = (shoe.body.material, shoe.body.width)
+        section = shoe.body.section
+        assert section is not None  # why_not
+        parts["shoe"] = (section.material, section.width)
     return parts
 
 

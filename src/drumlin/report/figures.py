@@ -46,6 +46,7 @@ NAMES = {
     "short": "short shoe",
     "pivoted": "shoe on a pivot",
     "linear": "long flat shoe",
+    "foundation": "elastic foundation",
 }
 
 
