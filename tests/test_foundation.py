@@ -439,3 +439,15 @@ def _locks(brake):
     except NoAnswer:
         return True
     return False
+
+
+def test_a_worn_in_lining_bears_by_the_sine_law_however_elastic_the_brake_is():
+    for lift in ((), ("all",)):
+        worn = foundation.worn_in(POST, lift=lift)
+        before, after, law = foundation.solve(POST, lift=lift), foundation.solve(worn, lift=lift), sine(POST)
+        for a, b, c, shoe in zip(before.shoes, after.shoes, law.shoes, worn.shoes, strict=True):
+            assert b.pressure == pytest.approx(c.pressure_at(b.theta), rel=2e-3, abs=1e-5 * c.peak_pressure)
+            assert np.abs(a.pressure - c.pressure_at(a.theta)).max() > 0.1 * c.peak_pressure
+            gap = shoe.lining.clearance_at(b.theta)
+            assert gap.min() == pytest.approx(0, abs=1e-9)
+            assert gap.max() > 1e-4

@@ -10,12 +10,13 @@ from drumlin import foundation
 from drumlin.brake import read_brake, vary
 from drumlin.errors import BadInput
 from drumlin.fem.body import scalar_basis
-from drumlin.fem.model import solve
+from drumlin.fem.model import respond, solve
+from drumlin.fem.post import beam_deflection, rim_displacement
 from drumlin.fem.scene import prepare
 from drumlin.foundation.ring import flexibility
 from drumlin.laws import sine
 
-POST = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
+STUDY = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
 MATCHED = {  # a soft lining without Poisson's ratio on a block that is stiff against it and soft against the beam
     "drum.ring": None,
     "shoe.lining.material": {"E": 2e6, "nu": 0.0},
@@ -36,6 +37,11 @@ def with_arc(brake, half):
             "shoe[1].lining.end": math.pi + a,
         },
     )
+
+
+POST = vary(
+    with_arc(STUDY, 40), {"shoe.body.thickness": 0.5, "shoe.body.bending_stiffness": 3e8, "shoe.lining.material.E": 5e8}
+)
 
 
 def test_the_mesh_fills_beam_block_and_lining_and_nothing_else():
@@ -139,3 +145,19 @@ def test_what_cannot_be_meshed_is_refused_and_the_foundation_model_still_answers
     with pytest.raises(BadInput, match=words):
         solve(brake, elements=10)
     assert foundation.solve(brake).torque > 0
+
+
+def test_beam_and_rim_of_the_finite_elements_move_as_those_of_the_foundation_model():
+    """Where the assumptions hold; the rim's z is the mean over a weakly integrated gap, so judged in the large."""
+    ring = {"thickness": 0.06, "width": 0.4, "bending_stiffness": 2e8, "material": {"E": 2.1e11, "nu": 0.0}}
+    brake = vary(with_arc(POST, 20), MATCHED | {"drum.ring": ring | {"support": "free"}})
+    scene = prepare(brake, elements=40)
+    fem, mine = respond(scene, brake), foundation.solve(brake, lift=["all"])
+    for i, answer in enumerate(mine.shoes):
+        x, w = beam_deflection(scene, brake, fem, i)
+        assert (x[0], x[-1]) == pytest.approx((0, 4.6), abs=1e-9)
+        assert w == pytest.approx(np.interp(x, answer.deformation.x, answer.deformation.w), abs=0.05 * w.max())
+        z = rim_displacement(scene, brake, fem, i)
+        inside = np.abs(fem.shoes[i].theta - fem.shoes[i].theta.mean()) < math.radians(18)
+        all_of_it = foundation.rim(brake, mine, fem.shoes[i].theta, ["all"]).sum(axis=0)
+        assert np.abs(z - all_of_it)[inside].max() < 0.05 * np.abs(z).max()
