@@ -56,15 +56,13 @@ def rim(panels: Sequence[tuple[str, Mapping[str, Curve]]], scale: str) -> Figure
         for axes, (title, models) in zip(grid.flat, panels, strict=True):
             turn = np.linspace(0, 2 * np.pi, 200)
             axes.plot(turn, np.zeros(200), color="#1d2733", lw=1, label="unloaded")
-            for name, (theta, z) in models.items():
+            for (name, (theta, z)), style in zip(models.items(), ("-", "--", ":"), strict=False):
                 model, _, rest = name.partition(" ")
-                axes.plot(
-                    theta, -z, lw=1.8, ls="--" if rest else "-", color=color_of(model), label=f"{name_of(model)} {rest}"
-                )
+                axes.plot(theta, -z, lw=1.8, ls=style, color=color_of(model), label=f"{name_of(model)}, {rest}")
             axes.set_ylim(-3 * largest, 1.3 * largest)
-            axes.set_yticks([-largest, 0, largest], [f"{v:.2g}" for v in (-largest, 0, largest)], fontsize=7)
+            axes.set_yticks([-largest, 0, largest], [f"{-v:+.2g}" for v in (-largest, 0, largest)], fontsize=7)
             axes.set_title(f"{title} [{scale}]")
-        grid.flat[0].legend(fontsize=8, loc="center")
+            axes.legend(fontsize=7, loc="center")
     return figure
 
 
