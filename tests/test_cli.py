@@ -36,6 +36,13 @@ def test_solve_prints_and_writes_json(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["r.json"]  # no temporary file is left
 
 
+def test_solve_to_a_tolerance_states_the_estimated_errors(tmp_path):
+    done = drumlin("solve", STUDY / "brake.toml", "--tolerance", "5e-3", "--json", tmp_path / "r.json")
+    assert done.returncode == 0, done.stderr
+    assert "estimated error: p " in done.stdout
+    assert 0 < json.loads((tmp_path / "r.json").read_text())["error"]["pressure"] <= 5e-3
+
+
 def test_solve_by_the_sine_law():
     done = drumlin("solve", STUDY / "brake.toml", "--model", "sine")
     assert done.returncode == 0
@@ -49,7 +56,12 @@ REFUSED = {
     "no elements": (["--elements", "0"], None, 2, "--elements = 0"),
     "lift for a law": (["--model", "sine", "--lift", "tilt"], None, 2, "belong to --model foundation, not to 'sine'"),
     "foundation of an arc": (["--model", "foundation"], None, 2, "not a straight beam"),
+    "unknown kind": (["--kind", "hex8"], None, 2, "allowed: quad2, quad1, tri2, tri1"),
+    "kind for a law": (["--model", "sine", "--kind", "tri2"], None, 2, "belong to --model fem"),
     "elements for a law": (["--model", "sine", "--elements", "9"], None, 2, "belong to --model fem"),
+    "tolerance for a law": (["--model", "sine", "--tolerance", "1e-3"], None, 2, "belong to --model fem"),
+    "tolerance of nothing": (["--tolerance", "0"], None, 2, "--tolerance = 0: must be greater than 0"),
+    "tolerance and elements": (["--tolerance", "1e-3", "--elements", "9"], None, 2, "leave out --elements"),
     "self-locking": ([], ("friction = 0.3", "friction = 1.3"), 3, "self-locking"),
     "self-locking law": (["--model", "sine"], ("friction = 0.3", "friction = 0.9"), 3, "self-locking"),
     "never touches": ([], ('thickness = "8 mm" ', 'clearance = "100 mm"\nthickness = "8 mm" '), 3, "to touch"),
@@ -130,6 +142,24 @@ def test_compare_view_mesh_and_cost(tmp_path):
     assert (tmp_path / "brake_right.msh").exists() and (tmp_path / "brake_left.msh").exists()
     done = drumlin("cost", STUDY / "brake.toml", "--elements", 20)
     assert "times their sum" in done.stdout and "of the first" in done.stdout
+    assert drumlin("cost", STUDY / "brake.toml", "--elements", 20, "--table").returncode == 2
+
+
+@pytest.mark.parametrize("suffix", ["msh", "inp", "vtu"])
+def test_meshes_of_every_kind_are_written_and_solved(tmp_path, suffix):
+    words = ["--kind", "tri2", "--elements", 16]
+    done = drumlin("mesh", STUDY / "brake.toml", "--output", tmp_path, "--format", suffix, *words)
+    assert done.returncode == 0, done.stderr
+    text = (STUDY / "brake.toml").read_text()
+    for name in ("right", "left"):
+        text = text.replace(f'name = "{name}"', f'name = "{name}"\nmesh = "brake_{name}.{suffix}"')
+    (tmp_path / "filed.toml").write_text(text)
+    torques = [
+        drumlin("solve", *solved).stdout.splitlines()[1]
+        for solved in ([tmp_path / "filed.toml"], [STUDY / "brake.toml", *words])
+    ]
+    assert torques[0] == torques[1]
+    assert "torque" in torques[0]
 
 
 def test_an_unknown_study_is_refused_by_name():

@@ -132,3 +132,24 @@ def test_scaling_of_pressures_and_gaps_does_not_change_the_answer():
     scaled = contact.solve(free(A * 1e-21, q * 1e-12))
     assert scaled.p * 1e-9 == pytest.approx(plain.p, rel=1e-10, abs=1e-12 * plain.p.max())
     assert scaled.steps == plain.steps
+
+
+@pytest.mark.parametrize("n", [48, 49, 200, 201])
+def test_the_guess_from_coarser_problems_is_the_contact_set_within_a_node(n):
+    """A smooth obstacle on springs: p = max(-q, 0); the guess may take in one node more at either end."""
+    q = np.cos(np.linspace(0, 7, n))
+    guess, true = contact.coarse_start(free(np.eye(n), q)), q < 0
+    wider = true.copy()
+    for shift in (1, 2):
+        wider[shift:] |= true[:-shift]
+        wider[:-shift] |= true[shift:]
+    assert not (true & ~guess).any()
+    assert not (guess & ~wider).any()
+
+
+def test_a_small_contact_far_away_is_found_in_few_steps():
+    """A hinged lever of springs whose far end alone touches, with its gap growing all the way to the pin."""
+    x = np.linspace(1, 2, 161)
+    problem = Problem(np.eye(161) * 1e-4, (2 - x) * 10, -x[:, None], -x[None], np.array([-0.5]))
+    assert np.count_nonzero(contact.solve(problem).p) < 8
+    assert contact.solve(problem).steps <= 5

@@ -3,6 +3,7 @@
 import math
 from itertools import pairwise
 
+import meshio
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,7 +15,8 @@ from drumlin import contact
 from drumlin.brake import read_brake, vary
 from drumlin.compare import converge, pressure_distance
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.cost import cost
+from drumlin.fem.cost import cost, table
+from drumlin.fem.fields import fields, write_vtu
 from drumlin.fem.model import contact_problem, respond, solve
 from drumlin.fem.scene import prepare
 from drumlin.laws import locking_friction, sine
@@ -112,6 +114,79 @@ def test_torque_and_pressure_converge(brake):
         order, error = result.pressure(shoe)
         assert order > 1.9
         assert error < 1e-3
+
+
+KINDS = {  # kind -> elements, torque and p (L2) of the finer mesh, least orders between the two meshes
+    "quad2": ((20, 80), 1e-5, 3e-3, 2.0, 1.5),
+    "tri2": ((20, 80), 1e-5, 8e-3, 2.0, 1.0),
+    "quad1": ((20, 80), 1e-3, 7e-3, 1.5, 1.3),
+    "tri1": ((20, 80), 5e-3, 3e-2, 1.2, 1.0),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_of_mesh_converges_to_one_answer(kind, brake, fine):
+    elements, *most, torque_order, pressure_order = KINDS[kind]
+    errors = []
+    for count in elements:
+        response = solve(brake, elements=count, kind=kind, penalty=math.inf)
+        assert max(response.balance.force, response.balance.moment) < 1e-9
+        distances = [pressure_distance(a, b) for a, b in zip(response.shoes, fine.shoes, strict=True)]
+        errors.append([abs(response.torque / fine.torque - 1), max(distances)])
+    assert errors[1] < most
+    orders = np.log2(np.array(errors[0]) / errors[1]) / math.log2(elements[1] / elements[0])
+    assert orders[0] > torque_order
+    assert orders[1] > pressure_order
+
+
+@pytest.fixture(scope="module")
+def fine(brake):
+    return solve(brake, elements=320, penalty=math.inf)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_fields_of_every_kind_agree(kind, brake, tmp_path):
+    """Displacements of the loaded end within 5 %, and the .vtu file read back."""
+    moved = []
+    for chosen, elements in (("quad2", 80), (kind, 60)):
+        scene = prepare(brake, elements=elements, kind=chosen)
+        found = fields(scene, brake, respond(scene, brake), 1)
+        far = np.argmin(np.linalg.norm(found.points - brake.shoes[1].actuation.point.xy, axis=1))
+        moved.append(found.displacement[far])
+        assert np.isfinite(found.stress).all()
+        assert len(np.unique(found.cells)) == len(found.points)
+    assert np.linalg.norm(moved[1] - moved[0]) < 0.05 * np.linalg.norm(moved[0])
+    write_vtu(tmp_path / "f.vtu", [found])
+    mesh = meshio.read(tmp_path / "f.vtu")
+    assert [block.type for block in mesh.cells] == [found.cell_type]
+    assert mesh.point_data["von Mises [Pa]"] == pytest.approx(found.von_mises)
+
+
+@pytest.fixture(scope="module")
+def open_heels(brake, flexible):
+    """Brakes whose heels a clearance holds off, and their contact arcs on a fine mesh."""
+    specs = [vary(spec, {"shoe.lining.clearance": 1e-4}) for spec in (brake, flexible)]
+    return [(spec, [shoe.contact_arcs for shoe in solve(spec, elements=480).shoes]) for spec in specs]
+
+
+@pytest.mark.parametrize("kind", ["quad2", "tri2"])
+def test_contact_ends_are_located_inside_an_element(kind, open_heels):
+    """Within a fifth of an inner element of the ends on a fine mesh, and nearer than the node next to the pressed."""
+    errors, nodes = [], []
+    for spec, true in open_heels:
+        for count in (40, 50, 60, 80):
+            for shoe, exact, part in zip(solve(spec, elements=count, kind=kind).shoes, true, spec.shoes, strict=True):
+                near, far = shoe.contact_arcs[0], exact[0]
+                k = 0 if part.frame.sense > 0 else -1  # the heel is next to the hinge
+                theta, p = shoe.theta, shoe.pressure
+                first = np.flatnonzero(p > 0)[k]
+                step = np.diff(theta[:: shoe.order]).max()
+                errors.append((near[k] - far[k]) / step)
+                nodes.append((theta[first + (-1 if k == 0 else 1)] - far[k]) / step)
+                assert 0 < first < len(theta) - 1  # an end inside the lining
+    assert len(errors) == 16
+    assert np.abs(errors).max() < 0.2
+    assert np.linalg.norm(errors) < 0.5 * np.linalg.norm(nodes)
 
 
 def test_without_friction_the_friction_path_equals_the_frictionless_one():
@@ -311,6 +386,21 @@ def test_cost_is_counted_from_the_same_run(brake):
     c = cost(brake, elements=60, repeats=3)
     assert 1 < c.solve_ratio < 10
     assert 0 < c.further_ratio < 0.5
+
+
+def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
+    head, *rows, last = table(brake, sizes=(2_000, 4_000))
+    assert "peak memory" in head
+    assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.4)  # whole layers
+    assert all(0.05 < float(row.split()[-1]) < 2 for row in rows)  # GiB: Python and its libraries take 0.08
+    assert "solve ~ N^" in last
+
+
+def test_an_earlier_response_is_a_start_and_not_an_answer():
+    other = vary(BRAKE, {"friction": 0.1, "rotation": "clockwise"})
+    same(respond(SCENE, BRAKE, start=respond(SCENE, other)), respond(SCENE, BRAKE), 1e-11)
+    untouched = respond(SCENE, vary(BRAKE, {"shoe.actuation.force": 0.0}))
+    same(respond(SCENE, BRAKE, start=untouched), respond(SCENE, BRAKE), 1e-11)
 
 
 def test_external_shoes(brake):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drumlin.brake import vary
-from drumlin.fem.interface import couple
+from drumlin.fem.interface import couple, radial
 from drumlin.fem.scene import prepare
 from drumlin.statics import cross, integrate, resultant
 
@@ -68,13 +68,13 @@ def test_a_lining_pressed_evenly_between_rigid_arcs_has_even_pressure(brake):
     The pressure that the coupling finds for the traction of a constant pressure is that constant.
     """
     for sign in (1, -1):
-        coupling = couple(prepare(brake, elements=10).bodies[0].line, 0.04, sign)
+        coupling = couple(prepare(brake, elements=10).bodies[0].line, 0.04, radial(sign))
         p = np.full(len(coupling.M), 7.0)
         assert np.linalg.solve(coupling.M, coupling.M @ p) == pytest.approx(p, rel=1e-12)
-        radial = coupling.N @ np.concatenate(
+        outwards = coupling.N @ np.concatenate(
             [[math.cos(a), math.sin(a)] for a in prepare(brake, elements=10).bodies[0].line.phi]
         )
-        assert radial * sign == pytest.approx(coupling.area, rel=2e-3)
+        assert outwards * sign == pytest.approx(coupling.area, rel=2e-3)
 
 
 def test_integrals_of_piecewise_polynomials():

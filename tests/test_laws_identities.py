@@ -417,8 +417,8 @@ def test_a_million_torques_of_every_law_in_under_two_seconds_each() -> None:
     }
     assert len(calls) == 9
     for name, call in calls.items():
-        start = time.perf_counter()
+        start = time.process_time()
         torque = call()
-        assert time.perf_counter() - start < 2.0, name
+        assert time.process_time() - start < 2.0, name  # of this process: the machine may be shared
         assert torque.shape == (10**6,)
         assert np.nanmax(torque) > 0

@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 from conftest import ROOT
 from drumlin.brake import read_brake, vary
 from drumlin.errors import BadInput
-from drumlin.fem.mesh import graded, read_mesh, shoe_mesh, write_mesh
+from drumlin.fem.division import graded
+from drumlin.fem.mesh import shoe_mesh
+from drumlin.fem.meshfile import read_mesh, write_mesh
 from drumlin.fem.model import solve
 
 
@@ -81,8 +83,8 @@ def rewritten(path, change):
 
 
 REFUSED = {
-    "missing group": (lambda m: m.field_data.pop("contact"), "named groups missing: contact"),
-    "missing subdomain": (lambda m: m.field_data.pop("lining"), "named groups missing: lining"),
+    "missing group": (lambda m: m.field_data.pop("contact"), "named groups missing or empty: contact"),
+    "missing subdomain": (lambda m: m.field_data.pop("lining"), "named groups missing or empty: lining"),
     "not finite": (lambda m: m.points.__setitem__((3, 0), np.nan), "not finite"),
     "wrong radius": (lambda m: m.points.__imul__(1.2), "off the drum's radius"),
     "wrong place": (lambda m: m.points.__setitem__((slice(None), slice(0, 2)), m.points[:, 1::-1]), "lining's arc"),

@@ -382,6 +382,9 @@ class Frame(NamedTuple):
 class Shoe(Part):
     """One shoe with its lining, hinged at a pin; without `body` the shoe is rigid.
 
+    `mesh`: a mesh file in place of the parametric mesh. Its coordinates are the brake's or, so that a shoe and
+    its mirror image can share one file, those of the shoe's own `frame`.
+
     With a `pivot` the shoe has a second freedom: `hinge` is the pin of a lever, the actuation acts on
     the lever, and the shoe turns about the pivot at the lever's end.
     """
@@ -396,6 +399,7 @@ class Shoe(Part):
     actuation: Actuation
     mesh: Path | None = None
     mesh_unit: Literal["m", "mm"] = "m"
+    mesh_frame: Literal["brake", "shoe"] = "brake"
 
     @property
     def sign(self) -> int:
@@ -431,7 +435,7 @@ class Brake(Part):
 
     title: Name
     rotation: Literal["counter-clockwise", "clockwise"]
-    friction: Annotated[float, Field(ge=0)]
+    friction: Annotated[float, Field(ge=0, le=1e6)]
     drum: Drum
     shoes: Annotated[tuple[Shoe, ...], Field(alias="shoe", min_length=1)]
 

@@ -27,13 +27,18 @@ app = typer.Typer(
 
 BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake file")]
 Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
+Kind = Annotated[str | None, typer.Option(metavar="quad2|quad1|tri2|tri1", help="kind of the parametric mesh")]
 Penalty = Annotated[str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")]
-OPTIONS = {"fem": ("elements", "penalty"), "foundation": ("sections", "lift")}  # model -> its own options
+OPTIONS = {  # model -> its own options
+    "fem": ("elements", "kind", "penalty", "tolerance"),
+    "foundation": ("sections", "lift"),
+}
 
 
-def _options(elements: int | None, penalty: str | None) -> dict[str, Any]:
+def _options(elements: int | None, *, kind: str | None = None, penalty: str | None = None) -> dict[str, Any]:
     """The options of the finite elements that were given."""
-    options: dict[str, Any] = {} if elements is None else {"elements": elements}
+    given = {"elements": elements, "kind": kind}
+    options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     if penalty is not None:
         try:
             options["penalty"] = float(penalty)
@@ -48,7 +53,11 @@ def solve(
     model: Annotated[str, typer.Option(help="which model answers")] = "fem",
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write the response as JSON")] = None,
     elements: Elements = None,
+    kind: Kind = None,
     penalty: Penalty = None,
+    tolerance: Annotated[
+        float | None, typer.Option(help="refine until the estimated errors of p (L2) and torque are below it")
+    ] = None,
     sections: Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")] = None,
     lift: Annotated[
         list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
@@ -60,12 +69,13 @@ def solve(
     from drumlin.models import pick
 
     brake = read_any(brake_file)
-    options = _options(elements, penalty)
+    options = _options(elements, kind=kind, penalty=penalty) | ({} if tolerance is None else {"tolerance": tolerance})
     chosen = pick(model, brake)
     options |= {name: value for name, value in (("sections", sections), ("lift", lift)) if value is not None}
     for owner, names in OPTIONS.items():
         if model != owner and set(names) & set(options):
-            raise BadInput(f"{' and '.join(f'--{name}' for name in names)} belong to --model {owner}, not to {model!r}")
+            *some, last = (f"--{name}" for name in names)
+            raise BadInput(f"{', '.join(some)} and {last} belong to --model {owner}, not to {model!r}")
     with _busy(f"solving by {model}"):
         response = chosen.solve(brake, **options)
     if json_file is not None:
@@ -78,6 +88,7 @@ def compare(
     brake_file: BrakeFile,
     output: Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")] = None,
     elements: Elements = None,
+    kind: Kind = None,
     penalty: Penalty = None,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
@@ -91,7 +102,7 @@ def compare(
         )
     folder = output or Path("reports") / brake_file.stem
     with _busy("comparing the models"):
-        result = write_comparison(brake, brake_file.read_text(), folder, _options(elements, penalty))
+        result = write_comparison(brake, brake_file.read_text(), folder, _options(elements, kind=kind, penalty=penalty))
     _print_table(result.table)
     for line in result.notes:
         print(line)
@@ -119,6 +130,7 @@ def view(
     brake_file: BrakeFile,
     output: Annotated[Path | None, typer.Option(metavar="FILE", help="the picture, .png or .svg")] = None,
     elements: Elements = None,
+    kind: Kind = None,
 ) -> None:
     """Draw a brake and its mesh."""
     from drumlin.flat import read_any
@@ -130,7 +142,7 @@ def view(
     if Path(picture).suffix not in {".png", ".svg"}:
         raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
     with _busy("drawing"):
-        save(draw(brake, **_options(elements, None)), Path(picture))
+        save(draw(brake, **_options(elements, kind=kind)), Path(picture))
     print(f"picture: {picture}")
 
 
@@ -142,30 +154,89 @@ def mesh(
         str | None, typer.Option(help="first word of the file names; default: that of the brake file")
     ] = None,
     elements: Elements = None,
+    kind: Kind = None,
+    suffix: Annotated[str, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")] = "msh",
 ) -> None:
-    """Write the parametric mesh of each shoe as a Gmsh file with named groups, to look at or to change."""
+    """Write the mesh of each shoe as a file with named groups, to look at or to change."""
     from drumlin.brake import read_brake
-    from drumlin.fem.mesh import write_mesh
+    from drumlin.fem.meshfile import write_mesh
     from drumlin.fem.scene import prepare
 
     brake = read_brake(brake_file)
     with _busy("meshing"):
-        scene = prepare(brake, **_options(elements, None))
+        scene = prepare(brake, **_options(elements, kind=kind))
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
-            path = output / f"{name or brake_file.stem}_{shoe.name}.msh"
+            path = output / f"{name or brake_file.stem}_{shoe.name}.{suffix}"
             write_mesh(path, body.mesh, shoe)
             print(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
 
 
 @app.command()
-def cost(brake_file: BrakeFile, elements: Elements = None, penalty: Penalty = None) -> None:
-    """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
+def hold(
+    brake_file: BrakeFile,
+    rotation: Annotated[
+        str | None,
+        typer.Option(metavar="ANGLE", help='how far the drum is turned, such as "0.02 deg"; default: to full slip'),
+    ] = None,
+    steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")] = None,
+    elements: Elements = None,
+    kind: Kind = None,
+    penalty: Penalty = None,
+) -> None:
+    """Hold the drum: from rest through partial slip to full slip, as it is turned against the shoes."""
+    import numpy as np
+
     from drumlin.brake import read_brake
-    from drumlin.fem.cost import measure
+    from drumlin.fem.holding import as_dict, full_slip_rotation
+    from drumlin.fem.holding import hold as turn
+    from drumlin.fem.scene import prepare
+    from drumlin.files import write_text
+    from drumlin.units import to_si
 
     brake = read_brake(brake_file)
+    if not 1 <= steps <= 10_000:
+        raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
+    options = _options(elements, kind=kind, penalty=penalty)
+    stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
+    try:
+        end = None if rotation is None else to_si(rotation, "rad", unit_required=True)
+    except ValueError as error:
+        raise BadInput(f"--rotation = {rotation!r}: {error}") from error
+    with _busy("holding") as say:
+        scene = prepare(brake, **options)
+        end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
+        states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
+    if json_file is not None:
+        write_text(json_file, json.dumps(as_dict(states), indent=1, allow_nan=False) + "\n")
+    print(f"{'rotation [deg]':>15}{'moment [N m]':>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
+    for at in states:
+        print(f"{np.degrees(at.rotation):15.6f}{at.torque:15.4f}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
+
+
+@app.command()
+def cost(
+    brake_file: BrakeFile,
+    elements: Elements = None,
+    penalty: Penalty = None,
+    by_size: Annotated[
+        bool, typer.Option("--table", help="against the unknowns, up to 1 000 000: some minutes, some 8 GiB")
+    ] = False,
+) -> None:
+    """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
+    from drumlin.brake import read_brake
+    from drumlin.fem.cost import measure, table
+
+    brake = read_brake(brake_file)
+    options = _options(elements, penalty=penalty)
+    if by_size and options:
+        raise BadInput("--table chooses the elements itself; leave out --elements and --penalty")
+    if by_size:
+        for line in table(brake):
+            print(line, flush=True)
+        return
     with _busy("measuring"):
-        lines = measure(brake, **_options(elements, penalty))
+        lines = measure(brake, **options)
     for line in lines:
         print(line)
 
@@ -218,6 +289,9 @@ def _print_response(brake: "AnyBrake", response: "Response") -> None:
     if spent:
         print(f"  {response.iterations} active-set steps; balance: force {response.balance.force:.1e}, "
               f"moment {response.balance.moment:.1e}; ms: {spent}")  # fmt: skip
+    if response.error is not None:
+        print(f"  estimated error: p {response.error['pressure']:.1e} (L2, worst shoe), "
+              f"torque {response.error['torque']:.1e}")  # fmt: skip
     for line in response.notes:
         print(f"  {line}")
     for line in response.left_out:

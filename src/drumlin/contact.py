@@ -25,6 +25,7 @@ from drumlin.errors import NoAnswer
 
 MOST_STEPS = 120  # a brake that has an answer needs some ten
 PATIENCE = 5  # steps in which all wrong nodes change at once without becoming fewer
+SMALL = 48  # nodes below which a contact set is not guessed from a coarser problem
 SLACK = 1e-12  # relative: a pressure or gap below it is round-off, and does not change the contact set
 
 
@@ -57,10 +58,11 @@ class Contact:
 
 
 def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) -> Contact:
-    """Solve a contact problem from the contact set `start` (all nodes if None) in at most `most` steps.
+    """Solve a contact problem from the contact set `start` (that of `coarse_start` if None) in at most `most` steps.
 
     Raises NoAnswer where no contact set is consistent: nothing balances the actuation, or not converged.
     """
+    active = coarse_start(problem) if start is None else start.copy()
     A, q, B, C, h = problem
     n, k = B.shape
     # Equilibrate: unit diagonal of A, unit columns of B and rows of C. Signs, and so the answer, stay.
@@ -71,7 +73,6 @@ def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) 
     A, q, B = d[:, None] * A * d, d * q, d[:, None] * B * column
     C, h = row[:, None] * C * d, row * h
 
-    active = np.ones(n, dtype=bool) if start is None else start.copy()
     fewest, patience = n + 1, PATIENCE
     base: _Equations | None = None
     for step in range(1, most + 1):
@@ -107,6 +108,36 @@ def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) 
     raise NoAnswer(f"not converged: the contact set still changes after {most} steps")
 
 
+def coarse_start(problem: Problem) -> Bools:
+    """Contact set (n,) of the problem on every other node, p linear in between: P^T A P, P^T q, P^T B, C P.
+
+    A contact that is small and lies far from where a full start would look moves by its own width a step; on
+    coarser problems, each started from a coarser one, these steps are few and cost nothing. The smallest
+    problems start from all nodes.
+    """
+    A, q, B, C, h = problem
+    active = np.ones(len(q), dtype=bool)
+    if len(q) < SMALL:
+        return active
+    try:
+        coarse = solve(Problem(_halved(_halved(A).T).T, _halved(q), _halved(B), _halved(C.T).T, h)).p > 0
+    except NoAnswer:
+        return active
+    between = len(q) // 2
+    active[::2] = coarse
+    active[1::2] = coarse[:between]
+    active[1:-1:2] |= coarse[1 : between + len(q) % 2]
+    return active
+
+
+def _halved(rows: Floats) -> Floats:
+    """P^T rows: every other row with half of each neighbour (n, ...) -> ((n + 1) // 2, ...)."""
+    half, between = rows[::2].copy(), 0.5 * rows[1::2]
+    half[: len(between)] += between
+    half[1:] += between[: len(half) - 1]
+    return half
+
+
 class _Equations:
     """The linear equations w = 0 on a contact set, p = 0 off it, C p = h: factorised once.
 
@@ -133,7 +164,7 @@ class _Equations:
         return p, solution[len(self._on) :]
 
     def _solution(self, right: Floats) -> Floats:
-        return scipy.linalg.lu_solve(self._factors, right, check_finite=False)
+        return _back(self._factors, right)
 
 
 class _Released(_Equations):
@@ -151,7 +182,7 @@ class _Released(_Equations):
 
     def _solution(self, right: Floats) -> Floats:
         solution = self._base._solution(right)
-        gaps = scipy.linalg.lu_solve(self._inner, -solution[self._out], check_finite=False)
+        gaps = _back(self._inner, -solution[self._out])
         solution += self._spread @ gaps
         solution[self._out] = 0.0
         return solution
@@ -165,6 +196,11 @@ def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
     if info or not np.isfinite(np.diagonal(lu)).all():
         raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
     return lu, pivots
+
+
+def _back(factors: tuple[Floats, Ints], right: Floats) -> Floats:
+    """Back-substitution; LAPACK directly, since scipy's checks cost more than these small systems."""
+    return scipy.linalg.lapack.dgetrs(*factors, right)[0] if len(right) else right
 
 
 def _determinant_sign(factors: tuple[Floats, Ints]) -> int:

@@ -136,6 +136,8 @@ class Response:
 
     `seconds`: time of each phase; `left_out`: what was not computed, and why; `merits`: one a shoe;
     `bearing_load` (2,) [N]: force of all shoes on the drum, which its bearings carry.
+    `error`: estimated relative errors "pressure" (L2 outside the edge zones, the worst shoe's) and "torque", None
+    where nothing was estimated.
     """
 
     model: str
@@ -148,6 +150,7 @@ class Response:
     notes: tuple[str, ...] = ()
     merits: tuple[Merit | FlatMerit, ...] = ()
     bearing_load: Floats | None = None
+    error: Mapping[str, float] | None = None
 
     @property
     def torque(self) -> float:
@@ -162,6 +165,7 @@ class Response:
             "torque": self.torque,
             "converged": self.converged,
             "iterations": self.iterations,
+            "error": None if self.error is None else dict(self.error),
             "balance": {"force": self.balance.force, "moment": self.balance.moment},
             "seconds": dict(self.seconds),
             "left_out": list(self.left_out),
@@ -171,18 +175,6 @@ class Response:
         if self.bearing_load is not None:
             data["bearing_load"] = [float(x) for x in self.bearing_load]
         return data
-
-
-def contact_arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
-    """Arcs [rad] in which the interpolated pressure is positive: steps between nodes with p > 0 at either end."""
-    arcs: list[tuple[float, float]] = []
-    for i in range(len(p) - 1):
-        if p[i] > 0 or p[i + 1] > 0:
-            if arcs and arcs[-1][1] == theta[i]:
-                arcs[-1] = (arcs[-1][0], float(theta[i + 1]))
-            else:
-                arcs.append((float(theta[i]), float(theta[i + 1])))
-    return tuple(arcs)
 
 
 def untouched(shoe: Shoe | FlatShoe, hinge_reaction: Floats) -> ShoeResponse:

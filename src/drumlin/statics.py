@@ -35,6 +35,12 @@ def shape(order: int, xi: Floats) -> Floats:
     ).reshape(order + 1, len(xi))
 
 
+def slopes(order: int, xi: Floats) -> Floats:
+    """Derivatives of these shape functions at xi (any shape): (order + 1, *xi.shape)."""
+    nodes = np.linspace(-1, 1, order + 1)
+    return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), xi) for row in np.eye(order + 1)])
+
+
 def gauss_points(theta: Floats, values: Floats, order: int) -> tuple[Floats, Floats, Floats]:
     """Angles, values and weights (pieces, points) of a Gauss rule on every piece of a piecewise polynomial."""
     ends = theta[::order]

@@ -13,6 +13,7 @@ _QUANTITY = re.compile(
     r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([A-Za-zµμ°%][\wµμ°%/*^ ]{0,30})\s*", re.ASCII
 )
 
+LARGEST = 1e30  # beyond any brake, and products of such numbers are still numbers
 EXAMPLES = {"m": "8 mm", "N": "2 kN", "Pa": "300 MPa", "rad": "55 deg", "N m^2": "12 MN m^2"}
 NAMES = {"m": "a length", "N": "a force", "Pa": "a stress", "rad": "an angle", "N m^2": "a bending stiffness"}
 
@@ -54,8 +55,8 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
         raise ValueError(f"has no unit; write {NAMES[si]} such as {EXAMPLES[si]!r}")
     else:
         number = float(value)
-    if not math.isfinite(number):
-        raise ValueError("must be finite")
+    if not abs(number) <= LARGEST:
+        raise ValueError(f"must be finite and at most {LARGEST:g} in SI units")
     return number
 
 

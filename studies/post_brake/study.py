@@ -427,11 +427,8 @@ def rims(result: Result) -> list[tuple[str, dict[str, Curve]]]:
         "lifted both shoes": (turn, foundation.rim(brake, responses["lifted"], turn, ALL).sum(axis=0) * 1e3)
     }
     fem = respond(result.scene, brake)
-    for i, shoe in enumerate(fem.shoes):
-        whole[f"fem under the {shoe.name} lining"] = (
-            shoe.theta,
-            post.rim_displacement(result.scene, brake, fem, i) * 1e3,
-        )
+    theta, z = post.rim_displacement(result.scene, brake, fem)
+    whole["fem both shoes"] = (np.append(theta, theta[0]), np.append(z, z[0]) * 1e3)
     return [("as printed: each with its twin opposite", printed), ("both shoes on one rim", whole)]
 
 

@@ -13,7 +13,7 @@ import skfem
 from drumlin.arrays import Floats
 from drumlin.beam import Axis, axis_of
 from drumlin.brake import Beam, Section, Shoe
-from drumlin.fem.mesh import FACE_SIZE, MOST_LAYERS, graded, lining_angles, lining_layers, overhang
+from drumlin.fem.division import MOST_LAYERS, Division, overhang
 from drumlin.units import mm
 
 PARTS = ("lining", "backing", "shoe")
@@ -46,31 +46,33 @@ def _no_room(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | N
     return None
 
 
-def beam_mesh(shoe: Shoe, radius: float, elements: int) -> Any:
-    """Quadratic quadrilateral mesh of a straight-beam shoe in its own frame, groups as those of an arc.
+def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
+    """Mesh of a straight-beam shoe in its own frame, groups as those of an arc; `shape`: skfem's class of it.
 
-    `elements`: number along the lining, finer at its ends. "hinge" and "actuation" are the beam's end faces.
+    "hinge" and "actuation" are the beam's end faces.
     """
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
     axis, section, thickness = axis_of(shoe.hinge.xy, shoe.actuation.point.xy), shoe.body.section, shoe.lining.thickness
-    start, end = np.sort(axis.angle(np.array([shoe.lining.start, shoe.lining.end]))).tolist()
-    back, step = radius + thickness, (end - start) / elements
+    angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
+    start, end, step, back = float(angles[0]), float(angles[-1]), division.step, radius + thickness
     foot = axis.foot + back * np.sin(np.array([start, end]))
 
     # s: the angle under the lining; before and behind it the distance along the beam over the back's radius.
     low, high = start - foot[0] / back, end + (axis.length - foot[1]) / back
-    angles = start + lining_angles(end - start, shoe, radius, elements)
     s = np.concatenate([overhang(low, start, step)[:-1], angles, overhang(end, high, step)[1:]])
     face = axis.distance - section.thickness / 2
-    through = graded(0, 1, lining_layers(elements), 0.5, FACE_SIZE)
+    linear = shape in {skfem.MeshQuad1, skfem.MeshTri1}
+    most = len(s) if linear else MOST_LAYERS  # linear elements bend well only in thin layers
     deepest = face - back * min(math.cos(start), math.cos(end))
     block, beam = (
-        np.linspace(0, 1, min(max(1, math.ceil(t / (step * radius))), MOST_LAYERS) + 1)[1:]
+        np.linspace(0, 1, max(division.behind, min(math.ceil(t / (step * radius)), most)) + 1)[1:]
         for t in (deepest, section.thickness)
     )
-    grid = skfem.MeshQuad.init_tensor(np.concatenate([through, 1 + block, 2 + beam]), s)
+    grid = skfem.MeshQuad.init_tensor(np.concatenate([division.depths / thickness, 1 + block, 2 + beam]), s)
     depth, place = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > 2) | ((place > start) & (place < end))))
+    if shape in {skfem.MeshTri1, skfem.MeshTri2}:
+        grid = grid.to_meshtri()
     layer = np.floor(grid.p[0, grid.t].mean(axis=0)).astype(int)
     middle = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
@@ -80,7 +82,7 @@ def beam_mesh(shoe: Shoe, radius: float, elements: int) -> Any:
         "hinge": outer & (middle[0] > 2) & (middle[1] < low + slack),
         "actuation": outer & (middle[0] > 2) & (middle[1] > high - slack),
     }
-    mesh = skfem.MeshQuad2.from_mesh(grid)
+    mesh = shape.from_mesh(grid)
     depth, place = mesh.doflocs
 
     def along(s: Floats) -> Floats:
@@ -93,7 +95,7 @@ def beam_mesh(shoe: Shoe, radius: float, elements: int) -> Any:
     inner = axis.distance - face
     y = np.where(depth > 1, y + np.minimum(depth - 1, 1) * (inner - y), y)
     y = np.where(depth > 2, inner - (depth - 2) * section.thickness, y)
-    return skfem.MeshQuad2(
+    return shape(
         shoe.frame.to_shoe(axis.to_brake(x, y)).T.copy(),
         mesh.t,
         _subdomains={name: np.flatnonzero(layer == i) for i, name in enumerate(PARTS)},

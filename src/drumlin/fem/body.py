@@ -23,7 +23,8 @@ from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Material
-from drumlin.fem.mesh import ELEMENTS
+from drumlin.errors import NoAnswer
+from drumlin.fem.mesh import kind_of
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 
@@ -64,8 +65,8 @@ class Condensed:
 
 
 def scalar_basis(mesh: Any) -> Any:
-    """skfem's basis of one component; 3 x 3 Gauss points in a quadratic quadrilateral, 2 x 2 in a linear."""
-    element = ELEMENTS[type(mesh)]()
+    """skfem's basis of one component; quadrature of order 4 in a quadratic element, 2 in a linear."""
+    element = kind_of(mesh).element()
     return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
 
 
@@ -91,7 +92,7 @@ def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]]) -> An
     K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
     for i in range(2):
         K[:, :, i, :, i] += mu[:, :, 0, :, 0] * np.trace(H, axis1=2, axis2=4)
-    dofs = (2 * basis.element_dofs.T[:, :, None] + np.arange(2)).reshape(elements, 2 * a)
+    dofs = (2 * basis.element_dofs.T[:, :, None] + np.arange(2)).reshape(elements, 2 * a).astype(np.int32)
     rows = np.broadcast_to(dofs[:, :, None], (elements, 2 * a, 2 * a))
     columns = np.broadcast_to(dofs[:, None, :], rows.shape)
     return sp.coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * basis.N, 2 * basis.N)).tocsc()
@@ -169,12 +170,15 @@ def condense(K: Any, ties: Any, loads: Floats, contact: int) -> Condensed:
     springs = A.diagonal()[-FRAME:]
     padded = np.concatenate([np.zeros(inner + contact), springs])
     # Symmetric positive definite: pivots stay on the diagonal, the order stays ours.
-    factors = splu(
-        A + sp.diags_array(padded, format="csc"),
-        permc_spec="NATURAL",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    try:
+        factors = splu(
+            A + sp.diags_array(padded, format="csc"),
+            permc_spec="NATURAL",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError as error:  # a zero pivot
+        raise NoAnswer("singular stiffness: a part hangs on nothing, or moduli are too far apart") from error
     last = factors.L[:, inner:][inner:].toarray()
     diagonal = factors.U.diagonal()[inner:]
     L_cc, L_fc, D_c = last[:contact, :contact], last[contact:, :contact], diagonal[:contact]

@@ -1,7 +1,12 @@
 """What a solve costs against the least that it could: assembly, one factorisation, one back-substitution."""
 
+import math
+import multiprocessing
+import resource
+import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from statistics import median
 from typing import Any, NamedTuple
@@ -11,17 +16,27 @@ from scipy.sparse.linalg import splu
 
 from drumlin.brake import Brake, Shoe, vary
 from drumlin.fem.body import scalar_basis, stiffness
+from drumlin.fem.division import Division, divide
+from drumlin.fem.mesh import shoe_mesh
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.scene import materials_of, prepare
+from drumlin.fem.scene import Mesher, materials_of, prepare
 
 ELEMENTS = 140  # about 20 000 unknowns for a car's shoe
 REPEATS = 7
+SIZES = (20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)  # unknowns of a shoe in the table
+FITTED = 600_000  # the exponent is fitted to the sizes up to here
 
 
 class Cost(NamedTuple):
-    """Seconds, medians of repeats: whole solve, further load case, and the three parts of the baseline."""
+    """Seconds, medians of repeats: whole solve, further load case, and the three parts of the baseline.
+
+    `contact_nodes`: of all distinct bodies; `memory`: largest resident memory of the process up to the end of the
+    first solve [bytes].
+    """
 
     unknowns: int
+    contact_nodes: int
+    memory: int
     solve: float
     further: float
     assembly: float
@@ -39,12 +54,23 @@ class Cost(NamedTuple):
         return self.further / self.solve
 
 
-def cost(brake: Brake, *, elements: int = ELEMENTS, penalty: float = PENALTY, repeats: int = REPEATS) -> Cost:
+def cost(
+    brake: Brake,
+    *,
+    elements: int = ELEMENTS,
+    penalty: float = PENALTY,
+    repeats: int = REPEATS,
+    mesher: Mesher | None = None,
+) -> Cost:
     """Measure a brake in one run. The baseline is that of its distinct bodies, hinge clamped.
 
     A further load case is another friction coefficient on the same bodies.
     """
-    scene = prepare(brake, elements=elements)
+    first = time.perf_counter()
+    scene = prepare(brake, elements=elements, mesher=mesher)
+    respond(scene, brake, penalty=penalty)
+    first = time.perf_counter() - first
+    memory = _peak_memory()
     other = vary(brake, {"friction": 0.9 * brake.friction})
     bodies = {id(body): (body, shoe) for body, shoe in zip(scene.bodies, brake.shoes, strict=True)}
     phases = np.zeros(3)
@@ -64,10 +90,46 @@ def cost(brake: Brake, *, elements: int = ELEMENTS, penalty: float = PENALTY, re
         ]
     return Cost(
         sum(body.unknowns for body, _ in bodies.values()),
-        _time(lambda: respond(prepare(brake, elements=elements), brake, penalty=penalty), repeats),
-        _time(lambda: respond(scene, other, penalty=penalty), repeats),
+        sum(len(body.line.nodes) for body, _ in bodies.values()),
+        memory,
+        _time(lambda: respond(prepare(brake, elements=elements, mesher=mesher), brake, penalty=penalty), repeats)
+        if repeats > 1
+        else first,
+        _time(lambda: respond(scene, other, penalty=penalty), max(repeats, 3)),
         *phases.tolist(),
     )
+
+
+def proportional(unknowns: int, shoe: Shoe, radius: float) -> object:
+    """Mesh of about so many unknowns: twice as many elements along come with twice as many through."""
+    elements = round(0.95 * math.sqrt(unknowns))
+    layers = round(elements / 15)
+    even = divide(shoe, radius, elements)
+    depths = np.linspace(0, shoe.lining.thickness, layers + 1)
+    return shoe_mesh(shoe, radius, Division(even.angles, depths, even.step, behind=layers))
+
+
+def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
+    """Cost against unknowns as lines for people, as they come, and the exponent of N to which the time grows.
+
+    Each size is measured in a process of its own, so that its peak memory is its own.
+    """
+    yield "unknowns  contact nodes  solve [s]  of its parts  further [ms]  peak memory [GiB]"
+    costs = []
+    for size in sizes:
+        repeats = REPEATS if size <= 2 * SIZES[0] else 1
+        job = partial(cost, brake, mesher=partial(proportional, size), repeats=repeats)
+        with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as process:
+            c = process.submit(job).result()
+        costs.append(c)
+        yield (
+            f"{c.unknowns:8d}  {c.contact_nodes:13d}  {c.solve:9.3f}  {c.solve_ratio:12.2f}  {c.further * 1e3:12.1f}  "
+            f"{c.memory / 2**30:17.2f}"
+        )
+    fitted = [c for c in costs if c.unknowns <= FITTED]
+    if len(fitted) > 1:
+        exponent = float(np.polyfit(np.log([c.unknowns for c in fitted]), np.log([c.solve for c in fitted]), 1)[0])
+        yield f"solve ~ N^{exponent:.2f} up to {fitted[-1].unknowns} unknowns"
 
 
 def measure(brake: Brake, **options: Any) -> list[str]:
@@ -80,6 +142,11 @@ def measure(brake: Brake, **options: Any) -> list[str]:
         f"whole solve {c.solve * 1e3:.1f} ms = {c.solve_ratio:.2f} times their sum",
         f"further load case {c.further * 1e3:.1f} ms = 1/{1 / c.further_ratio:.0f} of the first",
     ]
+
+
+def _peak_memory() -> int:
+    size = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return size if sys.platform == "darwin" else 1024 * size  # kB but for macOS
 
 
 def _assemble(mesh: Any, shoe: Shoe) -> Any:

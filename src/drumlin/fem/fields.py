@@ -10,8 +10,9 @@ import skfem
 from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Shoe
-from drumlin.fem.mesh import ELEMENTS, cell_type
+from drumlin.brake import Brake, Frame, Material, Shoe
+from drumlin.errors import BadInput
+from drumlin.fem.mesh import kind_of
 from drumlin.fem.scene import Body, Scene, actuation, held, materials_of
 from drumlin.files import replacing
 from drumlin.response import Response, ShoeResponse
@@ -40,28 +41,46 @@ class Fields:
 def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields:
     """Recover the fields of shoe `index` from the contact pressure of its response."""
     shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]
-    frame = shoe.frame
+    materials = {name: material for name, (material, _) in materials_of(shoe).items()}
     u = _displacement(body, brake, shoe, answer)
-    parts = list(body.mesh.subdomains)
-    blocks = [_part(body, u, name, materials_of(shoe)[name][0]) for name in parts]
+    pressure = np.zeros(body.basis.N)
+    pressure[body.line.nodes] = answer.pressure[:: shoe.frame.sense]
+    return _fields(body.mesh, body.basis, u, materials, pressure, shoe.frame, shoe.sign)
+
+
+def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
+    """Recover the fields of the drum ring from the contact pressures of all shoes."""
+    ring, section = scene.ring, brake.drum.ring.section if brake.drum.ring else None
+    if ring is None or section is None:
+        raise BadInput("drum.ring: is missing, a rigid drum has no fields")
+    p = [answer.pressure[:: shoe.frame.sense] for shoe, answer in zip(brake.shoes, response.shoes, strict=True)]
+    u = ring.displacement(p, brake.friction * brake.spin)
+    materials = {"drum": section.material}
+    return _fields(ring.mesh, ring.basis, u, materials, np.zeros(ring.basis.N), Frame(0.0, 1), 1)
+
+
+def _fields(
+    mesh: Any, basis: Any, u: Floats, materials: dict[str, Material], pressure: Floats, frame: Frame, sign: int
+) -> Fields:
+    """Fields in the brake's frame from displacements u (2, nodes) and nodal pressure in the body's own frame."""
+    parts = list(mesh.subdomains)
+    blocks = [_part(mesh, u, name, materials[name]) for name in parts]
     starts = np.cumsum([0] + [len(block[0]) for block in blocks])
     nodes = np.concatenate([block[0] for block in blocks])
-    xy = frame.to_brake(body.basis.doflocs[:, nodes].T)
+    xy = frame.to_brake(basis.doflocs[:, nodes].T)
     turn = frame.to_brake(np.eye(2))
     tensor = np.concatenate([block[2] for block in blocks])
     rotated = np.einsum("ia,nij,jb->nab", turn, tensor, turn)
     xx, yy, shear = rotated[:, 0, 0], rotated[:, 1, 1], rotated[:, 0, 1]
-    pressure = np.zeros(body.basis.N)
-    pressure[body.line.nodes] = answer.pressure[:: frame.sense]
-    on_lining = np.concatenate(
-        [np.full(len(block[0]), name == "lining") for name, block in zip(parts, blocks, strict=True)]
-    )
-    p = np.where(on_lining, pressure[nodes], 0.0)
-    normal = shoe.sign * xy / np.linalg.norm(xy, axis=1)[:, None]
+    p = pressure[nodes]
+    for k, name in enumerate(parts):
+        if name != "lining":
+            p[starts[k] : starts[k + 1]] = 0.0  # where shoe or backing end in the friction surface
+    normal = sign * xy / np.linalg.norm(xy, axis=1)[:, None]
     return Fields(
         points=xy,
         cells=np.concatenate([block[1] + start for start, block in zip(starts[:-1], blocks, strict=True)]),
-        cell_type=cell_type(body.mesh),
+        cell_type=kind_of(mesh).cell,
         part=np.concatenate([np.full(len(block[1]), i) for i, block in enumerate(blocks)]),
         displacement=frame.to_brake(u[:, nodes].T),
         stress=np.column_stack([xx, yy, shear]),
@@ -82,12 +101,12 @@ def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) ->
     return body.condensed.displacement(nodal, np.array([0.0, 0.0, turn]), held(body, p, drag, load), load)
 
 
-def _part(body: Body, u: Floats, name: str, material: Any) -> tuple[Ints, Ints, Floats]:
+def _part(mesh: Any, u: Floats, name: str, material: Material) -> tuple[Ints, Ints, Floats]:
     """Nodes, cells (numbered within the nodes) and nodal mean stresses (n, 2, 2) of one subdomain."""
-    elements = body.mesh.subdomains[name]
-    element = ELEMENTS[type(body.mesh)]()
+    elements = mesh.subdomains[name]
+    element = kind_of(mesh).element()
     at = element.doflocs.T
-    basis = skfem.Basis(body.mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
+    basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
     dofs = basis.element_dofs
     gradient = np.zeros((2, 2, *basis.dx.shape))
     for psi, row in zip(basis.basis, dofs, strict=True):

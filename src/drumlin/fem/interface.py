@@ -10,13 +10,16 @@ Nodal forces of a pressure p with the drag mu s p are  -N^T p + mu s T^T p: thei
 of the traction on the same arc to round-off, on any mesh.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.statics import GAUSS, WEIGHTS, shape
+from drumlin.statics import GAUSS, WEIGHTS, shape, slopes
+
+Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
 
 
 @dataclass(frozen=True)
@@ -56,10 +59,28 @@ class Coupling:
         return self.M.sum(axis=1)
 
 
+def edge_nodes(basis: Any, facets: Ints) -> Ints:
+    """Nodes (order + 1, m) of boundary edges, from one end to the other, of a scalar basis."""
+    ends = basis.nodal_dofs[0][basis.mesh.facets[:, facets]]
+    return np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])
+
+
+def edge_points(xy: Floats) -> tuple[Floats, Floats, Floats]:
+    """Gauss points on edges with the nodes xy (2, order + 1, m): shape functions, points (2, m, q), ds (m, q).
+
+    Integrated along the edges themselves: skfem's boundary bases invert the map of the element with an absolute
+    tolerance, which small and slender elements do not meet.
+    """
+    order = xy.shape[1] - 1
+    psi = shape(order, GAUSS)
+    x = np.einsum("cki,kq->ciq", xy, psi)
+    ds = np.hypot(*np.einsum("cki,kq->ciq", xy, slopes(order, GAUSS))) * WEIGHTS
+    return psi, x, ds
+
+
 def contact_line(basis: Any, facets: Ints, middle: float) -> ContactLine:
     """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad]."""
-    ends = basis.nodal_dofs[0][basis.mesh.facets[:, facets]]
-    dofs = np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])
+    dofs = edge_nodes(basis, facets)
     nodes = np.unique(dofs)
     z = np.exp(-1j * middle) * (basis.doflocs[0, nodes] + 1j * basis.doflocs[1, nodes])
     phi = middle + np.angle(z)
@@ -72,17 +93,22 @@ def contact_line(basis: Any, facets: Ints, middle: float) -> ContactLine:
     return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces[:, np.argsort(phi[pieces[0]])])
 
 
-def couple(line: ContactLine, width: float, sign: int) -> Coupling:
-    """The coupling of a lining of this width b [m] with a round drum about O; n = sign e_r."""
+def radial(sign: int) -> Directions:
+    """Normals sign e_r and tangents e_phi at the points x (2, ...) of a round drum about O."""
+
+    def directions(x: Floats) -> tuple[Floats, Floats]:
+        r = np.hypot(*x)
+        return sign * x / r, np.array([-x[1], x[0]]) / r
+
+    return directions
+
+
+def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
+    """The coupling of a lining of this width b [m] with a counterface of known directions; see `radial`."""
     n = len(line.nodes)
-    psi = shape(line.order, GAUSS)  # (k, points)
-    slope = _slopes(line.order)
-    x = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], psi)  # (2, pieces, points)
-    dx = np.einsum("cki,kq->ciq", line.xy[:, line.pieces], slope)
-    r = np.hypot(*x)
-    weight = width * np.hypot(*dx) * WEIGHTS
-    normal = sign * x / r
-    tangent = np.array([-x[1], x[0]]) / r
+    psi, x, ds = edge_points(line.xy[:, line.pieces])
+    r, weight = np.hypot(*x), width * ds
+    normal, tangent = directions(x)
     pair = np.einsum("aq,bq->abq", psi, psi)
     rows = np.broadcast_to(line.pieces[:, None], (len(psi), *line.pieces.shape))
     columns = np.broadcast_to(line.pieces[None], rows.shape)
@@ -98,9 +124,3 @@ def couple(line: ContactLine, width: float, sign: int) -> Coupling:
         return matrix
 
     return Coupling(gather(np.ones_like(r)), interleave(normal), interleave(tangent), gather(r).sum(axis=1))
-
-
-def _slopes(order: int) -> Floats:
-    """Derivatives of the shape functions at the Gauss points (order + 1, points)."""
-    nodes = np.linspace(-1, 1, order + 1)
-    return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), GAUSS) for row in np.eye(order + 1)])

@@ -6,6 +6,7 @@ force, line of action, clearance and penalty, in milliseconds on the same scene.
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy.linalg
@@ -14,27 +15,48 @@ from drumlin import contact
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.adapt import adapt
+from drumlin.fem.ends import contact_arcs
+from drumlin.fem.mesh import DEFAULT_KIND
 from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, held, prepare, shape_of
 from drumlin.laws import locking_friction
-from drumlin.response import Balance, Response, ShoeResponse, contact_arcs, relative_balance, untouched, worst
+from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
 from drumlin.statics import cross
 
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
 lining's own compression p t/E, and the pressure is off by about as much; each response states by how much."""
+LARGEST_IMBALANCE = 1e-6  # relative; a response that balances worse has lost its digits and is none
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
 
 
-def solve(brake: Brake, *, elements: int = ELEMENTS, penalty: float = PENALTY) -> Response:
-    """Mesh, condense and solve a brake: prepare, then respond."""
-    return respond(prepare(brake, elements=elements), brake, penalty=penalty)
+def solve(
+    brake: Brake,
+    *,
+    elements: int | None = None,
+    kind: str = DEFAULT_KIND,
+    tolerance: float | None = None,
+    penalty: float = PENALTY,
+) -> Response:
+    """Mesh, condense and solve a brake: prepare, then respond; with a `tolerance` on meshes adapted to it.
+
+    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque. Raises
+    NoAnswer where it is not reached, BadInput where `elements` are given too.
+    """
+    if tolerance is None:
+        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind)
+        return respond(scene, brake, penalty=penalty)
+    if elements is not None:
+        raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
+    return adapt(brake, tolerance, partial(respond, penalty=penalty), kind)
 
 
-def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Response:
+def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None) -> Response:
     """The response of a brake on a prepared scene of the same geometry and stiffness.
 
-    penalty: factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact.
-    Raises NoAnswer: self-locking, no equilibrium, not converged.
+    penalty: factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact. start: a
+    response of a similar brake or on another mesh, whose contact is the first guess: it saves steps and does
+    not change the answer. Raises NoAnswer: self-locking, no equilibrium, not converged.
     """
     if not penalty > 0:
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
@@ -49,13 +71,19 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Response
         touching = [i for i, shoe in enumerate(brake.shoes) if turns_towards(scene.bodies[i], shoe)]
         # Shoes meet each other only through an elastic ring.
         groups = [[i] for i in touching] if scene.ring is None else [touching] if touching else []
-        answers = {i: answer for group in groups for i, answer in _answers(scene, brake, group, penalty).items()}
+        answers = {i: answer for group in groups for i, answer in _answers(scene, brake, group, penalty, start).items()}
         for i in set(range(len(brake.shoes))) - set(touching):
             answers[i] = _untouched(brake.shoes[i])
+    balance = worst([answer.balance for answer in answers.values()])
+    if not max(balance.force, balance.moment) < LARGEST_IMBALANCE:
+        raise NoAnswer(
+            f"not converged: forces balance only to {balance.force:.1e} and moments to {balance.moment:.1e}; "
+            "stiffnesses or sizes are too far apart for the arithmetic"
+        )
     return Response(
         model="fem",
         shoes=tuple(answers[i].response for i in sorted(answers)),
-        balance=worst([answer.balance for answer in answers.values()]),
+        balance=balance,
         iterations=max(answer.steps for answer in answers.values()),
         seconds=seconds,
         left_out=scene.left_out,
@@ -138,14 +166,17 @@ def _shoe_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float, size: fl
     )
 
 
-def _answers(scene: Scene, brake: Brake, group: list[int], penalty: float) -> dict[int, _Answer]:
+def _answers(
+    scene: Scene, brake: Brake, group: list[int], penalty: float, start: Response | None
+) -> dict[int, _Answer]:
     """The answers of a group of shoes that meet the drum together."""
     for i in group:
         body, shoe = scene.bodies[i], brake.shoes[i]
         _check_reach(shoe, body.line.xy, gap_of(body, brake, shoe), actuation(body, shoe)[1])
     names = ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
     try:
-        found = contact.solve(contact_problem(scene, brake, group, penalty))
+        first = None if start is None else np.concatenate([_touching(scene, brake, start, i) for i in group])
+        found = contact.solve(contact_problem(scene, brake, group, penalty), first)
     except NoAnswer as error:
         raise NoAnswer(f"{names}: {_locked(scene, brake, group) or error}") from error
     if not found.regular:
@@ -156,10 +187,10 @@ def _answers(scene: Scene, brake: Brake, group: list[int], penalty: float) -> di
         for i in group
     ]
     change = size * found.tangent(scipy.linalg.block_diag(*soft) @ found.p)  # by the penalty's compliance
-    answers, start = {}, 0
+    answers, begin = {}, 0
     for k, i in enumerate(group):
-        part = slice(start, start + len(soft[k]))
-        start = part.stop
+        part = slice(begin, begin + len(soft[k]))
+        begin = part.stop
         p, turn = size * found.p[part], size * float(found.y[k])
         answers[i] = _answer(scene.bodies[i], brake, brake.shoes[i], p, turn, change[part], penalty, found.steps)
     return answers
@@ -178,7 +209,8 @@ def _answer(
     pin = np.array([shoe.hinge.radius, 0.0])
     balance = relative_balance(
         [nodal.sum(axis=0), reaction, load[:2]],
-        [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment + float(cross(pin, load[:2]))],
+        # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
+        [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))],
     )
     stiffness = penalty * shoe.lining.material.E / shoe.lining.thickness
     pressed = float(coupling.lever @ p)
@@ -197,13 +229,22 @@ def _answer(
         self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
         peak_pressure=float(p[_inside(line.phi, shoe.lining.thickness / (2 * brake.drum.radius))].max()),
         hinge_reaction=frame.to_brake(reaction),
-        contact_arcs=contact_arcs(theta, p[forward]),
+        contact_arcs=contact_arcs(theta, p[forward], line.order),
         theta=theta,
         pressure=p[forward],
         order=line.order,
         turn=frame.sense * turn,
     )
     return _Answer(response, balance, steps, note)
+
+
+def _touching(scene: Scene, brake: Brake, start: Response, index: int) -> Bools:
+    """Contact nodes of shoe `index` within the contact arcs of an earlier response."""
+    theta = brake.shoes[index].frame.theta(scene.bodies[index].line.phi)
+    touching = np.zeros(len(theta), dtype=bool)
+    for first, last in start.shoes[index].contact_arcs:
+        touching |= (theta > first - 1e-9) & (theta < last + 1e-9)
+    return touching
 
 
 def _inside(phi: Floats, zone: float) -> Bools:

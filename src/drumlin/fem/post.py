@@ -5,6 +5,7 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.beam import axis_of
 from drumlin.brake import Brake
+from drumlin.errors import BadInput
 from drumlin.fem.fields import fields
 from drumlin.fem.scene import Scene
 from drumlin.response import Response
@@ -20,16 +21,17 @@ def beam_deflection(scene: Scene, brake: Brake, response: Response, index: int) 
     return x, (all_fields.displacement[on] @ axis.towards)[first]
 
 
-def rim_displacement(scene: Scene, brake: Brake, response: Response, index: int) -> Floats:
-    """Inward displacement [m] of the ring at the angles of shoe `index` (n,), under all shoes."""
-    shoe, ring = brake.shoes[index], scene.ring
-    theta = response.shoes[index].theta
+def rim_displacement(scene: Scene, brake: Brake, response: Response) -> tuple[Floats, Floats]:
+    """Angles (m,) [rad] of the nodes of the ring's friction surface and their inward displacement z (m,) [m].
+
+    Raises BadInput for a rigid drum.
+    """
+    ring = scene.ring
     if ring is None:
-        return np.zeros(len(theta))
-    drag = brake.friction * brake.spin
-    half = np.zeros(len(ring.pressed[0]))
-    for i, (other, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        if answer.contact_arcs:
-            half += (ring.pressed[i] + drag * ring.dragged[i]) @ answer.pressure[:: other.frame.sense]
-    z = np.linalg.solve(scene.bodies[index].coupling.M, ring.pressed[index].T @ half)
-    return np.asarray(-shoe.sign * z)[:: shoe.frame.sense]
+        raise BadInput("drum.ring: is missing, a rigid drum has no displacement")
+    p = [answer.pressure[:: shoe.frame.sense] for shoe, answer in zip(brake.shoes, response.shoes, strict=True)]
+    nodes = ring.basis.get_dofs(ring.mesh.boundaries["contact"]).flatten()
+    x, u = ring.basis.doflocs[:, nodes], ring.displacement(p, brake.friction * brake.spin)[:, nodes]
+    theta = np.arctan2(x[1], x[0])
+    order = np.argsort(theta)
+    return theta[order], -((x * u).sum(axis=0) / np.hypot(*x))[order]

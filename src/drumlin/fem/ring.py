@@ -3,13 +3,16 @@
 The ring is met by the same pressures as the linings, on meshes that need not match: the pressure's shape
 functions psi_i of a lining and the ring's phi_j are integrated on the common refinement of both angle grids,
 
-    N_i,jc = b Int psi_i phi_j n_c ds,    T_i,jc = b Int psi_i phi_j (r / r_ring) e_c ds,
+    N_i,jc = b Int psi_i phi_j n_c ds
+    T_i,jc = b Int psi_i [phi_j e_c + (r - r_ring) (k x tau)_c d phi_j/ds_ring] ds
 
-with the lining's ds and radius r, so that the forces on both sides cancel, and their torques too.
+with the lining's ds and radius r and the ring's tangent tau. Both arcs are only nearly round: where the drag acts
+at r, off the ring's own arc at r_ring, the bracket moves it by a couple that is exact for rigid motions. So forces
+and torques of both sides cancel to round-off.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,9 +22,9 @@ import skfem
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Ring, Section, Shoe
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, contact_line
-from drumlin.fem.mesh import FACE_SIZE, graded, lining_angles, lining_layers
-from drumlin.statics import GAUSS, WEIGHTS, shape
+from drumlin.fem.division import FACE_SIZE, graded, lining_angles, lining_layers
+from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, edge_points
+from drumlin.statics import GAUSS, WEIGHTS, shape, slopes
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,8 @@ class RingBody:
 
     `pressed[i]`, `dragged[i]` (m, n_i): for shoe i the half flexibilities under the nodal forces N^T and -T^T of
     its pressure: the weighted gap of shoe i opens under the pressure of shoe j by
-    pressed[i]^T (pressed[j] + drag dragged[j]) p_j.
+    pressed[i]^T (pressed[j] + drag dragged[j]) p_j. `coupled[i]`: N and T (n_i, 2n) of shoe i. `free`: what makes a
+    free ring determinate, None where its far edge is fixed.
     """
 
     mesh: Any
@@ -39,6 +43,23 @@ class RingBody:
     condensed: Condensed
     pressed: tuple[Floats, ...]
     dragged: tuple[Floats, ...]
+    coupled: tuple[tuple[Floats, Floats], ...]
+    free: "_Free | None"
+
+    def displacement(self, pressures: list[Floats], drag: float) -> Floats:
+        """Displacement of all nodes (2, nodes) [m] under the pressures (n_i,) [Pa] of the linings, drag = mu s."""
+        forces = sum(N.T @ p - drag * (T.T @ p) for (N, T), p in zip(self.coupled, pressures, strict=True))
+        nodal = np.asarray(forces)
+        frame = np.zeros(FRAME)
+        if self.free is None:
+            reaction = self.condensed.L_fc @ self.condensed.half(nodal)
+            return self.condensed.displacement(nodal, frame, reaction, np.zeros(0))
+        u = self.condensed.displacement(nodal, frame, frame, -self.free.balance @ nodal)
+        x, y = self.basis.doflocs
+        rigid = np.array([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
+        mean = np.einsum("kci,cil->kl", rigid, self.free.rim)
+        motion = np.linalg.solve(mean.T, np.einsum("ci,cil->l", u, self.free.rim))
+        return np.asarray(u - np.einsum("k,kci->ci", motion, rigid))
 
 
 def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
@@ -55,25 +76,33 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
     gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
     filled = [a + g * np.arange(k := max(1, round(g / (1.5 * step)))) / k for a, g in zip(angles, gaps, strict=True)]
     angles = np.concatenate(filled)
-    m = len(angles)
     depths = graded(0, ring.thickness, lining_layers(elements), ring.thickness / 2, FACE_SIZE)
+    return closed_mesh(angles, depths, radius, sign, "drum")
+
+
+def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: str) -> Any:
+    """Quadratic quadrilateral mesh of a closed ring from `radius` to radius + sign depth [m].
+
+    `angles` (m,) within one turn and `depths` from 0: the ends of the elements. Subdomain `name`; boundaries
+    "contact" at depth 0 and "support" at the other side.
+    """
+    m = len(angles)
     depth, theta = np.repeat(depths, m), np.tile(angles, len(depths))
     corner = np.arange(len(depths) * m).reshape(len(depths), m)
     after = np.roll(corner, -1, axis=1)
     cells = np.array([corner[:-1], corner[1:], after[1:], after[:-1]]).reshape(4, -1)
-    grid = skfem.MeshQuad(np.array([np.cos(theta), np.sin(theta)]), cells)
+    grid = skfem.MeshQuad(np.array([np.cos(theta), np.sin(theta)]), cells, validate=False)
     direction = skfem.MeshQuad2.from_mesh(grid).doflocs  # of a midside node: that of its edge's middle
     height = skfem.MeshQuad2.from_mesh(skfem.MeshQuad(np.array([depth, theta]), cells, validate=False)).doflocs[0]
-    r = radius + sign * height
-    inner = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
+    outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
     middle = depth[grid.facets].mean(axis=0)
     return skfem.MeshQuad2(
-        r * direction / np.hypot(*direction),
+        (radius + sign * height) * direction / np.hypot(*direction),
         grid.t,
-        _subdomains={"drum": np.arange(grid.nelements)},
+        _subdomains={name: np.arange(grid.nelements)},
         _boundaries={
-            "contact": np.flatnonzero(inner & (middle < 0.5 * ring.thickness)),
-            "support": np.flatnonzero(inner & (middle > 0.5 * ring.thickness)),
+            "contact": np.flatnonzero(outer & (middle < 0.5 * depths[-1])),
+            "support": np.flatnonzero(outer & (middle > 0.5 * depths[-1])),
         },
     )
 
@@ -99,12 +128,13 @@ def ring_body(brake: Brake, ring: Ring, linings: tuple[ContactLine, ...], elemen
         rim = rim_loads(basis, mesh.boundaries["support"])
         condensed = condense(K, ties, ties.T @ rim, n)
         free = _Free.of(basis, rim, condensed, line)
-    halves = []
-    for shoe, lining, theta in zip(brake.shoes, linings, angles, strict=True):
-        N, T = couple_ring(lining, theta, line, shoe.lining.width, shoe.sign)
-        halves.append([_half(condensed, forces.T, free) for forces in (N, -T)])
-    pressed, dragged = zip(*halves, strict=True)
-    return RingBody(mesh, basis, line, condensed, tuple(pressed), tuple(dragged))
+    coupled = tuple(
+        couple_ring(replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T), line, shoe.lining.width, shoe.sign)
+        for shoe, lining in zip(brake.shoes, linings, strict=True)
+    )
+    pressed = tuple(_half(condensed, N.T, free) for N, _ in coupled)
+    dragged = tuple(_half(condensed, -T.T, free) for _, T in coupled)
+    return RingBody(mesh, basis, line, condensed, pressed, dragged, coupled, free)
 
 
 def _facets_under(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
@@ -121,52 +151,51 @@ def _facets_under(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
     return facets[under]
 
 
-def couple_ring(
-    lining: ContactLine, theta: Floats, ring: ContactLine, width: float, sign: int
-) -> tuple[Floats, Floats]:
-    """N and T (n, 2 n_ring) of a lining's pressure on the ring, in the brake's frame; n = sign e_r.
+def couple_ring(lining: ContactLine, ring: ContactLine, width: float, sign: int) -> tuple[Floats, Floats]:
+    """N and T (n, 2 n_ring) of a lining's pressure on the ring; n = sign e_r.
 
-    lining: in the shoe's frame, `theta` (n,) its nodes' angles in the brake's. Integrated on the common
-    refinement of both angle grids.
+    Both lines in the brake's frame. Integrated on the common refinement of both angle grids.
     """
-    radius = np.hypot(*lining.xy)
-    xy = radius * np.array([np.cos(theta), np.sin(theta)])
-    order = lining.order
-    starts, ends = np.sort(theta[lining.pieces[[0, -1]]], axis=0)
-    pieces, a, b = _pieces_near(ring, 0.5 * (starts.min() + ends.max()))
-    i, j = np.nonzero(np.maximum.outer(starts, a) < np.minimum.outer(ends, b) - 1e-13)
-    low, high = np.maximum(starts[i], a[j]), np.minimum(ends[i], b[j])
+    order, xy = lining.order, lining.xy
+    pieces_of_lining, starts, ends = _arcs(lining)
+    pieces, a, b = _arcs(ring)
+    whole_turns = 2 * math.pi * np.round(0.5 * np.subtract.outer(starts + ends, a + b) / (2 * math.pi))
+    first = np.maximum(starts[:, None], a + whole_turns)
+    last = np.minimum(ends[:, None], b + whole_turns)
+    i, j = np.nonzero(first < last - 1e-13)
+    low, high = first[i, j], last[i, j]
     angle = low[:, None] + 0.5 * (high - low)[:, None] * (1 + GAUSS)
-    xi = _local(xy[:, lining.pieces[:, i]], angle)
+    xi = _local(xy[:, pieces_of_lining[:, i]], angle)
     eta = _local(ring.xy[:, pieces[:, j]], angle)
-    psi, slope = shape(order, xi.ravel()).reshape(-1, *xi.shape), _slopes(order, xi)
+    psi, slope = shape(order, xi.ravel()).reshape(-1, *xi.shape), slopes(order, xi)
     phi = shape(ring.order, eta.ravel()).reshape(-1, *eta.shape)
-    x = np.einsum("cki,kiq->ciq", xy[:, lining.pieces[:, i]], psi)
-    dx = np.einsum("cki,kiq->ciq", xy[:, lining.pieces[:, i]], slope)
+    x = np.einsum("cki,kiq->ciq", xy[:, pieces_of_lining[:, i]], psi)
+    dx = np.einsum("cki,kiq->ciq", xy[:, pieces_of_lining[:, i]], slope)
     r = np.hypot(*x)
     turning = np.abs(x[0] * dx[1] - x[1] * dx[0]) / r**2  # d angle / d xi
     ds = np.hypot(*dx) / turning * 0.5 * (high - low)[:, None] * WEIGHTS * width
-    r_ring = np.hypot(*np.einsum("cki,kiq->ciq", ring.xy[:, pieces[:, j]], phi))
-    normal, tangent = sign * x / r, np.array([-x[1], x[0]]) / r * (r / r_ring)
-    n, m = len(theta), len(ring.nodes)
-    result = []
-    for vectors in (normal, tangent):
-        matrix = np.zeros((n, m, 2))
-        values = np.einsum("aiq,biq,ciq,iq->abic", psi, phi, vectors, ds)
-        np.add.at(matrix, (lining.pieces[:, None, i], pieces[None][:, :, j]), values)
-        result.append(matrix.reshape(n, 2 * m))
-    return result[0], result[1]
+    nodes = ring.xy[:, pieces[:, j]]
+    r_ring = np.hypot(*np.einsum("cki,kiq->ciq", nodes, phi))
+    tau = np.einsum("cki,kiq->ciq", nodes, slopes(ring.order, eta))
+    length = np.hypot(*tau)
+    aside = np.array([-tau[1], tau[0]]) / length * (r - r_ring)
+    n, m = len(lining.nodes), len(ring.nodes)
+    N, T = np.zeros((n, m, 2)), np.zeros((n, m, 2))
+    where = (pieces_of_lining[:, None, i], pieces[None][:, :, j])
+    normal, tangent = sign * x / r, np.array([-x[1], x[0]]) / r
+    np.add.at(N, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi, normal, ds))
+    np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi, tangent, ds))
+    np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", psi, slopes(ring.order, eta) / length, aside, ds))
+    return N.reshape(n, 2 * m), T.reshape(n, 2 * m)
 
 
-def _pieces_near(ring: ContactLine, middle: float) -> tuple[Ints, Floats, Floats]:
-    """The ring's edges (order + 1, m) by growing angle, and the angles of their ends within 180 deg of `middle`."""
-    z = ring.xy[0] + 1j * ring.xy[1]
-    first, last = z[ring.pieces[0]], z[ring.pieces[-1]]
+def _arcs(line: ContactLine) -> tuple[Ints, Floats, Floats]:
+    """The edges of a line (order + 1, m), each by growing angle, and the angles of their ends (m,)."""
+    z = line.xy[0] + 1j * line.xy[1]
+    first, last = z[line.pieces[0]], z[line.pieces[-1]]
     turn = np.angle(last / first)
-    pieces = np.where(turn > 0, ring.pieces, ring.pieces[::-1])
+    pieces = np.where(turn > 0, line.pieces, line.pieces[::-1])
     start = np.angle(np.where(turn > 0, first, last))
-    centre = start + 0.5 * np.abs(turn)
-    start = start + 2 * math.pi * np.round((middle - centre) / (2 * math.pi))
     return pieces, start, start + np.abs(turn)
 
 
@@ -178,26 +207,18 @@ def _local(xy: Floats, angle: Floats) -> Floats:
     xi = (side[0] + side[-1]) / (side[0] - side[-1])
     for _ in range(8 if order > 1 else 0):
         value = np.einsum("kiq,kiq->iq", shape(order, xi.ravel()).reshape(-1, *xi.shape), side)
-        xi = xi - value / np.einsum("kiq,kiq->iq", _slopes(order, xi), side)
+        xi = xi - value / np.einsum("kiq,kiq->iq", slopes(order, xi), side)
     return np.clip(xi, -1.0, 1.0)
-
-
-def _slopes(order: int, xi: Floats) -> Floats:
-    """Derivatives of the shape functions at xi (any shape): (order + 1, *xi.shape)."""
-    nodes = np.linspace(-1, 1, order + 1)
-    return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), xi) for row in np.eye(order + 1)])
 
 
 def rim_loads(basis: Any, facets: Ints) -> Floats:
     """Nodal forces (2 nodes, 3) spread over the rim as the rigid motions are: the mean motions are their work."""
-    edge = basis.boundary(facets)
-    x, weight = np.asarray(edge.global_coordinates()), edge.dx / edge.dx.sum()
-    modes = np.array([[np.ones_like(x[0]), 0 * x[0]], [0 * x[0], np.ones_like(x[0])], [-x[1], x[0]]])
+    nodes = edge_nodes(basis, facets)
+    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    weight = ds / ds.sum()
+    modes = np.array([[np.ones_like(ds), 0 * ds], [0 * ds, np.ones_like(ds)], [-x[1], x[0]]])
     loads = np.zeros((basis.N, 2, FRAME))
-    for psi, dofs in zip(edge.basis, edge.element_dofs, strict=True):
-        for k in range(FRAME):
-            for c in range(2):
-                np.add.at(loads[:, c, k], dofs, (psi[0] * modes[k, c] * weight).sum(axis=1))
+    np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, modes, weight))
     return loads.reshape(-1, FRAME)
 
 
@@ -218,6 +239,7 @@ class _Free:
     where beta is the work of B with the contact nodes held too.
     """
 
+    rim: Floats
     balance: Floats
     half_rim: Floats
     root: Floats
@@ -233,7 +255,9 @@ class _Free:
         kept = np.vstack([condensed.load_c, condensed.load_f])
         beta = condensed.loads.T @ V - kept.T @ V[-len(kept) :]
         root = scipy.linalg.sqrtm(0.5 * (beta + beta.T)).real
-        return cls(np.asarray(balance), condensed.half(condensed.load_c), root)
+        return cls(
+            rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), np.asarray(balance), condensed.half(condensed.load_c), root
+        )
 
 
 def _half(condensed: Condensed, forces: Floats, free: _Free | None) -> Floats:

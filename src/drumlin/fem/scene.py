@@ -2,9 +2,10 @@
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,14 +15,18 @@ from drumlin.brake import Beam, Brake, Material, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem import beam_mesh
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple
-from drumlin.fem.mesh import read_mesh, shoe_mesh
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
+from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.meshfile import read_mesh
 from drumlin.fem.ring import RingBody, ring_body
 from drumlin.statics import cross
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
 
+MOST_ELEMENTS = 4000  # along a lining: the dense contact matrices fill 2 GB
+
 Seconds = dict[str, float]
+Mesher = Callable[[Shoe, float], Any]  # shoe, drum radius [m] -> mesh in the shoe's frame
 
 
 @contextmanager
@@ -89,46 +94,45 @@ def why_not(brake: Brake) -> str | None:
 
 def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     """What a body depends on: equal for shoes that are the same but for place, hand, load and clearance."""
-    if shoe.mesh is not None:
-        kept = shoe.model_dump(exclude={"name": True, "actuation": True, "lining": {"clearance"}})
-        return (brake.drum.radius, repr(kept))
-    arcs = [shoe.arc]
-    if isinstance(shoe.body, Beam):
+    arcs, lining, body = [shoe.arc], shoe.lining, shoe.body
+    behind: tuple[object, ...] | None = None
+    if isinstance(body, Beam):
         loaded = np.round(shoe.frame.to_shoe(shoe.actuation.point.xy) / brake.drum.radius, 12)
-        return (*_layers_of(brake, shoe), tuple(np.round(shoe.arc, 12).tolist()), tuple(loaded.tolist()), shoe.body)
-    if shoe.body is not None:
-        arcs.append(tuple(sorted(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist())))
-    body = shoe.body
+        behind = (body, *loaded.tolist())
+    elif body is not None:
+        arcs.append(tuple(sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist())))
+        behind = (body.shape, body.thickness, body.width, body.material)
     return (
-        *_layers_of(brake, shoe),
+        brake.drum.radius,
+        shoe.side,
+        round(shoe.hinge.radius / brake.drum.radius, 12),
         tuple(round(angle, 12) for arc in arcs for angle in arc),
-        None if body is None else (body.shape, body.thickness, body.width, body.material),
+        (lining.thickness, lining.width, lining.material),
+        shoe.backing,
+        behind,
+        None if shoe.mesh is None else (shoe.mesh, shoe.mesh_unit, shoe.mesh_frame == "shoe" or shoe.frame),
     )
 
 
-def _layers_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
-    lining, hinge = shoe.lining, round(shoe.hinge.radius / brake.drum.radius, 12)
-    return brake.drum.radius, shoe.side, hinge, lining.thickness, lining.width, lining.material, shoe.backing
-
-
-def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
+def prepare(brake: Brake, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None) -> Scene:
     """Mesh and condense the bodies of a brake; shoes of one shape share one body.
 
-    elements: number along each parametric lining. Raises BadInput for a brake that finite elements do not
-    cover, and for a mesh file that cannot serve.
+    elements: number along each parametric lining; kind: "quad2", "quad1", "tri2" or "tri1"; mesher: what makes
+    the mesh of a shoe without a file in the place of shoe_mesh: `elements` then count for an elastic ring only.
+    Raises BadInput for a brake that finite elements do not cover, and for a mesh file that cannot serve.
     """
     reason = why_not(brake)
     if reason is not None:
         raise BadInput(f"fem does not apply to this brake: {reason}")
-    if not 1 <= elements <= 100_000:
-        raise BadInput(f"--elements = {elements}: must be from 1 to 100000")
+    if not 1 <= elements <= MOST_ELEMENTS:
+        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")
     seconds: Seconds = {}
     made: dict[tuple[object, ...], Body] = {}
     bodies = []
     for shoe in brake.shoes:
         key = shape_of(brake, shoe)
         if key not in made:
-            made[key] = _body(brake, shoe, elements, seconds)
+            made[key] = _body(brake, shoe, mesher or partial(shoe_mesh, elements=elements, kind=kind), seconds)
         bodies.append(made[key])
     ring = None
     left_out = ["interior fields: recovered only for a picture"]
@@ -147,11 +151,10 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS) -> Scene:
     return Scene(brake, tuple(bodies), ring, seconds, tuple(left_out))
 
 
-def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
+def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
     with clock(seconds, "mesh"):
         if shoe.mesh is None:
-            parametric = beam_mesh.beam_mesh if isinstance(shoe.body, Beam) else shoe_mesh
-            mesh = parametric(shoe, brake.drum.radius, elements)
+            mesh = mesher(shoe, brake.drum.radius)
         else:
             mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
         basis = scalar_basis(mesh)
@@ -171,7 +174,7 @@ def _body(brake: Brake, shoe: Shoe, elements: int, seconds: Seconds) -> Body:
             forces[-FRAME:] = np.eye(3)
         condensed = condense(K, ties, forces, 2 * n)
     with clock(seconds, "coupling"):
-        coupling = couple(line, shoe.lining.width, shoe.sign)
+        coupling = couple(line, shoe.lining.width, radial(shoe.sign))
         Y = condensed.half(np.hstack([-coupling.N.T, condensed.load_c]))
         pressing = -Y[:, :n].T / condensed.D_c
         closing, holding = pressing @ Y, condensed.L_fc @ Y
@@ -203,19 +206,15 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
 
     The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows linearly from it.
     """
-    edge = basis.boundary(facets)
-    x, weight = np.asarray(edge.global_coordinates()), edge.dx
-    length = weight.sum()
-    centre = (x * weight).sum(axis=(1, 2)) / length
+    nodes = edge_nodes(basis, facets)
+    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
     arm = x - centre[:, None, None]
-    inertia = float((arm**2 * weight).sum())
-    turn = np.array([-arm[1], arm[0]]) / inertia
-    ones, zeros = np.full(weight.shape, 1 / length), np.zeros(weight.shape)
+    turn = np.array([-arm[1], arm[0]]) / float((arm**2 * ds).sum())
+    ones, zeros = np.full(ds.shape, 1 / ds.sum()), np.zeros(ds.shape)
+    tractions = np.array([[ones, zeros], [zeros, ones], turn])
     loads = np.zeros((basis.N, 2, 3))
-    for k, traction in enumerate(np.array([[ones, zeros], [zeros, ones], turn])):
-        for c in range(2):
-            for psi, dofs in zip(edge.basis, edge.element_dofs, strict=True):
-                np.add.at(loads[:, c, k], dofs, (psi[0] * traction[c] * weight).sum(axis=1))
+    np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, tractions, ds))
     return loads.reshape(-1, 3), centre
 
 

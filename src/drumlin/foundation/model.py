@@ -27,7 +27,7 @@ from drumlin.foundation.ring import drag_flexibility, flexibility
 from drumlin.laws import locking_friction
 from drumlin.laws.hinged import no_contact, pressing_moment
 from drumlin.merit import with_merits
-from drumlin.response import Deformation, Response, ShoeResponse, contact_arcs, shoe_balance, untouched, worst
+from drumlin.response import Deformation, Response, ShoeResponse, shoe_balance, untouched, worst
 from drumlin.statics import Resultant
 
 SECTIONS = 360
@@ -267,6 +267,18 @@ def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float
         lumped=contact_,
         deformation=Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[forward]),
     )
+
+
+def contact_arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
+    """Arcs [rad] in which the interpolated pressure is positive: steps between nodes with p > 0 at either end."""
+    arcs: list[tuple[float, float]] = []
+    for i in range(len(p) - 1):
+        if p[i] > 0 or p[i + 1] > 0:
+            if arcs and arcs[-1][1] == theta[i]:
+                arcs[-1] = (arcs[-1][0], float(theta[i + 1]))
+            else:
+                arcs.append((float(theta[i]), float(theta[i + 1])))
+    return tuple(arcs)
 
 
 def _resultant(brake: Brake, theta: Floats, N: Floats) -> Resultant:

@@ -37,12 +37,15 @@ def panels(comparison: Comparison) -> list[tuple[str, dict[str, Any]]]:
 
 def field_picture(brake: Brake, response: Response, folder: Path, name: str, **options: Any) -> Figure | Text:
     """Write name.vtu and, where off-screen rendering works, name.png; the figure, or a line that says why not."""
-    from drumlin.fem.fields import fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
+    from drumlin.fem.fields import fields, ring_fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
     from drumlin.fem.scene import prepare  # noqa: PLC0415
     from drumlin.report.render import render  # noqa: PLC0415
 
     scene = prepare(brake, **options)
-    write_vtu(folder / f"{name}.vtu", [fields(scene, brake, response, i) for i in range(len(brake.shoes))])
+    parts = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
+    if scene.ring is not None:
+        parts.append(ring_fields(scene, brake, response))
+    write_vtu(folder / f"{name}.vtu", parts)
     title = f"{brake.title}, drum turns {brake.rotation}"
     reason = render(folder / f"{name}.vtu", folder / f"{name}.png", brake, title)
     if reason is not None:
@@ -94,7 +97,9 @@ def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str,
     fem = comparison.responses.get("fem")
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         blocks.append(
-            field_picture(brake, fem, folder, "fields", **{k: v for k, v in options.items() if k == "elements"})
+            field_picture(
+                brake, fem, folder, "fields", **{k: v for k, v in options.items() if k in {"elements", "kind"}}
+            )
         )
     notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]
     notes += [f"{name}: does not apply: {reason}" for name, reason in refusals(brake).items()]

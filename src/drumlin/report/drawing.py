@@ -107,12 +107,13 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
             axes.plot(*stroke.T, color=BODY, lw=7, solid_capstyle="round", solid_joinstyle="round", zorder=2)
     lining = shoe.lining.thickness * MM
     _layer(axes, shoe, R, 0.0, lining, (start, end), LINING)
-    if isinstance(shoe.body, Beam):
+    own = shoe.mesh is not None  # then only the mesh knows what is behind the lining
+    if isinstance(shoe.body, Beam) and not own:
         _beam(axes, shoe, R, unit)
-    elif shoe.backing is not None:
+    elif shoe.backing is not None and not own:
         _layer(axes, shoe, R, lining, shoe.backing.thickness * MM, (start, end), BLOCK)
         lining += shoe.backing.thickness * MM
-    if isinstance(shoe.body, Body):
+    if isinstance(shoe.body, Body) and not own:
         arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
         _layer(axes, shoe, R, lining, shoe.body.thickness * MM, arc, BODY)
     _pin(axes, shoe.hinge, unit, fixed=True)

@@ -62,7 +62,7 @@ def rim(panels: Sequence[tuple[str, Mapping[str, Curve]]], scale: str) -> Figure
             axes.set_ylim(-3 * largest, 1.3 * largest)
             axes.set_yticks([-largest, 0, largest], [f"{-v:+.2g}" for v in (-largest, 0, largest)], fontsize=7)
             axes.set_title(f"{title} [{scale}]")
-            axes.legend(fontsize=7, loc="center")
+            axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.07), ncols=2)
     return figure
 
 

@@ -23,10 +23,15 @@ def draw(brake: AnyBrake, **options: Any) -> Figure:
     if not isinstance(brake, Brake) or "fem" in refusals(brake):
         return figure
     for shoe, body in zip(brake.shoes, prepare(brake, **options).bodies, strict=True):
-        xy = shoe.frame.to_brake(body.mesh.p.T) * 1e3
+        xy = shoe.frame.to_brake(body.basis.doflocs.T) * 1e3
+        corners = len(body.mesh.t)
+        around = body.basis.element_dofs[: 2 * corners]  # corners, then the middles of quadratic edges
+        if len(around) == 2 * corners:
+            around = around.reshape(2, corners, -1).swapaxes(0, 1).reshape(2 * corners, -1)
         for name, elements in body.mesh.subdomains.items():
-            corners = xy[body.mesh.t[:, elements].T]
             axes.add_collection(
-                PolyCollection(corners, facecolor=PARTS[name], edgecolor="#40505f", lw=0.25, zorder=3.5)
+                PolyCollection(
+                    xy[around[:, elements].T], facecolor=PARTS[name], edgecolor="#40505f", lw=0.25, zorder=3.5
+                )
             )
     return figure

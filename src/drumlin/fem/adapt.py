@@ -1,0 +1,139 @@
+"""Meshes adapted until the estimated errors of pressure and torque are below a tolerance.
+
+The first mesh is coarse. Each further one has GROWTH times as many elements along the arc and one layer more
+through the lining, is graded to the lining's edges and to the ends of the contact that the mesh before it
+found, and starts from its contact set.
+
+The estimate. Let e_k be the error of mesh k and d_k the distance between the meshes k - 1 and k. If errors
+fall by the factor r from mesh to mesh, then d_k >= e_(k-1) - e_k = (r - 1) e_k, so that
+
+    e_k <= d_k / (r - 1),   r = d_(k-1) / d_k  as observed, from SLOWEST to FASTEST.
+
+FASTEST is the order 2.5 in the number of elements that quadratic elements have for the pressure at best. Where
+d falls faster, by chance or because the contact's ends have just been found, d_(k-1) / FASTEST stands for d_k.
+So an estimate takes three meshes.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any, Protocol
+
+import numpy as np
+
+from drumlin.brake import Brake, Shoe
+from drumlin.compare import pressure_distance
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.division import refine
+from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.scene import Scene, prepare, shape_of
+from drumlin.response import Response, ShoeResponse
+
+FIRST_ELEMENTS, FIRST_LAYERS = 24, 4
+GROWTH = 1.5
+SLOWEST, FASTEST = 1.5, GROWTH**2.5
+MOST_MESHES = 9
+MOST_UNKNOWNS = 300_000  # of a body; beyond it the next mesh would take minutes
+
+Points = dict[tuple[object, ...], list[float]]
+
+
+class Respond(Protocol):
+    """What answers for a brake on a scene, from the contact of an earlier response."""
+
+    def __call__(self, scene: Scene, brake: Brake, *, start: Response | None) -> Response:
+        """The response."""
+
+
+def adapt(brake: Brake, tolerance: float, respond: Respond, kind: str = DEFAULT_KIND) -> Response:
+    """The response whose estimated errors of p and of the torque are at most `tolerance` (relative).
+
+    Raises NoAnswer, saying what was reached, where the meshes that are allowed do not suffice; BadInput for a
+    tolerance out of range and for a brake with a mesh file, which cannot be refined.
+    """
+    if not 0 < tolerance < 1:
+        raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
+    for shoe in brake.shoes:
+        if shoe.mesh is not None:
+            raise BadInput(f"--tolerance = {tolerance:g}: shoe {shoe.name!r} has a mesh file, which is not refined")
+    responses: list[Response] = []
+    error: dict[str, float] = {}
+    unknowns = 0
+    for level in range(MOST_MESHES):
+        last = responses[-1] if responses else None
+        scene = _scene(brake, level, last, kind)
+        responses.append(respond(scene, brake, start=last))
+        unknowns = max(body.unknowns for body in scene.bodies)
+        if level > 1:
+            error = estimate(responses[-3:])
+            if max(error.values()) <= tolerance:
+                return _final(responses, error, unknowns)
+        if error and unknowns * GROWTH**2 > MOST_UNKNOWNS:
+            break
+    raise NoAnswer(
+        f"tolerance {tolerance:g} not reached on {len(responses)} meshes of up to {unknowns} unknowns a shoe: "
+        f"estimated error of p {error['pressure']:.1e}, of the torque {error['torque']:.1e}"
+    )
+
+
+def estimate(responses: Sequence[Response]) -> dict[str, float]:
+    """Estimated relative errors of the last of three responses, each on a finer mesh than the one before."""
+    shoes = range(len(responses[-1].shoes))
+    steps = [[_pressure_step(a.shoes[i], b.shoes[i]) for a, b in pairwise(responses)] for i in shoes]
+    torque = responses[-1].torque
+    torque_steps = [abs(b.torque - a.torque) / torque if torque else 0.0 for a, b in pairwise(responses)]
+    return {"pressure": max(_limit(*pair) for pair in steps), "torque": _limit(*torque_steps)}
+
+
+def _pressure_step(a: ShoeResponse, b: ShoeResponse) -> float:
+    if not b.pressure.any():
+        return 1.0 if a.pressure.any() else 0.0
+    return pressure_distance(a, b)
+
+
+def _limit(before: float, last: float) -> float:
+    """Estimated error from the last two distances between successive meshes."""
+    last = max(last, before / FASTEST)
+    return last / (max(before / last, SLOWEST) - 1) if last else 0.0
+
+
+def _scene(brake: Brake, level: int, response: Response | None, kind: str) -> Scene:
+    """Mesh number `level`. Shoes of one shape share a mesh, refined at the contact ends of them all."""
+    points: Points = {}
+    for i, shoe in enumerate(brake.shoes):
+        found = _points(shoe, None if response is None else response.shoes[i])
+        points.setdefault(shape_of(brake, shoe), []).extend(found)
+
+    elements = round(FIRST_ELEMENTS * GROWTH**level)
+
+    def mesher(shoe: Shoe, radius: float) -> Any:
+        places = sorted(points[shape_of(brake, shoe)])
+        return shoe_mesh(shoe, radius, refine(shoe, radius, elements, FIRST_LAYERS + level, places), kind)
+
+    return prepare(brake, elements=elements, mesher=mesher)
+
+
+def _points(shoe: Shoe, response: ShoeResponse | None) -> list[float]:
+    """Angles phi inside the lining where its pressure is not smooth: ends of the contact, kinks of the clearance."""
+    theta = [end for arc in response.contact_arcs for end in arc] if response is not None else []
+    if isinstance(shoe.lining.clearance, tuple):
+        theta += [angle for angle, _ in shoe.lining.clearance]
+    phi = shoe.frame.phi(np.array(theta))
+    start, end = shoe.arc
+    return [float(angle) for angle in phi if start < angle < end]
+
+
+def _final(responses: Sequence[Response], error: dict[str, float], unknowns: int) -> Response:
+    """The last response with its error, the time of all meshes and the steps of the longest."""
+    seconds: dict[str, float] = {}
+    for response in responses:
+        for phase, spent in response.seconds.items():
+            seconds[phase] = seconds.get(phase, 0.0) + spent
+    note = f"adapted on {len(responses)} meshes, the last with {unknowns} unknowns a shoe"
+    return replace(
+        responses[-1],
+        error=error,
+        seconds=seconds,
+        iterations=max(response.iterations for response in responses),
+        notes=(*responses[-1].notes, note),
+    )

@@ -1,0 +1,121 @@
+"""How a parametric lining is divided into elements: along its arc and through its thickness.
+
+Elements shrink linearly towards the points where the pressure is not smooth: the lining's edges, where it is
+singular, and the ends of the contact, where it falls to zero as the square root of the distance.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake import Shoe
+
+EDGE_SIZE = 1 / 32  # of an element at the lining's sharp edge, relative to one in its middle
+FACE_SIZE = 1 / 8  # of a layer at the lining's faces, relative to one in its middle
+COARSE = 36  # elements along a lining; on finer meshes that are refined at points both sizes shrink in proportion
+BEHIND = 4  # layers through backing and body each, at least, on meshes that are refined at points
+MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
+
+
+@dataclass(frozen=True)
+class Division:
+    """Where elements meet: `angles` phi (m + 1,) along the lining [rad], `depths` (l + 1,) below its surface [m].
+
+    `step` [rad]: length of the elements elsewhere, in the body and its overhangs; `behind`: least number of
+    layers through backing and body each.
+    """
+
+    angles: Floats
+    depths: Floats
+    step: float
+    behind: int = 1
+
+
+def divide(shoe: Shoe, radius: float, elements: int) -> Division:
+    """`elements` along the lining, graded to its edges; layers in proportion, graded to both faces."""
+    start, end = shoe.arc
+    thickness = shoe.lining.thickness
+    return Division(
+        angles=start + lining_angles(end - start, shoe, radius, elements),
+        depths=graded(0, thickness, lining_layers(elements), thickness / 2, FACE_SIZE),
+        step=(end - start) / elements,
+    )
+
+
+def lining_angles(arc: float, shoe: Shoe, radius: float, elements: int) -> Floats:
+    """Ends of the elements along a lining, from 0 to `arc` [rad]: symmetric, fine at its ends."""
+    return graded(0.0, arc, elements, shoe.lining.thickness / radius, EDGE_SIZE)
+
+
+def lining_layers(elements: int) -> int:
+    """Layers through a lining with this number of elements along it."""
+    return min(max(2, round(elements / 15)), 12)
+
+
+def overhang(start: float, end: float, step: float) -> Floats:
+    """Angles from start to end, about `step` apart; both ends once even where they coincide."""
+    if end - start < 1e-9:
+        return np.array([end])
+    return np.linspace(start, end, max(1, round((end - start) / step)) + 1)
+
+
+def refine(shoe: Shoe, radius: float, elements: int, layers: int, points: Sequence[float]) -> Division:
+    """Elements of 1/`elements` of the lining's arc, graded to its edges and to `points` (phi, growing), which
+    become ends of elements; the smallest are the smaller, the finer the mesh is.
+    """
+    start, end = shoe.arc
+    thickness = shoe.lining.thickness
+    step, zone = (end - start) / elements, thickness / radius
+    fineness = max(1.0, elements / COARSE)
+    smallest = EDGE_SIZE / fineness
+    pieces = [_piece(a, b, step, zone, smallest) for a, b in pairwise(apart([start, *points, end], smallest * step))]
+    return Division(
+        angles=np.concatenate([*(piece[:-1] for piece in pieces), [end]]),
+        depths=graded(0, thickness, layers, thickness / 2, FACE_SIZE / fineness),
+        step=step,
+        behind=BEHIND,
+    )
+
+
+def apart(points: Sequence[float], least: float) -> list[float]:
+    """Growing points without those nearer than `least` to the one kept before them, or to the last one."""
+    first, *inner, last = sorted(points)
+    kept = [first]
+    for point in inner:
+        if point - kept[-1] >= least and last - point >= least:
+            kept.append(point)
+    return [*kept, last]
+
+
+def _piece(start: float, end: float, step: float, zone: float, smallest: float) -> Floats:
+    """Points from start to end, graded to both, no steps longer than `step`."""
+    half = (end - start) / 2
+    return graded(start, end, max(2, math.ceil(2 * _parts(half, half, zone, smallest) / step)), zone, smallest)
+
+
+def graded(start: float, end: float, count: int, zone: float, smallest: float) -> Floats:
+    """count + 1 points from start to end; steps shrink linearly over `zone` at each end to `smallest` of the inner.
+
+    The step is h(d) = h_0 min(1, smallest + d / zone) at the distance d from the nearer end: points lie at
+    equal parts of Int dd / h.
+    """
+    half = (end - start) / 2
+    total = _parts(half, half, zone, smallest)
+    part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
+    reach = min(zone * (1 - smallest), half)
+    inner = _parts(reach, half, zone, smallest)
+    d = np.where(part <= inner, zone * smallest * np.expm1(np.minimum(part, inner) / zone), reach + part - inner)
+    left = np.arange(count + 1) <= count / 2
+    points = np.where(left, start + d, end - d)
+    points[0], points[-1] = start, end
+    return points
+
+
+def _parts(d: float, half: float, zone: float, smallest: float) -> float:
+    """Int_0^d dd h_0 / h of `graded`; beyond the reach of the grading all steps are h_0."""
+    reach = min(zone * (1 - smallest), half)
+    return zone * math.log1p(min(d, reach) / (zone * smallest)) + max(d - reach, 0.0)

@@ -1,0 +1,146 @@
+"""Meshes in Abaqus and CalculiX input files: nodes, plane elements, node sets and element sets.
+
+meshio's own reader knows neither CPS6 nor CPS8, the quadratic elements of plane stress.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+
+from drumlin.arrays import Ints
+
+LINES = {"T2D2": "line", "T3D2": "line", "B21": "line", "B31": "line"} | dict.fromkeys(
+    ("T2D3", "T3D3", "B22", "B32"), "line3"
+)
+PLANES = {
+    f"{family}{nodes}": cell
+    for family in ("CPS", "CPE", "CAX", "S", "M3D", "STRI", "2D")
+    for nodes, cell in {"3": "triangle", "6": "triangle6", "65": "triangle6", "4": "quad", "8": "quad8"}.items()
+} | dict.fromkeys(("S9", "M3D9"), "quad9")
+CELLS = LINES | PLANES
+NAMES = {"triangle": "CPS3", "triangle6": "CPS6", "quad": "CPS4", "quad8": "CPS8"}
+NODES = {"line": 2, "line3": 3, "triangle": 3, "triangle6": 6, "quad": 4, "quad8": 8, "quad9": 9}
+PER_LINE = 12  # numbers on a line that is written; the formats allow 16
+
+
+def read_inp(path: Path) -> Any:
+    """The mesh of an input file as a meshio.Mesh; set names in lower case; lines of other keywords are passed over.
+
+    Raises ValueError with a line that says what cannot be read.
+    """
+    number: dict[int, int] = {}  # node label -> row of points
+    points: list[list[float]] = []
+    blocks: list[tuple[str, list[list[int]]]] = []
+    place: dict[int, tuple[int, int]] = {}  # element label -> block, row
+    node_sets: dict[str, list[int]] = {}
+    element_sets: dict[str, list[int]] = {}
+    for keyword, options, rows in _sections(path):
+        if keyword == "INCLUDE":
+            raise ValueError("*INCLUDE is not followed; put nodes, elements and sets in one file")
+        if keyword == "NODE":
+            for label, *xyz in rows:
+                if int(label) in number:
+                    raise ValueError(f"node {label} is defined twice")
+                number[int(label)] = len(points)
+                points.append([*map(float, xyz), 0.0, 0.0][:3])
+            _members(node_sets, options.get("NSET"), [[row[0]] for row in rows])
+        elif keyword == "ELEMENT":
+            cell, labels, cells = _elements(options.get("TYPE", ""), rows)
+            for row, element in enumerate(labels):
+                if element in place:
+                    raise ValueError(f"element {element} is defined twice")
+                place[element] = (len(blocks), row)
+            rows_of = [[number[label] for label in nodes] for nodes in cells]
+            blocks.append((cell, [[a, b, middle] for a, middle, b in rows_of] if cell == "line3" else rows_of))
+            _members(element_sets, options.get("ELSET"), [[str(label)] for label in labels])
+        elif keyword == "NSET":
+            _members(node_sets, options.get("NSET"), rows, "GENERATE" in options)
+        elif keyword == "ELSET":
+            _members(element_sets, options.get("ELSET"), rows, "GENERATE" in options)
+    cell_sets: dict[str, list[Ints]] = {}
+    for name, labels in element_sets.items():
+        found = [place[label] for label in labels if label in place]
+        cell_sets[name] = [np.array([row for b, row in found if b == i], dtype=np.int64) for i in range(len(blocks))]
+    return meshio.Mesh(
+        np.array(points).reshape(-1, 3),
+        [(cell, np.array(cells, dtype=np.int64).reshape(-1, NODES[cell])) for cell, cells in blocks],
+        cell_sets=cell_sets,
+        point_sets={
+            name: np.unique(np.array([number[label] for label in labels], dtype=np.int64))
+            for name, labels in node_sets.items()
+        },
+    )
+
+
+def _sections(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
+    """Keyword, options and data rows of each section; upper case, a row that ends with a comma goes on."""
+    keyword, options, rows, goes_on = "", dict[str, str](), list[list[str]](), False
+    for text in path.read_text(encoding="utf-8", errors="replace").splitlines():
+        line = text.strip()
+        if not line or line.startswith("**"):
+            continue
+        words = [word.strip().upper() for word in line.split(",")]
+        if line.startswith("*"):
+            yield keyword, options, rows
+            keyword, rows, goes_on = words[0][1:].strip(), [], False
+            pairs = [word.partition("=") for word in words[1:]]
+            options = {key.strip(): value.strip() for key, _, value in pairs}
+            continue
+        row = [word for word in words if word]
+        if goes_on:
+            rows[-1] += row
+        else:
+            rows.append(row)
+        goes_on = line.endswith(",") and keyword == "ELEMENT"
+    yield keyword, options, rows
+
+
+def _elements(kind: str, rows: list[list[str]]) -> tuple[str, list[int], list[list[int]]]:
+    """meshio's cell type, labels and node labels of an *ELEMENT section."""
+    plain = kind.rstrip("HIRMSTW") if kind[-2:] != "R5" else kind[:-2]  # reduced, hybrid, ... : one shape
+    if plain not in CELLS:
+        raise ValueError(f"*ELEMENT, TYPE={kind} is not an element of a plane mesh; allowed: {', '.join(CELLS)}")
+    cell = CELLS[plain]
+    if any(len(row) != NODES[cell] + 1 for row in rows):
+        raise ValueError(f"*ELEMENT, TYPE={kind} needs a label and {NODES[cell]} nodes on each line")
+    return cell, [int(row[0]) for row in rows], [[int(word) for word in row[1:]] for row in rows]
+
+
+def _members(sets: dict[str, list[int]], name: str | None, rows: list[list[str]], ranges: bool = False) -> None:
+    """Add the rows of a set: labels, names of earlier sets, or (first, last, step)."""
+    if not name:
+        return
+    members = sets.setdefault(name.lower(), [])
+    for row in rows:
+        if ranges:
+            first, last, step = [*map(int, row), 1][:3]
+            members += range(first, last + 1, step)
+            continue
+        for word in row:
+            members += [int(word)] if word.isdigit() else list(sets.get(word.lower(), []))
+
+
+def write_inp(
+    path: Path, points: Any, cell: str, cells: Ints, subdomains: dict[str, Ints], nodes: dict[str, Ints]
+) -> None:
+    """Write one kind of plane-stress elements with element sets and node sets; quad9 loses its centre nodes.
+
+    points (n, 2) [m]; cells (m, k) in meshio's order.
+    """
+    if cell == "quad9":
+        cell, cells = "quad8", cells[:, :8]
+    used = np.unique(cells)
+    lines = ["*NODE"]
+    lines += [f"{i + 1}, {points[i][0]:.16e}, {points[i][1]:.16e}, 0." for i in used]
+    lines.append(f"*ELEMENT, TYPE={NAMES[cell]}")
+    lines += [", ".join(map(str, [i, *(row + 1)])) for i, row in enumerate(cells, start=1)]
+    for keyword, sets in (("ELSET", subdomains), ("NSET", nodes)):
+        for name, members in sets.items():
+            lines.append(f"*{keyword}, {keyword}={name.upper()}")
+            labels = np.asarray(members) + 1
+            for start in range(0, len(labels), PER_LINE):
+                lines.append(", ".join(map(str, labels[start : start + PER_LINE])))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,0 +1,290 @@
+"""Contact of elastic bodies against closed forms: Hertz, Cattaneo-Mindlin, Persson, Westergaard, Lame, patches."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from drumlin import contact, stickslip
+from drumlin.brake import Material
+from drumlin.fem.division import graded
+from drumlin.statics import cross, integrate
+from pair import STEEL, Pair, body, both_sides, closed, nested_start, sector, towards
+
+R = 1.0
+A = 0.005  # intended half-width of the Hertz contacts, radius 1: curvature of the interface is without effect
+
+
+def half_plane(sign, per_half=20, material=STEEL, end=0.5):
+    angles = both_sides(2 * A, 4 * per_half, 1.35, end)
+    return body(sector(angles, towards(A / per_half, 1.3, 0.5), R, sign), material)
+
+
+@pytest.fixture(scope="module")
+def half_planes():
+    """Two equal half-planes (thick sectors) whose meshes do not match."""
+    return half_plane(-1, 20), half_plane(+1, 17)
+
+
+@pytest.fixture(scope="module")
+def hertz(half_planes):
+    """Pressed along x, free along it."""
+    return Pair.of(*half_planes, motions="x")
+
+
+def hertz_load(rho, E):
+    """Force per width for the half-width A: a^2 = 4 P rho / (pi E*)."""
+    return A**2 * math.pi * E / (4 * rho)
+
+
+def test_hertz(hertz):
+    """Parabolic gap: a = sqrt(4 P rho/(pi E*)), p_0 = sqrt(P E*/(pi rho)), 1/E* = 2/E in plane stress."""
+    rho, E = 2.0, STEEL.E / 2
+    P = hertz_load(rho, E)
+    s = R * hertz.angle
+    problem = hertz.normal(s**2 / (2 * rho), [P])
+    found = contact.solve(problem, nested_start(problem))
+    p0 = math.sqrt(P * E / (math.pi * rho))
+    exact = p0 * np.sqrt(np.maximum(1 - (s / A) ** 2, 0))
+    assert found.steps <= 15
+    assert found.p.max() == pytest.approx(p0, rel=2e-3)
+    inside = np.abs(s) < 0.9 * A  # the square root at the ends is not resolved by even elements
+    assert np.abs(found.p - exact)[inside].max() < 4e-3 * p0
+    edge = s[found.p > 0]
+    assert 0.5 * (edge.max() - edge.min()) == pytest.approx(A, abs=A / 20)
+    assert integrate(s, found.p, 2) == pytest.approx(P, rel=1e-4)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
+def test_cattaneo_mindlin(hertz, half_planes, share):
+    """Tangential load Q < mu P after P: stick within c = a sqrt(1 - Q/(mu P)), slip outside, t by superposition."""
+    rho, mu, E = 2.0, 0.3, STEEL.E / 2
+    P = hertz_load(rho, E)
+    s = R * hertz.angle
+    problem = hertz.normal(s**2 / (2 * rho), [P])
+    touching = contact.solve(problem, nested_start(problem)).active
+    hertz = Pair.of(*half_planes, motions="xy")
+    rest = stickslip.History(np.zeros(len(s)), np.zeros(len(s)))
+    start = np.where(touching, stickslip.STICK, stickslip.OPEN)
+    first = stickslip.solve(hertz.frictional(s**2 / (2 * rho), [P, 0.0]), mu, rest, start)
+    inner = np.abs(s) < 0.8 * A
+    assert np.abs(first.t[inner]).max() < 5e-3 * first.p.max()  # equal bodies: no traction from pressing alone
+    increment = first
+    for step in np.linspace(0, share, 5)[1:]:
+        increment = stickslip.solve(
+            hertz.frictional(s**2 / (2 * rho), [P, step * mu * P]), mu, increment.history, increment.state
+        )
+    assert {stickslip.OPEN, stickslip.STICK} <= set(increment.state)
+    slips = np.isin(increment.state, [stickslip.FORWARD, stickslip.BACKWARD])
+    assert slips.any()
+    c = A * math.sqrt(1 - share)
+    sticks = s[increment.state == stickslip.STICK]
+    assert 0.5 * (sticks.max() - sticks.min()) == pytest.approx(c, abs=1.5 * A / 20)
+    p0 = math.sqrt(P * E / (math.pi * rho))
+    exact = mu * p0 * (np.sqrt(np.maximum(1 - (s / A) ** 2, 0)) - c / A * np.sqrt(np.maximum(1 - (s / c) ** 2, 0)))
+    away = (np.abs(np.abs(s) - c) > 0.12 * A) & (np.abs(s) < 0.9 * A)
+    assert np.abs(np.abs(increment.t) - exact)[away].max() < 0.02 * mu * p0
+    assert abs(integrate(s, increment.t, 2)) == pytest.approx(share * mu * P, rel=1e-3)
+
+
+def persson_clearance(b):
+    """E dR / Q of a disc in a hole of the same material, from b = tan(eps/2) (Persson; Ciavarella & Decuzzi)."""
+    return (2 - 2 * b**4 - math.log(1 + b**2)) / (math.pi * b**2 * (1 + b**2))
+
+
+def persson_pressure(b, theta):
+    """p R / Q at theta within eps."""
+    y = np.tan(theta / 2)
+    root = np.sqrt(np.maximum(b**2 - y**2, 0))
+    q = math.sqrt(b**2 + 1)
+    first = 2 * root / (math.pi * q * (1 + y**2))
+    return first + np.log((q + root) / (q - root)) / (2 * math.pi * b**2 * (1 + b**2))
+
+
+def disc_in_hole(eps, count=50):
+    """A disc, loaded at its centre through a small core, in the hole of a large plate; meshes do not match.
+
+    The elements shrink towards the ends +-eps [rad] of the contact, where p ~ sqrt(distance).
+    """
+
+    def angles(count):
+        inner = graded(-eps, eps, count, eps / 2, 1 / 40)
+        rest = graded(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
+        return np.concatenate([inner, rest[1:-1]])
+
+    disc = body(closed(angles(count), towards(0.01, 1.18, 0.985), R, -1), STEEL)
+    plate = body(closed(angles(count + 7), towards(0.01, 1.2, 39.0), R, 1), STEEL)
+    return Pair.of(disc, plate, motions="x")
+
+
+def test_the_formulas_of_the_disc_agree_with_each_other():
+    """Zero clearance at eps = 84.828 deg, p(0) R/Q = .599629; the pressure carries Q."""
+    eps = 2 * math.atan(brentq(persson_clearance, 0.5, 0.999))
+    assert math.degrees(eps) == pytest.approx(84.828, abs=1e-3)
+    assert float(persson_pressure(math.tan(eps / 2), np.array(0.0))) == pytest.approx(0.599629, abs=1e-6)
+    for half in (20, 60):
+        b = math.tan(math.radians(half) / 2)
+        theta = np.linspace(-math.radians(half), math.radians(half), 20001)
+        assert np.trapezoid(persson_pressure(b, theta) * np.cos(theta), theta) == pytest.approx(1, rel=1e-5)
+
+
+@pytest.mark.parametrize("half_angle", [20, 40, 60, 75, 85])
+def test_disc_in_a_hole_of_the_same_material(half_angle):
+    """Persson: p at the middle and in L2 (0.5 %), contact half-angle, over 20 to 85 deg."""
+    b, Q = math.tan(math.radians(half_angle) / 2), 1e6
+    pair = disc_in_hole(math.radians(half_angle))
+    theta = pair.angle
+    gap = persson_clearance(b) * Q / STEEL.E * (1 - np.cos(theta))
+    problem = pair.normal(gap, [Q])
+    found = contact.solve(problem, nested_start(problem))
+    exact = np.where(np.abs(theta) < math.radians(half_angle), persson_pressure(b, theta), 0.0) * Q / R
+    middle = np.argmin(np.abs(theta))
+    assert found.p[middle] == pytest.approx(exact[middle], rel=5e-3)
+    error = math.sqrt(integrate(theta, (found.p - exact) ** 2, 2) / integrate(theta, exact**2, 2))
+    assert error < 5e-3
+    touching = theta[found.p > 0]
+    assert math.degrees(0.5 * (touching.max() - touching.min())) == pytest.approx(half_angle, rel=5e-3)
+    assert found.steps <= 15
+
+
+def ring_pair(count=48, other=60):
+    """A ring held inside, pressed by a ring held outside, on meshes that do not match."""
+    inner = body(closed(np.linspace(-math.pi, math.pi, count + 1)[:-1], np.linspace(0, 0.4, 5), R, -1), STEEL)
+    outer = body(closed(np.linspace(-math.pi, math.pi, other + 1)[:-1] + 0.01, np.linspace(0, 0.5, 6), R, 1), STEEL)
+    return inner, outer
+
+
+def lame_stiffness(free, fixed, material):
+    """Pressure per radial displacement at r = free of a ring held at r = fixed, plane stress (Lame)."""
+    E, nu = material.E, material.nu
+    # u = A r + B/r with u(fixed) = 0; s_r = E/(1-nu^2) [(1+nu) A - (1-nu) B/r^2]
+    B = -(fixed**2)
+    u = free + B / free
+    s = E / (1 - nu**2) * ((1 + nu) - (1 - nu) * B / free**2)
+    return abs(s / u)
+
+
+def test_patch_on_the_arc_ring_in_ring():
+    """Interference of two rings on non-matching meshes: the pressure is even, and that of Lame."""
+    pair = Pair.of(*ring_pair())
+    interference = 1e-4
+    found = contact.solve(pair.normal(np.full(len(pair.angle), -interference)))
+    mean = found.p.mean()
+    assert np.ptp(found.p) < 5e-6 * mean  # what the arcs' discretisation leaves, not round-off
+    k = 1 / (1 / lame_stiffness(1.0, 0.6, STEEL) + 1 / lame_stiffness(1.0, 1.5, STEEL))
+    assert mean == pytest.approx(k * interference, rel=1e-4)
+
+
+def test_the_patch_tightens_to_round_off_with_the_mesh():
+    """The unevenness of the patch is the discretisation's own, and goes with it."""
+    spreads = []
+    for count, other in ((24, 30), (48, 60)):
+        pair = Pair.of(*ring_pair(count, other))
+        found = contact.solve(pair.normal(np.full(len(pair.angle), -1e-4)))
+        spreads.append(np.ptp(found.p) / found.p.mean())
+    assert spreads[1] < spreads[0] / 4
+
+
+def test_forces_and_moments_balance_on_the_non_matching_curved_interface():
+    from drumlin.fem.ring import couple_ring
+
+    inner, outer = ring_pair(90, 71)
+    pair = Pair.of(inner, outer)
+    rng = np.random.default_rng(2)
+    p = rng.random(len(pair.angle))
+    N, T = couple_ring(inner.line, outer.line, 1.0, 1)
+    for mine, theirs in ((pair.coupling.N, N), (pair.coupling.T, T)):
+        a, b = ((M.T @ p).reshape(-1, 2) for M in (mine, theirs))
+        scale = np.abs(a).sum()
+        assert a.sum(axis=0) == pytest.approx(b.sum(axis=0), abs=1e-10 * scale)
+        moments = [float(cross(line.xy.T, f).sum()) for line, f in ((inner.line, a), (outer.line, b))]
+        assert moments[0] == pytest.approx(moments[1], abs=1e-10 * scale)
+
+
+def test_swapping_sides_changes_nothing_beyond_discretisation():
+    """The pressure carried by the inner or by the outer ring's nodes: the same field."""
+    inner, outer = ring_pair(120, 97)
+    one, two = Pair.of(inner, outer), Pair.of(outer, inner, sign=-1)
+
+    def gap(angle):
+        return 1e-4 * (np.cos(angle) - 0.3)
+
+    a = contact.solve(one.normal(gap(one.angle)))
+    b = contact.solve(two.normal(gap(two.angle)))
+    assert 0.2 < (a.p > 0).mean() < 0.8
+    theta = np.linspace(2.2, 4.0, 50) - math.pi  # around the touching side, cos = -1 at pi
+    theta = np.where(theta > 0, theta - math.pi, theta + math.pi)
+    pa, pb = (np.interp(theta, x.angle, f.p, period=2 * math.pi) for x, f in ((one, a), (two, b)))
+    assert pa == pytest.approx(pb, abs=3e-3 * a.p.max())
+
+
+def wavy(mean_share, m=40):
+    """Ring in ring with a wavy gap: mean pressure and waviness against Westergaard's periodic contact.
+
+    The rings are thick against the wave 2 pi/m, so that each wave sees half-planes; the mean pressure comes from
+    an interference.
+    """
+    count = 12 * m
+    angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
+    depths = towards(2 * math.pi / count, 1.25, 0.5)
+    inner, outer = (body(closed(angles, depths, R, sign), STEEL) for sign in (-1, 1))
+    pair = Pair.of(inner, outer)
+    k = 1 / (1 / lame_stiffness(1.0, 0.5, STEEL) + 1 / lame_stiffness(1.0, 1.5, STEEL))
+    amplitude = 1e-6
+    p_star = math.pi * (STEEL.E / 2) * amplitude * m / (2 * math.pi * R) * 1.0
+    gap = amplitude * (1 - np.cos(m * pair.angle)) - mean_share * p_star / k - amplitude
+    found = contact.solve(pair.normal(gap))
+    return pair, found, p_star
+
+
+def test_westergaard_full_contact():
+    """p = p_mean + p* cos(2 pi x/lambda), p* = pi E* amplitude/lambda, as long as p_mean > p*."""
+    pair, found, p_star = wavy(1.5)
+    m = 40
+    exact = found.p.mean() + p_star * np.cos(m * pair.angle)
+    assert (found.p > 0).all()
+    assert found.p == pytest.approx(exact, abs=0.01 * p_star)
+
+
+def test_westergaard_partial_contact():
+    """p = 2 p_mean cos(psi)/sin^2(psi_a) sqrt(sin^2 psi_a - sin^2 psi), psi = pi x/lambda, sin^2 psi_a = p_mean/p*."""
+    pair, found, p_star = wavy(0.2)
+    m = 40
+    mean = integrate(pair.angle, found.p, 2) / (pair.angle[-1] - pair.angle[0])
+    psi = 0.5 * (np.mod(m * pair.angle + math.pi, 2 * math.pi) - math.pi)
+    share = mean / p_star
+    assert 0.05 < share < 0.95
+    exact = 2 * mean * np.cos(psi) / share * np.sqrt(np.maximum(share - np.sin(psi) ** 2, 0))
+    inside = np.sin(psi) ** 2 < 0.7 * share
+    assert found.p[inside] == pytest.approx(exact[inside], abs=0.03 * exact.max())
+    assert not (found.p > 0).all()
+
+
+def test_lame_ring_under_inner_pressure():
+    """a = .1, b = .2 m, p = 60 MPa inside, E = 200 GPa, nu = .3: u(a) = 5.90e-5, u(b) = 4.00e-5 m."""
+    from scipy.sparse.linalg import spsolve
+
+    from drumlin.fem.body import scalar_basis, stiffness
+    from drumlin.fem.interface import contact_line, couple, radial
+
+    mesh = closed(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
+    basis = scalar_basis(mesh)
+    K = stiffness(basis, {"body": (Material(E=200e9, nu=0.3), 0.02)}).tolil()
+    line = contact_line(basis, mesh.boundaries["contact"], 0.0)
+    coupling = couple(line, 0.02, radial(1))
+    f = np.zeros(2 * basis.N)
+    force = (coupling.N.T @ np.full(len(line.nodes), 60e6)).reshape(-1, 2)
+    f[2 * line.nodes], f[2 * line.nodes + 1] = force.T
+    x, y = basis.doflocs
+    # statically determinate supports of an axisymmetric state: on the axes nodes move along them only
+    on_x, on_y = np.flatnonzero(np.abs(y) < 1e-9), np.flatnonzero(np.abs(x) < 1e-9)
+    fixed = np.concatenate([2 * on_x + 1, 2 * on_y])
+    free = np.setdiff1d(np.arange(2 * basis.N), fixed)
+    u = np.zeros(2 * basis.N)
+    K = K.tocsc()
+    u[free] = spsolve(K[free][:, free].tocsc(), f[free])
+    radial_u = (u[0::2] * x + u[1::2] * y) / np.hypot(x, y)
+    r = np.hypot(x, y)
+    assert radial_u[r < 0.1 + 1e-9] == pytest.approx(np.full((r < 0.1 + 1e-9).sum(), 5.90e-5), rel=2e-4)
+    assert radial_u[r > 0.2 - 1e-9] == pytest.approx(np.full((r > 0.2 - 1e-9).sum(), 4.00e-5), rel=2e-4)

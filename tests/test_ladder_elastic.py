@@ -1,0 +1,92 @@
+"""Elasticity alone: a manufactured solution with its rates, and the singularity of a sharp sliding edge."""
+
+import math
+
+import numpy as np
+import pytest
+import skfem
+from scipy.sparse.linalg import spsolve
+
+from drumlin import contact
+from drumlin.brake import Material
+from drumlin.fem.body import scalar_basis, stiffness
+from pair import Pair, body, sector, towards
+
+KINDS = {
+    "quad2": (skfem.MeshQuad, skfem.MeshQuad2, 3),
+    "tri2": (skfem.MeshTri, skfem.MeshTri2, 3),
+    "quad1": (skfem.MeshQuad, None, 2),
+    "tri1": (skfem.MeshTri, None, 2),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
+    """u = (sin(pi x) sin(pi y), x y) with its body force: L2 error of order 3 (quadratic) or 2 (linear)."""
+    make, raise_, order = KINDS[kind]
+    E, nu = 1000.0, 0.3
+    lam, mu = E * nu / (1 - nu**2), E / (2 * (1 + nu))
+    pi = math.pi
+
+    def exact(x, y):
+        return np.array([np.sin(pi * x) * np.sin(pi * y), x * y])
+
+    def force(x, y):
+        # -div s for s = lam tr(e) I + 2 mu e
+        ss, cc = np.sin(pi * x) * np.sin(pi * y), np.cos(pi * x) * np.cos(pi * y)
+        return np.array([(lam + 2 * mu) * pi**2 * ss - (lam + mu) + mu * pi**2 * ss, -(lam + mu) * pi**2 * cc])
+
+    errors, sizes = [], (8, 16, 32)
+    for n in sizes:
+        x = np.linspace(0, 1, n + 1)
+        mesh = make.init_tensor(x, x**1.2)
+        if raise_ is not None:
+            mesh = raise_.from_mesh(mesh)
+        mesh = mesh.with_subdomains({"shoe": np.arange(mesh.nelements)})
+        basis = scalar_basis(mesh)
+        K = stiffness(basis, {"shoe": (Material(E=E, nu=nu), 1.0)})
+        points = np.asarray(basis.global_coordinates())
+        f = np.zeros((basis.N, 2))
+        for psi, dofs in zip(basis.basis, basis.element_dofs, strict=True):
+            for c, part in enumerate(force(*points)):
+                np.add.at(f[:, c], dofs, (psi[0] * part * basis.dx).sum(axis=1))
+        u = exact(*basis.doflocs).T.ravel()  # boundary values; the inside is solved for
+        edge = basis.get_dofs().flatten()
+        free = np.setdiff1d(np.arange(2 * basis.N), np.concatenate([2 * edge, 2 * edge + 1]))
+        held = np.setdiff1d(np.arange(2 * basis.N), free)
+        u[free] = spsolve(K[free][:, free].tocsc(), f.ravel()[free] - K[free][:, held] @ u[held])
+        found = np.array([np.asarray(basis.interpolate(u[c::2])) for c in (0, 1)])
+        errors.append(math.sqrt(float((((found - exact(*points)) ** 2).sum(axis=0) * basis.dx).sum())))
+    rate = -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    assert rate > order - 0.15
+    assert errors[-1] < (2e-4 if order == 3 else 5e-3)
+
+
+@pytest.fixture(scope="module")
+def strip():
+    """A strip, rigid at its back, sharp edges: elements shrink to 1e-7 of its thickness at its ends and face."""
+    thickness, half = 0.05, 0.1
+    fine = towards(1e-8, 1.35, half)
+    angles = np.concatenate([-half + fine, (half - fine)[::-1][1:]])
+    return thickness, Pair.of(
+        body(sector(angles, towards(1e-8, 1.35, thickness), 1.0, -1), Material(E=3e8, nu=0.3)), None
+    )
+
+
+@pytest.mark.parametrize(("mu", "exponent"), [(0.0, 1.0), (0.1, 0.887), (0.3, 0.7095), (0.5, 0.564)])
+def test_the_pressure_at_a_sharp_edge_that_the_drum_runs_onto_goes_as_r_to_lambda_minus_one(strip, mu, exponent):
+    """Plane stress, nu = 0.3, rigid drum (eigenvalues of the corner with sliding friction)."""
+    thickness, pair = strip
+    A = pair.pressed.T @ (pair.pressed + mu * pair.dragged)
+    n = len(pair.angle)
+    q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
+    found = contact.solve(contact.Problem(A, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)))
+    r = pair.angle - pair.angle[0]  # the drum moves along +phi, onto this end
+    near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)
+    assert near.sum() > 10
+    slope = np.polyfit(np.log(r[near]), np.log(found.p[near]), 1)[0]
+    assert slope == pytest.approx(exponent - 1, abs=0.01)
+    away = pair.angle[-1] - pair.angle
+    if mu:  # no singularity where the drum leaves
+        last = (away > 1e-5 * thickness) & (away < 3e-3 * thickness)
+        assert found.p[last].max() < 1.2 * np.median(found.p)

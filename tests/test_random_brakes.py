@@ -1,0 +1,122 @@
+"""A hundred random brakes: each ends converged or refused with a reason, whatever contact set it starts from."""
+
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from drumlin import contact
+from drumlin.brake import brake_from
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.model import contact_problem, respond
+from drumlin.fem.scene import prepare
+
+ROTATIONS = ("counter-clockwise", "clockwise")
+
+
+@st.composite
+def shoes(draw, R):
+    """A shoe for a drum of radius R as a brake file has it: lining rigid, backed or on an elastic arc."""
+
+    def between(low, high):
+        return draw(st.floats(low, high))
+
+    side = draw(st.sampled_from(["internal", "external"]))
+    inside, way, origin = side == "internal", draw(st.sampled_from([-1, 1])), between(-3, 3)
+    gap, arc = between(0.05, 0.4), between(0.4, 2.4)
+    start, end = sorted([origin + way * gap, origin + way * (gap + arc)])
+    far = origin + way * (gap + arc)
+    pin = R * (between(0.25, 0.95) if inside else between(1.05, 1.6))
+    load = R * (between(0.5, 1.0) if inside else between(1.0, 1.6))
+    gaps = st.floats(-2e-4, 1e-3).map(lambda g: g * R)
+    wide = st.floats(0.05, 0.3).map(lambda g: g * R)
+    table = st.lists(gaps, min_size=5, max_size=5).map(
+        lambda values: list(zip(np.linspace(start, end, 5).tolist(), values, strict=True))
+    )
+    shoe = {
+        "name": "shoe",
+        "side": side,
+        "hinge": {"radius": pin, "angle": origin},
+        "lining": {
+            "start": start,
+            "end": end,
+            "thickness": R * between(0.02, 0.12),
+            "width": R * between(0.1, 0.4),
+            "material": {"E": 10 ** between(7.7, 9.7), "nu": between(0, 0.45)},
+            "clearance": draw(st.one_of(st.just(0.0), gaps, table, wide)),
+        },
+        "actuation": {
+            "force": 10 ** between(2, 5),
+            "direction": far + (0 if inside else math.pi) + between(-0.9, 0.9),
+            "point": {"radius": load, "angle": far},
+        },
+    }
+    if draw(st.booleans()):
+        shoe["backing"] = {"thickness": R * between(0.02, 0.1), "material": {"E": 1e10, "nu": 0.3}}
+    if draw(st.integers(0, 3)):
+        shoe["body"] = {
+            "thickness": R * between(0.03, 0.25),
+            "width": R * between(0.1, 0.4),
+            "start": start - gap / 2,
+            "end": end + gap / 2,
+            "material": {"E": 10 ** between(9.7, 11.5), "nu": between(0, 0.45)},
+        }
+    return shoe
+
+
+@st.composite
+def brakes(draw):
+    R = draw(st.floats(0.05, 0.4))
+    return {
+        "title": "random",
+        "rotation": draw(st.sampled_from(ROTATIONS)),
+        "friction": draw(st.floats(0, 0.6)),
+        "drum": {"radius": R},
+        "shoe": [draw(shoes(R))],
+    }
+
+
+def test_a_hundred_random_brakes_end_converged_or_refused_with_a_reason():
+    ends, steps = Counter(), []
+
+    @settings(max_examples=100, suppress_health_check=list(HealthCheck))
+    @given(brakes(), st.integers(0, 1000), st.sampled_from([1e6, math.inf]))
+    def every(data, seed, penalty):
+        try:
+            brake = brake_from(data)
+            scene = prepare(brake, elements=24)
+            response = respond(scene, brake, penalty=penalty)
+        except (BadInput, NoAnswer) as refusal:
+            assert "\n" not in str(refusal)
+            assert any(why in str(refusal) for why in ("self-locking", "to touch", "touching", "no equilibrium"))
+            ends[type(refusal).__name__] += 1
+            return
+        assert response.converged
+        assert max(response.balance.force, response.balance.moment) <= 1e-8
+        assert response.iterations <= 15
+        steps.append(response.iterations)
+        if not response.shoes[0].contact_arcs:
+            ends["untouched"] += 1
+            return
+        ends[f"{len(response.shoes[0].contact_arcs)} arcs"] += 1
+        body = scene.bodies[0]
+        problem = contact_problem(scene, brake, [0], penalty)
+        rng = np.random.default_rng(seed)
+        found, other = (contact.solve(problem, start) for start in (None, rng.random(len(problem.q)) < 0.5))
+        w = (problem.q + problem.A @ found.p + problem.B @ found.y) / body.coupling.area
+        gap_scale = (
+            np.abs(problem.q / body.coupling.area).max() + np.abs(problem.A @ found.p / body.coupling.area).max()
+        )
+        assert found.p.min() >= 0
+        assert w.min() >= -1e-8 * gap_scale
+        assert (found.p * np.abs(w)).max() <= 1e-8 * found.p.max() * gap_scale
+        assert other.p == pytest.approx(found.p, rel=1e-6, abs=1e-8 * found.p.max())
+
+    every()
+    assert sum(ends.values()) >= 100
+    assert ends["1 arcs"] >= 20 and ends["2 arcs"] >= 3
+    assert ends["NoAnswer"] >= 1, ends  # the refusals are among the hundred
+    assert max(steps) > 1

@@ -1,0 +1,138 @@
+"""The elastic drum ring: thin-ring theory, limits, balance, coupling of the shoes."""
+
+import math
+
+import numpy as np
+import pytest
+
+from conftest import STUDY
+from drumlin.brake import read_brake, vary
+from drumlin.errors import BadInput
+from drumlin.fem.fields import fields, ring_fields
+from drumlin.fem.model import respond, solve
+from drumlin.fem.ring import ring_mesh
+from drumlin.fem.scene import prepare
+
+BRAKE = read_brake(STUDY / "brake.toml")
+
+
+def ringed(E=1.2e11, support="fixed", thickness=0.015, **changes):
+    ring = {"thickness": thickness, "width": 0.04, "material": {"E": E, "nu": 0.25}, "support": support}
+    return vary(BRAKE, {"drum.ring": ring, **changes})
+
+
+def test_the_mesh_is_the_whole_ring():
+    spec = ringed()
+    mesh = ring_mesh(spec.drum.ring, spec.drum.radius, spec.shoes, 20)
+    r = np.hypot(*mesh.doflocs)
+    assert (r.min(), r.max()) == pytest.approx((0.150, 0.165), rel=1e-12)
+    assert len(mesh.boundaries["contact"]) == len(mesh.boundaries["support"]) > 40
+    external = vary(spec, {"shoe.side": "external", "shoe.hinge": {"x": 0.05, "y": -0.2}})
+    r = np.hypot(*ring_mesh(external.drum.ring, 0.15, external.shoes, 20).doflocs)
+    assert (r.min(), r.max()) == pytest.approx((0.135, 0.150), rel=1e-12)
+
+
+@pytest.mark.parametrize("support", ["fixed", "free"])
+def test_a_stiff_ring_is_a_rigid_drum_and_the_difference_goes_as_one_over_E(support):
+    rigid = solve(BRAKE, elements=30).torque
+    off = [solve(ringed(E, support), elements=30).torque / rigid - 1 for E in (1.2e14, 1.2e15)]
+    assert abs(off[1]) < 1e-3
+    # what does not fall with E is the ring's own discretisation of the singular edges
+    assert abs(off[1]) < 0.2 * abs(off[0]) + 3e-6
+
+
+@pytest.mark.parametrize("support", ["fixed", "free"])
+def test_balance_symmetry_and_mirror_with_a_ring(support):
+    scene = prepare(ringed(support=support), elements=30)
+    one = respond(scene, ringed(support=support))
+    other = respond(scene, ringed(support=support, rotation="clockwise"))
+    assert max(one.balance.force, one.balance.moment) < 1e-9
+    assert one.torque == pytest.approx(other.torque, rel=1e-8)
+    assert one.shoes[0].torque == pytest.approx(other.shoes[1].torque, rel=1e-8)
+
+
+def test_shoes_meet_through_a_free_ring_and_not_through_a_rigid_drum():
+    strong = {"shoe[0].actuation.force": 3000.0}
+    scene, plain = prepare(ringed(support="free"), elements=20), prepare(BRAKE, elements=20)
+    for spec, prepared, felt in ((ringed(support="free"), scene, True), (BRAKE, plain, False)):
+        before = respond(prepared, spec).shoes[1].torque
+        after = respond(prepared, vary(spec, strong)).shoes[1].torque
+        assert (abs(after / before - 1) > 1e-3) == felt
+
+
+def test_a_thin_free_ring_bends_as_theory_says():
+    """Diametral pair of forces on a thin ring: shortening F R^3/(EI) (pi/4 - 2/pi) = .148778 and .136620 widening.
+
+    The pair is spread over short arcs of the friction surface; the linear response comes from the ring body alone.
+    """
+    R, width, E = 1.0, 0.04, 1.2e11
+    deviations = []
+    for share in (0.04, 0.02):
+        t = share * R
+        shoe = {
+            "side": "internal", "hinge": {"x": 0.0, "y": -0.5},
+            "lining": {"start": -0.02, "end": 0.02, "thickness": 0.01, "width": width,
+                       "material": {"E": 1e9, "nu": 0.0}},
+            "actuation": {"force": 1.0, "direction": 0.0, "point": {"x": 0.0, "y": 0.5}},
+        }  # fmt: skip
+        left = {**shoe, "lining": {**shoe["lining"], "start": math.pi - 0.02, "end": math.pi + 0.02}}
+        left["actuation"] = {"force": 1.0, "direction": math.pi, "point": {"x": 0.0, "y": 0.5}}
+        from drumlin.brake import brake_from
+
+        spec = brake_from(
+            {"title": "ring", "rotation": "clockwise", "friction": 0.3,
+             "drum": {"radius": R - 0.5 * t, "ring": {"thickness": t, "width": width,
+                      "material": {"E": E, "nu": 0.0}, "support": "free"}},
+             "shoe": [{**shoe, "name": "right"}, {**left, "name": "left"}]}
+        )  # fmt: skip
+        scene = prepare(spec, elements=4)
+        ring, bodies = scene.ring, scene.bodies
+        areas = [body.coupling.area for body in bodies]
+        p = [np.full(len(a), 1.0 / a.sum()) for a in areas]  # one newton on each side
+        opening = [float(p[i] @ ring.pressed[i].T @ sum(ring.pressed[j] @ p[j] for j in (0, 1))) for i in (0, 1)]
+        EI = E * width * t**3 / 12
+        # the mean radial displacement under each force, outwards
+        expected = 0.5 * (math.pi / 4 - 2 / math.pi) * R**3 / EI
+        deviations.append(sum(opening) / 2 / expected - 1)
+    assert abs(deviations[1]) < 0.01
+    assert abs(deviations[1]) < abs(deviations[0])
+
+
+def test_it_is_said_that_no_ring_was_left_out():
+    assert any("no [drum.ring]" in line for line in solve(BRAKE, elements=10).left_out)
+    assert not any("no [drum.ring]" in line for line in solve(ringed(), elements=10).left_out)
+
+
+def test_shoes_on_both_sides_of_one_ring_are_refused():
+    spec = ringed(**{"shoe[1].side": "external", "shoe[1].hinge": {"x": -0.05, "y": -0.2}})
+    with pytest.raises(BadInput, match="inside and outside"):
+        solve(spec)
+
+
+def test_a_scene_with_another_ring_is_refused():
+    scene = prepare(ringed(), elements=10)
+    with pytest.raises(BadInput, match="ring"):
+        respond(scene, ringed(E=1e12))
+
+
+@pytest.mark.parametrize("support", ["fixed", "free"])
+def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
+    """Recovered inside both bodies on their own meshes, the normal displacements agree where there is contact."""
+    spec = ringed(support=support)
+    scene = prepare(spec, elements=60)
+    response = respond(scene, spec)
+    lining, ring = fields(scene, spec, response, 1), ring_fields(scene, spec, response)
+    touching = lining.pressure > 0.05 * lining.pressure.max()
+    surface = np.hypot(*ring.points.T) < 0.150 + 1e-9
+
+    def outwards(part, where):
+        angle = np.mod(np.arctan2(part.points[where, 1], part.points[where, 0]), 2 * math.pi)
+        return angle, np.einsum("ij,ij->i", part.displacement[where], part.points[where]) / 0.150
+
+    angle, mine = outwards(lining, touching)
+    theirs = np.interp(angle, *zip(*sorted(zip(*outwards(ring, surface), strict=True)), strict=True))
+    compression = response.shoes[1].peak_pressure * 0.008 / 3e8
+    assert np.abs(mine - theirs).max() < 2e-3 * compression
+    if support == "free":  # the rim's mean motion is zero
+        far = np.hypot(*ring.points.T) > 0.165 - 1e-9
+        assert np.abs(ring.displacement[far].mean(axis=0)).max() < 0.05 * np.abs(ring.displacement).max()

@@ -1,0 +1,242 @@
+"""Stick and slip from below: five friction states, directions, energy over a loop, tangents, the holding brake."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from conftest import STUDY
+from drumlin import stickslip
+from drumlin.brake import read_brake, vary
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.holding import as_dict, full_slip_rotation, hold, holding_problem, turned
+from drumlin.fem.interface import ContactLine, couple
+from drumlin.fem.model import respond
+from drumlin.fem.scene import prepare
+from drumlin.stickslip import BACKWARD, FORWARD, OPEN, STICK, History, Problem
+
+BRAKE = read_brake(STUDY / "brake.toml")
+SCENE = prepare(BRAKE, elements=30)
+
+
+def spring(push, shift, stiffness=100.0, penalty=0.0):
+    """One node on a normal and a tangential spring, pushed by -push against the drum that has moved by `shift`."""
+    one, none = np.ones((1, 1)), np.zeros((1, 1))
+    return Problem(
+        A_wp=one / stiffness, A_wt=none, A_sp=none, A_st=-one / stiffness,
+        B_w=np.zeros((1, 0)), B_s=np.zeros((1, 0)), C_p=np.zeros((0, 1)), C_t=np.zeros((0, 1)),
+        q_w=np.array([-push / stiffness]), q_s=np.array([shift]), h=np.zeros(0), Q=penalty * one,
+    )  # fmt: skip
+
+
+REST = History(np.zeros(1), np.zeros(1))
+
+
+@pytest.mark.parametrize(
+    ("mu", "shift", "state", "t"),
+    [
+        (0.0, 0.05, FORWARD, 0.0),  # no friction
+        (math.inf, 0.05, STICK, 5.0),  # no slip at all
+        (0.5, 0.05, STICK, 5.0),  # just at the limit mu p = 5
+        (0.5, 0.20, FORWARD, 5.0),  # slip
+        (0.5, 0.02, STICK, 2.0),  # stick
+        (0.5, -0.20, BACKWARD, -5.0),  # slip the other way
+    ],
+)
+def test_friction_states_of_one_node_are_exact(mu, shift, state, t):
+    found = stickslip.solve(spring(10.0, shift), mu if mu < math.inf else 1e300, REST, np.array([STICK]))
+    assert found.p[0] == pytest.approx(10.0, rel=1e-14)
+    assert found.t[0] == pytest.approx(t, rel=1e-12, abs=1e-12)
+    if mu:
+        assert found.state[0] == state
+
+
+def test_an_open_node_carries_nothing():
+    found = stickslip.solve(spring(-3.0, 0.2), 0.5, REST, np.array([STICK]))
+    assert (found.p[0], found.t[0], found.state[0]) == (0, 0, OPEN)
+
+
+def test_a_tangential_penalty_is_an_elastic_slip():
+    """Series springs: with compliance Q beside 1/k a shift of 0.02 gives t = 0.02/(1/k + Q)."""
+    found = stickslip.solve(spring(10.0, 0.02, penalty=0.01), 0.5, REST, np.array([STICK]))
+    assert found.t[0] == pytest.approx(0.02 / 0.02, rel=1e-12)
+
+
+def test_a_closed_loop_dissipates_its_area():
+    """Forth and back beyond the limit: the dissipated energy is the loop's area, 4 mu p (shift - mu p/k)."""
+    mu, push, k, top = 0.5, 10.0, 100.0, 0.2
+    path = np.concatenate([np.linspace(0, top, 41), np.linspace(top, -top, 81), np.linspace(-top, top, 81)])
+    history, state = REST, np.array([STICK])
+    work = dissipated = 0.0
+    previous, states = (0.0, 0.0), set()
+    for k_step, shift in enumerate(path):
+        found = stickslip.solve(spring(push, shift, k), mu, history, state)
+        if k_step > 40:  # the closed part: from top to top
+            work += 0.5 * (found.t[0] + previous[1]) * (shift - previous[0])
+            dissipated += found.t[0] * (found.s[0] - history.s[0])
+        history, state, previous = found.history, found.state, (shift, found.t[0])
+        states.add(int(found.state[0]))
+    assert states == {STICK, FORWARD, BACKWARD}
+    assert dissipated == pytest.approx(4 * mu * push * (top - mu * push / k), rel=1e-9)
+    assert work == pytest.approx(dissipated, rel=0.02)  # trapezoids cut the loop's corners
+
+
+def test_solving_twice_changes_nothing():
+    """History is an input: a second evaluation gives the same answer and leaves the history as it was."""
+    history = History(np.array([1.0]), np.array([0.01]))
+    a = stickslip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
+    b = stickslip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
+    assert (a.t, a.s) == (b.t, b.s)
+    assert (history.t[0], history.s[0]) == (1.0, 0.01)
+
+
+@given(st.integers(0, 500))
+def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_differences(seed):
+    """Open, stick and slip together: residuals vanish, and p, t move with the load as their linear equations say."""
+    problem, lever = holding_problem(SCENE, BRAKE, [seed % 2], 1e4)
+    rng = np.random.default_rng(seed)
+    rotation = 10 ** rng.uniform(-5.5, -3.5)
+    n = len(lever)
+    rest = History(np.zeros(n), np.zeros(n))
+    mu = 0.3
+    found = stickslip.solve(problem, mu, rest, np.full(n, STICK))
+    for found_next in turned(problem, lever / 2000.0, mu, found, 0.0, rotation):
+        before, state, found = found.history, found.state, found_next
+    moved = problem._replace(q_s=problem.q_s + lever * rotation / 2000.0)
+    assert (np.abs(found.t) <= mu * found.p + 1e-8 * found.p.max()).all()
+    slip = found.s - before.s - problem.Q @ (found.t - before.t)
+    sticks = found.state == STICK
+    assert np.abs(slip[sticks]).max(initial=0) < 1e-9 * np.abs(found.s).max()
+    assert (found.t * slip >= -1e-9 * np.abs(found.t).max() * np.abs(found.s).max()).all()  # friction dissipates
+    step = 1e-6 * rotation
+    nearby = stickslip.solve(moved._replace(q_s=moved.q_s + lever * step / 2000.0), mu, before, state)
+    if np.array_equal(nearby.state, found.state):  # linear within one set of states: twice the step, twice the change
+        again = stickslip.solve(moved._replace(q_s=moved.q_s + 2 * lever * step / 2000.0), mu, before, state)
+        if np.array_equal(again.state, found.state):
+            change = np.abs(found.t).max()
+            assert again.t - nearby.t == pytest.approx(nearby.t - found.t, abs=1e-9 * change)
+
+
+def test_direction_of_friction_on_a_wedge():
+    """NAFEMS CGS-4: a wedge of tan a = .1 pushed up with mu = .3: F/G = (tan a + mu)/(1 - mu tan a) = .412371."""
+    slope, mu = math.atan(0.1), 0.3
+    x = np.linspace(0, 1, 5)
+    line = ContactLine(
+        np.arange(5), np.array([x * math.cos(slope), x * math.sin(slope)]), x, np.array([[0, 2], [1, 3], [2, 4]])
+    )
+    down = np.array([math.sin(slope), -math.cos(slope)])  # outward normal of the block, into the wedge
+    up = np.array([math.cos(slope), math.sin(slope)])  # the way the block moves
+
+    def directions(points):
+        shape = (2, *([1] * (points.ndim - 1)))
+        return down.reshape(shape) * np.ones_like(points), -up.reshape(shape) * np.ones_like(points)
+
+    coupling = couple(line, 1.0, directions)
+    p = np.full(5, 7.0)
+    on_block = (-coupling.N.T @ p + mu * coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
+    F, G = -on_block[0], on_block[1]  # the push balances the horizontal part, the weight the vertical one
+    assert pytest.approx(0.412371, abs=5e-7) == F / G
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.4, 1.1])
+def test_flat_patch_whole_and_inclined(turned):
+    """A strip pressed evenly on a plane at any inclination: even pressure to round-off, with its resultant."""
+    import skfem
+
+    from drumlin import contact
+    from drumlin.brake import Material
+    from drumlin.fem.body import condense, scalar_basis, stiffness, tie
+    from drumlin.fem.interface import contact_line
+
+    grid = skfem.MeshQuad.init_tensor(np.array([0, 0.3, 1.1, 2.0]), np.array([0, 0.4, 0.5, 1.0]))
+    middle = grid.p[:, grid.facets].mean(axis=1)
+    mesh = skfem.MeshQuad2.from_mesh(grid)
+    x, y = mesh.doflocs
+    c, s = math.cos(turned), math.sin(turned)
+    mesh = skfem.MeshQuad2(
+        np.array([c * x - s * y, s * x + c * y]) + np.array([[3.0], [1.0]]),
+        mesh.t,
+        _subdomains={"body": np.arange(mesh.nelements)},
+        _boundaries={"contact": np.flatnonzero(middle[1] < 1e-12), "support": np.flatnonzero(middle[1] > 1 - 1e-12)},
+    )
+    basis = scalar_basis(mesh)
+    line = contact_line(basis, mesh.boundaries["contact"], math.atan2(1.0, 3.0))
+    normal = np.array([s, -c])
+    top = basis.get_dofs(mesh.boundaries["support"]).flatten()
+    # nu = 0 and a rigid top: pressing by a distance strains the strip evenly
+    K = stiffness(basis, {"body": (Material(E=2e6, nu=0.0), 1.0)})
+    condensed = condense(
+        K, ties := tie(basis, line.nodes, top, np.zeros(2)), np.zeros((ties.shape[1], 0)), 2 * len(line.nodes)
+    )
+
+    def directions(points):
+        shape = (2, *([1] * (points.ndim - 1)))
+        return normal.reshape(shape) * np.ones_like(points), np.array([c, s]).reshape(shape) * np.ones_like(points)
+
+    coupling = couple(line, 1.0, directions)
+    Y = condensed.half(-coupling.N.T) / np.sqrt(condensed.D_c)[:, None]
+    depth = 0.05  # strain -.05 of the strip of height 1: s = -1e5
+    n = len(line.nodes)
+    problem = contact.Problem(Y.T @ Y, coupling.M @ np.full(n, -depth), np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
+    found = contact.solve(problem)
+    assert found.p == pytest.approx(np.full(n, 1e5), rel=1e-10)
+
+
+def test_a_holding_brake_saturates_at_its_full_slip_torque():
+    end = full_slip_rotation(SCENE, BRAKE)
+    states = hold(SCENE, BRAKE, np.linspace(0, end, 13))
+    torques = np.array([state.torque for state in states])
+    assert abs(torques[0]) < 1e-9 * torques[-1]  # at rest both shoes balance by symmetry
+    assert (np.diff(torques) > 0).all()
+    assert states[0].sticking > 0.1
+    assert 0 < states[6].sticking < states[1].sticking
+    assert states[-1].sticking == 0
+    full = respond(SCENE, BRAKE)
+    assert torques[-1] == pytest.approx(full.torque, rel=1e-9)
+    for mine, theirs in zip(states[-1].pressure, full.shoes, strict=True):
+        assert mine == pytest.approx(theirs.pressure, rel=1e-6, abs=1e-7 * theirs.pressure.max())
+    middle = states[6]
+    assert any(middle.stick) and all(middle.slip)
+    assert np.diff([state.dissipated for state in states]).min() > 0
+    data = as_dict(states)
+    assert {"stick", "slip"} <= set(data[6]["shoes"][1]["state"])
+
+
+def test_more_increments_change_little_and_turning_on_changes_nothing_more():
+    end = full_slip_rotation(SCENE, BRAKE)
+    coarse = hold(SCENE, BRAKE, np.linspace(0, 0.5 * end, 5))[-1].torque
+    fine = hold(SCENE, BRAKE, np.linspace(0, 0.5 * end, 33))[-1].torque
+    assert coarse == pytest.approx(fine, rel=0.02)
+    beyond = hold(SCENE, BRAKE, np.array([0.0, end, 2 * end]))
+    assert beyond[2].torque == pytest.approx(beyond[1].torque, rel=1e-9)
+
+
+def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
+    """Forth to full slip and back: over a closed cycle of the drum what goes in is dissipated."""
+    end = full_slip_rotation(SCENE, BRAKE)
+    there, back = np.linspace(0, 2 * end, 25), np.linspace(2 * end, -2 * end, 97)[1:]
+    states = hold(SCENE, BRAKE, np.concatenate([there, back, np.linspace(-2 * end, 2 * end, 97)[1:]]))
+    loop = states[24:]
+    rotation, torque = (np.array([getattr(state, name) for state in loop]) for name in ("rotation", "torque"))
+    work = float(np.trapezoid(torque, rotation))
+    dissipated = loop[-1].dissipated - loop[0].dissipated
+    assert torque.min() < 0 < torque.max()
+    assert loop[-1].torque == pytest.approx(loop[0].torque, rel=1e-6)
+    assert dissipated == pytest.approx(work, rel=0.03)  # trapezoids of both
+
+
+def test_refusals():
+    with pytest.raises(BadInput, match="friction = 0"):
+        hold(SCENE, vary(BRAKE, {"friction": 0.0}), np.array([0.0]))
+    with pytest.raises(NoAnswer, match="does not touch"):
+        hold(SCENE, vary(BRAKE, {"shoe[1].actuation.force": -1.0}), np.array([0.0]))
+
+
+def test_a_ring_takes_part_in_holding():
+    ring = {"thickness": 0.015, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": "fixed"}
+    spec = vary(BRAKE, {"drum.ring": ring})
+    scene = prepare(spec, elements=20)
+    states = hold(scene, spec, np.linspace(0, full_slip_rotation(scene, spec), 4))
+    assert states[-1].torque == pytest.approx(respond(scene, spec).torque, rel=1e-9)
