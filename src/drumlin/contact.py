@@ -24,6 +24,7 @@ from drumlin.arrays import Bools, Floats, Ints
 from drumlin.errors import NoAnswer
 
 MOST_STEPS = 120  # a brake that has an answer needs some ten
+FAR = 4  # a set in which more than one node in so many is wrong is far off
 PATIENCE = 5  # steps in which all wrong nodes change at once without becoming fewer
 SMALL = 48  # nodes below which a contact set is not guessed from a coarser problem
 SLACK = 1e-12  # relative: a pressure or gap below it is round-off, and does not change the contact set
@@ -58,11 +59,12 @@ class Contact:
 
 
 def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) -> Contact:
-    """Solve a contact problem from the contact set `start` (that of `coarse_start` if None) in at most `most` steps.
+    """Solve a contact problem from the contact set `start` in at most `most` steps.
+
+    Without a start all nodes are tried, and where that is far off the set of `coarse_start` next.
 
     Raises NoAnswer where no contact set is consistent: nothing balances the actuation, or not converged.
     """
-    active = coarse_start(problem) if start is None else start.copy()
     A, q, B, C, h = problem
     n, k = B.shape
     # Equilibrate: unit diagonal of A, unit columns of B and rows of C. Signs, and so the answer, stay.
@@ -73,6 +75,7 @@ def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) 
     A, q, B = d[:, None] * A * d, d * q, d[:, None] * B * column
     C, h = row[:, None] * C * d, row * h
 
+    active = np.ones(n, dtype=bool) if start is None else start.copy()
     fewest, patience = n + 1, PATIENCE
     base: _Equations | None = None
     for step in range(1, most + 1):
@@ -100,9 +103,10 @@ def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) 
             )
         wrong = np.count_nonzero(change)
         fewest, patience = (wrong, PATIENCE) if wrong < fewest else (fewest, patience - 1)
-        if (
-            patience < 0
-        ):  # perhaps a cycle: exchange the last wrong node only, which cannot cycle, until fewer are wrong
+        if start is None and step == 1 and FAR * wrong > n:
+            active = coarse_start(problem)
+            continue
+        if patience < 0:  # perhaps a cycle: exchange the last wrong node alone, until fewer are wrong
             change = np.arange(n) == np.flatnonzero(change)[-1]
         active = active ^ change
     raise NoAnswer(f"not converged: the contact set still changes after {most} steps")

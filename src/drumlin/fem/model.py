@@ -129,6 +129,8 @@ def contact_problem(scene: Scene, brake: Brake, group: list[int], penalty: float
     """
     size = unit_force(brake, group)
     parts = [_shoe_problem(scene.bodies[i], brake, brake.shoes[i], penalty, size) for i in group]
+    if scene.ring is None and len(parts) == 1:
+        return parts[0]
     A = scipy.linalg.block_diag(*(part.A for part in parts))
     if scene.ring is not None:
         drag = brake.friction * brake.spin
