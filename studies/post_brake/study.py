@@ -517,7 +517,7 @@ def sections(result: Result, table: list[dict[str, Any]], picture: Figure | Text
             "Where each model holds",
             [
                 Table(result.assumptions, ASSUMPTIONS, "From a brake that meets the assumptions of the foundation model, each left in turn. Error of the torque of the worst shoe against the finite elements."),
-                Figure(folder / "map.svg", "Error [%] of the torque of the worst shoe against the finite elements over the two groups that govern the foundation model: k R⁴/EI of the beam and of the ring, with k = b/(t/E of lining + t/E of block). Square: this brake. Top: a soft lining on a stiff block, where the springs are springs; bottom: the layers of this brake, where the wooden block shears."),
+                Figure(folder / "map.svg", "Error [%] of the torque of the worst shoe against the finite elements over the two groups that govern the foundation model: k R⁴/EI of the beam and of the ring, with k = b/(t/E of lining + t/E of block). Square: the posts and rim of this brake. Top: with a soft lining on a stiff block, where the springs are springs; bottom: with its own layers, where the wooden block shears. The place in a map holds for this geometry, linings of 80 deg and both shoes together."),
             ],
         ),
         Section(
