@@ -1,0 +1,19 @@
+"""The verification study on its short setting."""
+
+from drumlin.studies import load
+
+
+def test_orders_and_estimates(tmp_path):
+    module, _ = load("verification")
+    result = module.study(short=True)
+    assert len(result.orders) == 2 * 4 * 3
+    assert len(result.estimates) == 2 * 2
+    whole = [row for row in result.orders if row["case"] == "whole lining in contact"]
+    errors = {row["kind"]: row["pressure"] for row in whole if row["elements"] == 40}
+    assert errors["quad2"] < errors["quad1"] < errors["tri1"]
+    for row in result.estimates:
+        assert row["status"].startswith("converged")
+        assert row["estimate"] <= row["tolerance"]
+        assert row["true"] < 1.5 * row["tolerance"]
+    text = module.report(result, tmp_path).read_text()
+    assert "Observed orders" in text and "estimate over truth" in text
