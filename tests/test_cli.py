@@ -54,6 +54,8 @@ REFUSED = {
     "bad penalty": (["--penalty", "soft"], None, 2, "--penalty = 'soft'"),
     "negative penalty": (["--penalty", "-1"], None, 2, "greater than 0"),
     "no elements": (["--elements", "0"], None, 2, "--elements = 0"),
+    "lift for a law": (["--model", "sine", "--lift", "tilt"], None, 2, "belong to --model foundation, not to 'sine'"),
+    "foundation of an arc": (["--model", "foundation"], None, 2, "not a straight beam"),
     "unknown kind": (["--kind", "hex8"], None, 2, "allowed: quad2, quad1, tri2, tri1"),
     "kind for a law": (["--model", "sine", "--kind", "tri2"], None, 2, "belong to --model fem"),
     "elements for a law": (["--model", "sine", "--elements", "9"], None, 2, "belong to --model fem"),

@@ -17,16 +17,19 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Discriminator,
     Field,
     PlainValidator,
+    Tag,
     ValidationError,
     ValidationInfo,
     model_validator,
 )
 
 from drumlin.arrays import Floats
+from drumlin.beam import axis_of
 from drumlin.errors import BadInput
-from drumlin.units import deg, mm, to_si
+from drumlin.units import EXAMPLES, NAMES, deg, mm, to_si
 
 LARGEST_FILE = 1_000_000  # bytes; a brake file has a few thousand
 
@@ -51,6 +54,7 @@ Thickness = Annotated[float, Field(gt=0), _quantity("m")]
 Angle = Annotated[float, _quantity("rad")]
 Force = Annotated[float, _quantity("N")]
 Modulus = Annotated[float, Field(gt=0), _quantity("Pa")]
+BendingStiffness = Annotated[float, Field(gt=0), _quantity("N m^2")]
 Name = Annotated[str, Field(min_length=1, max_length=80)]
 
 
@@ -117,13 +121,60 @@ def _from_polar(data: object, info: ValidationInfo) -> object:
 Place = Annotated[Point, BeforeValidator(_from_polar)]
 
 
-class Ring(Part):
-    """The elastic rim of the drum, behind its friction surface as seen from the shoe."""
+class Section(NamedTuple):
+    """A rectangular section: thickness in the brake's plane and width across it [m], and its material."""
 
-    thickness: Thickness
-    width: Thickness
+    thickness: float
+    width: float
     material: Material
+
+    @property
+    def bending_stiffness(self) -> float:
+        """EI [N m^2]."""
+        return self.material.E * self.width * self.thickness**3 / 12
+
+
+def _section(part: "Ring | Beam", EI: float | None) -> Section | None:
+    """The section of a ring or beam; its width is such that it bends with `EI` where that is given."""
+    if part.thickness is None or part.width is None or part.material is None:
+        return None
+    section = Section(part.thickness, part.width, part.material)
+    return section if EI is None else section._replace(width=section.width * EI / section.bending_stiffness)
+
+
+def _check_section(part: "Ring | Beam") -> None:
+    given = [key for key in ("thickness", "width", "material") if getattr(part, key) is not None]
+    if len(given) < 3 and (given or part.bending_stiffness is None):
+        raise ValueError("needs thickness, width and material, or bending_stiffness, or all four")
+
+
+class Ring(Part):
+    """The elastic rim of the drum, behind its friction surface as seen from the shoe.
+
+    Its section, or its `bending_stiffness` EI [N m^2] alone, or both: then the section bends with this EI.
+    """
+
+    thickness: Thickness | None = None
+    width: Thickness | None = None
+    material: Material | None = None
+    bending_stiffness: BendingStiffness | None = None
     support: Literal["fixed", "free"] = "fixed"
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        _check_section(self)
+        return self
+
+    @property
+    def section(self) -> Section | None:
+        """The section, of a width that gives the bending stiffness; None where the file has only that."""
+        return _section(self, self.bending_stiffness)
+
+    @property
+    def EI(self) -> float:
+        """Bending stiffness [N m^2]."""
+        section = self.section
+        return section.bending_stiffness if section else float(self.bending_stiffness or 0.0)
 
 
 class Drum(Part):
@@ -133,21 +184,39 @@ class Drum(Part):
     ring: Ring | None = None
 
 
-def _read_clearance(value: object, info: ValidationInfo) -> float | tuple[tuple[float, float], ...]:
-    if not isinstance(value, list | tuple):
-        return _si(value, "m", info)
-    rows = []
-    for row in value:
-        if not isinstance(row, list | tuple) or len(row) != 2:
-            raise ValueError('must be a length or rows like ["30 deg", "0.1 mm"]')
-        rows.append((_si(row[0], "rad", info, "angle"), _si(row[1], "m", info, "clearance")))
-    angles = [row[0] for row in rows]
-    if len(rows) < 2 or any(b <= a for a, b in pairwise(angles)):
-        raise ValueError("the table needs at least two rows, with growing angles")
-    return tuple(rows)
+Rows = tuple[tuple[float, float], ...]
 
 
-Clearance = Annotated[float | tuple[tuple[float, float], ...], PlainValidator(_read_clearance)]
+def _number_or_table(place: str, place_si: str, name: str, si: str) -> PlainValidator:
+    """One value, or a table of (place, value) with straight lines between; for the words of a refusal: names."""
+
+    def read(value: object, info: ValidationInfo) -> float | Rows:
+        if not isinstance(value, list | tuple):
+            return _si(value, si, info)
+        rows = []
+        for row in value:
+            if not isinstance(row, list | tuple) or len(row) != 2:
+                raise ValueError(f'must be {NAMES[si]} or rows like ["{EXAMPLES[place_si]}", "{EXAMPLES[si]}"]')
+            rows.append((_si(row[0], place_si, info, place), _si(row[1], si, info, name)))
+        places = [row[0] for row in rows]
+        if len(rows) < 2 or any(b <= a for a, b in pairwise(places)):
+            raise ValueError(f"the table needs at least two rows, with growing {place}s")
+        return tuple(rows)
+
+    return PlainValidator(read)
+
+
+def _at(values: float | Rows, places: Floats) -> Floats:
+    """A number or table at `places`, same shape."""
+    if isinstance(values, tuple):
+        at, value = zip(*values, strict=True)
+        return np.interp(places, at, value)
+    return np.full(np.shape(places), values)
+
+
+StiffnessAlong = Annotated[float | Rows, _number_or_table("distance", "m", "bending stiffness", "N m^2")]
+OffsetAlong = Annotated[float | Rows, _number_or_table("distance", "m", "offset", "m")]
+Clearance = Annotated[float | Rows, _number_or_table("angle", "rad", "clearance", "m")]
 
 
 class Lining(Part):
@@ -174,14 +243,14 @@ class Lining(Part):
 
     def clearance_at(self, theta: Floats) -> Floats:
         """Clearance [m] at the angles `theta` [rad], same shape."""
-        if isinstance(self.clearance, tuple):
-            angles, gaps = zip(*self.clearance, strict=True)
-            return np.interp(theta, angles, gaps)
-        return np.full(np.shape(theta), self.clearance)
+        return _at(self.clearance, theta)
 
 
 class Backing(Part):
-    """A layer between lining and shoe body, over the lining's arc and width (the wooden block)."""
+    """A layer between lining and shoe body, over the lining's arc and width (the wooden block).
+
+    Meshed behind a straight beam it is the block that fills the space up to the beam, whatever its thickness.
+    """
 
     thickness: Thickness
     material: Material
@@ -196,6 +265,67 @@ class Body(Part):
     start: Angle
     end: Angle
     material: Material
+
+    @property
+    def section(self) -> Section:
+        """The section."""
+        return Section(self.thickness, self.width, self.material)
+
+
+class Beam(Part):
+    """The elastic shoe as a straight beam: its axis runs from the hinge to the point of the actuation.
+
+    Its section, or its `bending_stiffness` EI [N m^2], one value or a table over the distance from the hinge, or
+    both: then the section bends with this EI. `offset` [m]: where the neutral axis is weakly curved, a table over
+    the distance from the hinge of how far it lies behind the straight line, away from the drum.
+    """
+
+    shape: Literal["beam"]
+    thickness: Thickness | None = None
+    width: Thickness | None = None
+    material: Material | None = None
+    bending_stiffness: StiffnessAlong | None = None
+    offset: OffsetAlong = 0.0
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        _check_section(self)
+        EI = self.bending_stiffness
+        if EI is not None and min([value for _, value in EI] if isinstance(EI, tuple) else [EI]) <= 0:
+            raise ValueError("bending_stiffness: must be greater than 0")
+        if float(_at(self.offset, np.zeros(1))[0]) != 0:
+            raise ValueError('offset: must be a table that starts with 0 at the hinge, such as [["0 m", "0 mm"], ...]')
+        return self
+
+    @property
+    def section(self) -> Section | None:
+        """The section, of a width that gives the bending stiffness; None where that varies or stands alone."""
+        EI = self.bending_stiffness
+        return None if isinstance(EI, tuple) else _section(self, EI)
+
+    def bending_stiffness_at(self, x: Floats) -> Floats:
+        """EI [N m^2] at the distances x [m] from the hinge, same shape."""
+        if self.bending_stiffness is not None:
+            return _at(self.bending_stiffness, x)
+        section = self.section
+        assert section is not None  # checked at the door
+        return np.full(np.shape(x), section.bending_stiffness)
+
+    def offset_at(self, x: Floats) -> Floats:
+        """Offset of the neutral axis [m] at the distances x [m] from the hinge, same shape."""
+        return _at(self.offset, x)
+
+
+def _shape(data: object) -> str:
+    return str(data.get("shape", "arc")) if isinstance(data, Mapping) else getattr(data, "shape", "arc")
+
+
+AnyBody = Annotated[
+    Annotated[Body, Tag("arc")] | Annotated[Beam, Tag("beam")],
+    Discriminator(
+        _shape, custom_error_type="shape", custom_error_message='shape: must be "arc" (the default) or "beam"'
+    ),
+]
 
 
 class Actuation(Part):
@@ -265,7 +395,7 @@ class Shoe(Part):
     pivot: Place | None = None
     lining: Lining
     backing: Backing | None = None
-    body: Body | None = None
+    body: AnyBody | None = None
     actuation: Actuation
     mesh: Path | None = None
     mesh_unit: Literal["m", "mm"] = "m"
@@ -282,7 +412,7 @@ class Shoe(Part):
         return (
             self.lining.thickness
             + (self.backing.thickness if self.backing else 0.0)
-            + (self.body.thickness if self.body else 0.0)
+            + ((self.body.thickness or 0.0) if self.body else 0.0)
         )
 
     @property
@@ -340,7 +470,9 @@ def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
             f"must be less than drum.radius = {mm(radius)}"
         )
     body, lining = shoe.body, shoe.lining
-    if body is None:
+    if isinstance(body, Beam):
+        _check_beam(key, shoe, radius)
+    if not isinstance(body, Body):
         return
     if not 0 < body.end - body.start < 2 * math.pi:
         raise ValueError(
@@ -352,6 +484,27 @@ def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
         raise ValueError(
             f"{key}.lining = {deg(lining.start)} to {deg(lining.end)}: must lie within the body, "
             f"{deg(body.start)} to {deg(body.end)}"
+        )
+
+
+def _check_beam(key: str, shoe: Shoe, radius: float) -> None:
+    said = f'{key}.body.shape = "beam"'
+    if shoe.sign > 0 or shoe.pivot is not None:
+        raise ValueError(f"{said}: only for an external shoe that turns about its hinge")
+    if math.dist(shoe.actuation.point.xy, shoe.hinge.xy) < 1e-6 * radius:
+        raise ValueError(f"{said}: the actuation's point is the beam's loaded end and must not be the hinge")
+    axis = axis_of(shoe.hinge.xy, shoe.actuation.point.xy)
+    if axis.distance <= radius:
+        raise ValueError(
+            f"{said}: the line from the hinge to the actuation's point passes {mm(axis.distance)} from "
+            f"the drum's centre; must be more than drum.radius = {mm(radius)}"
+        )
+    ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
+    x = axis.foot + radius * np.sin(ends)
+    if np.abs(ends).max() >= 0.5 * math.pi or x.min() < 0 or x.max() > axis.length:
+        raise ValueError(
+            f"{key}.lining = {deg(shoe.lining.start)} to {deg(shoe.lining.end)}: must lie between the beam's ends "
+            "and less than 90 deg from where the beam is nearest to the drum"
         )
 
 
@@ -370,6 +523,8 @@ def _line(error: ValidationError, data: Any) -> str:
     fault = error.errors()[0]
     key = ""
     for step in fault["loc"]:
+        if step in {"arc", "beam"}:  # which kind of body: no key of the file
+            continue
         key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
         try:
             data = data[step]

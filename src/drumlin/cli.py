@@ -29,6 +29,10 @@ BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake
 Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
 Kind = Annotated[str | None, typer.Option(metavar="quad2|quad1|tri2|tri1", help="kind of the parametric mesh")]
 Penalty = Annotated[str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")]
+OPTIONS = {  # model -> its own options
+    "fem": ("elements", "kind", "penalty", "tolerance"),
+    "foundation": ("sections", "lift"),
+}
 
 
 def _options(elements: int | None, *, kind: str | None = None, penalty: str | None = None) -> dict[str, Any]:
@@ -54,6 +58,10 @@ def solve(
     tolerance: Annotated[
         float | None, typer.Option(help="refine until the estimated errors of p (L2) and torque are below it")
     ] = None,
+    sections: Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")] = None,
+    lift: Annotated[
+        list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
+    ] = None,
 ) -> None:
     """Solve a brake by one model."""
     from drumlin.files import write_text
@@ -63,8 +71,11 @@ def solve(
     brake = read_any(brake_file)
     options = _options(elements, kind=kind, penalty=penalty) | ({} if tolerance is None else {"tolerance": tolerance})
     chosen = pick(model, brake)
-    if options and model != "fem":
-        raise BadInput(f"--elements, --kind, --penalty and --tolerance belong to --model fem, not to {model!r}")
+    options |= {name: value for name, value in (("sections", sections), ("lift", lift)) if value is not None}
+    for owner, names in OPTIONS.items():
+        if model != owner and set(names) & set(options):
+            *some, last = (f"--{name}" for name in names)
+            raise BadInput(f"{', '.join(some)} and {last} belong to --model {owner}, not to {model!r}")
     with _busy(f"solving by {model}"):
         response = chosen.solve(brake, **options)
     if json_file is not None:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from drumlin.brake import Brake
 from drumlin.errors import BadInput
 from drumlin.flat import AnyBrake, FlatBrake
+from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, flat, hinged, pivoted
 from drumlin.merit import with_merits
 from drumlin.response import Response
@@ -61,6 +62,7 @@ MODELS: Mapping[str, Model] = {
     for model in (
         Model("fem", "2D plane stress, unilateral contact, full-slip Coulomb friction", _fem_why_not, _fem),
         _hinged("sine"),
+        Model("foundation", "beam on springs against an elastic ring", foundation.why_not, foundation.solve),
         _hinged("cosine"),
         _hinged("block"),
         _hinged("uniform"),

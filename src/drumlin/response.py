@@ -24,6 +24,20 @@ class Balance:
     moment: float
 
 
+class Deformation(NamedTuple):
+    """How a shoe's beam and the drum's ring deform.
+
+    At the stations `x` (m,) [m] along the beam from the hinge: displacement `w` (m,) [m] towards the drum and
+    `relative` (m,) [m], w beyond the straight line through the beam's ends. `z` (n,) [m]: inward displacement of
+    the ring at the response's angles.
+    """
+
+    x: Floats
+    w: Floats
+    relative: Floats
+    z: Floats
+
+
 @dataclass(frozen=True)
 class ShoeResponse:
     """What one shoe does.
@@ -35,7 +49,8 @@ class ShoeResponse:
     elastic models the largest nodal one more than half a lining thickness from the lining's ends, where a sharp
     edge has no bound. `turn` [rad] is the rotation of the shoe about its pin, where a model knows it.
     `pivot_reaction` (2,) [N] is the force of the pivot on the shoe, where there is one; `lumped` the contact's
-    forces, where a law lumps them at one point: else they are the integrals of the pressure.
+    forces, where a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
+    `deformation` of beam and ring, of the foundation model.
 
     Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
     """
@@ -53,6 +68,7 @@ class ShoeResponse:
     turn: float | None = None
     lumped: Resultant | None = None
     pivot_reaction: Floats | None = None
+    deformation: Deformation | None = None
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
@@ -82,6 +98,8 @@ class ShoeResponse:
         }
         if self.pivot_reaction is not None:
             data["pivot_reaction"] = [float(x) for x in self.pivot_reaction]
+        if self.deformation is not None:
+            data["deformation"] = {key: values.tolist() for key, values in self.deformation._asdict().items()}
         return data
 
 

@@ -14,8 +14,8 @@ _QUANTITY = re.compile(
 )
 
 LARGEST = 1e30  # beyond any brake, and products of such numbers are still numbers
-EXAMPLES = {"m": "8 mm", "N": "2 kN", "Pa": "300 MPa", "rad": "55 deg"}
-_NAMES = {"m": "a length", "N": "a force", "Pa": "a stress", "rad": "an angle"}
+EXAMPLES = {"m": "8 mm", "N": "2 kN", "Pa": "300 MPa", "rad": "55 deg", "N m^2": "12 MN m^2"}
+NAMES = {"m": "a length", "N": "a force", "Pa": "a stress", "rad": "an angle", "N m^2": "a bending stiffness"}
 
 
 @functools.cache
@@ -33,9 +33,9 @@ def _factor(unit: str, si: str) -> float:
         factor, base = registry.get_base_units(registry.parse_units(unit.strip()))
         si_factor, si_base = registry.get_base_units(si)
     except Exception as error:  # pint raises many kinds (undefined unit, token errors, ...)
-        raise ValueError(f"unknown unit {unit.strip()!r}; allowed: {_NAMES[si]} such as {EXAMPLES[si]!r}") from error
+        raise ValueError(f"unknown unit {unit.strip()!r}; allowed: {NAMES[si]} such as {EXAMPLES[si]!r}") from error
     if base != si_base:
-        raise ValueError(f"must be {_NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(f"must be {NAMES[si]} such as {EXAMPLES[si]!r}")
     return float(factor / si_factor)
 
 
@@ -47,12 +47,12 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
     if isinstance(value, str):
         match = _QUANTITY.fullmatch(value)
         if match is None:
-            raise ValueError(f"must be {_NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}")
+            raise ValueError(f"must be {NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}")
         number = float(match.group(1)) * _factor(match.group(2), si)
     elif isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"must be {_NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(f"must be {NAMES[si]} such as {EXAMPLES[si]!r}")
     elif unit_required:
-        raise ValueError(f"has no unit; write {_NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(f"has no unit; write {NAMES[si]} such as {EXAMPLES[si]!r}")
     else:
         number = float(value)
     if not abs(number) <= LARGEST:

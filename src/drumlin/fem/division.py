@@ -18,6 +18,7 @@ EDGE_SIZE = 1 / 32  # of an element at the lining's sharp edge, relative to one 
 FACE_SIZE = 1 / 8  # of a layer at the lining's faces, relative to one in its middle
 COARSE = 36  # elements along a lining; on finer meshes that are refined at points both sizes shrink in proportion
 BEHIND = 4  # layers through backing and body each, at least, on meshes that are refined at points
+MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,13 @@ def lining_angles(arc: float, shoe: Shoe, radius: float, elements: int) -> Float
 def lining_layers(elements: int) -> int:
     """Layers through a lining with this number of elements along it."""
     return min(max(2, round(elements / 15)), 12)
+
+
+def overhang(start: float, end: float, step: float) -> Floats:
+    """Angles from start to end, about `step` apart; both ends once even where they coincide."""
+    if end - start < 1e-9:
+        return np.array([end])
+    return np.linspace(start, end, max(1, round((end - start) / step)) + 1)
 
 
 def refine(shoe: Shoe, radius: float, elements: int, layers: int, points: Sequence[float]) -> Division:

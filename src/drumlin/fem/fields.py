@@ -50,12 +50,12 @@ def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields
 
 def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
     """Recover the fields of the drum ring from the contact pressures of all shoes."""
-    ring = scene.ring
-    if ring is None or brake.drum.ring is None:
+    ring, section = scene.ring, brake.drum.ring.section if brake.drum.ring else None
+    if ring is None or section is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
     p = [answer.pressure[:: shoe.frame.sense] for shoe, answer in zip(brake.shoes, response.shoes, strict=True)]
     u = ring.displacement(p, brake.friction * brake.spin)
-    materials = {"drum": brake.drum.ring.material}
+    materials = {"drum": section.material}
     return _fields(ring.mesh, ring.basis, u, materials, np.zeros(ring.basis.N), Frame(0.0, 1), 1)
 
 

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import skfem
 
-from drumlin.arrays import Floats
-from drumlin.brake import Shoe
+from drumlin.brake import Beam, Shoe
 from drumlin.errors import BadInput
-from drumlin.fem.division import Division, divide
+from drumlin.fem.beam_mesh import beam_mesh
+from drumlin.fem.division import MOST_LAYERS, Division, divide, overhang
 
 
 class Kind(NamedTuple):
@@ -32,7 +32,6 @@ KINDS = {
     "tri1": Kind(skfem.MeshTri1, skfem.ElementTriP1, "triangle", "line"),
 }
 DEFAULT_KIND = "quad2"
-MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
 
 
 def kind_of(mesh: Any) -> Kind:
@@ -52,6 +51,8 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         raise BadInput(f"--kind = {kind!r}: unknown kind of mesh; allowed: {', '.join(KINDS)}")
     phi_1, phi_2 = shoe.arc
     division = elements if isinstance(elements, Division) else divide(shoe, radius, elements)
+    if isinstance(shoe.body, Beam):
+        return beam_mesh(shoe, radius, division, KINDS[kind].mesh)
     step = division.step
     layers = [("lining", shoe.lining.thickness)]
     if shoe.backing is not None:
@@ -63,7 +64,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         layers.append(("shoe", shoe.body.thickness))
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        angles = np.concatenate([_overhang(body[0], phi_1, step)[:-1], angles, _overhang(phi_2, body[1], step)[1:]])
+        angles = np.concatenate([overhang(body[0], phi_1, step)[:-1], angles, overhang(phi_2, body[1], step)[1:]])
     most = MOST_LAYERS if kind.endswith("2") else len(angles)  # linear elements bend well only in thin layers
     depths = [division.depths]
     for _, thickness in layers[1:]:
@@ -98,10 +99,3 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         _subdomains={name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layers)},
         _boundaries={name: np.flatnonzero(where) for name, where in on.items()},
     )
-
-
-def _overhang(start: float, end: float, step: float) -> Floats:
-    """Angles from start to end, about `step` apart; both ends once even where they coincide."""
-    if end - start < 1e-9:
-        return np.array([end])
-    return np.linspace(start, end, max(1, round((end - start) / step)) + 1)

@@ -20,7 +20,7 @@ import scipy.linalg
 import skfem
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Ring, Shoe
+from drumlin.brake import Brake, Ring, Section, Shoe
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.division import FACE_SIZE, graded, lining_angles, lining_layers
 from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, edge_points
@@ -61,7 +61,7 @@ class RingBody:
         return np.asarray(u - np.einsum("k,kci->ci", motion, rigid))
 
 
-def ring_mesh(ring: Ring, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
+def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
     """Quadratic quadrilateral mesh of the whole ring, away from the shoes; finer where linings end.
 
     `elements`: number along each lining. Boundaries: "contact" (all of the friction surface), "support".
@@ -108,9 +108,11 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
 
 def ring_body(brake: Brake, ring: Ring, linings: tuple[ContactLine, ...], elements: int) -> RingBody:
     """Mesh and condense the ring under the linings, given by their contact lines in the shoes' frames."""
-    mesh = ring_mesh(ring, brake.drum.radius, brake.shoes, elements)
+    section = ring.section
+    assert section is not None  # scene.why_not
+    mesh = ring_mesh(section, brake.drum.radius, brake.shoes, elements)
     basis = scalar_basis(mesh)
-    K = stiffness(basis, {"drum": (ring.material, ring.width)})
+    K = stiffness(basis, {"drum": (section.material, section.width)})
     angles = [shoe.frame.theta(line.phi) for shoe, line in zip(brake.shoes, linings, strict=True)]
     under = _facets_under(mesh, [(float(a.min()), float(a.max())) for a in angles])
     line = contact_line(basis, under, math.pi)

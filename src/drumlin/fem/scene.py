@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Material, Shoe
+from drumlin.brake import Beam, Brake, Material, Shoe
 from drumlin.errors import BadInput
+from drumlin.fem import beam_mesh
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
 from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
@@ -82,15 +83,25 @@ def why_not(brake: Brake) -> str | None:
     """Why finite elements do not apply to a brake (None: they do)."""
     if brake.drum.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
         return "shoes inside and outside of one elastic ring are not modelled"
+    if brake.drum.ring is not None and brake.drum.ring.section is None:
+        return "its ring has no section to mesh: thickness, width, material"
+    for shoe in brake.shoes:
+        reason = beam_mesh.why_not(shoe, brake.drum.radius)
+        if reason is not None:
+            return f"shoe {shoe.name!r}: {reason}"
     return None
 
 
 def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     """What a body depends on: equal for shoes that are the same but for place, hand, load and clearance."""
-    arcs = [shoe.arc]
-    if shoe.body is not None:
-        arcs.append(tuple(sorted(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist())))
-    lining, body = shoe.lining, shoe.body
+    arcs, lining, body = [shoe.arc], shoe.lining, shoe.body
+    behind: tuple[object, ...] | None = None
+    if isinstance(body, Beam):
+        loaded = np.round(shoe.frame.to_shoe(shoe.actuation.point.xy) / brake.drum.radius, 12)
+        behind = (body, *loaded.tolist())
+    elif body is not None:
+        arcs.append(tuple(sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist())))
+        behind = (body.shape, body.thickness, body.width, body.material)
     return (
         brake.drum.radius,
         shoe.side,
@@ -98,7 +109,7 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         tuple(round(angle, 12) for arc in arcs for angle in arc),
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
-        None if body is None else (body.shape, body.thickness, body.width, body.material),
+        behind,
         None if shoe.mesh is None else (shoe.mesh, shoe.mesh_unit, shoe.mesh_frame == "shoe" or shoe.frame),
     )
 
@@ -213,7 +224,9 @@ def materials_of(shoe: Shoe) -> dict[str, tuple[Material, float]]:
     if shoe.backing is not None:
         parts["backing"] = (shoe.backing.material, shoe.lining.width)
     if shoe.body is not None:
-        parts["shoe"] = (shoe.body.material, shoe.body.width)
+        section = shoe.body.section
+        assert section is not None  # why_not
+        parts["shoe"] = (section.material, section.width)
     return parts
 
 

@@ -13,12 +13,13 @@ from matplotlib.patches import Circle, FancyArrowPatch, PathPatch, Rectangle, We
 from matplotlib.path import Path as Outline
 
 from drumlin.arrays import Floats
-from drumlin.brake import Actuation, Brake, Point, Shoe
+from drumlin.beam import axis_of
+from drumlin.brake import Actuation, Beam, Body, Brake, Point, Shoe
 from drumlin.flat import AnyBrake, FlatBrake, FlatShoe
 
 MM = 1e3
-INK, FAINT, DRUM, BODY, LINING, FORCE, MOTION = (
-    "#1d2733", "#5b6875", "#e6ebf0", "#aab6c2", "#c89b6a", "#c8553d", "#0b6e99",
+INK, FAINT, DRUM, BODY, BLOCK, LINING, FORCE, MOTION = (
+    "#1d2733", "#5b6875", "#e6ebf0", "#aab6c2", "#e3cfa4", "#c89b6a", "#c8553d", "#0b6e99",
 )  # fmt: skip
 
 
@@ -50,15 +51,21 @@ def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
 
 def _outermost(brake: Brake) -> float:
     """Radius [mm] of everything round in the brake."""
-    ring = brake.drum.ring.thickness if brake.drum.ring else 0.1 * brake.drum.radius
+    ring = _ring_depth(brake)
     outside = any(shoe.side == "internal" for shoe in brake.shoes) and ring
     depth = max((shoe.depth for shoe in brake.shoes if shoe.side == "external"), default=0.0)
     return (brake.drum.radius + max(outside, depth)) * MM
 
 
+def _ring_depth(brake: Brake) -> float:
+    """Thickness [m] of the ring; without one, or where the file does not say, a tenth of the radius."""
+    ring = brake.drum.ring
+    return ring.thickness if ring and ring.thickness else 0.1 * brake.drum.radius
+
+
 def _drum(axes: Axes, brake: Brake, unit: float) -> None:
     R = brake.drum.radius * MM
-    ring = brake.drum.ring.thickness * MM if brake.drum.ring else unit
+    ring = _ring_depth(brake) * MM
     if brake.shoes[0].side == "internal":
         axes.add_patch(Wedge((0, 0), R + ring, 0, 360, width=ring, facecolor=DRUM, edgecolor="none"))
     elif brake.drum.ring:
@@ -101,10 +108,12 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
     lining = shoe.lining.thickness * MM
     _layer(axes, shoe, R, 0.0, lining, (start, end), LINING)
     own = shoe.mesh is not None  # then only the mesh knows what is behind the lining
-    if shoe.backing is not None and not own:
-        _layer(axes, shoe, R, lining, shoe.backing.thickness * MM, (start, end), "#e3cfa4")
+    if isinstance(shoe.body, Beam) and not own:
+        _beam(axes, shoe, R, unit)
+    elif shoe.backing is not None and not own:
+        _layer(axes, shoe, R, lining, shoe.backing.thickness * MM, (start, end), BLOCK)
         lining += shoe.backing.thickness * MM
-    if shoe.body is not None and not own:
+    if isinstance(shoe.body, Body) and not own:
         arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
         _layer(axes, shoe, R, lining, shoe.body.thickness * MM, arc, BODY)
     _pin(axes, shoe.hinge, unit, fixed=True)
@@ -114,6 +123,21 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
     inside = R - 1.8 * unit - (shoe.depth * MM if shoe.sign > 0 else 0.0)
     _label(axes, inside * np.array([math.cos(middle), math.sin(middle)]), shoe.name)
     _force(axes, shoe.actuation, _loaded_point(shoe, R), unit)
+
+
+def _beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
+    """A straight beam, and the block that fills the space up to the lining's back."""
+    assert isinstance(shoe.body, Beam)
+    axis = axis_of(shoe.hinge.xy * MM, shoe.actuation.point.xy * MM)
+    half = 0.5 * (shoe.body.thickness * MM if shoe.body.thickness else unit)
+    if shoe.backing is not None:
+        angle = axis.angle(np.linspace(shoe.lining.start, shoe.lining.end, 60))
+        back = R + shoe.lining.thickness * MM
+        x, y = axis.foot + back * np.sin(angle), axis.distance - back * np.cos(angle)
+        block = axis.to_brake(np.append(x, x[[-1, 0]]), np.append(y, [half, half]))
+        axes.fill(*block.T, facecolor=BLOCK, edgecolor=INK, lw=0.8, zorder=2)
+    corners = axis.to_brake(np.array([0, 1, 1, 0]) * axis.length, np.array([-1, -1, 1, 1]) * half)
+    axes.fill(*corners.T, facecolor=BODY, edgecolor=INK, lw=0.8, zorder=2)
 
 
 def _layer(
@@ -156,9 +180,9 @@ def _loaded_point(shoe: Shoe, R: float) -> Floats:
     point = shoe.actuation.point.xy * MM
     if shoe.sign < 0 and np.linalg.norm(point) > R:
         return point
-    half = 0.5 * shoe.body.thickness if shoe.body else 0.0
+    half = 0.5 * shoe.body.thickness if isinstance(shoe.body, Body) else 0.0
     depth = R - shoe.sign * (shoe.depth - half) * MM
-    arc = shoe.body or shoe.lining
+    arc = shoe.body if isinstance(shoe.body, Body) else shoe.lining
     ends = [depth * np.array([math.cos(angle), math.sin(angle)]) for angle in (arc.start, arc.end)]
     far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.hinge.xy * MM)))
     along = np.array([math.cos(shoe.actuation.direction), math.sin(shoe.actuation.direction)])

@@ -36,6 +36,7 @@ COLORS = {
     "pivoted": "#d19a1b",
     "linear": "#6b8e23",
     "foundation": "#2a9d5c",
+    "lifted": "#d19a1b",
 }
 NAMES = {
     "fem": "finite elements",
@@ -46,6 +47,8 @@ NAMES = {
     "short": "short shoe",
     "pivoted": "shoe on a pivot",
     "linear": "long flat shoe",
+    "foundation": "elastic foundation",
+    "lifted": "foundation, all lifted",
 }
 
 
