@@ -82,9 +82,15 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     plotter.add_text(text, position="upper_left", font_size=12, color="black")
     plotter.view_xy()
     plotter.enable_parallel_projection()
-    plotter.camera.parallel_scale = 1.42 * radius
-    plotter.camera.focal_point = (0.14 * radius, 0.1 * radius, 0)
-    plotter.camera.position = (0.14 * radius, 0.1 * radius, 1)
+    # All of the scene to the left of the colour bar and below the text.
+    left, right, bottom, top_edge = np.add(deformed.bounds[:4], 0.2 * radius * np.array([-1, 1, -1, 1]))
+    left, right = min(left, -1.2 * radius), max(right, 1.2 * radius)
+    bottom, top_edge = min(bottom, -1.2 * radius), max(top_edge, 1.2 * radius)
+    scale = max((top_edge - bottom) / 2 / 0.9, (right - left) / 2 / 0.84 * 1300 / 1500)
+    x = (left + right) / 2 + 0.13 * scale * 1500 / 1300
+    y = (bottom + top_edge) / 2 + 0.09 * scale
+    plotter.camera.parallel_scale = scale
+    plotter.camera.focal_point, plotter.camera.position = (x, y, 0), (x, y, 1)
     plotter.screenshot(str(picture))
 
 
