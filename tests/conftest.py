@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from drumlin.brake import Brake, read_brake
+from drumlin.brake import Brake
+from drumlin.brakefile import read_brake
 
 ROOT = Path(__file__).resolve().parents[1]
 STUDY = ROOT / "studies" / "double_shoe"

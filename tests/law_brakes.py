@@ -2,7 +2,8 @@
 
 import math
 
-from drumlin.brake import Brake, brake_from, validated
+from drumlin.brake import Brake
+from drumlin.brakefile import brake_from, validated
 from drumlin.flat import FlatBrake
 
 LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}

@@ -10,10 +10,10 @@ import numpy as np
 import skfem
 
 from drumlin import contact, stickslip
-from drumlin.brake import Material
 from drumlin.fem.body import condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import contact_line, couple, radial
 from drumlin.fem.ring import closed_mesh, couple_ring
+from drumlin.parts import Material
 
 
 def towards(fine, growth, end):

@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from drumlin.brake import vary
+from drumlin.brakefile import vary
 from drumlin.compare import pressure_distance
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import estimate

@@ -9,13 +9,14 @@ import skfem
 from scipy.sparse.linalg import spsolve
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
-from drumlin.brake import Material, vary
+from drumlin.brakefile import vary
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, condense, scalar_basis, stiffness, tie
 from drumlin.fem.elimination import dissection, eliminate
 from drumlin.fem.interface import contact_line
 from drumlin.fem.mesh import shoe_mesh
 from drumlin.fem.scene import end_loads, materials_of, prepare
+from drumlin.parts import Material
 
 STEEL = Material(E=210e9, nu=0.3)
 KINDS = {

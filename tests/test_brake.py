@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import STUDY
-from drumlin.brake import Frame, brake_from, read_brake, vary
+from drumlin.brake import Frame
+from drumlin.brakefile import brake_from, read_brake, vary
 from drumlin.errors import BadInput
 from drumlin.units import to_si
 

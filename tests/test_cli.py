@@ -9,7 +9,7 @@ from statistics import median
 import pytest
 
 from conftest import ROOT, STUDY
-from drumlin.brake import read_brake
+from drumlin.brakefile import read_brake
 from drumlin.fem.model import solve
 
 DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]

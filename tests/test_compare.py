@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drumlin.brake import vary
+from drumlin.brakefile import vary
 from drumlin.compare import Column, as_csv, compare, extrapolate, pressure_distance, vector_distance
 from drumlin.laws import sine
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import independent
 from conftest import STUDY
 from drumlin import contact
-from drumlin.brake import read_brake, vary
+from drumlin.brakefile import read_brake, vary
 from drumlin.compare import converge, pressure_distance
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.cost import cost, table
@@ -257,7 +257,7 @@ def test_a_brake_in_mm_n_mpa_numbers_gives_the_same_numbers(brake):
         lengths = {"radius", "thickness", "width", "x", "y"}
         return value * 1e3 if key in lengths else value * 1e-6 if key == "E" else value
 
-    from drumlin.brake import brake_from
+    from drumlin.brakefile import brake_from
 
     a, b = solve(brake, elements=40), solve(brake_from(scaled(data)), elements=40)
     assert b.torque == pytest.approx(1e3 * a.torque, rel=1e-10)

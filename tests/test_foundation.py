@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from conftest import ROOT
 from drumlin import foundation
-from drumlin.brake import Brake, brake_from, read_brake, vary
+from drumlin.brake import Brake
+from drumlin.brakefile import brake_from, read_brake, vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.foundation import ring
 from drumlin.foundation.iteration import iterate

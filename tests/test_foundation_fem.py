@@ -7,7 +7,7 @@ import pytest
 
 from conftest import ROOT
 from drumlin import foundation
-from drumlin.brake import read_brake, vary
+from drumlin.brakefile import read_brake, vary
 from drumlin.errors import BadInput
 from drumlin.fem.body import scalar_basis
 from drumlin.fem.model import respond, solve

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drumlin.brake import vary
+from drumlin.brakefile import vary
 from drumlin.fem.interface import couple, radial
 from drumlin.fem.scene import prepare
 from drumlin.statics import cross, integrate, resultant
@@ -19,7 +19,7 @@ def body(request, brake):
 @pytest.fixture(scope="module")
 def brake():
     from conftest import STUDY
-    from drumlin.brake import read_brake
+    from drumlin.brakefile import read_brake
 
     return read_brake(STUDY / "brake.toml")
 

@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import brentq
 
 from drumlin import contact, stickslip
-from drumlin.brake import Material
 from drumlin.fem.division import graded
+from drumlin.parts import Material
 from drumlin.statics import cross, integrate
 from pair import STEEL, Pair, body, both_sides, closed, nested_start, sector, towards
 

@@ -8,8 +8,8 @@ import skfem
 from scipy.sparse.linalg import spsolve
 
 from drumlin import contact
-from drumlin.brake import Material
 from drumlin.fem.body import scalar_basis, stiffness
+from drumlin.parts import Material
 from pair import Pair, body, sector, towards
 
 KINDS = {

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from drumlin.brake import Brake, brake_from, vary
+from drumlin.brake import Brake
+from drumlin.brakefile import brake_from, vary
 from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS, Layout, locking_friction
 from drumlin.laws.shapes import equivalent_friction, m_and_n, pivot_radius

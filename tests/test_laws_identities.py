@@ -10,7 +10,8 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from drumlin.brake import Brake, vary
+from drumlin.brake import Brake
+from drumlin.brakefile import vary
 from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS, Layout, pivoted
 from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout, flat_balance

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from drumlin.brake import vary
+from drumlin.brakefile import vary
 from drumlin.cli import main
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.flat import FlatBrake, read_any

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import ROOT
-from drumlin.brake import read_brake, vary
+from drumlin.brakefile import read_brake, vary
 from drumlin.errors import BadInput
 from drumlin.fem.division import graded
 from drumlin.fem.mesh import shoe_mesh

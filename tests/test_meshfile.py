@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from conftest import ROOT
-from drumlin.brake import read_brake, vary
+from drumlin.brakefile import read_brake, vary
 from drumlin.compare import pressure_distance
 from drumlin.errors import BadInput, DrumlinError
 from drumlin.fem.inp import read_inp

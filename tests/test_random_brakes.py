@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from drumlin import contact
-from drumlin.brake import brake_from
+from drumlin.brakefile import brake_from
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.model import contact_problem, respond
 from drumlin.fem.scene import prepare

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from conftest import STUDY
 from drumlin import stickslip
-from drumlin.brake import read_brake, vary
+from drumlin.brakefile import read_brake, vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.holding import as_dict, full_slip_rotation, hold, holding_problem, turned
 from drumlin.fem.interface import ContactLine, couple
@@ -146,9 +146,9 @@ def test_flat_patch_whole_and_inclined(turned):
     import skfem
 
     from drumlin import contact
-    from drumlin.brake import Material
     from drumlin.fem.body import condense, scalar_basis, stiffness, tie
     from drumlin.fem.interface import contact_line
+    from drumlin.parts import Material
 
     grid = skfem.MeshQuad.init_tensor(np.array([0, 0.3, 1.1, 2.0]), np.array([0, 0.4, 0.5, 1.0]))
     middle = grid.p[:, grid.facets].mean(axis=1)

@@ -1,124 +1,39 @@
-"""The brake as frozen, validated data, and the TOML file that describes it.
+"""The brake as frozen, validated data.
 
 Conventions: the drum's centre O is the origin, angles run counter-clockwise from +x, and all
 numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surface of radius R.
 """
 
-import difflib
 import math
-import tomllib
 from collections.abc import Mapping
-from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
+from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
     Discriminator,
     Field,
-    PlainValidator,
     Tag,
-    ValidationError,
-    ValidationInfo,
     model_validator,
 )
 
 from drumlin.arrays import Floats
 from drumlin.beam import axis_of
-from drumlin.errors import BadInput
-from drumlin.units import EXAMPLES, NAMES, deg, mm, to_si
-
-LARGEST_FILE = 1_000_000  # bytes; a brake file has a few thousand
-
-
-def _si(value: object, si: str, info: ValidationInfo, key: str = "") -> float:
-    """`value` in SI, where the context of the validation says whether it must carry its unit."""
-    try:
-        return to_si(value, si, unit_required=bool(info.context and info.context.get("unit_required")))
-    except ValueError as error:
-        raise ValueError(f"{key} = {value!r} {error}" if key else str(error)) from error
-
-
-def _quantity(si: str) -> BeforeValidator:
-    def read(value: object, info: ValidationInfo) -> float:
-        return _si(value, si, info)
-
-    return BeforeValidator(read)
-
-
-Length = Annotated[float, _quantity("m")]
-Thickness = Annotated[float, Field(gt=0), _quantity("m")]
-Angle = Annotated[float, _quantity("rad")]
-Force = Annotated[float, _quantity("N")]
-Modulus = Annotated[float, Field(gt=0), _quantity("Pa")]
-BendingStiffness = Annotated[float, Field(gt=0), _quantity("N m^2")]
-Name = Annotated[str, Field(min_length=1, max_length=80)]
-
-
-class Part(BaseModel):
-    """A piece of a brake: frozen, and with no key that it does not know."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _known_keys(cls, data: object) -> object:
-        if isinstance(data, Mapping):
-            allowed = [field.alias or name for name, field in cls.model_fields.items()]
-            for key in data:
-                if key not in allowed and key not in cls.model_fields:
-                    close = difflib.get_close_matches(str(key), allowed, n=1)
-                    hint = f" (did you mean {close[0]!r}?)" if close else ""
-                    raise ValueError(f"unknown key {key!r}{hint}; allowed: {', '.join(allowed)}")
-        return data
-
-
-class Material(Part):
-    """Linear elastic, isotropic: Young's modulus E [Pa] and Poisson's ratio nu."""
-
-    E: Modulus
-    nu: Annotated[float, Field(gt=-1, lt=0.5)]
-
-
-class Point(Part):
-    """A point x, y [m] of the brake's plane."""
-
-    x: Length
-    y: Length
-
-    @property
-    def xy(self) -> Floats:
-        """The coordinates as an array (2,) [m]."""
-        return np.array([self.x, self.y])
-
-    @property
-    def radius(self) -> float:
-        """Distance from the drum's centre [m]."""
-        return math.hypot(self.x, self.y)
-
-    @property
-    def angle(self) -> float:
-        """Angle at the drum's centre [rad]."""
-        return math.atan2(self.y, self.x)
-
-
-def _from_polar(data: object, info: ValidationInfo) -> object:
-    """A file may give a point as { radius, angle } in place of { x, y }."""
-    if not isinstance(data, Mapping) or not {"radius", "angle"} & set(data):
-        return data
-    if set(data) != {"radius", "angle"}:
-        raise ValueError("must be { radius = ..., angle = ... } or { x = ..., y = ... }")
-    radius = _si(data["radius"], "m", info, "radius")
-    if radius < 0:
-        raise ValueError(f"radius = {data['radius']!r} must not be negative")
-    angle = _si(data["angle"], "rad", info, "angle")
-    return Point(x=radius * math.cos(angle), y=radius * math.sin(angle))
-
-
-Place = Annotated[Point, BeforeValidator(_from_polar)]
+from drumlin.parts import (
+    Angle,
+    BendingStiffness,
+    Force,
+    Material,
+    Name,
+    Part,
+    Place,
+    Point,
+    Rows,
+    Thickness,
+    number_or_table,
+    value_at,
+)
+from drumlin.units import deg, mm
 
 
 class Section(NamedTuple):
@@ -184,39 +99,9 @@ class Drum(Part):
     ring: Ring | None = None
 
 
-Rows = tuple[tuple[float, float], ...]
-
-
-def _number_or_table(place: str, place_si: str, name: str, si: str) -> PlainValidator:
-    """One value, or a table of (place, value) with straight lines between; for the words of a refusal: names."""
-
-    def read(value: object, info: ValidationInfo) -> float | Rows:
-        if not isinstance(value, list | tuple):
-            return _si(value, si, info)
-        rows = []
-        for row in value:
-            if not isinstance(row, list | tuple) or len(row) != 2:
-                raise ValueError(f'must be {NAMES[si]} or rows like ["{EXAMPLES[place_si]}", "{EXAMPLES[si]}"]')
-            rows.append((_si(row[0], place_si, info, place), _si(row[1], si, info, name)))
-        places = [row[0] for row in rows]
-        if len(rows) < 2 or any(b <= a for a, b in pairwise(places)):
-            raise ValueError(f"the table needs at least two rows, with growing {place}s")
-        return tuple(rows)
-
-    return PlainValidator(read)
-
-
-def _at(values: float | Rows, places: Floats) -> Floats:
-    """A number or table at `places`, same shape."""
-    if isinstance(values, tuple):
-        at, value = zip(*values, strict=True)
-        return np.interp(places, at, value)
-    return np.full(np.shape(places), values)
-
-
-StiffnessAlong = Annotated[float | Rows, _number_or_table("distance", "m", "bending stiffness", "N m^2")]
-OffsetAlong = Annotated[float | Rows, _number_or_table("distance", "m", "offset", "m")]
-Clearance = Annotated[float | Rows, _number_or_table("angle", "rad", "clearance", "m")]
+StiffnessAlong = Annotated[float | Rows, number_or_table("distance", "m", "bending stiffness", "N m^2")]
+OffsetAlong = Annotated[float | Rows, number_or_table("distance", "m", "offset", "m")]
+Clearance = Annotated[float | Rows, number_or_table("angle", "rad", "clearance", "m")]
 
 
 class Lining(Part):
@@ -243,7 +128,7 @@ class Lining(Part):
 
     def clearance_at(self, theta: Floats) -> Floats:
         """Clearance [m] at the angles `theta` [rad], same shape."""
-        return _at(self.clearance, theta)
+        return value_at(self.clearance, theta)
 
 
 class Backing(Part):
@@ -293,7 +178,7 @@ class Beam(Part):
         EI = self.bending_stiffness
         if EI is not None and min([value for _, value in EI] if isinstance(EI, tuple) else [EI]) <= 0:
             raise ValueError("bending_stiffness: must be greater than 0")
-        if float(_at(self.offset, np.zeros(1))[0]) != 0:
+        if float(value_at(self.offset, np.zeros(1))[0]) != 0:
             raise ValueError('offset: must be a table that starts with 0 at the hinge, such as [["0 m", "0 mm"], ...]')
         return self
 
@@ -306,14 +191,14 @@ class Beam(Part):
     def bending_stiffness_at(self, x: Floats) -> Floats:
         """EI [N m^2] at the distances x [m] from the hinge, same shape."""
         if self.bending_stiffness is not None:
-            return _at(self.bending_stiffness, x)
+            return value_at(self.bending_stiffness, x)
         section = self.section
         assert section is not None  # checked at the door
         return np.full(np.shape(x), section.bending_stiffness)
 
     def offset_at(self, x: Floats) -> Floats:
         """Offset of the neutral axis [m] at the distances x [m] from the hinge, same shape."""
-        return _at(self.offset, x)
+        return value_at(self.offset, x)
 
 
 def _shape(data: object) -> str:
@@ -516,108 +401,3 @@ def _check_pivot(key: str, shoe: Shoe, radius: float) -> None:
         raise ValueError(f"{shown}: must not be the drum's centre, about which the shoe would only slide")
     if math.dist(shoe.pivot.xy, shoe.hinge.xy) < 1e-9 * radius:
         raise ValueError(f"{shown}: must not be the hinge; leave it out for a shoe that turns about its hinge")
-
-
-def _line(error: ValidationError, data: Any) -> str:
-    """The first fault of a validation as one line: key = value as written: what is allowed."""
-    fault = error.errors()[0]
-    key = ""
-    for step in fault["loc"]:
-        if step in {"arc", "beam"}:  # which kind of body: no key of the file
-            continue
-        key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
-        try:
-            data = data[step]
-        except (LookupError, TypeError):
-            data = None
-    message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-    if fault["type"] == "missing":
-        return f"{key}: is missing"
-    shown = f" = {data!r}" if isinstance(data, str | int | float) else ""
-    if len(shown) > 60:
-        shown = shown[:57] + "..."
-    return " ".join(f"{key}{shown}: {message}".removeprefix(": ").split())
-
-
-P = TypeVar("P", bound=Part)
-
-
-def validated(kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False) -> P:
-    """A part from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
-
-    Raises BadInput with one line that names the key, the value and what is allowed.
-    """
-    try:
-        return kind.model_validate(data, context={"unit_required": unit_required})
-    except ValidationError as error:
-        raise BadInput(_line(error, data)) from error
-
-
-def brake_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> Brake:
-    """A brake from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
-
-    `base`: folder that relative mesh paths start from. Raises BadInput with one line.
-    """
-    brake = validated(Brake, data, unit_required=unit_required)
-    if base is None:
-        return brake
-    shoes = tuple(
-        shoe if shoe.mesh is None else shoe.model_copy(update={"mesh": base / shoe.mesh}) for shoe in brake.shoes
-    )
-    return brake.model_copy(update={"shoes": shoes})
-
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """The data of a brake file; raises BadInput where the file cannot be read or is not TOML."""
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; not a brake file")
-        return tomllib.loads(path.read_bytes().decode())
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise BadInput(f"{path}: is not TOML ({error})") from error
-
-
-def read_brake(path: Path) -> Brake:
-    """The brake described by the TOML file `path`, every quantity with its unit.
-
-    Raises BadInput with one line that names the key, the value and what is allowed.
-    """
-    data = read_toml(path)
-    try:
-        return brake_from(data, unit_required=True, base=path.parent)
-    except BadInput as error:
-        raise BadInput(f"{path}: {error}") from error
-
-
-def vary(brake: P, changes: Mapping[str, Any]) -> P:
-    """The brake with some keys changed, validated anew.
-
-    A key is written as in the file's error lines, "shoe[0].lining.thickness"; "shoe.lining.thickness"
-    changes every shoe. Values: SI numbers, or texts with units. Raises BadInput.
-    """
-    data = brake.model_dump(by_alias=True)
-    for key, value in changes.items():
-        steps = key.replace("[", ".").replace("]", "").split(".")
-        _set(data, steps, value, key)
-    return validated(type(brake), data)
-
-
-def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
-    head, *rest = steps
-    if isinstance(data, list | tuple):
-        if head.isdigit() and int(head) < len(data):
-            targets, rest_of = [data[int(head)]], rest
-        else:
-            targets, rest_of = list(data), steps
-        for target in targets:
-            _set(target, rest_of, value, key)
-    elif not isinstance(data, dict):
-        raise BadInput(f"{key}: {head!r} has nothing to be set in")
-    elif rest:
-        if head not in data:
-            raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
-        _set(data[head], rest, value, key)
-    else:
-        data[head] = value

@@ -158,7 +158,7 @@ def mesh(
     suffix: Annotated[str, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")] = "msh",
 ) -> None:
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
-    from drumlin.brake import read_brake
+    from drumlin.brakefile import read_brake
     from drumlin.fem.meshfile import write_mesh
     from drumlin.fem.scene import prepare
 
@@ -187,7 +187,7 @@ def hold(
     """Hold the drum: from rest through partial slip to full slip, as it is turned against the shoes."""
     import numpy as np
 
-    from drumlin.brake import read_brake
+    from drumlin.brakefile import read_brake
     from drumlin.fem.holding import as_dict, full_slip_rotation
     from drumlin.fem.holding import hold as turn
     from drumlin.fem.scene import prepare
@@ -224,7 +224,7 @@ def cost(
     ] = False,
 ) -> None:
     """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
-    from drumlin.brake import read_brake
+    from drumlin.brakefile import read_brake
     from drumlin.fem.cost import measure, table
 
     brake = read_brake(brake_file)

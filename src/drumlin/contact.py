@@ -112,6 +112,27 @@ def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) 
     raise NoAnswer(f"not converged: the contact set still changes after {most} steps")
 
 
+def locking(problem_at: Callable[[float], Problem], friction: float) -> float | None:
+    """The friction below `friction` up to which a problem has an answer; None where it has none at mu = 0 either.
+
+    Found by halving, to 1e-4: the contact set changes on the way, so that no single eigenvalue gives it.
+    """
+
+    def holds(mu: float) -> bool:
+        try:
+            return solve(problem_at(mu), most=25).regular
+        except NoAnswer:
+            return False
+
+    if not holds(0.0):
+        return None
+    below, above = 0.0, friction
+    while above - below > 1e-4 * above:
+        middle = 0.5 * (below + above)
+        below, above = (middle, above) if holds(middle) else (below, middle)
+    return below
+
+
 def coarse_start(problem: Problem) -> Bools:
     """Contact set (n,) of the problem on every other node, p linear in between: P^T A P, P^T q, P^T B, C P.
 

@@ -11,19 +11,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from drumlin.arrays import Floats
-from drumlin.brake import (
-    Actuation,
-    Brake,
-    Length,
-    Name,
-    Part,
-    Place,
-    Thickness,
-    brake_from,
-    read_toml,
-    validated,
-)
+from drumlin.brake import Actuation, Brake
+from drumlin.brakefile import brake_from, read_toml, validated
 from drumlin.errors import BadInput
+from drumlin.parts import Length, Name, Part, Place, Thickness
 from drumlin.units import mm
 
 

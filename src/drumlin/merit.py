@@ -14,7 +14,8 @@ from typing import TypeVar
 import numpy as np
 
 from drumlin.arrays import Floats, Values
-from drumlin.brake import Brake, Shoe, vary
+from drumlin.brake import Brake, Shoe
+from drumlin.brakefile import vary
 from drumlin.errors import NoAnswer
 from drumlin.flat import AnyBrake, FlatBrake
 from drumlin.response import FlatMerit, Merit, Response, ShoeResponse, contact_resultant

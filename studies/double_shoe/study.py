@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brake import Brake, read_brake, vary
+from drumlin.brake import Brake
+from drumlin.brakefile import read_brake, vary
 from drumlin.compare import COLUMNS, Column, Comparison, Convergence, as_csv, compare, converge, relative
 from drumlin.fem.cost import Cost, cost
 from drumlin.fem.model import solve

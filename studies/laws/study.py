@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brake import Brake, vary
+from drumlin.brake import Brake
+from drumlin.brakefile import vary
 from drumlin.compare import Column, as_csv
 from drumlin.errors import NoAnswer
 from drumlin.files import write_text

@@ -12,7 +12,8 @@ import numpy as np
 from drumlin import foundation
 from drumlin.arrays import Floats
 from drumlin.beam import axis_of
-from drumlin.brake import Brake, read_brake, vary
+from drumlin.brake import Brake
+from drumlin.brakefile import read_brake, vary
 from drumlin.compare import COLUMNS, Column, Comparison, as_csv, relative, run
 from drumlin.errors import NoAnswer
 from drumlin.fem import post

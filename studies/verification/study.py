@@ -6,7 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.brake import Brake, read_brake, vary
+from drumlin.brake import Brake
+from drumlin.brakefile import read_brake, vary
 from drumlin.compare import Column, as_csv, pressure_distance, relative
 from drumlin.errors import NoAnswer
 from drumlin.fem.mesh import KINDS

@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from drumlin.brake import Brake, Shoe, vary
+from drumlin.brake import Brake, Shoe
+from drumlin.brakefile import vary
 from drumlin.fem.body import scalar_basis, stiffness
 from drumlin.fem.division import Division, divide
 from drumlin.fem.mesh import shoe_mesh

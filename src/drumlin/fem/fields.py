@@ -10,11 +10,12 @@ import skfem
 from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Frame, Material, Shoe
+from drumlin.brake import Brake, Frame, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.mesh import kind_of
 from drumlin.fem.scene import Body, Scene, actuation, materials_of
 from drumlin.files import replacing
+from drumlin.parts import Material
 from drumlin.response import Response, ShoeResponse
 
 

@@ -280,27 +280,16 @@ def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
 
 
 def _locked(scene: Scene, brake: Brake, group: list[int]) -> str:
-    """What to say where there is no equilibrium because of friction; empty where friction is not the reason.
+    """What to say where there is no equilibrium because of friction; empty where friction is not the reason."""
 
-    The friction up to which there is an equilibrium, found by halving: the contact set changes on the way, so
-    that no single eigenvalue gives it.
-    """
+    def problem_at(friction: float) -> contact.Problem:
+        return contact_problem(scene, brake.model_copy(update={"friction": friction}), group)
 
-    def holds(friction: float) -> bool:
-        problem = contact_problem(scene, brake.model_copy(update={"friction": friction}), group)
-        try:
-            return contact.solve(problem, most=25).regular
-        except NoAnswer:
-            return False
-
-    if not holds(0.0):
+    limit = contact.locking(problem_at, brake.friction)
+    if limit is None:
         return ""
-    below, above = 0.0, brake.friction
-    while above - below > 1e-4 * above:
-        middle = 0.5 * (below + above)
-        below, above = (middle, above) if holds(middle) else (below, middle)
     law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     return (
         f"self-locking, no equilibrium at friction {brake.friction:g}; elastic as it is there is one up to "
-        f"mu_lock = {below:.4g} (sine law: {law:.4g})"
+        f"mu_lock = {limit:.4g} (sine law: {law:.4g})"
     )

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Beam, Brake, Material, Shoe
+from drumlin.brake import Beam, Brake, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem import beam_mesh
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
@@ -19,6 +19,7 @@ from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, e
 from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.meshfile import read_mesh
 from drumlin.fem.ring import RingBody, ring_body
+from drumlin.parts import Material
 from drumlin.statics import cross
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5

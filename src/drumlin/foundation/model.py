@@ -220,23 +220,16 @@ def _found(
 def _locked(brake: Brake, group: list[int], sections: int, names: frozenset[str]) -> str:
     """What to say where friction is why there is no equilibrium, with the friction that it ends at; else nothing."""
 
-    def holds(friction: float) -> bool:
-        try:
-            problem = system(brake.model_copy(update={"friction": friction}), group, min(sections, 90), names).problem
-            return contact.solve(problem, most=25).regular
-        except NoAnswer:
-            return False
+    def problem_at(friction: float) -> contact.Problem:
+        return system(brake.model_copy(update={"friction": friction}), group, min(sections, 90), names).problem
 
-    if not holds(0.0):
+    limit = contact.locking(problem_at, brake.friction)
+    if limit is None:
         return ""
-    below, above = 0.0, brake.friction
-    while above - below > 1e-4 * above:
-        middle = 0.5 * (below + above)
-        below, above = (middle, above) if holds(middle) else (below, middle)
     law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     return (
         f"self-locking, no equilibrium at friction {brake.friction:g}; on the foundation there is one up to "
-        f"mu_lock = {below:.4g} (sine law: {law:.4g})"
+        f"mu_lock = {limit:.4g} (sine law: {law:.4g})"
     )
 
 

@@ -4,7 +4,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from drumlin.brake import Brake, vary
+from drumlin.brake import Brake
+from drumlin.brakefile import vary
 from drumlin.foundation.model import SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import sine

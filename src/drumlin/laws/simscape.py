@@ -18,9 +18,11 @@ from typing import Literal
 import numpy as np
 
 from drumlin.arrays import Floats, Values
-from drumlin.brake import Brake, Material, brake_from
+from drumlin.brake import Brake
+from drumlin.brakefile import brake_from
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws.shapes import SINE, Layout
+from drumlin.parts import Material
 from drumlin.units import deg, mm
 
 LINING = Material(E=300e6, nu=0.25)

@@ -14,8 +14,9 @@ from matplotlib.path import Path as Outline
 
 from drumlin.arrays import Floats
 from drumlin.beam import axis_of
-from drumlin.brake import Actuation, Beam, Body, Brake, Point, Shoe
+from drumlin.brake import Actuation, Beam, Body, Brake, Shoe
 from drumlin.flat import AnyBrake, FlatBrake, FlatShoe
+from drumlin.parts import Point
 
 MM = 1e3
 INK, FAINT, DRUM, BODY, BLOCK, LINING, FORCE, MOTION = (

@@ -1,0 +1,119 @@
+"""Brake files: TOML with a unit on every quantity, read and refused in one line; and brakes with keys changed."""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from drumlin.brake import Brake
+from drumlin.errors import BadInput
+from drumlin.parts import Part
+
+LARGEST_FILE = 1_000_000  # bytes; a brake file has a few thousand
+
+
+def _line(error: ValidationError, data: Any) -> str:
+    """The first fault of a validation as one line: key = value as written: what is allowed."""
+    fault = error.errors()[0]
+    key = ""
+    for step in fault["loc"]:
+        if step in {"arc", "beam"}:  # which kind of body: no key of the file
+            continue
+        key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
+        try:
+            data = data[step]
+        except (LookupError, TypeError):
+            data = None
+    message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    if fault["type"] == "missing":
+        return f"{key}: is missing"
+    shown = f" = {data!r}" if isinstance(data, str | int | float) else ""
+    if len(shown) > 60:
+        shown = shown[:57] + "..."
+    return " ".join(f"{key}{shown}: {message}".removeprefix(": ").split())
+
+
+P = TypeVar("P", bound=Part)
+
+
+def validated(kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False) -> P:
+    """A part from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
+
+    Raises BadInput with one line that names the key, the value and what is allowed.
+    """
+    try:
+        return kind.model_validate(data, context={"unit_required": unit_required})
+    except ValidationError as error:
+        raise BadInput(_line(error, data)) from error
+
+
+def brake_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> Brake:
+    """A brake from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
+
+    `base`: folder that relative mesh paths start from. Raises BadInput with one line.
+    """
+    brake = validated(Brake, data, unit_required=unit_required)
+    if base is None:
+        return brake
+    shoes = tuple(
+        shoe if shoe.mesh is None else shoe.model_copy(update={"mesh": base / shoe.mesh}) for shoe in brake.shoes
+    )
+    return brake.model_copy(update={"shoes": shoes})
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """The data of a brake file; raises BadInput where the file cannot be read or is not TOML."""
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; not a brake file")
+        return tomllib.loads(path.read_bytes().decode())
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise BadInput(f"{path}: is not TOML ({error})") from error
+
+
+def read_brake(path: Path) -> Brake:
+    """The brake described by the TOML file `path`, every quantity with its unit.
+
+    Raises BadInput with one line that names the key, the value and what is allowed.
+    """
+    data = read_toml(path)
+    try:
+        return brake_from(data, unit_required=True, base=path.parent)
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from error
+
+
+def vary(brake: P, changes: Mapping[str, Any]) -> P:
+    """The brake with some keys changed, validated anew.
+
+    A key is written as in the file's error lines, "shoe[0].lining.thickness"; "shoe.lining.thickness"
+    changes every shoe. Values: SI numbers, or texts with units. Raises BadInput.
+    """
+    data = brake.model_dump(by_alias=True)
+    for key, value in changes.items():
+        steps = key.replace("[", ".").replace("]", "").split(".")
+        _set(data, steps, value, key)
+    return validated(type(brake), data)
+
+
+def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
+    head, *rest = steps
+    if isinstance(data, list | tuple):
+        if head.isdigit() and int(head) < len(data):
+            targets, rest_of = [data[int(head)]], rest
+        else:
+            targets, rest_of = list(data), steps
+        for target in targets:
+            _set(target, rest_of, value, key)
+    elif not isinstance(data, dict):
+        raise BadInput(f"{key}: {head!r} has nothing to be set in")
+    elif rest:
+        if head not in data:
+            raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
+        _set(data[head], rest, value, key)
+    else:
+        data[head] = value
