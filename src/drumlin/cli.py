@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -323,8 +322,6 @@ def _print_table(table: list[dict[str, Any]]) -> None:
 
 def main() -> None:
     """Run the command line; a DrumlinError becomes one line and its exit status."""
-    # The dense systems are small: a second BLAS thread makes a contact solve twice as slow, not faster.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         app()
     except DrumlinError as error:
