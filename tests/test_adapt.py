@@ -51,9 +51,9 @@ def test_two_references_agree_and_adapted_meshes_meet_their_tolerance(name, requ
     assert distance(other, truth) < 1e-4
     assert other.torque == pytest.approx(truth.torque, rel=1e-6)
     for tolerance, seconds in ((5e-3, 0.3), (1e-3, 1.0)):
-        start = time.perf_counter()
+        start = time.process_time()
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
-        assert time.perf_counter() - start < 5 * seconds
+        assert time.process_time() - start < 5 * seconds
         error, torque_error = distance(response, truth), abs(response.torque / truth.torque - 1)
         assert error <= tolerance
         assert max(response.error.values()) <= tolerance

