@@ -10,7 +10,7 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.flat import FlatShoe
-from drumlin.statics import Resultant, cross, integrate, resultant
+from drumlin.statics import Resultant, cross, resultant
 
 EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
@@ -242,9 +242,3 @@ def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
 def worst(balances: list[Balance]) -> Balance:
     """The largest of each entry."""
     return Balance(max(b.force for b in balances), max(b.moment for b in balances))
-
-
-def mean_pressure(response: ShoeResponse) -> float:
-    """Mean of p over the lining's arc [Pa]."""
-    arc = float(response.theta[-1] - response.theta[0])
-    return integrate(response.theta, response.pressure, response.order) / arc

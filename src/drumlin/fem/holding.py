@@ -13,7 +13,7 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.model import PENALTY, contact_problem, respond, turns_towards, unit_force
-from drumlin.fem.scene import Body, Scene, actuation
+from drumlin.fem.scene import Body, Scene, actuation, contact_stiffness
 from drumlin.stickslip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
 
 HALVINGS = 8  # of an increment that does not settle
@@ -80,7 +80,7 @@ def _tangential(body: Body, shoe: Shoe, size: float, penalty: float) -> tuple[Fl
     load, _ = actuation(body, shoe)
     share = abs(shoe.actuation.force) / size
     turning = T @ body.turned
-    compliance = coupling.M / (penalty * shoe.lining.material.E / shoe.lining.thickness)
+    compliance = coupling.M / contact_stiffness(shoe, penalty)
     return (
         pressed.T @ dragged,  # -N u under T^T t
         -dragged.T @ pressed,
@@ -127,7 +127,8 @@ def _path(
     size = unit_force(brake, group)
     n = len(lever)
     rest = History(np.zeros(n), np.zeros(n))
-    touching = contact.solve(contact_problem(scene, brake.model_copy(update={"friction": 0.0}), group, penalty)).active
+    normal = contact.Problem(problem.A_wp, problem.q_w, problem.B_w, problem.C_p, problem.h)
+    touching = contact.solve(normal).active
     increment = stickslip.solve(problem, brake.friction, rest, np.where(touching, STICK, OPEN))
     done, spent, reached = [], [], 0.0
     energy = _slip_work(problem, increment, rest)

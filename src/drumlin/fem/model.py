@@ -18,7 +18,7 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import adapt
 from drumlin.fem.ends import contact_arcs
 from drumlin.fem.mesh import DEFAULT_KIND
-from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, held, prepare, shape_of
+from drumlin.fem.scene import ELEMENTS, Body, Scene, actuation, clock, contact_stiffness, held, prepare, shape_of
 from drumlin.laws import locking_friction
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
 from drumlin.statics import cross
@@ -160,7 +160,7 @@ def _shoe_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float, size: fl
     if body.closing_dragged is not None:
         A, C = A - drag * body.closing_dragged, C + drag * (T @ body.turned)
     return contact.Problem(
-        A=A + M / (penalty * shoe.lining.material.E / shoe.lining.thickness),
+        A=A + M / contact_stiffness(shoe, penalty),
         q=M @ (gap_of(body, brake, shoe) / size) - share * (body.closing_loaded @ load),
         B=-approach[:, None],
         C=C[None],
@@ -184,10 +184,7 @@ def _answers(
     if not found.regular:
         raise NoAnswer(f"{names}: {_locked(scene, brake, group) or 'self-locking, no stable equilibrium'}")
     size = unit_force(brake, group)
-    soft = [
-        scene.bodies[i].coupling.M / (penalty * brake.shoes[i].lining.material.E / brake.shoes[i].lining.thickness)
-        for i in group
-    ]
+    soft = [scene.bodies[i].coupling.M / contact_stiffness(brake.shoes[i], penalty) for i in group]
     change = size * found.tangent(scipy.linalg.block_diag(*soft) @ found.p)  # by the penalty's compliance
     answers, begin = {}, 0
     for k, i in enumerate(group):
@@ -214,7 +211,7 @@ def _answer(
         # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
         [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))],
     )
-    stiffness = penalty * shoe.lining.material.E / shoe.lining.thickness
+    stiffness = contact_stiffness(shoe, penalty)
     pressed = float(coupling.lever @ p)
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"

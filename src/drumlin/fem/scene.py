@@ -246,3 +246,8 @@ def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:
     """Force x, y and moment about the pin (3,) that hold the frame, under p (n,), drag mu s and load (3,)."""
     forces = body.held_pressed @ p + body.held_loaded @ load
     return forces if body.held_dragged is None else forces + drag * (body.held_dragged @ p)
+
+
+def contact_stiffness(shoe: Shoe, penalty: float) -> float:
+    """eps = penalty E/t of the lining, the contact's stiffness per area [Pa/m]."""
+    return penalty * shoe.lining.material.E / shoe.lining.thickness

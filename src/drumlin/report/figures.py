@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
 from drumlin.files import replacing
-from drumlin.response import Response, ShoeResponse
+from drumlin.response import ShoeResponse
 
 STYLE = {
     "font.size": 10,
@@ -121,8 +121,3 @@ def convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: str) 
         axes.minorticks_off()
         axes.legend()
     return figure
-
-
-def shoe_panels(responses: Mapping[str, Response], index: int, title: str) -> tuple[str, dict[str, ShoeResponse]]:
-    """The panel of shoe `index` for `pressures`, from {model: response}."""
-    return title, {model: response.shoes[index] for model, response in responses.items()}
