@@ -115,12 +115,10 @@ def study(
     short: Annotated[bool, typer.Option("--short", help="the quick setting that the tests use")] = False,
 ) -> None:
     """Run a study from studies/ and write its report into reports/NAME."""
-    from drumlin.studies import load
+    from drumlin.studies import run
 
-    module, root = load(name)
-    folder = output or root / "reports" / name
     with _busy(f"study {name}") as say:
-        page = module.report(module.study(short=short, say=say), folder)
+        page = run(name, output, short=short, say=say)
     print(f"report: {page}")
 
 

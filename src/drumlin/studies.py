@@ -1,10 +1,17 @@
-"""Finding and loading a study: studies/NAME/study.py with `study(short, say)` and `report(result, folder)`."""
+"""Finding, loading and running a study: studies/NAME/study.py with `study(short, say)` and `report(result, folder)`.
+
+A study whose `study` takes a `journal`, too, keeps each finished case in it and goes on where it was stopped.
+"""
 
 import importlib.util
+import inspect
+import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
 from drumlin.errors import BadInput
+from drumlin.journal import Journal, source_stamp
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -22,6 +29,23 @@ def load(name: str) -> tuple[ModuleType, Path]:
             spec = importlib.util.spec_from_file_location(f"studies.{name}.study", files[name])
             assert spec is not None and spec.loader is not None  # a .py file always has both
             module = importlib.util.module_from_spec(spec)
+            sys.modules[spec.name] = module  # its functions can then be sent to other processes
             spec.loader.exec_module(module)
             return module, root
     raise BadInput(f"NAME = {name!r}: no such study; allowed: {', '.join(found) or 'none here (no studies/)'}")
+
+
+def run(name: str, folder: Path | None, *, short: bool, say: Callable[[str], None]) -> Path:
+    """Run a study and write its report into `folder`, by default reports/NAME; returns the page."""
+    module, root = load(name)
+    folder = folder or root / "reports" / name
+    if "journal" not in inspect.signature(module.study).parameters:
+        page: Path = module.report(module.study(short=short, say=say), folder)
+        return page
+    path = folder / ("journal-short.jsonl" if short else "journal.jsonl")
+    with Journal(path, source_stamp(root / "studies")) as journal:
+        if len(journal):
+            say(f"going on after {len(journal)} finished cases")
+        page = module.report(module.study(short=short, say=say, journal=journal), folder)
+        journal.finish()
+    return page
