@@ -104,6 +104,19 @@ def unit_of(brake: Part, key: str) -> str | None:
 
     Raises BadInput for a key that there is not.
     """
+    parts, name = _parts(brake, key)
+    field = type(parts[0]).model_fields[name]
+    return unit_in(Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation)
+
+
+def values_of(brake: Part, key: str) -> list[Any]:
+    """The values of a key, written as for `vary`: one, or that of each shoe. Raises BadInput as `unit_of` does."""
+    parts, name = _parts(brake, key)
+    return [getattr(part, name) for part in parts]
+
+
+def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
+    """The parts that have a key, and its name in them."""
     found: list[Part] = [brake]
     *path, last = _steps(key)
     for step in path:
@@ -116,8 +129,7 @@ def unit_of(brake: Part, key: str) -> str | None:
             raise BadInput(f"{key}: {step!r} has nothing to be set in")
     if not found:
         raise BadInput(f"{key}: the brake has no such part")
-    field = type(found[0]).model_fields[_name(found[0], last, key)]
-    return unit_in(Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation)
+    return found, _name(found[0], last, key)
 
 
 def _name(part: Part, key: str, whole: str) -> str:

@@ -3,7 +3,7 @@
 A study whose `study` takes a `journal`, too, keeps each finished case in it and goes on where it was stopped.
 """
 
-import importlib.util
+import importlib
 import inspect
 import sys
 from collections.abc import Callable
@@ -26,12 +26,9 @@ def load(name: str) -> tuple[ModuleType, Path]:
         files = {path.parent.name: path for path in sorted((root / "studies").glob("*/study.py"))}
         found += [known for known in files if known not in found]
         if name in files:
-            spec = importlib.util.spec_from_file_location(f"studies.{name}.study", files[name])
-            assert spec is not None and spec.loader is not None  # a .py file always has both
-            module = importlib.util.module_from_spec(spec)
-            sys.modules[spec.name] = module  # its functions can then be sent to other processes
-            spec.loader.exec_module(module)
-            return module, root
+            if str(root) not in sys.path:
+                sys.path.insert(0, str(root))  # for the study's other files, and in the processes that it starts
+            return importlib.import_module(f"studies.{name}.study"), root
     raise BadInput(f"NAME = {name!r}: no such study; allowed: {', '.join(found) or 'none here (no studies/)'}")
 
 

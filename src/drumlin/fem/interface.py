@@ -65,16 +65,18 @@ def edge_nodes(basis: Any, facets: Ints) -> Ints:
     return np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])
 
 
-def edge_points(xy: Floats) -> tuple[Floats, Floats, Floats]:
+def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> tuple[Floats, Floats, Floats]:
     """Gauss points on edges with the nodes xy (2, order + 1, m): shape functions, points (2, m, q), ds (m, q).
+
+    `at`, `weights` (q,): another rule of quadrature on [-1, 1].
 
     Integrated along the edges themselves: skfem's boundary bases invert the map of the element with an absolute
     tolerance, which small and slender elements do not meet.
     """
     order = xy.shape[1] - 1
-    psi = shape(order, GAUSS)
+    psi = shape(order, at)
     x = np.einsum("cki,kq->ciq", xy, psi)
-    ds = np.hypot(*np.einsum("cki,kq->ciq", xy, slopes(order, GAUSS))) * WEIGHTS
+    ds = np.hypot(*np.einsum("cki,kq->ciq", xy, slopes(order, at))) * weights
     return psi, x, ds
 
 

@@ -18,7 +18,19 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import adapt
 from drumlin.fem.ends import contact_arcs
 from drumlin.fem.mesh import DEFAULT_KIND
-from drumlin.fem.scene import ELEMENTS, Body, Kept, Scene, actuation, clock, contact_stiffness, held, prepare, shape_of
+from drumlin.fem.scene import (
+    ELEMENTS,
+    Body,
+    Kept,
+    Scene,
+    actuation,
+    clock,
+    contact_stiffness,
+    held,
+    pin_of,
+    prepare,
+    shape_of,
+)
 from drumlin.laws import locking_friction
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
 from drumlin.statics import cross
@@ -117,8 +129,13 @@ def _untouched(shoe: Shoe) -> _Answer:
 
 def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
     """Gap of the unloaded lining at the contact nodes (n,) [m]: off the drum's radius, and the clearance."""
-    theta, radius = shoe.frame.theta(body.line.phi), brake.drum.radius
-    off = shoe.sign * (radius - np.hypot(*body.line.xy))
+    return gap_at(body.line.xy, body.line.phi, brake, shoe)
+
+
+def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
+    """Gap [m] of the unloaded lining at the points xy (2, ...) [m] of its mesh, at the angles phi (...) there."""
+    theta, radius = shoe.frame.theta(phi), brake.drum.radius
+    off = shoe.sign * (radius - np.hypot(*xy))
     return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + shoe.lining.clearance_at(theta)  # 0.0: not round-off
 
 
@@ -207,7 +224,7 @@ def _answer(
     drag = brake.friction * brake.spin * frame.sense
     nodal = (drag * (coupling.T.T @ p) - coupling.N.T @ p).reshape(-1, 2)  # on the lining [N]
     reaction = held(body, p, drag, load)[:2]
-    pin = np.array([shoe.hinge.radius, 0.0])
+    pin = pin_of(shoe)
     balance = relative_balance(
         [nodal.sum(axis=0), reaction, load[:2]],
         # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.

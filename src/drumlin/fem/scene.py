@@ -15,7 +15,7 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake import Beam, Brake, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem import beam_mesh
-from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
+from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
 from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.meshfile import read_mesh
@@ -224,7 +224,24 @@ def _bytes(body: Body | RingBody) -> int:
     return 8 * (4 + 2) * n**2 + 24 * int(body.condensed.A.nnz)
 
 
-def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
+@dataclass(frozen=True)
+class Assembled:
+    """One shoe with its lining, meshed and assembled, in its own frame: what condensation starts from.
+
+    `K` (2 nodes, 2 nodes): stiffness; `loads` (unknowns, 3): the unit actuations on the reduced unknowns of `ties`.
+    """
+
+    mesh: Any
+    basis: Any
+    line: ContactLine
+    K: Any
+    ties: Ties
+    loads: Floats
+    load_centre: Floats
+
+
+def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Assembled:
+    """Mesh and assemble a shoe. Raises BadInput for a mesh file that cannot serve."""
     with clock(seconds, "mesh"):
         if shoe.mesh is None:
             mesh = mesher(shoe, brake.drum.radius)
@@ -233,19 +250,30 @@ def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):
         K = stiffness(basis, materials_of(shoe))
-    with clock(seconds, "condensation"):
-        pin = np.array([shoe.hinge.radius, 0.0])
+    with clock(seconds, "ties"):
+        pin = pin_of(shoe)
         line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
-        n = len(line.nodes)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         ties = tie(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries:
             full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
-            forces = ties.matrix.T @ full
+            loads = ties.matrix.T @ full
         else:  # the force acts on the rigid shoe itself
-            forces, load_centre = np.zeros((ties.matrix.shape[1], 3)), pin
-            forces[-FRAME:] = np.eye(3)
-        condensed = condense(K, ties, forces, 2 * n)
+            loads, load_centre = np.zeros((ties.matrix.shape[1], 3)), pin
+            loads[-FRAME:] = np.eye(3)
+    return Assembled(mesh, basis, line, K, ties, loads, load_centre)
+
+
+def pin_of(shoe: Shoe) -> Floats:
+    """The pin (2,) [m] in the shoe's frame."""
+    return np.array([shoe.hinge.radius, 0.0])
+
+
+def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
+    parts = assemble(brake, shoe, mesher, seconds)
+    line, n = parts.line, len(parts.line.nodes)
+    with clock(seconds, "condensation"):
+        condensed = condense(parts.K, parts.ties, parts.loads, 2 * n)
     with clock(seconds, "coupling"):
         coupling = couple(line, shoe.lining.width, radial(shoe.sign))
         Y = condensed.half(np.hstack([-coupling.N.T, condensed.load_c]))
@@ -255,15 +283,15 @@ def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
         if brake.friction > 0:
             Y = condensed.half(coupling.T.T)
             closing_dragged, held_dragged = pressing @ Y, condensed.L_fc @ Y
-        x, y = line.xy - pin[:, None]
+        x, y = line.xy - pin_of(shoe)[:, None]
         turned = np.column_stack([-y, x]).ravel()
         return Body(
-            mesh=mesh,
-            basis=basis,
+            mesh=parts.mesh,
+            basis=parts.basis,
             line=line,
             coupling=coupling,
             condensed=condensed,
-            load_centre=load_centre,
+            load_centre=parts.load_centre,
             turned=turned,
             closing_pressed=closing[:, :n],
             closing_loaded=closing[:, n:],
@@ -303,7 +331,7 @@ def materials_of(shoe: Shoe) -> dict[str, tuple[Material, float]]:
     return parts
 
 
-def actuation(body: Body, shoe: Shoe) -> tuple[Floats, float]:
+def actuation(body: Body | Assembled, shoe: Shoe) -> tuple[Floats, float]:
     """Factors (3,) of the body's unit actuations, and the moment about the pin [m], per newton of force.
 
     In the shoe's frame; a negative force counts as one newton the other way.
@@ -311,7 +339,7 @@ def actuation(body: Body, shoe: Shoe) -> tuple[Floats, float]:
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
     force, point = shoe.frame.to_shoe(direction), shoe.frame.to_shoe(shoe.actuation.point.xy)
     couple_ = float(cross(point - body.load_centre, force))
-    return np.array([*force, couple_]), float(cross(point - np.array([shoe.hinge.radius, 0.0]), force))
+    return np.array([*force, couple_]), float(cross(point - pin_of(shoe), force))
 
 
 def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:

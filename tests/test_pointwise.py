@@ -1,0 +1,54 @@
+"""The textbook penalty at quadrature points: right where it converges, and it says where it does not."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from drumlin.brakefile import read_brake, vary
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem import model, pointwise
+
+BRAKE = Path(__file__).parents[1] / "studies" / "double_shoe" / "brake.toml"
+
+
+@pytest.fixture(scope="module")
+def brake():
+    return read_brake(BRAKE)
+
+
+def test_its_error_is_linear_in_the_penalty_s_compliance(brake):
+    exact = model.solve(brake, penalty=math.inf).torque
+    soft, stiff = (pointwise.solve(brake, penalty=alpha).torque / exact - 1 for alpha in (1e2, 1e3))
+    assert soft / stiff == pytest.approx(10, rel=0.03)
+    assert abs(stiff) < 1e-4
+
+
+def test_it_agrees_shoe_by_shoe(brake):
+    weak, points = model.solve(brake, penalty=1e3), pointwise.solve(brake, penalty=1e3)
+    for a, b in zip(weak.shoes, points.shoes, strict=True):
+        assert b.torque == pytest.approx(a.torque, rel=1e-4)
+        assert b.normal_force == pytest.approx(a.normal_force, rel=1e-4)
+        assert b.hinge_reaction == pytest.approx(a.hinge_reaction, rel=1e-3)
+        assert b.turn == pytest.approx(a.turn, rel=1e-3)
+        assert b.self_energising == a.self_energising
+    assert max(points.balance.force, points.balance.moment) < 1e-10
+
+
+def test_a_stiff_penalty_on_a_coarse_mesh_cycles_and_is_refused(brake):
+    with pytest.raises(NoAnswer, match="repeats itself"):
+        pointwise.solve(brake, elements=20, penalty=1e6)
+    assert model.solve(brake, elements=20, penalty=1e6).converged  # the weak form does not mind
+
+
+def test_refusals(brake):
+    with pytest.raises(BadInput, match="penalty = inf"):
+        pointwise.solve(brake, penalty=math.inf)
+    ring = {"thickness": 15e-3, "width": 40e-3, "material": {"E": 120e9, "nu": 0.25}}
+    with pytest.raises(BadInput, match=r"drum\.ring"):
+        pointwise.solve(vary(brake, {"drum.ring": ring}))
+
+
+def test_a_shoe_that_is_pulled_off_does_not_touch(brake):
+    away = pointwise.solve(vary(brake, {"shoe.actuation.force": -1.0}))
+    assert away.torque == 0 and not any(shoe.contact_arcs for shoe in away.shoes)
