@@ -5,6 +5,7 @@ stopped and went on ends with the same rows as one that was not.
 """
 
 import hashlib
+import importlib
 import json
 import math
 import threading
@@ -13,13 +14,17 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from functools import cache
 from itertools import groupby
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brakefile import vary
+from drumlin.brake import Brake
+from drumlin.brakefile import unit_of, vary
+from drumlin.compare import as_csv
 from drumlin.errors import BadInput, DrumlinError, NoAnswer
 from drumlin.fem.scene import Kept
+from drumlin.files import replacing, write_text
 from drumlin.flat import AnyBrake
 from drumlin.journal import Journal, source_stamp
 from drumlin.models import pick
@@ -55,16 +60,16 @@ def respond(case: Case, kept: Kept | None = None) -> Response:
 
 
 def solved(case: Case, kept: Kept | None = None) -> Row:
-    """The row of a case: its numbers by name (see `figures`), or why it has none. Never raises."""
+    """The row of a case: its numbers by name (see `row_of`), or why it has none. Never raises."""
     try:
-        return figures(vary(case.brake, case.changes), respond(case, kept))
+        return row_of(vary(case.brake, case.changes), respond(case, kept))
     except DrumlinError as error:
         return {"status": f"failed: {error}"}
     except Exception as error:  # a fault of one case must not cost the others; its row says what it was
         return {"status": f"failed: unexpected {type(error).__name__}: {error}"}
 
 
-def figures(brake: AnyBrake, response: Response) -> Row:
+def row_of(brake: AnyBrake, response: Response) -> Row:
     """What a row says of a response, in SI; of shoe NAME as "NAME.torque" and so on.
 
     "torque" [N m] of the whole brake (on a plane: "braking_force" [N]), "brake_factor" T/(F R) with the mean force F
@@ -74,7 +79,7 @@ def figures(brake: AnyBrake, response: Response) -> Row:
     """
     force = sum(abs(shoe.actuation.force) for shoe in brake.shoes) / len(brake.shoes)
     flat = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]
-    radius = 1.0 if flat or not hasattr(brake, "drum") else brake.drum.radius
+    radius = brake.drum.radius if isinstance(brake, Brake) else 1.0
     effect = math.fsum(flat) if flat else response.torque
     row: Row = {
         "status": "solved" if response.converged else "failed: not converged",
@@ -128,6 +133,74 @@ def run(
         finished += 1
         done(finished, len(cases))
     return [journal[key] for key in keys]
+
+
+UNITS = {
+    "torque": "N m",
+    "braking_force": "N",
+    "peak_pressure": "Pa",
+    "hinge_reaction": "N",
+}
+
+
+def table(cases: Sequence[Case], rows: Sequence[Row]) -> list[Row]:
+    """Cases and their rows as one table in SI, columns headed with name and unit: "shoe.lining.thickness [m]".
+
+    A changed value that is a table itself stands as JSON.
+    """
+    units: dict[str, str] = {}
+    made = []
+    for number, (case, row) in enumerate(zip(cases, rows, strict=True)):
+        flat = not isinstance(case.brake, Brake)
+        line: Row = {"case": number}
+        for key, value in case.changes.items():
+            if key not in units:
+                units[key] = _headed(key, unit_of(case.brake, key))
+            line[units[key]] = json.dumps(value) if isinstance(value, list | tuple) else value
+        line |= {"model": case.model, "status": row["status"]}
+        for name, value in row.items():
+            last = name.rpartition(".")[2]
+            unit = ("m" if flat else "rad") if last in {"contact_start", "contact_end"} else UNITS.get(last)
+            line[_headed(name, unit)] = value
+        made.append(line)
+    return made
+
+
+def _headed(name: str, unit: str | None) -> str:
+    return f"{name} [{unit}]" if unit else name
+
+
+def write_table(lines: Sequence[Row], path: Path) -> None:
+    """Write a table whole or not at all: Parquet where the name ends in .parquet, else CSV."""
+    if path.suffix != ".parquet":
+        write_text(path, as_csv(lines))
+        return
+    parquet = _parquet()
+    arrow = importlib.import_module("pyarrow")
+    names = dict.fromkeys(name for line in lines for name in line)
+    columns = {name: [line.get(name) for line in lines] for name in names}
+    for name, values in columns.items():
+        if any(isinstance(value, str) for value in values):  # numbers and tables under one key
+            columns[name] = [value if value is None else str(value) for value in values]
+    with replacing(path) as partial:
+        parquet.write_table(arrow.table(columns), partial)
+
+
+def _parquet() -> Any:
+    try:
+        return importlib.import_module("pyarrow.parquet")
+    except ImportError as error:
+        raise BadInput(
+            "--output: Parquet needs the extra drumlin[parquet]; or take a name that ends in .csv"
+        ) from error
+
+
+def check_output(path: Path) -> None:
+    """Raise BadInput for a table that could not be written in the end, before anything is solved."""
+    if path.suffix not in {".csv", ".parquet"}:
+        raise BadInput(f"--output = {str(path)!r}: must end in .csv or .parquet")
+    if path.suffix == ".parquet":
+        _parquet()
 
 
 def keys_of(cases: Iterable[Case]) -> Iterator[dict[str, Any]]:
