@@ -42,8 +42,9 @@ class Result(NamedTuple):
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
     """Measure the throughput of both sweeps by all workers, judge coarser meshes, kill a run; `short`: few cases."""
     start = time.perf_counter()
-    ways = [processes] + ([dask] if importlib.util.find_spec("distributed") else [])
-    counts = {SHARED: 60 if short else 1000, OWN: 6 if short else 150}
+    with_dask = not short and importlib.util.find_spec("distributed") is not None
+    ways = [processes, dask] if with_dask else [processes]
+    counts = {SHARED: 60 if short else 1000, OWN: 4 if short else 150}
     sweeps: dict[str, Sweep] = {}
     measured: dict[str, list[Throughput]] = {}
     for name, file in ((SHARED, "loads.toml"), (OWN, "tolerances.toml")):
@@ -56,10 +57,10 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
                 measured[name].append(way(sweep.cases[: counts[name]], workers))
     same = all(one.rows == those[0].rows for those in measured.values() for one in those)
     say("coarser meshes")
-    meshes = coarser(sweeps[OWN].cases[: 2 if short else 12], (20, 40) if short else (20, 40, 80))
-    cases = sweeps[SHARED].cases[: 200 if short else 1000]
+    meshes = coarser(sweeps[OWN].cases[: 1 if short else 12], (20, 40) if short else (20, 40, 80))
+    cases = sweeps[SHARED].cases[: 100 if short else 1000]
     with tempfile.TemporaryDirectory() as folder:
-        kills, rows = killed(cases, Path(folder) / "journal", 2 if short else 5, seed=1, say=say)
+        kills, rows = killed(cases, Path(folder) / "journal", 1 if short else 5, seed=1, say=say)
     expected = run(cases) if short else measured[SHARED][0].rows
     return Result(measured, same, meshes, kills, rows == expected, sweeps, time.perf_counter() - start)
 
