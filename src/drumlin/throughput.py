@@ -2,6 +2,7 @@
 
 import importlib
 import multiprocessing
+import os
 import random
 import signal
 import time
@@ -17,7 +18,10 @@ from drumlin.workers import Crew, crew
 
 
 class Throughput(NamedTuple):
-    """A sweep by some workers: seconds until all are there (`started`), and then for the cases (`seconds`)."""
+    """A sweep by some workers: seconds until all are there (`started`), and then for the cases (`seconds`).
+
+    `processor`: seconds of all processes from start to end, which neighbours on the machine do not lengthen.
+    """
 
     by: str
     workers: int
@@ -25,6 +29,7 @@ class Throughput(NamedTuple):
     started: float
     seconds: float
     rows: list[Row]
+    processor: float = 0.0
 
     @property
     def rate(self) -> float:
@@ -34,26 +39,33 @@ class Throughput(NamedTuple):
 
 def processes(cases: Sequence[Case], workers: int) -> Throughput:
     """The cases by processes of this machine."""
-    start = time.perf_counter()
+    start, before = time.perf_counter(), _processor()
     with crew(workers) as found:
-        return _timed("processes", cases, found, start)
+        made = _timed("processes", cases, found, start)
+    return made._replace(processor=_processor() - before)
 
 
 def dask(cases: Sequence[Case], workers: int) -> Throughput:
     """The cases by a Dask scheduler and its workers, processes on the loopback interface, one thread each."""
     distributed: Any = importlib.import_module("distributed")
-    start = time.perf_counter()
+    start, before = time.perf_counter(), _processor()
     with (
         distributed.LocalCluster(
             n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
         ) as cluster,
         crew(scheduler=cluster.scheduler_address) as found,
     ):
-        return _timed("Dask workers", cases, found, start)
+        made = _timed("Dask workers", cases, found, start)
+    return made._replace(processor=_processor() - before)
+
+
+def _processor() -> float:
+    """Processor time of this process and of those that it started and that have ended [s]."""
+    return sum(os.times()[:4])
 
 
 def _timed(by: str, cases: Sequence[Case], found: Crew, start: float) -> Throughput:
-    """Bodies that cases share count as part of the cases; the first few are solved once before, to wake the workers."""
+    """The first cases are solved by the sine law before, to wake the workers; condensing shared bodies counts."""
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
     run(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
