@@ -71,7 +71,7 @@ class Material(Part):
     """Linear elastic, isotropic: Young's modulus E [Pa] and Poisson's ratio nu."""
 
     E: Modulus
-    nu: Annotated[float, Field(gt=-1, lt=0.5)]
+    nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True)]
 
 
 class Point(Part):
