@@ -31,6 +31,7 @@ from drumlin.fem.scene import (
     shape_of,
 )
 from drumlin.laws import locking_friction
+from drumlin.locking import followed
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
 from drumlin.statics import cross
 
@@ -79,11 +80,10 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         raise BadInput("the brake's drum.ring differs from that of the prepared scene")
     seconds = dict(scene.seconds)
     with clock(seconds, "contact"):
-        touching = [i for i, shoe in enumerate(brake.shoes) if turns_towards(scene.bodies[i], shoe)]
-        # Shoes meet each other only through an elastic ring.
-        groups = [[i] for i in touching] if scene.ring is None else [touching] if touching else []
-        answers = {i: answer for group in groups for i, answer in _answers(scene, brake, group, penalty, start).items()}
-        for i in set(range(len(brake.shoes))) - set(touching):
+        answers: dict[int, _Answer] = {}
+        for group in groups_of(scene, brake):
+            answers |= _answers(scene, brake, group, penalty, start)
+        for i in set(range(len(brake.shoes))) - set(answers):
             answers[i] = _untouched(brake.shoes[i])
     balance = worst([answer.balance for answer in answers.values()])
     if not max(balance.force, balance.moment) < LARGEST_IMBALANCE:
@@ -192,13 +192,19 @@ def _answers(
         body, shoe = scene.bodies[i], brake.shoes[i]
         _check_reach(shoe, body.line.xy, gap_of(body, brake, shoe), actuation(body, shoe)[1])
     names = ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
+    first = None if start is None else np.concatenate([_touching(scene, brake, start, i) for i in group])
     try:
-        first = None if start is None else np.concatenate([_touching(scene, brake, start, i) for i in group])
         found = contact.solve(contact_problem(scene, brake, group, penalty), first)
+        reason = "" if found.regular else "self-locking, no stable equilibrium"
     except NoAnswer as error:
-        raise NoAnswer(f"{names}: {_locked(scene, brake, group) or error}") from error
-    if not found.regular:
-        raise NoAnswer(f"{names}: {_locked(scene, brake, group) or 'self-locking, no stable equilibrium'}")
+        reason = str(error)
+    if reason:
+        law = min(locking_friction(brake, brake.shoes[i]) for i in group)
+        at = partial(at_friction, scene, brake, group, penalty)
+        try:
+            found = followed(at, brake.friction, reason, law=law, brake="elastic as it is")
+        except NoAnswer as error:
+            raise NoAnswer(f"{names}: {error}") from error
     size = unit_force(brake, group)
     soft = [scene.bodies[i].coupling.M / contact_stiffness(brake.shoes[i], penalty) for i in group]
     change = size * found.tangent(scipy.linalg.block_diag(*soft) @ found.p)  # by the penalty's compliance
@@ -292,17 +298,13 @@ def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
         )
 
 
-def _locked(scene: Scene, brake: Brake, group: list[int]) -> str:
-    """What to say where there is no equilibrium because of friction; empty where friction is not the reason."""
+def at_friction(scene: Scene, brake: Brake, group: list[int], penalty: float, friction: float) -> contact.Problem:
+    """The contact problem of a group of shoes at another friction coefficient."""
+    return contact_problem(scene, brake.model_copy(update={"friction": friction}), group, penalty)
 
-    def problem_at(friction: float) -> contact.Problem:
-        return contact_problem(scene, brake.model_copy(update={"friction": friction}), group)
 
-    limit = contact.locking(problem_at, brake.friction)
-    if limit is None:
-        return ""
-    law = min(locking_friction(brake, brake.shoes[i]) for i in group)
-    return (
-        f"self-locking, no equilibrium at friction {brake.friction:g}; elastic as it is there is one up to "
-        f"mu_lock = {limit:.4g} (sine law: {law:.4g})"
-    )
+def groups_of(scene: Scene, brake: Brake) -> list[list[int]]:
+    """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
+    touching = [i for i, shoe in enumerate(brake.shoes) if turns_towards(scene.bodies[i], shoe)]
+    # Shoes meet each other only through an elastic ring.
+    return [[i] for i in touching] if scene.ring is None else [touching] if touching else []
