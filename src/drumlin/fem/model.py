@@ -70,8 +70,7 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
     response of a similar brake or on another mesh, whose contact is the first guess: it saves steps and does
     not change the answer. Raises NoAnswer: self-locking, no equilibrium, not converged.
     """
-    if not penalty > 0:
-        raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
+    check_penalty(penalty)
     if [shape_of(brake, s) for s in brake.shoes] != [shape_of(scene.brake, s) for s in scene.brake.shoes]:
         raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
     if brake.friction > 0 and scene.brake.friction == 0:
@@ -100,6 +99,12 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         left_out=scene.left_out,
         notes=tuple(answers[i].note for i in sorted(answers)),
     )
+
+
+def check_penalty(penalty: float) -> None:
+    """Raise BadInput for a factor of the contact stiffness that is none."""
+    if not penalty > 0:
+        raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
 
 
 @dataclass(frozen=True)
@@ -184,27 +189,38 @@ def _shoe_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float, size: fl
     )
 
 
-def _answers(
-    scene: Scene, brake: Brake, group: list[int], penalty: float, start: Response | None
-) -> dict[int, _Answer]:
-    """The answers of a group of shoes that meet the drum together."""
+def answer_of(
+    scene: Scene, brake: Brake, group: list[int], penalty: float, first: Bools | None = None
+) -> contact.Contact:
+    """The contact of a group of shoes per newton of `unit_force`, from the contact set `first` where there is one.
+
+    Raises NoAnswer as `respond` does.
+    """
     for i in group:
         body, shoe = scene.bodies[i], brake.shoes[i]
         _check_reach(shoe, body.line.xy, gap_of(body, brake, shoe), actuation(body, shoe)[1])
     names = ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
-    first = None if start is None else np.concatenate([_touching(scene, brake, start, i) for i in group])
     try:
         found = contact.solve(contact_problem(scene, brake, group, penalty), first)
-        reason = "" if found.regular else "self-locking, no stable equilibrium"
+        if found.regular:
+            return found
+        reason = "self-locking, no stable equilibrium"
     except NoAnswer as error:
         reason = str(error)
-    if reason:
-        law = min(locking_friction(brake, brake.shoes[i]) for i in group)
-        at = partial(at_friction, scene, brake, group, penalty)
-        try:
-            found = followed(at, brake.friction, reason, law=law, brake="elastic as it is")
-        except NoAnswer as error:
-            raise NoAnswer(f"{names}: {error}") from error
+    law = min(locking_friction(brake, brake.shoes[i]) for i in group)
+    at = partial(at_friction, scene, brake, group, penalty)
+    try:
+        return followed(at, brake.friction, reason, law=law, brake="elastic as it is")
+    except NoAnswer as error:
+        raise NoAnswer(f"{names}: {error}") from error
+
+
+def _answers(
+    scene: Scene, brake: Brake, group: list[int], penalty: float, start: Response | None
+) -> dict[int, _Answer]:
+    """The answers of a group of shoes that meet the drum together."""
+    first = None if start is None else np.concatenate([_touching(scene, brake, start, i) for i in group])
+    found = answer_of(scene, brake, group, penalty, first)
     size = unit_force(brake, group)
     soft = [scene.bodies[i].coupling.M / contact_stiffness(brake.shoes[i], penalty) for i in group]
     change = size * found.tangent(scipy.linalg.block_diag(*soft) @ found.p)  # by the penalty's compliance
