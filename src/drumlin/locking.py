@@ -13,6 +13,7 @@ the determinant has the other sign.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -123,6 +124,53 @@ def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
     gamma = gamma[gamma.imag == 0].real
     falling = gamma[gamma < -1e-300]
     return float(friction - 1 / falling.min()) if len(falling) else np.inf
+
+
+class Agreement(NamedTuple):
+    """Where other first guesses of the contact set lead, against the answer followed from mu = 0.
+
+    Of `starts`: `same`, those that end at it; `others`, at another answer that is `regular` too; `unstable`, at one
+    that is not; `lost`, those that did not converge. `difference`: the largest one of pressure among `same`, relative
+    to the largest pressure.
+    """
+
+    starts: int
+    same: int
+    others: int
+    unstable: int
+    lost: int
+    difference: float
+
+
+def agreement(problem: Problem, answer: Contact, starts: list[Bools], tolerance: float = 1e-6) -> Agreement:
+    """Solve a problem from each of the contact sets `starts` (n,), and compare with its `answer`."""
+    counts, largest, scale = dict.fromkeys(("same", "others", "unstable", "lost"), 0), 0.0, np.abs(answer.p).max()
+    for start in starts:
+        try:
+            found = solve(problem, start)
+        except NoAnswer:
+            counts["lost"] += 1
+            continue
+        difference = float(np.abs(found.p - answer.p).max() / scale)
+        same = difference <= tolerance
+        counts["same" if same else "others" if found.regular else "unstable"] += 1
+        largest = max(largest, difference) if same else largest
+    return Agreement(len(starts), **counts, difference=largest)
+
+
+def first_singular(sliding: Sliding) -> float:
+    """The smallest mu > 0 at which K0 + mu K1 is singular on any contact set, whether it is ever met or not; or inf.
+
+    Below it all sets have a determinant of one sign, and every load and clearance has exactly one answer (a P-matrix
+    where there are no free motions: Samelson, Thrall & Wesler 1958). All 2^n sets are tried: for small n only.
+    """
+    n, k = sliding.still.B.shape
+    sets = ((np.arange(2**n)[:, None] >> np.arange(n)) & 1).astype(bool)
+    smallest = np.inf
+    for active in sets[sets.sum(axis=1) >= max(k, 1)]:
+        with suppress(np.linalg.LinAlgError):  # a set that leaves a motion free at every friction: never met
+            smallest = min(smallest, next_eigenvalue(sliding, 0.0, active))
+    return smallest
 
 
 def _reached(sliding: Sliding, friction: float, start: Bools, most: int = 30) -> Contact | None:

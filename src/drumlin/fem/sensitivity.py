@@ -133,7 +133,7 @@ def as_text(found: Sensitivity, brake: Brake) -> list[str]:
             f"(sine law: {said(of_law)}); of the whole torque:",
             f"    d ln T/d ln force {own.force * shoe.actuation.force / T:+.4g}; d ln T/d ln E: {moduli}; "
             f"d ln T/d ln penalty {own.penalty / T:+.1e}",
-            f"    clearance {own.clearance / T * PERCENT_PER_MM:+.4g} %/mm; "
+            f"    clearance {own.clearance / T * 1e-3 * PERCENT_PER_MM:+.4g} %/µm; "
             f"hinge along x {x * PERCENT_PER_MM:+.4g} %/mm, along y {y * PERCENT_PER_MM:+.4g} %/mm",
         ]
     return lines
