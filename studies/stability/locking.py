@@ -8,16 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.brake import Brake
-from drumlin.brakefile import brake_from, read_brake, vary
+from drumlin.brakefile import read_brake, vary
 from drumlin.compare import Column
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.locking import limits, sliding, torques
-from drumlin.fem.model import solve
+from drumlin.fem.model import PENALTY
 from drumlin.fem.scene import prepare
-from drumlin.fem.sensitivity import sensitivity
+from drumlin.fem.sensitivity import against_differences
 from drumlin.journal import Journal
 from drumlin.laws import locking_friction, sine
 from drumlin.locking import agreement, first_singular, limit
+from drumlin.random_brake import random_brake
 from drumlin.report import figures, locking_figures
 from drumlin.report.page import Figure, Section, Table, Text
 
@@ -93,7 +93,7 @@ def rows(short: bool = False, journal: Journal | None = None, say: Callable[[str
         "stiff shoes": {}, "clockwise": {"rotation": "clockwise"}, "with a free ring": {"drum.ring": RING},
         "clearance, soft contact": {"shoe.lining.clearance": 1e-5}, "friction 0.6": {"friction": 0.6},
     }  # fmt: skip
-    slopes = [
+    compared = [
         row
         for name, changes in list(named.items())[: 1 if short else None]
         for row in kept.once(
@@ -101,7 +101,7 @@ def rows(short: bool = False, journal: Journal | None = None, say: Callable[[str
             lambda name=name, changes=changes: {"rows": _slopes(name, vary(brake, changes))},  # type: ignore[misc]
         )["rows"]
     ]
-    return Result(shoe, ring, rigid, mesh, torque, unique, slopes)
+    return Result(shoe, ring, rigid, mesh, torque, unique, compared)
 
 
 def _limit(brake: Brake, elements: int) -> Row:
@@ -127,43 +127,6 @@ def _torque(brake: Brake, ringed: bool, elements: int) -> Row:
         "torque": torques(scene, brake, mu).sum(axis=1).tolist(),
         "law_torque": [sine(vary(brake, {"friction": m})).torque for m in of_law],
     }  # fmt: skip
-
-
-def random_brake(seed: int, way: str, attempt: int = 0) -> Brake:
-    """A brake of one shoe, of random geometry and stiffness; `way`: "locking" where the sine law locks, "opposed" else."""
-    rng = np.random.default_rng([SEED, seed, attempt])
-    u, R, inside = rng.uniform, 0.15, bool(rng.random() < 0.6)
-    origin, hand, gap, arc = u(-3, 3), rng.choice([-1, 1]), u(0.05, 0.4), u(0.4, 2.4)
-    start, end = sorted([origin + hand * gap, origin + hand * (gap + arc)])
-    far, even = origin + hand * (gap + arc), u(-2e-4, 1e-3) * R
-    table = [[x, u(-2e-4, 1e-3) * R] for x in np.linspace(start, end, 5).tolist()]
-    shoe: dict[str, Any] = {
-        "name": "shoe", "side": "internal" if inside else "external",
-        "hinge": {"radius": R * (u(0.25, 0.95) if inside else u(1.05, 1.6)), "angle": origin},
-        "lining": {
-            "start": start, "end": end, "thickness": R * 10 ** u(-2, -0.7), "width": 0.04,
-            "material": {"E": 10 ** u(7.7, 9.7), "nu": u(0, 0.45)}, "clearance": [0.0, even, table][rng.integers(3)],
-        },
-        "actuation": {
-            "force": 10 ** u(2, 5), "direction": far + (0 if inside else math.pi) + u(-0.9, 0.9),
-            "point": {"radius": R * (u(0.5, 1) if inside else u(1, 1.6)), "angle": far},
-        },
-    }  # fmt: skip
-    if rng.random() < 0.75:
-        shoe["body"] = {"thickness": R * u(0.03, 0.25), "width": 0.04, "start": start - gap / 2, "end": end + gap / 2,
-                        "material": {"E": 10 ** u(9.7, 11.5), "nu": 0.3}}  # fmt: skip
-    data = {"title": f"random {seed}", "friction": 0.3, "drum": {"radius": R}, "shoe": [shoe]}
-    try:
-        for rotation in ("clockwise", "counter-clockwise"):
-            brake = brake_from(data | {"rotation": rotation})
-            law = locking_friction(brake, brake.shoes[0])
-            if law < 1.5 if way == "locking" else math.isinf(law):
-                sine(vary(brake, {"friction": 0.1 * min(law, 1.0)}))  # is it pressed, and within what the law covers?
-                if solve(brake.model_copy(update={"friction": 0.0}), elements=SMALL).shoes[0].contact_arcs:
-                    return brake
-    except (BadInput, NoAnswer):
-        pass
-    return random_brake(seed, way, attempt + 1)
 
 
 def _unique(seed: int, way: str) -> Row:
@@ -207,35 +170,10 @@ def _clearance(brake: Brake) -> str:
 
 
 def _slopes(name: str, brake: Brake) -> list[Row]:
-    """Exact slopes of the whole torque next to central differences, each solved anew from its mesh."""
-    n, penalty = 20, 100.0 if "soft" in name else 1e6
-    found = sensitivity(prepare(brake, elements=n), brake, penalty=penalty)
-
-    def difference(changes: Callable[[float], dict[str, Any]], step: float) -> float:
-        up, down = (solve(vary(brake, changes(s)), elements=n, penalty=penalty).torque for s in (step, -step))
-        return (up - down) / (2 * step)
-
-    mu, shoe, of = brake.friction, brake.shoes[1], found.shoes[1]
-    E, x, y, gap = shoe.lining.material.E, shoe.hinge.x, shoe.hinge.y, shoe.lining.clearance
-    assert isinstance(gap, float) and shoe.body is not None and shoe.body.material is not None
-    E_body = shoe.body.material.E
-    key = "shoe[1]."
-    table: list[tuple[str, str, float, Callable[[float], dict[str, Any]], float]] = [
-        ("dT/dμ", "N m", found.friction, lambda s: {"friction": mu + s}, 1e-5),
-        ("dT/dF", "m", of.force, lambda s: {f"{key}actuation.force": shoe.actuation.force + s}, 0.1),
-        ("dT/d ln E, lining", "N m", of.moduli["lining"], lambda s: {f"{key}lining.material.E": E * math.exp(s)}, 1e-4),
-        ("dT/d ln E, shoe", "N m", of.moduli["shoe"], lambda s: {f"{key}body.material.E": E_body * math.exp(s)}, 1e-4),
-        ("dT/d clearance", "N", of.clearance, lambda s: {f"{key}lining.clearance": gap + s}, 1e-9),
-        ("dT/dx, hinge", "N", float(of.hinge[0]), lambda s: {f"{key}hinge": {"x": x + s, "y": y}}, 1e-6),
-        ("dT/dy, hinge", "N", float(of.hinge[1]), lambda s: {f"{key}hinge": {"x": x, "y": y + s}}, 1e-6),
-    ]
-    rows = []
-    for what, unit, exact, changes, step in table:
-        near = difference(changes, step)
-        rows.append({"brake": name, "what": what, "unit": unit, "exact": exact, "near": near,
-                     "difference": abs(exact / near - 1), "elasticity": None})  # fmt: skip
-    rows[0]["elasticity"], rows[0]["law"] = found.S, (found.law or (None,))[-1]
-    return rows
+    """Slopes of the whole torque next to differences; S of the elastic brake and of the sine law in the first row."""
+    found, table = against_differences(brake, 1, elements=20, penalty=100.0 if "soft" in name else PENALTY)
+    return [row | {"brake": name} | ({"S": found.S, "law": (found.law or (None,))[-1]} if k == 0 else {})
+            for k, row in enumerate(table)]  # fmt: skip
 
 
 LIMITS = (
@@ -272,7 +210,7 @@ SLOPES = (
     Column("exact", "from the tangent", form=".9g"),
     Column("near", "central difference", form=".9g"),
     Column("difference", "relative difference", form=".0e"),
-    Column("elasticity", "S = (μ/T) dT/dμ", form=".4f"),
+    Column("S", "S = (μ/T) dT/dμ", form=".4f"),
     Column("law", "S, sine law", form=".4f"),
 )
 

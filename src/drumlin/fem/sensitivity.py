@@ -11,6 +11,7 @@ and these are its slopes on the side of the present set. The body of the shoe st
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -20,11 +21,12 @@ import scipy.sparse as sp
 
 from drumlin.arrays import Floats
 from drumlin.brake import Brake, Shoe
+from drumlin.brakefile import vary
 from drumlin.contact import Problem, adjoint
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.body import FRAME, stiffness
-from drumlin.fem.model import PENALTY, answer_of, at_friction, check_penalty, groups_of, unit_force
-from drumlin.fem.scene import Body, Scene, actuation, contact_stiffness, materials_of
+from drumlin.fem.model import PENALTY, answer_of, at_friction, check_penalty, groups_of, solve, unit_force
+from drumlin.fem.scene import Body, Scene, actuation, contact_stiffness, materials_of, prepare
 from drumlin.laws import sine
 from drumlin.locking import Sliding
 
@@ -234,3 +236,40 @@ def _untouched(body: Body, shoe: Shoe) -> ShoeSensitivity:
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
     none = dict.fromkeys(materials_of(shoe), 0.0)
     return ShoeSensitivity(shoe.name, 0.0, 0.0, None, 0.0, none, 0.0, np.zeros(2), 0.0, theta, np.zeros(len(theta)))
+
+
+def against_differences(
+    brake: Brake, index: int, *, elements: int, penalty: float = PENALTY
+) -> tuple[Sensitivity, list[dict[str, Any]]]:
+    """Slopes of the whole torque next to central differences of solves from the mesh up; a row each.
+
+    Force, moduli, clearance (one number) and hinge are those of shoe `index`, which has an elastic body. Rows: `what`,
+    `unit`, `exact`, `near`, relative `difference`. Raises as `solve` does.
+    """
+    found = sensitivity(prepare(brake, elements=elements), brake, penalty=penalty)
+    mu, shoe, of, key = brake.friction, brake.shoes[index], found.shoes[index], f"shoe[{index}]."
+    gap, body, material = shoe.lining.clearance, shoe.body, shoe.lining.material
+    assert isinstance(gap, float) and body is not None and body.material is not None
+    E, x, y = body.material.E, shoe.hinge.x, shoe.hinge.y
+    table: list[tuple[str, str, float, Callable[[float], dict[str, Any]], float]] = [
+        ("dT/dμ", "N m", found.friction, lambda s: {"friction": mu + s}, 1e-5),
+        ("dT/dF", "m", of.force, lambda s: {"actuation.force": shoe.actuation.force * (1 + s)}, 1e-4),
+        ("dT/d ln E, lining", "N m", of.moduli["lining"], lambda s: {"lining.material.E": material.E * (1 + s)}, 1e-4),
+        ("dT/d ln E, shoe", "N m", of.moduli["shoe"], lambda s: {"body.material.E": E * (1 + s)}, 1e-4),
+        ("dT/d clearance", "N", of.clearance, lambda s: {"lining.clearance": gap + s}, 1e-9),
+        ("dT/dx, hinge", "N", float(of.hinge[0]), lambda s: {"hinge": {"x": x + s, "y": y}}, 1e-6),
+        ("dT/dy, hinge", "N", float(of.hinge[1]), lambda s: {"hinge": {"x": x, "y": y + s}}, 1e-6),
+    ]
+    rows = []
+    for what, unit, exact, changes, step in table:
+        up, down = (
+            solve(
+                vary(brake, {k if k == "friction" else key + k: value for k, value in changes(s).items()}),
+                elements=elements,
+                penalty=penalty,
+            ).torque
+            for s in (step, -step)
+        )
+        near = (up - down) / (2 * step * (shoe.actuation.force if what == "dT/dF" else 1.0))
+        rows.append({"what": what, "unit": unit, "exact": exact, "near": near, "difference": abs(exact / near - 1)})
+    return found, rows
