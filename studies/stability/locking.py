@@ -49,7 +49,8 @@ class Result(NamedTuple):
 
 def rows(short: bool = False, journal: Journal | None = None, say: Callable[[str], None] = lambda _: None) -> Result:
     """Compute all rows, each kept in the journal as it comes; `short`: fewer and coarser."""
-    kept, elements = journal or Journal(), 16 if short else 40
+    kept = Journal() if journal is None else journal  # an empty journal is falsy
+    elements = 16 if short else 40
     brake, every = read_brake(FILE), 4 if short else 1
     ways = ("locking", "opposed")
 
@@ -233,6 +234,8 @@ def _locking(result: Result, folder: Path) -> Section:
     rigid = [row | {"per_thickness": row["difference"] / row["t_over_R"]} for row in result.rigid]
     stiffest = {t: max(of, key=lambda row: row["factor"]) for t, of in thick.items()}
     ends = ", ".join(f"{stiffest[t]['difference']:+.2%} ({t * 1e3:g} mm)" for t in THICKNESSES)
+    highest = max(row["difference"] for row in result.shoe)
+    own = next(row for row in result.ring if row["support"] == "free" and row["factor"] == 1)
     pole = [_pole(row) for row in result.torque]
     return Section(
         "Self-locking",
@@ -241,7 +244,8 @@ def _locking(result: Result, folder: Path) -> Section:
                 "Under full slip the condensed equations are linear in μ. On a contact set they have no answer where "
                 "their matrix is singular, at a generalised eigenvalue; the contact set, and so the eigenvalue, changes "
                 "with μ. The answer is followed from μ = 0 up to the eigenvalue of a set that holds right up to it. Force "
-                "and clearance have no part in that limit: pressures grow beyond them."
+                "and clearance have no part in that limit: pressures grow beyond them. Where the set changes so that the "
+                "determinant changes its sign the answer turns back at finite pressure instead."
             ),
             Figure(
                 folder / "locking.svg",
@@ -251,8 +255,9 @@ def _locking(result: Result, folder: Path) -> Section:
             Text(
                 "<b>Towards the law.</b> As the shoe stiffens the elastic limit tends to that of the law, but for what "
                 f"the lining's own shear leaves: at the stiffest shoe {ends} of {law:.4f}. That rest is linear in the "
-                f"lining's thickness: {rigid[-1]['per_thickness']:+.2f} t/R for rigid shoes. A softer shoe locks later, up "
-                "to a half; a free rim locks earlier than the law, since it carries friction round to the shoe."
+                f"lining's thickness: {rigid[2]['per_thickness']:+.2f} t/R for rigid shoes (below, while the mesh resolves "
+                f"the lining). A softer shoe locks up to {highest:.0%} later than the law; with a drum ring of its own "
+                f"stiffness and a free rim the brake locks {own['difference']:+.1%} from the law."
             ),
             Table(rigid, LIMITS, "Rigid shoes with ever thinner linings: the limit tends to the law's as t/R."),
             Table(result.mesh, LIMITS, "The limit of the brake on finer meshes."),
