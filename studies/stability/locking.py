@@ -263,14 +263,14 @@ def _locking(result: Result, folder: Path) -> Section:
             Table(result.mesh, LIMITS, "The limit of the brake on finer meshes."),
             Figure(
                 folder / "locking_torque.svg",
-                "Torque over friction and, right, the torque times the distance from the limit: constant at a simple pole.",
+                "Torque over friction and, right, the torque times the distance from the limit: constant at a simple pole, which is reached once the contact set stays: with the ring the contact shrinks up to then.",
             ),
             Text(
                 "<b>The pole.</b> T (μ_lock − μ) settles at "
                 + " and ".join(
                     f"{value:.5g} N m ({row['name']})" for value, row in zip(pole, result.torque, strict=True)
                 )
-                + "; between distances of 1e-4 and 1e-6 of the limit it changes by "
+                + "; between distances of 1e-5 and 1e-6 of the limit it changes by "
                 + " and ".join(f"{_drift(row):.0e}" for row in result.torque)
                 + " of itself. Beyond the limit a brake is refused, and the line names both limits."
             ),
@@ -292,7 +292,7 @@ def _pole(row: Row) -> float:
 
 def _drift(row: Row) -> float:
     products = _products(row)
-    near = [p for p, mu in zip(products, row["mu"], strict=True) if 1 - mu / row["mu_lock"] < 1.01e-4]
+    near = [p for p, mu in zip(products, row["mu"], strict=True) if 1 - mu / row["mu_lock"] < 1.01e-5]
     return abs(near[-1] / near[0] - 1)
 
 

@@ -55,7 +55,7 @@ def poles(rows: Sequence[Mapping[str, Any]]) -> Figure:
         left.set_ylabel("torque T [kN m]")
         left.legend(loc="upper left", fontsize=8.5)
         right.invert_xaxis()
-        right.set_title("A simple pole")
+        right.set_title("Torque times distance from its limit")
         right.set_xlabel("distance from the limit 1 − μ/μ_lock [-]")
         right.set_ylabel("T (μ_lock − μ) [N m]")
         right.legend()
