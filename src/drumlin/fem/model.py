@@ -15,9 +15,9 @@ from drumlin import contact
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.adapt import adapt
 from drumlin.fem.ends import contact_arcs
 from drumlin.fem.mesh import DEFAULT_KIND
+from drumlin.fem.omission import adapt_without
 from drumlin.fem.scene import (
     ELEMENTS,
     Body,
@@ -53,16 +53,16 @@ def solve(
 ) -> Response:
     """Mesh, condense and solve a brake: prepare, then respond; with a `tolerance` on meshes adapted to it.
 
-    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque. Raises
-    NoAnswer where it is not reached, BadInput where `elements` are given too. kept: bodies of earlier solves, see
-    `prepare`.
+    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the mesh and
+    of what is left out for it. Raises NoAnswer where it is not reached, BadInput where `elements` are given too.
+    kept: bodies of earlier solves, see `prepare`.
     """
     if tolerance is None:
         scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind, kept=kept)
         return respond(scene, brake, penalty=penalty)
     if elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
-    return adapt(brake, tolerance, partial(respond, penalty=penalty), kind)
+    return adapt_without(brake, tolerance, partial(respond, penalty=penalty), kind)
 
 
 def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None) -> Response:
@@ -84,7 +84,8 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
     with clock(seconds, "contact"):
         touching = [i for i, shoe in enumerate(brake.shoes) if turns_towards(scene.bodies[i], shoe)]
         # Shoes meet each other only through an elastic ring.
-        groups = [[i] for i in touching] if scene.ring is None else [touching] if touching else []
+        alone = scene.ring is None or scene.apart
+        groups = [[i] for i in touching] if alone else [touching] if touching else []
         answers = {i: answer for group in groups for i, answer in _answers(scene, brake, group, penalty, start).items()}
         for i in set(range(len(brake.shoes))) - set(touching):
             answers[i] = _untouched(brake.shoes[i])
