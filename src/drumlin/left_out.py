@@ -38,6 +38,8 @@ COLUMNS = (
     Column("exact", "exact"),
     Column("torque", "change of torque", "%", 100, ".2g"),
     Column("predicted_torque", "predicted", "%", 100, ".2g"),
+    Column("shoes", "of the shoes' torques", "%", 100, ".2g"),
+    Column("predicted_shoes", "predicted", "%", 100, ".2g"),
     Column("pressure", "change of p (L2)", "%", 100, ".2g"),
     Column("predicted_pressure", "predicted", "%", 100, ".2g"),
     Column("reaction", "change of hinge reaction", "%", 100, ".2g"),
@@ -58,9 +60,9 @@ class Pair(NamedTuple):
 def omissions(brake: Brake, name: str, *, elements: int = ELEMENTS, repeats: int = 5) -> list[dict[str, Any]]:
     """Rows of what can be left out of a brake: the exact ones, each of the others alone, and all of these together.
 
-    Changes are relative, between both solutions on `elements` along each lining: torque of the brake, p in L2 and
-    hinge reaction of the worst shoe. `seconds` and `memory`: shares of the whole solve's saved, medians of `repeats`
-    taken in turn; 0 repeats leave them out. A case without an answer stays as a row.
+    Changes are relative, between both solutions on `elements` along each lining, as in fem.omission.Change; what was
+    predicted has the same keys after "predicted_". `seconds` and `memory`: shares of the whole solve's saved, medians
+    of `repeats` taken in turn; 0 repeats leave them out. A case without an answer stays as a row.
     """
     rows: list[dict[str, Any]] = []
     for part, instead, exact, left in _cases(brake):
@@ -93,7 +95,7 @@ def _cases(brake: Brake) -> list[tuple[str, str, bool, list[str] | None]]:
 
 
 def _judged(found: Change, prefix: str) -> dict[str, float]:
-    return {prefix + key: getattr(found, key) for key in ("torque", "pressure", "reaction")}
+    return {prefix + key: getattr(found, key) for key in Change._fields}
 
 
 def saved(pair: Pair, repeats: int) -> dict[str, float]:

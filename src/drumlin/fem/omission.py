@@ -159,7 +159,7 @@ def prepare_straight(brake: Brake, *, elements: int) -> Scene:
 
     def mesher(shoe: Shoe, radius: float) -> Any:
         mesh = shoe_mesh(shoe, radius, elements)
-        corners = skfem.MeshQuad(mesh.p[:, : mesh.nvertices], mesh.t, validate=False)
+        corners = skfem.MeshQuad(np.ascontiguousarray(mesh.p[:, : mesh.nvertices]), mesh.t, validate=False)
         straight = skfem.MeshQuad2.from_mesh(corners)
         return replace(straight, _subdomains=mesh.subdomains, _boundaries=mesh.boundaries)
 

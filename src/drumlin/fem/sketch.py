@@ -22,7 +22,7 @@ import numpy as np
 
 from drumlin.arrays import Floats, Ints
 from drumlin.beam import axis_of
-from drumlin.brake import Beam, Body, Brake, Ring, Shoe
+from drumlin.brake import Backing, Beam, Body, Brake, Lining, Ring, Section, Shoe
 from drumlin.fem import scene as scenes
 from drumlin.fem.interface import edge_points
 from drumlin.fem.mesh import DEFAULT_KIND
@@ -132,38 +132,59 @@ class _Bar(NamedTuple):
 
 
 def _bar(shoe: Shoe, radius: float) -> _Bar:
+    """The bar of a shoe. Behind its lining an arc bends as one section with its backing and lining."""
     body = shoe.body
     assert body is not None and body.section is not None  # why_not
-    section = body.section
     middle = (np.arange(SECTIONS) + 0.5) / SECTIONS
     if isinstance(body, Body):
         near, far = sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist(), key=abs)
-        backing = shoe.backing.thickness if shoe.backing else 0.0
-        axis = radius - shoe.sign * (shoe.lining.thickness + backing + body.thickness / 2)
         phi = near + (far - near) * middle
+        start, end = shoe.arc
+        alone = _stiffness([(body.thickness, body.section)])
+        layers = [(body.thickness, body.section), (shoe.lining.thickness, _layer(shoe, shoe.lining))]
+        if shoe.backing is not None:
+            layers.insert(1, (shoe.backing.thickness, _layer(shoe, shoe.backing)))
+        together = _stiffness(layers)
+        bonded = (phi > start) & (phi < end)
+        depth, EI, EA, GA = np.where(bonded, np.array(together)[:, None], np.array(alone)[:, None])
+        axis = radius - shoe.sign * (shoe.depth - depth)
         along, foot = np.abs(phi - near), np.array([near])
-        at = axis * np.column_stack([np.cos(phi), np.sin(phi)])
+        at = (axis * np.array([np.cos(phi), np.sin(phi)])).T
         tangent = math.copysign(1.0, far - near) * np.column_stack([-np.sin(phi), np.cos(phi)])
         ds = axis * abs(far - near) / SECTIONS
     else:
-        hinge, end = shoe.frame.to_shoe(shoe.hinge.xy), shoe.frame.to_shoe(shoe.actuation.point.xy)
-        line = axis_of(hinge, end)
+        hinge, end_ = shoe.frame.to_shoe(shoe.hinge.xy), shoe.frame.to_shoe(shoe.actuation.point.xy)
+        line = axis_of(hinge, end_)
         along, foot = line.length * middle, hinge
         at, tangent = hinge + along[:, None] * line.along, np.tile(line.along, (SECTIONS, 1))
-        ds = line.length / SECTIONS
-    E, area = section.material.E, section.thickness * section.width
-    G = E / (2 * (1 + section.material.nu))
-    ones = np.ones(SECTIONS)
+        ds = np.full(SECTIONS, line.length / SECTIONS)
+        _, EI, EA, GA = np.array(_stiffness([(body.section.thickness, body.section)]))[:, None]
     return _Bar(
         at=at,
         tangent=tangent,
         along=along,
         foot=foot,
-        bending=ones * math.sqrt(ds / section.bending_stiffness),
-        stretching=ones * math.sqrt(ds / (E * area)),
-        shearing=ones * math.sqrt(SHEAR * ds / (G * area)),
+        bending=np.sqrt(ds / EI),
+        stretching=np.sqrt(ds / EA),
+        shearing=np.sqrt(SHEAR * ds / GA),
         round=isinstance(body, Body),
     )
+
+
+def _layer(shoe: Shoe, layer: Lining | Backing) -> Section:
+    return Section(layer.thickness, shoe.lining.width, layer.material)
+
+
+def _stiffness(layers: list[tuple[float, Section]]) -> tuple[float, float, float, float]:
+    """Of bonded layers, from the shoe's back to its friction surface: depth of the neutral axis below the back [m],
+    EI [N m^2], EA [N], GA [N]."""
+    t = np.array([thickness for thickness, _ in layers])
+    EA = np.array([section.material.E * section.width * section.thickness for _, section in layers])
+    GA = EA / [2 * (1 + section.material.nu) for _, section in layers]
+    own = np.array([section.bending_stiffness for _, section in layers])
+    middle = np.cumsum(t) - t / 2
+    depth = float(EA @ middle / EA.sum())
+    return depth, float((own + EA * (middle - depth) ** 2).sum()), float(EA.sum()), float(GA.sum())
 
 
 def _ring(brake: Brake, ring: Ring, bodies: tuple[scenes.Body, ...]) -> RingBody:

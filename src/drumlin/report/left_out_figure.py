@@ -18,13 +18,13 @@ LOOKS = {  # what is left out -> marker, colour
     "all but curvature": ("*", "#1d2733"),
 }
 LEAST = 1e-6  # changes below it are of no interest
-PANELS = (("torque", "torque of the brake"), ("pressure", "pressure p (L2, worst shoe)"))
+PANELS = (("shoes", "shoes' torques (sum of sizes)"), ("pressure", "pressure p (L2, worst shoe)"))
 
 
 def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
-    """Predicted over true change of torque and of p, log-log, a marker for each thing left out; band: factor 2.
+    """Predicted over true change of the shoes' torques and of p, log-log, a marker for each thing left out.
 
-    rows: of `left_out.omissions`. Changes (fractions) below LEAST are not drawn.
+    Line: equal; band: within a factor 2. rows: of `left_out.omissions`. Changes (fractions) below LEAST are not drawn.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.0, 4.9), layout="constrained")
