@@ -116,7 +116,7 @@ WITHIN = {
     "ring fixed": alone(vary(BRAKE, ringed("fixed"))),
     "ring fixed, thin": alone(vary(BRAKE, ringed("fixed", 0.005))),
     "ring fixed, soft": alone(vary(BRAKE, ringed("fixed", E=1e10))),
-    "ring fixed, steep shoe": alone(vary(BRAKE, ringed("fixed") | {"shoe.body.thickness": 0.012})),
+    "ring fixed, thin shoe": alone(vary(BRAKE, ringed("fixed") | {"shoe.body.thickness": 0.012})),
     "ring fixed, two shoes, clearance": vary(BRAKE, ringed("fixed") | {"shoe.lining.clearance": 1e-4}),
     "ring free": alone(vary(BRAKE, ringed("free"))),
     "ring free, stiff": alone(vary(BRAKE, ringed("free", 0.03, 2e13))),
