@@ -70,8 +70,13 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
 
 @pytest.mark.parametrize(
     "brake",
-    [BRAKE, vary(BRAKE, ringed("free")), vary(BRAKE, backed(0.005, 1e10)), POST],
-    ids=["shoe", "ring", "backing", "post"],
+    [
+        BRAKE,
+        vary(BRAKE, ringed("free")),
+        vary(BRAKE, backed(0.005, 1e10) | {"shoe[1].body.thickness": 0.012}),
+        POST,
+    ],
+    ids=["shoe", "ring", "backing and two shoes", "post"],
 )
 def test_a_sketch_of_closed_forms_answers_as_the_finite_elements_of_its_mesh(brake):
     sketch, full = respond(sketcher(24)(brake), brake), solve(brake, elements=24)
@@ -145,7 +150,7 @@ def test_the_true_error_stays_within_the_tolerance_with_what_is_left_out_for_it(
         assert max(true.pressure, true.torque) <= tolerance
         assert max(response.error.values()) <= tolerance
         assert true.torque <= response.error["torque"] + 1e-6
-        said = [line for line in response.left_out if "predicted to change torque by" in line]
+        said = [line for line in response.left_out if "predicted to change" in line]
         if case in OMITTED:
             assert [line.split(":")[0] for line in said] == [OMITTED[case][i]] * bool(OMITTED[case][i])
         assert any("no [drum.ring]" in line for line in response.left_out) == (brake.drum.ring is None)

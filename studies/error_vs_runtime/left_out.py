@@ -109,16 +109,21 @@ def _said(rows: Sequence[dict[str, Any]]) -> str:
         ]
         for key in ("torque", "shoes", "pressure")
     }
-    said = [
-        f"Where the true change is between 0.01 % and 30 %, the prediction of {name} is {min(ratios[key]):.2f} to "
-        f"{max(ratios[key]):.2f} times the truth ({len(ratios[key])} cases without curvature)."
+    parts = [
+        f"{min(ratios[key]):.2f} to {max(ratios[key]):.2f} times the truth for {name} ({len(ratios[key])} cases)"
         for key, name in (
             ("pressure", "p"),
-            ("shoes", "the shoes' torques, counted with one sign,"),
-            ("torque", "the brake's torque, in which these cancel in part,"),
+            ("shoes", "the shoes' torques, counted with one sign"),
+            ("torque", "the brake's torque, in which these cancel in part"),
         )
         if ratios[key]
     ]
+    said = []
+    if parts:
+        said.append(
+            f"Where the true change lies between 0.01 % and 30 %, the prediction is {'; '.join(parts)}; curvature apart. "
+            "What is promised of the torque is therefore the second, which bounds the third."
+        )
     saving: dict[str, list[float]] = {}
     for row in rows:
         if row["exact"] == "no" and "seconds" in row and not row["part"].startswith("all"):

@@ -23,6 +23,7 @@ import numpy as np
 from drumlin.arrays import Floats, Ints
 from drumlin.beam import axis_of
 from drumlin.brake import Backing, Beam, Body, Brake, Lining, Ring, Section, Shoe
+from drumlin.errors import BadInput
 from drumlin.fem import scene as scenes
 from drumlin.fem.interface import edge_points
 from drumlin.fem.mesh import DEFAULT_KIND
@@ -44,6 +45,9 @@ def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], scenes.Scene]:
     meshed: dict[Brake, scenes.Scene] = {}
 
     def sketch(brake: Brake) -> scenes.Scene:
+        reason = scenes.why_not(brake)
+        if reason is not None:
+            raise BadInput(f"fem does not apply to this brake: {reason}")
         bare = _rigid(brake)
         if bare not in meshed:
             meshed[bare] = scenes.prepare(bare, elements=elements, kind=DEFAULT_KIND)
@@ -54,15 +58,17 @@ def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], scenes.Scene]:
 
 def with_closed_forms(scene: scenes.Scene, brake: Brake) -> scenes.Scene:
     """A scene of rigid shoes or of a rigid drum with the flexibilities added that `brake` has and its own has not."""
-    made: dict[int, scenes.Body] = {}
+    made: dict[tuple[object, ...], scenes.Body] = {}
+    bodies = []
     for body, shoe, bare in zip(scene.bodies, brake.shoes, scene.brake.shoes, strict=True):
-        if id(body) not in made:
-            made[id(body)] = body if shoe.body == bare.body else _flexible(body, shoe, brake.drum.radius)
-    bodies = tuple(made[id(body)] for body in scene.bodies)
+        key = scenes.shape_of(brake, shoe)
+        if key not in made:
+            made[key] = body if shoe.body == bare.body else _flexible(body, shoe, brake.drum.radius)
+        bodies.append(made[key])
     ring = scene.ring
     if ring is None and brake.drum.ring is not None:
-        ring = _ring(brake, brake.drum.ring, bodies)
-    return replace(scene, brake=brake, bodies=bodies, ring=ring)
+        ring = _ring(brake, brake.drum.ring, tuple(bodies))
+    return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
 
 
 def _rigid(brake: Brake) -> Brake:

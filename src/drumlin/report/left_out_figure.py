@@ -27,7 +27,7 @@ def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
     Line: equal; band: within a factor 2. rows: of `left_out.omissions`. Changes (fractions) below LEAST are not drawn.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10.0, 4.9), layout="constrained")
+        figure = Figure(figsize=(10.4, 4.4), layout="constrained")
         grid = figure.subplots(1, len(PANELS))
         for axes, (key, title) in zip(grid, PANELS, strict=True):
             for part, (marker, color) in LOOKS.items():
