@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import STUDY
+from conftest import ROOT, STUDY
 from drumlin.brake import Ring
 from drumlin.brakefile import read_brake, vary
 from drumlin.compare import pressure_distance
@@ -196,3 +196,18 @@ def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining(
         assert row["pressure"] < 0.3
         assert 0.5 < row["predicted_pressure"] / row["pressure"] < 2
     assert coarse["pressure"] / fine["pressure"] == pytest.approx(2, rel=0.3)
+
+
+def test_the_section_says_what_the_rows_give_and_a_case_without_answer_stays(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT)
+    from studies.error_vs_runtime.left_out import section
+
+    rows = omissions(vary(BRAKE, RIGID), "b", elements=12, repeats=1)
+    locked = omissions(vary(BRAKE, {"friction": 1.1}), "locked when rigid", elements=12, repeats=0)
+    failed = [row for row in locked if row["status"].startswith("failed: shoe 'left': self-locking")]
+    assert {row["part"] for row in failed} >= {"shoe"}
+    made = section([*rows, *locked], tmp_path)
+    assert (tmp_path / "left_out.svg").stat().st_size > 10_000
+    assert len((tmp_path / "left_out.csv").read_text().splitlines()) == len(rows) + len(locked) + 1
+    assert {row["part"] for row in made.blocks[3].rows} >= {"drag", "curvature", "shoe", "interior fields"}
+    assert "times the truth for p" in made.blocks[2].html

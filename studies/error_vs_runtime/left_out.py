@@ -1,14 +1,17 @@
 """What leaving things out costs and saves: the brakes, and the section of the report."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from drumlin.brake import Brake
 from drumlin.brakefile import read_brake, vary
 from drumlin.compare import as_csv
+from drumlin.fem.scene import ELEMENTS
 from drumlin.files import write_text
-from drumlin.left_out import COLUMNS
+from drumlin.journal import Journal
+from drumlin.left_out import COLUMNS, omissions
 from drumlin.report.figures import save
 from drumlin.report.left_out_figure import predictions
 from drumlin.report.page import Figure, Section, Table, Text
@@ -59,6 +62,24 @@ def ladder(*, short: bool = False) -> dict[str, Brake]:
     }
     friction = {f"rigid shoe, mu = {mu:g}": vary(main, {"shoe.body": None, "friction": mu}) for mu in (0.02, 0.5)}
     return shoes | free | fixed | layers | rigid | friction
+
+
+def rows_of(
+    journal: Journal, *, short: bool = False, say: Callable[[str], None] = lambda _: None
+) -> list[dict[str, Any]]:
+    """The rows of all brakes, each brake one case of the journal: those of the table timed, those of the ladder not."""
+    rows: list[dict[str, Any]] = []
+    cases = [(name, brake, 1 if short else 5) for name, brake in brakes(short=short).items()]
+    cases += [(name, brake, 0) for name, brake in ladder(short=short).items()]
+    for name, brake, repeats in cases:
+        say(f"left out: {name}")
+        compute = partial(_case, brake, name, repeats, 40 if short else ELEMENTS)
+        rows += journal.once({"left out": name, "short": short}, compute)["rows"]
+    return rows
+
+
+def _case(brake: Brake, name: str, repeats: int, elements: int) -> dict[str, Any]:
+    return {"rows": omissions(brake, name, elements=elements, repeats=repeats)}
 
 
 def section(rows: Sequence[dict[str, Any]], folder: Path) -> Section:
