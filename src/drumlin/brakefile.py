@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
+from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -160,4 +161,4 @@ def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
         _set(data[head], rest, value, key)
     else:
-        data[head] = value
+        data[head] = deepcopy(value)  # a later key may change what lies inside

@@ -265,6 +265,33 @@ def hold(
 
 
 @app.command()
+def sensitivity(
+    brake_file: BrakeFile,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write them as JSON")] = None,
+    elements: Elements = None,
+    kind: Kind = None,
+    penalty: Penalty = None,
+) -> None:
+    """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the elastic brake."""
+    from drumlin.brakefile import read_brake
+    from drumlin.fem.scene import prepare
+    from drumlin.fem.sensitivity import as_text
+    from drumlin.fem.sensitivity import sensitivity as slopes
+    from drumlin.files import write_text
+
+    brake = read_brake(brake_file)
+    options = _options(elements, kind=kind, penalty=penalty)
+    stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
+    with _busy("sensitivity"):
+        found = slopes(prepare(brake, **options), brake, **stiffness)
+    if json_file is not None:
+        write_text(json_file, json.dumps(found.as_dict(), indent=1, allow_nan=False) + "\n")
+    print(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
+    for line in as_text(found, brake):
+        print(line)
+
+
+@app.command()
 def cost(
     brake_file: BrakeFile,
     elements: Elements = None,
