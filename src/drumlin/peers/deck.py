@@ -115,7 +115,9 @@ def deck(brake: Brake, loaded: Loaded, setting: Setting, name: str = "shoe") -> 
         forces = size * shoe.frame.to_brake(nodal)
         for i in np.unique(edges["actuation"]):
             lines += [f"{i + 1}, {c + 1}, {forces[i, c]:.12e}" for c in range(2)]
-    else:
+    else:  # on the rigid shoe itself
+        forces = size * shoe.frame.to_brake(loaded.force)
+        lines += [f"{pin}, {c + 1}, {forces[c]:.12e}" for c in range(2)]
         lines.append(f"{turn}, 1, {size * shoe.frame.sense * loaded.couple * MM:.12e}")
     angle = brake.spin * setting.scale * setting.rotation
     moved = np.column_stack([np.cos(angle) * drum_xy[:, 0] - np.sin(angle) * drum_xy[:, 1],
