@@ -114,8 +114,8 @@ def solve(
     """A brake by CalculiX on drumlin's mesh, extrapolated to small displacements from at least one scale.
 
     With a single scale its state stands as it is. Where the lining does not slip everywhere the drum is turned twice
-    as far. Raises PeerMissing; BadInput for a brake with a ring, without friction or with a clearance; NoAnswer where it
-    fails or ends on a state that is none.
+    as far. Raises PeerMissing; BadInput for a brake with a ring, without friction or with a clearance; NoAnswer
+    where it fails or ends on a state that is none.
     """
     installed = version()
     shoes = loaded_shoes(brake, elements, kind, mesher)
@@ -130,8 +130,11 @@ def solve(
         unknowns += states[0].unknowns
         seconds += sum(state.seconds for state in states)
         process += sum(state.process_seconds for state in states)
-        points.append(f"shoe {loaded.shoe.name!r}: {states[-1].points} contact points on {states[-1].touching} elements, "
-                      f"drum turned by {rotation:g} rad times s")  # fmt: skip
+        last = states[-1]
+        points.append(
+            f"shoe {loaded.shoe.name!r}: {last.points} contact points on {last.touching} elements, "
+            f"drum turned by {rotation:g} rad times s"
+        )
     response = brake_response("calculix", answers, iterations, {"calculix": seconds})
     notes = (
         f"CalculiX {installed}, face-to-face penalty, s = {', '.join(f'{s:g}' for s in scales)}, one thread",
@@ -288,7 +291,7 @@ def at_zero(scales: Sequence[float], values: Floats) -> Floats:
 
 
 def _response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
-    """The response to one state. The pressure is that whose weak form has CalculiX's forces on the drum's nodes."""
+    """The response to one state. Pressure and shear are those whose nodal forces are CalculiX's on the drum."""
     shoe, frame = loaded.shoe, loaded.shoe.frame
     theta = drum_angles(loaded)
     friction_arc = slice(len(theta)) if shoe.sign > 0 else slice(-len(theta), None)
@@ -298,11 +301,12 @@ def _response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
     xy = radius * np.array([np.cos(phi), np.sin(phi)])
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
-    normal, tangent = radial(shoe.sign)(xy)
-    traction = np.linalg.solve(couple(line, shoe.lining.width, radial(shoe.sign)).M, forces)
-    pressure = -np.einsum("ic,ci->i", traction, normal)
+    coupling = couple(line, shoe.lining.width, radial(shoe.sign))
+    pressing, dragging = -coupling.N.T, coupling.T.T  # nodal forces of a pressure and of a shear
+    pressure, shear = np.split(np.linalg.solve(np.hstack([pressing, dragging]), forces.ravel()), 2)
+    normal, along = (
+        (of @ values).reshape(-1, 2).sum(axis=0) for of, values in ((pressing, pressure), (dragging, shear))
+    )
     on = slice(2 * BEYOND_ELEMENTS, len(phi) - 2 * BEYOND_ELEMENTS)
-    pressing = np.einsum("ic,ci,di->d", forces, normal, normal)
-    along = np.einsum("ic,ci,di->d", forces, tangent, tangent)
-    found = Forces(pressing, along, state.pin, abs(state.moment))
+    found = Forces(normal, along, state.pin, abs(state.moment))
     return shoe_response(loaded, phi[on], pressure[on], 2, found, frame.sense * state.turn)
