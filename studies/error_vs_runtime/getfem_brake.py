@@ -219,19 +219,19 @@ def angles(x: Any, shoe: dict[str, Any]) -> Any:
 
 
 def brake(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
-    """All shoes at each friction coefficient in turn, bodies made once: answers and seconds of each."""
+    """All shoes at each friction coefficient in turn, bodies made once: answers and seconds (of processor) of each."""
     bodies: dict[int, Body] = {}
     shoes = [dict(shoe) for shoe in data["shoes"]]
     answers, seconds = [], []
     for friction in data["friction"]:
-        start = time.perf_counter()
+        start = time.process_time()
         found = []
         for shoe in shoes:
             number = shoe["body"]
             if number not in bodies:
                 bodies[number] = Body(problem, number, shoe, data["formulation"])
             found.append(bodies[number].solve(shoe, friction))
-        seconds.append(time.perf_counter() - start)
+        seconds.append(time.process_time() - start)
         answers.append(found)
     unknowns = sum(int(body.model.nbdof()) for body in bodies.values())
     return {"answers": answers, "seconds": seconds, "unknowns": unknowns}

@@ -7,12 +7,10 @@ end normally on states that are none.
 """
 
 import functools
-import os
 import re
 import shutil
 import subprocess
 import tempfile
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -34,6 +32,7 @@ from drumlin.peers.peer import (
     PeerMissing,
     brake_response,
     loaded_shoes,
+    run_process,
     shoe_response,
     untouched_response,
 )
@@ -55,7 +54,7 @@ class State(NamedTuple):
     brake, turn about the pin [rad], counter-clockwise in the brake.
 
     `touching`: elements of the lining with contact points; `points`: their number; `sticking`: the part of them that
-    does not slip. `iterations`, `unknowns`, `seconds` (its own count), `process_seconds`.
+    does not slip. `iterations`; `unknowns`; `seconds` of its process.
     """
 
     contact: Floats
@@ -67,8 +66,7 @@ class State(NamedTuple):
     sticking: float
     iterations: int
     unknowns: int
-    seconds: float
-    process_seconds: float
+    seconds: float = 0.0
 
 
 @functools.cache
@@ -119,7 +117,7 @@ def solve(
     """
     installed = version()
     shoes = loaded_shoes(brake, elements, kind, mesher)
-    answers, iterations, unknowns, seconds, process, points = [], 0, 0, 0.0, 0.0, []
+    answers, iterations, unknowns, seconds, points = [], 0, 0, 0.0, []
     for loaded in shoes:
         if not loaded.approaches:
             answers.append(untouched_response(loaded))
@@ -129,7 +127,6 @@ def solve(
         iterations = max(iterations, *(state.iterations for state in states))
         unknowns += states[0].unknowns
         seconds += sum(state.seconds for state in states)
-        process += sum(state.process_seconds for state in states)
         last = states[-1]
         points.append(
             f"shoe {loaded.shoe.name!r}: {last.points} contact points on {last.touching} elements, "
@@ -137,11 +134,11 @@ def solve(
         )
     response = brake_response("calculix", answers, iterations, {"calculix": seconds})
     notes = (
-        f"CalculiX {installed}, face-to-face penalty, s = {', '.join(f'{s:g}' for s in scales)}, one thread",
+        f"CalculiX {installed}, face-to-face penalty, s = {', '.join(f'{s:g}' for s in scales)}",
         "a further load case is a new run: nothing is reused",
         *points,
     )
-    return Peer("calculix", installed, response, seconds, process, seconds, unknowns, notes)
+    return Peer("calculix", installed, response, seconds, seconds, seconds, unknowns, notes)
 
 
 def slipping_states(
@@ -176,29 +173,16 @@ def run(brake: Brake, loaded: Loaded, setting: Setting) -> State:
     text = deck(brake, loaded, setting)
     with tempfile.TemporaryDirectory(prefix="drumlin-calculix-") as folder:
         (Path(folder) / "shoe.inp").write_text(text, encoding="utf-8")
-        start = time.perf_counter()
-        try:
-            ended = subprocess.run(
-                ["ccx", "shoe"], env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}, cwd=folder,
-                capture_output=True, text=True, errors="replace", timeout=LONGEST, check=False,
-            )  # fmt: skip
-        except subprocess.TimeoutExpired as error:
-            raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX still running after {LONGEST} s") from error
-        spent = time.perf_counter() - start
-        output = ended.stdout + ended.stderr
-        if ended.returncode or "Job finished" not in output:
-            faults = [line.strip() for line in output.splitlines() if "*ERROR" in line or "diverge" in line]
-            said = faults[-1] if faults else f"its process ended with status {ended.returncode}"
+        ended = run_process(["ccx", "shoe"], Path(folder), LONGEST)
+        if ended.status or "Job finished" not in ended.output:
+            faults = [line.strip() for line in ended.output.splitlines() if "*ERROR" in line or "diverge" in line]
+            said = faults[-1] if faults else f"its process ended with status {ended.status}"
             raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX: {said[:200]}")
-        return read_state(
-            (Path(folder) / "shoe.dat").read_text(), (Path(folder) / "shoe.sta").read_text(), output, brake, loaded,
-            setting, spent,
-        )  # fmt: skip
+        dat, sta = ((Path(folder) / f"shoe.{suffix}").read_text() for suffix in ("dat", "sta"))
+        return read_state(dat, sta, ended.output, brake, loaded, setting)._replace(seconds=ended.seconds)
 
 
-def read_state(
-    dat: str, sta: str, output: str, brake: Brake, loaded: Loaded, setting: Setting, process_seconds: float
-) -> State:
+def read_state(dat: str, sta: str, output: str, brake: Brake, loaded: Loaded, setting: Setting) -> State:
     """The state in CalculiX's texts: results (.dat), increments (.sta), and what it printed. Raises NoAnswer."""
     blocks = _blocks(dat)
     try:
@@ -217,7 +201,6 @@ def read_state(
     pressed = press > 1e-3 * press.max()
     steps = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
     equations = re.search(r"number of equations\s+(\d+)", output)
-    spent = re.search(r"Total CalculiX Time:\s*(\S+)", output)
     return State(
         contact=loaded.shoe.frame.to_shoe(drum[:, 1:3]) / size,
         pin=loaded.shoe.frame.to_shoe(-BEARING * pin) / size,
@@ -228,8 +211,6 @@ def read_state(
         sticking=float(np.mean(shear[pressed] < STICKING * brake.friction * press[pressed])),
         iterations=sum(int(row[3]) for row in steps),
         unknowns=int(equations[1]) if equations else 0,
-        seconds=float(spent[1]) if spent else process_seconds,
-        process_seconds=process_seconds,
     )
 
 
