@@ -320,7 +320,7 @@ class Brake(Part):
 
     title: Name
     rotation: Literal["counter-clockwise", "clockwise"]
-    friction: Annotated[float, Field(ge=0, le=1e6)]
+    friction: Annotated[float, Field(ge=0, le=1e6, strict=True)]
     drum: Drum
     shoes: Annotated[tuple[Shoe, ...], Field(alias="shoe", min_length=1)]
 
@@ -339,13 +339,27 @@ class Brake(Part):
         names = [shoe.name for shoe in self.shoes]
         if len(set(names)) < len(names):
             raise ValueError(f"shoe.name = {names}: names must differ")
+        _check_thickness("drum.ring", self.drum.ring, self.drum.radius)
         for i, shoe in enumerate(self.shoes):
             _check_shoe(f"shoe[{i}]", shoe, self.drum.radius)
         return self
 
 
+THINNEST = 1e-9  # of the drum's radius: a thinner layer has no elements that arithmetic can tell from nothing
+
+
+def _check_thickness(key: str, part: "Lining | Backing | Body | Beam | Ring | None", radius: float) -> None:
+    thickness = None if part is None else part.thickness
+    if thickness is not None and thickness < THINNEST * radius:
+        raise ValueError(
+            f"{key}.thickness = {mm(thickness)}: must be at least {THINNEST:g} of drum.radius = {mm(radius)}"
+        )
+
+
 def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
     """Raise ValueError where a shoe does not fit together or into a drum of this radius [m]."""
+    for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
+        _check_thickness(f"{key}.{name}", part, radius)
     if shoe.hinge.radius < 1e-9 * radius:
         raise ValueError(f"{key}.hinge = (0, 0): must not be the drum's centre, about which the shoe would only slide")
     _check_pivot(key, shoe, radius)

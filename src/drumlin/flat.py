@@ -81,7 +81,7 @@ class FlatBrake(Part):
     """A brake on a plane: friction coefficient, sliding plane and shoes."""
 
     title: Name
-    friction: Annotated[float, Field(ge=0)]
+    friction: Annotated[float, Field(ge=0, le=1e6, strict=True)]
     plane: Plane
     shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
 

@@ -14,6 +14,7 @@ _QUANTITY = re.compile(
 )
 
 LARGEST = 1e30  # beyond any brake, and products of such numbers are still numbers
+SMALLEST = 1e-30  # below it a quantity is nothing: squares of such numbers would vanish, but not the numbers
 EXAMPLES = {"m": "8 mm", "N": "2 kN", "Pa": "300 MPa", "rad": "55 deg", "N m^2": "12 MN m^2"}
 NAMES = {"m": "a length", "N": "a force", "Pa": "a stress", "rad": "an angle", "N m^2": "a bending stiffness"}
 
@@ -57,7 +58,7 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
         number = float(value)
     if not abs(number) <= LARGEST:
         raise ValueError(f"must be finite and at most {LARGEST:g} in SI units")
-    return number
+    return number if abs(number) >= SMALLEST else 0.0
 
 
 def mm(length: float) -> str:

@@ -59,7 +59,7 @@ def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
 
     # s: the angle under the lining; before and behind it the distance along the beam over the back's radius.
     low, high = start - foot[0] / back, end + (axis.length - foot[1]) / back
-    s = np.concatenate([overhang(low, start, step)[:-1], angles, overhang(end, high, step)[1:]])
+    s = np.concatenate([overhang(start, low, step)[:0:-1], angles, overhang(end, high, step)[1:]])
     face = axis.distance - section.thickness / 2
     linear = shape in {skfem.MeshQuad1, skfem.MeshTri1}
     most = len(s) if linear else MOST_LAYERS  # linear elements bend well only in thin layers

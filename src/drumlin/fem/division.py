@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import brentq
 
 from drumlin.arrays import Floats
 from drumlin.brake import Shoe
@@ -18,6 +19,7 @@ EDGE_SIZE = 1 / 32  # of an element at the lining's sharp edge, relative to one 
 FACE_SIZE = 1 / 8  # of a layer at the lining's faces, relative to one in its middle
 COARSE = 36  # elements along a lining; on finer meshes that are refined at points both sizes shrink in proportion
 BEHIND = 4  # layers through backing and body each, at least, on meshes that are refined at points
+MOST_BEYOND = 200  # elements along the body on either side of the lining
 MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
 
 
@@ -56,11 +58,22 @@ def lining_layers(elements: int) -> int:
     return min(max(2, round(elements / 15)), 12)
 
 
-def overhang(start: float, end: float, step: float) -> Floats:
-    """Angles from start to end, about `step` apart; both ends once even where they coincide."""
-    if end - start < 1e-9:
-        return np.array([end])
-    return np.linspace(start, end, max(1, round((end - start) / step)) + 1)
+def overhang(near: float, far: float, step: float) -> Floats:
+    """Places from `near`, where the lining ends, to `far`, about `step` apart; both ends once even where they coincide.
+
+    Where that would be more than MOST_BEYOND, their distances grow by one ratio from `step` on.
+    """
+    length = abs(far - near)
+    if length < 1e-9:
+        return np.array([near])
+    count = max(1, round(length / step))
+    parts = np.linspace(0, 1, min(count, MOST_BEYOND) + 1)
+    if count > MOST_BEYOND:
+        growth = brentq(lambda g: np.expm1(MOST_BEYOND * g) / np.expm1(g) - length / step, 1e-9, 1.0)
+        parts = np.expm1(growth * np.arange(MOST_BEYOND + 1)) / np.expm1(growth * MOST_BEYOND)
+    places = near + (far - near) * parts
+    places[-1] = far
+    return places
 
 
 def refine(shoe: Shoe, radius: float, elements: int, layers: int, points: Sequence[float]) -> Division:

@@ -64,7 +64,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         layers.append(("shoe", shoe.body.thickness))
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        angles = np.concatenate([overhang(body[0], phi_1, step)[:-1], angles, overhang(phi_2, body[1], step)[1:]])
+        angles = np.concatenate([overhang(phi_1, body[0], step)[:0:-1], angles, overhang(phi_2, body[1], step)[1:]])
     most = MOST_LAYERS if kind.endswith("2") else len(angles)  # linear elements bend well only in thin layers
     depths = [division.depths]
     for _, thickness in layers[1:]:

@@ -7,16 +7,19 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 import scipy.spatial
+import skfem
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Shoe
 from drumlin.errors import BadInput
+from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh import kind_of
 from drumlin.units import deg, mm
 
 ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
 APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
 LARGEST = 1e6  # drum's radii that a mesh may reach: beyond it not even the checks are sure
+BENT = 0.5  # of an edge's length, by which its middle node may lie off its middle: half a circle
 UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
 
 
@@ -76,6 +79,13 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
 
 
 def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
+    basis = skfem.Basis(mesh, kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1)))
+    first, *middles, last = basis.doflocs[:, edge_nodes(basis, np.arange(mesh.nfacets))].transpose(1, 0, 2)
+    for middle in middles:
+        bent = np.hypot(*(middle - (first + last) / 2)) > BENT * np.hypot(*(last - first))
+        if bent.any():
+            where = f"{_some(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)}"
+            raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
     determinant = mesh.mapping().detDF(kind_of(mesh).element().doflocs.T)
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
     upright = np.abs(determinant.sum(axis=1)) * UPRIGHT  # either orientation will do, one throughout an element

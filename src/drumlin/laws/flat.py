@@ -166,7 +166,12 @@ def _shoe(law: FlatLaw, brake: FlatBrake, shoe: FlatShoe) -> ShoeResponse:
 
 
 def flat_balance(brake: FlatBrake, index: int, response: ShoeResponse) -> Balance:
-    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(x), about the hinge."""
+    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(x), about the hinge.
+
+    A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
+    """
+    if not response.contact_arcs:
+        return Balance(0.0, 0.0)
     shoe = brake.shoes[index]
     x, p, dx = gauss_points(response.theta, response.pressure, response.order)
     load = p * dx * shoe.lining.width
