@@ -18,7 +18,6 @@ from drumlin.fem import beam_mesh
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
 from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.meshfile import read_mesh
 from drumlin.fem.ring import RingBody, ring_body
 from drumlin.parts import Material, Point
 from drumlin.statics import cross
@@ -255,6 +254,8 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         if shoe.mesh is None:
             mesh = mesher(shoe, brake.drum.radius)
         else:
+            from drumlin.fem.meshfile import read_mesh  # noqa: PLC0415  (meshio: 0.1 s, for a mesh in a file only)
+
             mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):
