@@ -10,10 +10,11 @@ from typing import Any
 
 from drumlin.errors import BadInput
 
-# A number, then a unit made of words joined by * / ^ and brackets: nothing that pint would have to evaluate.
-_QUANTITY = re.compile(
-    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*((?:1/)?[A-Za-zµμ°%][\wµμ°%/*^() ]{0,30})\s*", re.ASCII
-)
+# A number, then a unit: words with one-digit powers, joined by blank, * or /, the last denominator perhaps in
+# brackets. Nothing that pint would have to evaluate: m^9^9^9 would take it for ever.
+_WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
+_UNIT = rf"(?:1 ?/ ?)?{_WORD}(?:[ */]{{1,3}}{_WORD}){{0,5}}(?: ?/ ?\( ?{_WORD}(?:[ *]{{1,3}}{_WORD}){{0,5}} ?\))?"
+_QUANTITY = re.compile(rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{{1,3}})?)\s*({_UNIT})\s*", re.ASCII)
 
 LARGEST = 1e30  # beyond any brake, and products of such numbers are still numbers
 SMALLEST = 1e-30  # below it a quantity is nothing: squares of such numbers would vanish, but not the numbers
