@@ -24,7 +24,7 @@ from drumlin.report import figures, wear_figures
 from drumlin.report.page import Figure, Section, Table, Text, write_page
 from drumlin.report.wear_figures import Frame, Series
 from drumlin.rig import Rig, fem_rig, foundation_rig
-from drumlin.run_in import COEFFICIENT, Target, checks, distance, life, run_in, target, unit_distance, worn
+from drumlin.run_in import COEFFICIENT, Target, checks, distance, life, norm, run_in, target, unit_distance, worn
 from drumlin.wear import TOLERANCE, Law, State, at, explicit, ripple, run_on
 
 HERE = Path(__file__).parent
@@ -33,6 +33,7 @@ MAIN = ROOT / "studies" / "double_shoe" / "brake.toml"
 FLEXIBLE = ROOT / "studies" / "double_shoe" / "flexible.toml"
 ARCHARD = Law(COEFFICIENT)
 WITHIN = 0.01  # of the law: what "away from the law" means in the tables
+AT_LAW = "at the law"
 PRESSURE, TORQUE = 0.01, 0.001  # what must hold after run-in
 RATIOS = (1e-4, 1e-3, 1e-2, 1e-1)  # E of the lining over that of the shoe
 CURVES = (0.0, 0.3, 3.0, 10.0, 30.0)
@@ -62,7 +63,7 @@ class Result(NamedTuple):
     halves: list[dict[str, Any]]
     exponents: list[dict[str, Any]]
     held: Run
-    reversals: list[tuple[float, list[State], list[float]]]
+    reversals: list[tuple[float, list[State], list[float], float]]
     steppers: list[dict[str, Any]]
     boards: dict[str, tuple[State, float]]
     skipped: list[str]
@@ -171,12 +172,10 @@ def brake_row(name: str, model: str, brake: Brake, elements: int) -> tuple[dict[
         row["law"], torque = law_of(model, brake)
     except NoAnswer as error:
         return {**row, "status": f"failed: {error}"}, None
-    return {
-        **row,
-        "target": relative(one.goal.torque, torque),
-        **run_row(one),
-        "seconds": time.perf_counter() - begin,
-    }, one
+    row |= {"target": relative(one.goal.torque, torque), **run_row(one), "seconds": time.perf_counter() - begin}
+    if row["status"] == AT_LAW and abs(row["target"]) > TORQUE:
+        row["status"] = "at its own limit, which is not the law"
+    return row, one
 
 
 def run_row(one: Run) -> dict[str, Any]:
@@ -203,7 +202,7 @@ def run_row(one: Run) -> dict[str, Any]:
         "energy": balance.energy,
         "ripple": ripple_of(one, states[-1]),
         "steps": len(states) - 1,
-        "status": "at the law" if holds else "short of the law",
+        "status": AT_LAW if holds else "short of the law",
     }
 
 
@@ -260,14 +259,22 @@ def exponent_row(rig: Rig, m: float) -> dict[str, Any]:
     }
 
 
-def reversed_run(scene: Scene, brake: Brake, every: float, turns: int) -> tuple[list[State], list[float]]:
-    """States under reversals, and the distance of p from the law of the sense that each has."""
+def reversed_run(scene: Scene, brake: Brake, every: float, turns: int) -> tuple[list[State], list[float], float]:
+    """States under reversals, the distance of p from the law of the sense that each has, and that of the mean wear.
+
+    The mean: depth worn over the last two reversals, one each way, against that by the mean of both laws.
+    """
     other = vary(brake, {"rotation": "clockwise" if brake.spin > 0 else "counter-clockwise"})
     rigs = {True: fem_rig(scene, brake), False: fem_rig(scene, other)}
     goals = {sense: target(rig) for sense, rig in rigs.items()}
     states = run_in(rigs[True], ARCHARD, backward=rigs[False], reverse=every, distance=turns * every, tolerance=5e-3)
     far = [distance(rigs[state.forward], state, goals[state.forward]).pressure for state in states]
-    return states, far
+    turned = [state for state, after in pairwise(states) if state.forward != after.forward] + states[-1:]
+    worn_off = turned[-1].depth - turned[-3].depth
+    law = ARCHARD.coefficient * every * (goals[True].pressure + goals[False].pressure)
+    rig = rigs[True]
+    mean = max(norm(s, s.along(worn_off - law)) / norm(s, s.along(law)) for s in rig.surfaces)
+    return states, far, mean
 
 
 def stepping(
@@ -403,7 +410,7 @@ def draw(result: Result, folder: Path) -> dict[str, Path]:
         ),
         folder / "held.svg",
     )
-    _, states, far = result.reversals[min(1, len(result.reversals) - 1)]
+    _, states, far, _ = result.reversals[min(1, len(result.reversals) - 1)]
     made["reversal"] = figures.save(
         wear_figures.lines(
             [
@@ -443,9 +450,9 @@ def lead(result: Result) -> str:
     """What was found, in a sentence or two."""
     stiff = run_row(result.main)
     soft = run_row(result.flexible)
-    met = sum(row["status"] == "at the law" for row in result.brakes)
+    met = sum(row["status"] == AT_LAW for row in result.brakes)
     return (
-        f"{met} of {len(result.brakes)} brakes, worn by Archard's law, end at the law of their rigid shoes "
+        f"{met} of {len(result.brakes)} elastic models of brakes, worn by Archard's law, end at the law of their rigid shoes "
         f"(p within {PRESSURE:.0%}, torque within {TORQUE:.1%}), elastic as they are. New linings on stiff shoes carry "
         f"a pressure {stiff['new_pressure']:.0%} off the law and need {stiff['pressure_life']:.0%} of their life to come "
         f"within 1 % of it; on flexible shoes {soft['pressure_life']:.0%}: they are worn out first."
@@ -476,8 +483,10 @@ def sections(result: Result, pictures: dict[str, Path]) -> list[Section]:
                 ),
                 Figure(pictures["flexible"], "The same brake with shoes 12 mm thick."),
                 Figure(
-                    pictures["profiles"], "Worn depth (logarithmic above 1 µm), and the arcs in contact, main brake."
+                    pictures["open"],
+                    f"The brake that bears least of its lining when new: {least_contact(result).name}.",
                 ),
+                Figure(pictures["profiles"], "The same: worn depth (logarithmic above 1 µm), and the arcs in contact."),
             ],
         ),
         Section(
@@ -504,7 +513,7 @@ def sections(result: Result, pictures: dict[str, Path]) -> list[Section]:
             [
                 Text(
                     f"<b>A new lining.</b> Rigid shoes with an elastic lining are near their law from the start and reach it within a "
-                    "few 1/(k K), under 1 % of the life. Elastic shoes are not: of the brakes here whose torque starts more than "
+                    "few 1/(k K). Elastic shoes are not: of the brakes here whose torque starts more than "
                     f"1 % off, it starts {min(row['new_torque'] for row in elastic):+.0%} to {max(row['new_torque'] for row in elastic):+.0%} "
                     f"off, and p {min(row['new_pressure'] for row in elastic):.0%} to {max(row['new_pressure'] for row in elastic):.0%}. "
                     "The torque does not fall to the law evenly: on the main brake it first falls below by "
@@ -516,10 +525,12 @@ def sections(result: Result, pictures: dict[str, Path]) -> list[Section]:
                     "<b>A worn-in lining.</b> Torque and pressure are those of the law, whatever the elasticity, for one sense of "
                     f"rotation and one line of force. Main brake: torque within 1 % after {stiff['torque_distance']:.3g}/(k K), "
                     f"{stiff['torque_life']:.1%} of its life, p after {stiff['pressure_distance']:.3g}/(k K), {stiff['pressure_life']:.0%}. "
-                    f"Flexible shoes: {soft['torque_distance']:.3g}/(k K), {soft['torque_life']:.0%}, and {soft['pressure_distance']:.4g}/(k K), "
+                    f"Flexible shoes: {soft['torque_distance']:.3g}/(k K), {soft['torque_life']:.0%}, and {soft['pressure_distance']:.3g}/(k K), "
                     f"{soft['pressure_life']:.0%} of the life. The {TRIAL:g}/(k K) of an earlier trial lies between. The part of life is "
                     "(s k K)(p/E)/0.8 and depends on neither k nor the speed: light duty (p/E small) runs in early in life, heavy "
-                    "duty late or never. For a stiffer lining s k K grows but p/E falls as much: the part of life hardly changes."
+                    "duty late or never. For a stiffer lining s k K grows but p/E falls: over the stiffnesses in the table above "
+                    f"p is off the law for {min(row['pressure_life'] for row in result.ratios):.0%} to "
+                    f"{max(row['pressure_life'] for row in result.ratios):.0%} of the life."
                 ),
                 Text("Not modelled: the lining's stiffness grows as it thins, heat, and wear of the drum."),
             ],
@@ -531,18 +542,24 @@ def sections(result: Result, pictures: dict[str, Path]) -> list[Section]:
                 Text(
                     "Worn in for one sense a lining is not worn in for the other: the elastic shoe leans to the other side. Right "
                     f"after a reversal at {reversal[0]:g}/(k K) p is {max(reversal[2][len(reversal[2]) // 2 :]):.0%} off the law, nearly as "
-                    f"far as a new lining ({stiff['new_pressure']:.0%}). A brake that turns both ways equally keeps to the law only "
-                    "in the mean of both."
+                    f"far as a new lining ({stiff['new_pressure']:.0%}). A brake that turns both ways equally keeps to the law in the "
+                    "mean of both, as the last column shows."
                 ),
                 Table(
                     [
-                        {"every": every, "after": max(far[len(far) // 2 :]), "before": min(far[len(far) // 2 :])}
-                        for every, _, far in result.reversals
+                        {
+                            "every": every,
+                            "after": max(far[len(far) // 2 :]),
+                            "before": min(far[len(far) // 2 :]),
+                            "mean": mean,
+                        }
+                        for every, _, far, mean in result.reversals
                     ],
                     (
                         Column("every", "reversed every", "1/(k K)", 1, "g"),
                         Column("after", "p off the law right after a reversal", "%", 100, ".0f"),
                         Column("before", "p off the law at its best", "%", 100, ".2g"),
+                        Column("mean", "mean wear of both senses off the law", "%", 100, ".2g"),
                     ),
                     "Second half of each run.",
                 ),
