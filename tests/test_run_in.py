@@ -154,6 +154,8 @@ def test_a_reversal_undoes_the_law_until_the_lining_has_run_in_anew(scene, brake
     assert distance(rig, before, target(rig)).pressure < 2e-3
     assert distance(other, after, target(other)).pressure > 0.3
     assert distance(other, run[-1], target(other)).pressure < 0.01
+    third = run_in(rig, backward=other, reverse=every / 3, distance=3.0 * (every / 3), tolerance=5e-3)
+    assert sum(a.forward != b.forward for a, b in pairwise(third)) == 2  # none at the very end
     with pytest.raises(BadInput, match="distance must be given"):
         run_in(rig, backward=other, reverse=every)
 

@@ -135,7 +135,7 @@ def run_in(
 
 def unit_distance(rig: Rig, law: Law) -> float:
     """1/(k K) [m]: the sliding distance over which a rigid shoe's Winkler lining forgets its shape, by e."""
-    return 1 / (law.coefficient * rig.stiffness)
+    return 1 / (law.coefficient * rig.stiffness) if law.coefficient else math.inf
 
 
 def worn(rig: Rig, state: State) -> Brake:
@@ -257,7 +257,7 @@ def as_dict(rig: Rig, states: Sequence[State], goal: Target, law: Law) -> dict[s
 
 def report_lines(rig: Rig, states: Sequence[State], goal: Target, law: Law, lines: int = 24) -> list[str]:
     """A run as lines of text: some of its states, evenly spread, then what became of it."""
-    unit = unit_distance(rig, law) if law.coefficient else math.inf
+    unit = unit_distance(rig, law)
     force = rig.brake.shoes[rig.surfaces[0].shoe].actuation.force
     said = [
         f"{rig.brake.title}: {rig.model}, {rig.brake.motion}, mu = {rig.brake.friction:g}, "

@@ -142,7 +142,7 @@ def run(
         if fresh:  # the step that a reversal begins with is that which the last one could take
             opening, fresh = size * factor, False
         ds = max(ds, size) if at_end and size < ds else size * factor
-        if at_end and end == turn and end < distance:
+        if at_end and end == turn and end < distance * (1 - 1e-12):
             turning, turn = not turning, turn + reverse
             state = machines[turning].turned(state, turning)
             states.append(state)

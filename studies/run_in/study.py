@@ -542,8 +542,8 @@ def sections(result: Result, pictures: dict[str, Path]) -> list[Section]:
                 Text(
                     "Worn in for one sense a lining is not worn in for the other: the elastic shoe leans to the other side. Right "
                     f"after a reversal at {reversal[0]:g}/(k K) p is {max(reversal[2][len(reversal[2]) // 2 :]):.0%} off the law, nearly as "
-                    f"far as a new lining ({stiff['new_pressure']:.0%}). A brake that turns both ways equally keeps to the law in the "
-                    "mean of both, as the last column shows."
+                    f"far as a new lining ({stiff['new_pressure']:.0%}). A brake that turns both ways equally keeps to the law only in "
+                    f"the mean of both senses, here within {max(mean for *_, mean in result.reversals):.1%}."
                 ),
                 Table(
                     [
