@@ -7,218 +7,26 @@ the worn shape. The clearance of `worn` is that shape: every model solves the wo
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from typing import Literal, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.optimize
 
-from drumlin import contact, wear
+from drumlin import wear
 from drumlin.arrays import Floats
-from drumlin.brake import Brake, Shoe
+from drumlin.brake import Brake
 from drumlin.brakefile import vary
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.model import contact_problem, gap_of, turns_towards, unit_force
-from drumlin.fem.scene import Body, Scene
-from drumlin.foundation import model as foundation
-from drumlin.foundation.post import shoe_angles
-from drumlin.laws.hinged import pressing_moment
-from drumlin.statics import cross, gauss_points
-from drumlin.wear import Law, Rub, State
+from drumlin.rig import Rig, Surface
+from drumlin.statics import gauss_points
+from drumlin.wear import Law, State
 
 COEFFICIENT = 1e-14
 """k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings. In units of 1/(k E/t) nothing depends
 on it, nor does the part of life."""
 WORN_OUT = 0.8  # part of the lining's thickness that may wear off
-Guide = Literal["hinge", "radius"]
 SETTLED = 1e-3
-
-
-class Surface(NamedTuple):
-    """The lining of shoe `shoe` among the unknowns of its rig.
-
-    `part`: its unknowns in all, `local`: in its rub, number `rub`; `rows`: its rows of that rub's C; `theta` (n,) [rad]
-    and `forward`: the slice that makes it grow; `order` of the interpolation; `approach` (n, k): closing of the gap
-    per unit of each rigid motion.
-    """
-
-    shoe: int
-    name: str
-    rub: int
-    part: slice
-    local: slice
-    rows: slice
-    theta: Floats
-    forward: slice
-    order: int
-    approach: Floats
-
-    def along(self, values: Floats) -> Floats:
-        """Values (n,) of this lining, by growing theta, of those of all unknowns."""
-        return values[self.part][self.forward]
-
-    @property
-    def angles(self) -> Floats:
-        """theta (n,) [rad], growing."""
-        return self.theta[self.forward]
-
-
-class Rig(NamedTuple):
-    """A brake ready to be worn in: its rubs, and where each lining lies in them."""
-
-    brake: Brake
-    model: str
-    rubs: tuple[Rub, ...]
-    surfaces: tuple[Surface, ...]
-
-    @property
-    def stiffness(self) -> float:
-        """K = E/t of the first lining that touches [Pa/m]; 1/(k K) is the unit of sliding distance."""
-        lining = self.brake.shoes[self.surfaces[0].shoe].lining
-        return lining.material.E / lining.thickness
-
-
-class Motions(NamedTuple):
-    """Rigid motions of a shoe, in its frame: contact displacements (2n, k), and the actuation's work on each (k,)."""
-
-    moved: Floats
-    work: Floats
-
-
-def fem_rig(scene: Scene, brake: Brake, *, penalty: float = math.inf, guide: Guide = "hinge") -> Rig:
-    """The rig of a brake on a prepared scene of finite elements.
-
-    guide: "hinge", the shoes turn about their hinges, and rigid ones about their pivots too; "radius", rigid shoes
-    that move along the middle radius of their linings, the guide bearing what else acts on them.
-    Raises BadInput, and NoAnswer where no shoe touches.
-    """
-    special = guide == "radius" or any(shoe.pivot for shoe in brake.shoes)
-    if special and (scene.ring is not None or any(shoe.body or shoe.mesh for shoe in brake.shoes)):
-        raise BadInput("a shoe on a guide or a pivot is worn in as a rigid one: leave out [shoe.body] and [drum.ring]")
-    motions = [motions_of(body, shoe, guide) for body, shoe in zip(scene.bodies, brake.shoes, strict=True)]
-    pressing = [
-        turns_towards(body, shoe) if guide == "hinge" else bool(moves.work[0] > 0)
-        for body, shoe, moves in zip(scene.bodies, brake.shoes, motions, strict=True)
-    ]
-    touching = [i for i, presses in enumerate(pressing) if presses]
-    rubs, surfaces = [], list[Surface]()
-    for group in [[i] for i in touching] if scene.ring is None else [touching] if touching else []:
-        bodies = [scene.bodies[i] for i in group]
-        size = unit_force(brake, group)
-        problem = contact_problem(scene, brake, group, penalty)
-        problem = problem._replace(q=size * problem.q, h=size * problem.h)  # newtons
-        if special:
-            problem = _moving(problem, bodies[0], brake, brake.shoes[group[0]], motions[group[0]])
-        weight = scipy.linalg.block_diag(*(body.coupling.M for body in bodies))
-        gap = np.concatenate([gap_of(body, brake, brake.shoes[i]) for i, body in zip(group, bodies, strict=True)])
-        placed = [
-            (i, brake.shoes[i].frame.theta(body.line.phi), body.line.order, _approach(body, brake.shoes[i], motions[i]))
-            for i, body in zip(group, bodies, strict=True)
-        ]
-        surfaces += _surfaces(brake, surfaces, len(rubs), placed)
-        rubs.append(
-            Rub(
-                problem=problem,
-                loaded=problem.q - weight @ gap,
-                weight=weight,
-                pressure=np.ones(len(gap)),
-                area=np.concatenate([body.coupling.area for body in bodies]),
-                torque=brake.friction * np.concatenate([body.coupling.lever for body in bodies]),
-            )
-        )
-    return _rig(brake, "fem", rubs, surfaces)
-
-
-def foundation_rig(brake: Brake, *, sections: int = foundation.SECTIONS, lift: Iterable[str] = ()) -> Rig:
-    """The rig of a post brake on the foundation model; options as of foundation.solve. Raises BadInput, NoAnswer."""
-    reason = foundation.why_not(brake)
-    if reason is not None:
-        raise BadInput(f"foundation does not apply to this brake: {reason}")
-    names = foundation.lifted(brake, lift)
-    touching = [i for i, shoe in enumerate(brake.shoes) if pressing_moment(shoe) > 0]
-    together = brake.drum.ring is not None and "own-pressure" in names
-    rubs, surfaces = [], list[Surface]()
-    for group in [touching] if together and touching else [[i] for i in touching]:
-        posts, _, problem = foundation.system(brake, group, sections, names)
-        widths = [brake.shoes[i].lining.width for i in group]
-        area = np.concatenate([b * brake.drum.radius * p.sector for b, p in zip(widths, posts, strict=True)])
-        placed = [
-            (i, shoe_angles(p.axis, brake.shoes[i], p.theta), 1, p.closing[:1].T)
-            for i, p in zip(group, posts, strict=True)
-        ]
-        surfaces += _surfaces(brake, surfaces, len(rubs), placed)
-        rubs.append(
-            Rub(
-                problem=problem,
-                loaded=problem.q - np.concatenate([p.gap for p in posts]),
-                weight=np.eye(len(area)),
-                pressure=1 / area,
-                area=area,
-                torque=brake.friction * brake.drum.radius * area,
-            )
-        )
-    return _rig(brake, "foundation", rubs, surfaces)
-
-
-def motions_of(body: Body, shoe: Shoe, guide: Guide) -> Motions:
-    """The rigid motions that a shoe has: its turn about the hinge, that about the pivot, or its way along a radius."""
-    x, y = body.line.xy
-    force, at = shoe.frame.to_shoe(shoe.actuation.vector), shoe.frame.to_shoe(shoe.actuation.point.xy)
-    if guide == "radius":
-        middle = sum(shoe.arc) / 2
-        e = shoe.sign * np.array([math.cos(middle), math.sin(middle)])
-        return Motions(np.tile(e, len(x))[:, None], np.array([float(e @ force)]))
-    moved = [body.turned]
-    work = [float(cross(at - np.array([shoe.hinge.radius, 0.0]), force))]
-    if shoe.pivot is not None:  # the actuation acts on the lever: it does no work where the shoe turns on its pivot
-        u, v = shoe.frame.to_shoe(shoe.pivot.xy)
-        moved.append(np.column_stack([v - y, x - u]).ravel())
-        work.append(0.0)
-    return Motions(np.column_stack(moved), np.array(work))
-
-
-def _moving(problem: contact.Problem, body: Body, brake: Brake, shoe: Shoe, motions: Motions) -> contact.Problem:
-    """The problem of a rigid shoe with these motions: C is what the contact does on them, against the actuation."""
-    drag = brake.friction * brake.spin * shoe.frame.sense
-    approach = body.coupling.N @ motions.moved
-    C = (drag * (body.coupling.T @ motions.moved) - approach).T
-    return problem._replace(B=-approach, C=C, h=-motions.work)
-
-
-def _approach(body: Body, shoe: Shoe, motions: Motions) -> Floats:
-    c, s = np.cos(body.line.phi)[:, None], np.sin(body.line.phi)[:, None]
-    return shoe.sign * (c * motions.moved[0::2] + s * motions.moved[1::2])
-
-
-def _surfaces(
-    brake: Brake, before: Sequence[Surface], rub: int, placed: list[tuple[int, Floats, int, Floats]]
-) -> list[Surface]:
-    """The surfaces of a rub's shoes: shoe, theta, order and approach of each."""
-    offset, first, row, found = sum(len(s.theta) for s in before), 0, 0, []
-    for i, theta, order, approach in placed:
-        n, k = approach.shape
-        found.append(
-            Surface(
-                shoe=i,
-                name=brake.shoes[i].name,
-                rub=rub,
-                part=slice(offset + first, offset + first + n),
-                local=slice(first, first + n),
-                rows=slice(row, row + k),
-                theta=theta,
-                forward=slice(None, None, 1 if theta[-1] > theta[0] else -1),
-                order=order,
-                approach=approach,
-            )
-        )
-        first, row = first + n, row + k
-    return found
-
-
-def _rig(brake: Brake, model: str, rubs: list[Rub], surfaces: list[Surface]) -> Rig:
-    if not rubs:
-        raise NoAnswer("no contact: no shoe is turned towards the drum, so that nothing wears")
-    return Rig(brake, model, tuple(rubs), tuple(surfaces))
 
 
 class Target(NamedTuple):
@@ -236,13 +44,8 @@ def target(rig: Rig, law: Law | None = None, torque: float | None = None) -> Tar
     """
     exponent = 1.0 if law is None else law.exponent
     p = np.concatenate([_worn_pressure(rig, surface, exponent) for surface in rig.surfaces])
-    size = sum(float(rub.torque @ p[_of(rig, i)]) for i, rub in enumerate(rig.rubs))
+    size = sum(float(rub.torque @ p[rig.part(i)]) for i, rub in enumerate(rig.rubs))
     return Target(p, size) if torque is None else Target(p * torque / size, torque)
-
-
-def _of(rig: Rig, rub: int) -> slice:
-    parts = [surface.part for surface in rig.surfaces if surface.rub == rub]
-    return slice(parts[0].start, parts[-1].stop)
 
 
 def _worn_pressure(rig: Rig, surface: Surface, exponent: float) -> Floats:
@@ -251,7 +54,7 @@ def _worn_pressure(rig: Rig, surface: Surface, exponent: float) -> Floats:
     h = rub.problem.h[surface.rows]
     said = f"shoe {surface.name!r}"
 
-    def pressure(y: Floats) -> Floats:
+    def pressure(y: Any) -> Floats:
         v = surface.approach @ y
         return np.sign(v) * np.abs(v) ** (1 / exponent)
 
@@ -309,7 +112,7 @@ def run_in(
     *,
     backward: Rig | None = None,
     until: Callable[[State], bool] | None = None,
-    **options: object,
+    **options: Any,
 ) -> list[State]:
     """Wear a brake in by `law`, by default Archard's: see wear.run for the options; until settled, or over `distance`.
 
@@ -317,16 +120,16 @@ def run_in(
     """
     law = law or Law(COEFFICIENT)
     torque = options.get("torque")
-    if until is None and "distance" not in options and "stations" not in options:
+    if until is None and "distance" not in options:
         if backward is not None:
             raise BadInput("a brake whose drum turns both ways does not settle: a distance must be given")
-        until = settled(rig, target(rig, law, torque))  # type: ignore[arg-type]
+        until = settled(rig, target(rig, law, torque))
     return wear.run(
         rig.rubs,
         law,
         backward=backward.rubs if backward else (),
         until=until or (lambda _: False),
-        **options,  # type: ignore[arg-type]
+        **options,
     )
 
 
@@ -378,7 +181,8 @@ def life(
 
 
 class Checks(NamedTuple):
-    """Balances of a run, relative: worn volume against k Int Int p dA ds (exponent 1), and against the energy, V = k W/mu.
+    """Balances of a run, relative: its worn volume against the integral of the wear rate (k Int Int p dA ds), and that
+    of the worn shape over the round lining against the energy, V = k W/mu for the exponent 1 (nan for others).
 
     `ripple`: the largest checkerboard of any state after the first; see wear.ripple.
     """
@@ -389,20 +193,102 @@ class Checks(NamedTuple):
 
 
 def checks(rig: Rig, states: Sequence[State], law: Law) -> Checks:
-    """The balances and the checkerboard of a run; the worn volume is integrated from the worn shape."""
-    end, radius = states[-1], rig.brake.drum.radius
-    volume = sum(rig.brake.shoes[s.shoe].lining.width * radius * _integral(s, s.along(end.depth)) for s in rig.surfaces)
-    scale = abs(end.removed) or 1.0
-    friction = rig.brake.friction
-    worn_by_energy = law.coefficient * end.work / (friction * radius) if friction and law.exponent == 1 else volume
+    """The balances and the checkerboard of a run."""
+    end, brake = states[-1], rig.brake
+    area = np.concatenate([rub.area for rub in rig.rubs])
+    scale = end.removed or 1.0
+    by_energy = math.nan
+    if brake.friction > 0 and law.exponent == 1:
+        shape = sum(
+            brake.shoes[s.shoe].lining.width * brake.drum.radius * _integral(s, s.along(end.depth))
+            for s in rig.surfaces
+        )
+        by_energy = abs(shape - law.coefficient * end.work / (brake.friction * brake.drum.radius)) / scale
     ripples = [wear.ripple(s.along(state.pressure)) for state in states[1:] for s in rig.surfaces]
-    return Checks(
-        abs(volume - end.removed) / scale,
-        abs(volume - worn_by_energy) / scale,
-        float(np.nanmax(ripples)) if len(ripples) and not np.isnan(ripples).all() else math.nan,
-    )
+    seen = [ripple for ripple in ripples if not math.isnan(ripple)]
+    return Checks(abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=math.nan))
 
 
 def _integral(surface: Surface, values: Floats) -> float:
     _, v, w = gauss_points(surface.angles, values, surface.order)
     return float((v * w).sum())
+
+
+def peak(rig: Rig, state: State) -> float:
+    """The largest nodal pressure [Pa], more than half a lining's thickness from its ends."""
+    peaks = []
+    for surface in rig.surfaces:
+        theta, p = surface.angles, surface.along(state.pressure)
+        zone = rig.brake.shoes[surface.shoe].lining.thickness / (2 * rig.brake.drum.radius)
+        inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
+        peaks.append(float(p[inside if inside.any() else ~inside].max()))
+    return max(peaks)
+
+
+def as_dict(rig: Rig, states: Sequence[State], goal: Target, law: Law) -> dict[str, Any]:
+    """A run as plain data for JSON: SI; values of each lining by growing theta."""
+
+    def linings(values: Floats) -> list[list[float]]:
+        return [surface.along(values).tolist() for surface in rig.surfaces]
+
+    return {
+        "model": rig.model,
+        "law": law._asdict(),
+        "unit_distance": unit_distance(rig, law) if law.coefficient else None,
+        "shoes": [{"name": surface.name, "theta": surface.angles.tolist()} for surface in rig.surfaces],
+        "worn_in": {"torque": goal.torque, "pressure": linings(goal.pressure)},
+        "states": [
+            {
+                "distance": state.s,
+                "forward": state.forward,
+                "torque": state.torque,
+                "force": state.force,
+                "peak_pressure": peak(rig, state),
+                "pressure_from_law": distance(rig, state, goal).pressure,
+                "torque_from_law": distance(rig, state, goal).torque,
+                "worn_volume": state.removed,
+                "depth": linings(state.depth),
+                "pressure": linings(state.pressure),
+            }
+            for state in states
+        ],
+    }
+
+
+def report_lines(rig: Rig, states: Sequence[State], goal: Target, law: Law, lines: int = 24) -> list[str]:
+    """A run as lines of text: some of its states, evenly spread, then what became of it."""
+    unit = unit_distance(rig, law) if law.coefficient else math.inf
+    force = rig.brake.shoes[rig.surfaces[0].shoe].actuation.force
+    said = [
+        f"{rig.brake.title}: {rig.model}, {rig.brake.motion}, mu = {rig.brake.friction:g}, "
+        f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:g}, 1/(k K) = {unit * 1e-3:.5g} km",
+        f"{'s [km]':>12}{'s k K':>11}{'torque [N m]':>14}{'force [N]':>12}{'peak p [MPa]':>14}{'p off law [%]':>15}"
+        f"{'T off law [%]':>15}{'worn depth [mm]':>17}",
+    ]
+    for i in sorted({round(x) for x in np.linspace(0, len(states) - 1, lines)}):
+        state = states[i]
+        off = distance(rig, state, goal)
+        said.append(
+            f"{state.s * 1e-3:12.5g}{state.s / unit:11.4g}{state.torque:14.6g}{state.force * force:12.5g}"
+            f"{peak(rig, state) * 1e-6:14.4g}{100 * off.pressure:15.3f}{100 * off.torque:+15.4f}"
+            f"{state.depth.max() * 1e3:17.4g}"
+        )
+    said.append(f"worn in (law): torque {goal.torque:.6g} N m")
+    if law.coefficient > 0:
+        spent = life(rig, states, goal, law)
+        said.append(
+            f"life: {spent.distance * 1e-3:.5g} km to {WORN_OUT:.0%} of the thickness; of it p is more than 1 % off "
+            f"the law for {_part(spent.pressure)}, the torque for {_part(spent.torque)}"
+        )
+    balance = checks(rig, states, law)
+    said.append(
+        f"worn volume {states[-1].removed * 1e9:.5g} mm^3; balance: volume {balance.volume:.1e}, energy "
+        f"{balance.energy:.1e}; checkerboard at most {balance.ripple:.1e}; {len(states) - 1} steps"
+    )
+    return said
+
+
+def _part(share: float) -> str:
+    return (
+        "all of this run" if math.isinf(share) else f"{share:.1%}" if share <= 1 else f"all of it ({share:.3g} lives)"
+    )

@@ -29,7 +29,7 @@ from drumlin.errors import BadInput, NoAnswer
 
 GAMMA = 1 - 1 / math.sqrt(2)
 TOLERANCE = 1e-3
-MOST_STEPS = 5000
+MOST_STEPS = 20_000
 GROWTH = 4.0  # largest factor from one step to the next
 ROUNDED = 1e-3  # of the mean pressure: below it an exponent under 1 is rounded off, its slope at p = 0 is infinite
 NEWTON = 1e-11
@@ -101,7 +101,6 @@ def run(
     reverse: float = math.inf,
     torque: float | None = None,
     distance: float = math.inf,
-    stations: Sequence[float] | None = None,
     tolerance: float = TOLERANCE,
     until: Callable[[State], bool] = lambda _: False,
 ) -> list[State]:
@@ -109,29 +108,17 @@ def run(
 
     forward: the rubs, each in equilibrium by itself; backward: the same with the drum turning the other way, which it
     does every `reverse` [m]: the state is then there twice, before and after. torque [N m]: of all rubs, held by
-    the actuation; else the actuation stays. stations: the ends of all steps [m]; else they are such that each step's
-    error of p (L2) is below `tolerance`. Raises NoAnswer: no equilibrium, not converged, self-locking.
+    the actuation; else the actuation stays. Each step's error of p (L2) is below `tolerance`. Raises NoAnswer: no equilibrium, not converged, self-locking.
     """
-    if not 0 < tolerance <= 0.1:
-        raise BadInput(f"tolerance = {tolerance:g}: must be greater than 0 and at most 0.1")
-    if not law.coefficient >= 0 or not 0.3 <= law.exponent <= 4:
-        raise BadInput(f"wear law {law}: coefficient must not be negative, exponent from 0.3 to 4")
     if reverse < math.inf and not backward:
         raise BadInput(f"reverse = {reverse:g}: needs the rubs of the drum turning backward")
-    if math.isinf(distance) and stations is None and law.coefficient == 0:
-        raise BadInput("coefficient = 0: nothing wears, so that a distance must be given")
+    _check(law, tolerance, distance)
     machines = {True: _Machine(forward, law, torque), False: _Machine(backward or forward, law, torque)}
     turning = True
     state = machines[True].start()
     states = [state]
-    if stations is not None:
-        for s in stations:
-            if s > state.s:
-                state, _ = machines[True].step(state, s - state.s)
-                states.append(state)
-        return states
-    ds = machines[True].first(state, tolerance)
-    turn = reverse
+    ds = opening = machines[True].first(state, tolerance)
+    turn, fresh = reverse, True
     while state.s < distance * (1 - 1e-12) and not until(state):
         if len(states) > MOST_STEPS:
             raise NoAnswer(f"not converged: the wear is not settled after {MOST_STEPS} steps")
@@ -148,12 +135,35 @@ def run(
         at_end = size == left
         state = after if not at_end else replace(after, s=end)
         states.append(state)
+        if fresh:  # the step that a reversal begins with is that which the last one could take
+            opening, fresh = size * factor, False
         ds = max(ds, size) if at_end and size < ds else size * factor
         if at_end and end == turn:
             turning, turn = not turning, turn + reverse
             state = machines[turning].turned(state, turning)
             states.append(state)
-            ds = machines[turning].first(state, tolerance)
+            ds, fresh = opening, True
+    return states
+
+
+def _check(law: Law, tolerance: float, distance: float) -> None:
+    if not 0 < tolerance <= 0.1:
+        raise BadInput(f"tolerance = {tolerance:g}: must be greater than 0 and at most 0.1")
+    if not law.coefficient >= 0:
+        raise BadInput(f"coefficient = {law.coefficient:g}: must not be negative")
+    if not 0.3 <= law.exponent <= 4:
+        raise BadInput(f"exponent = {law.exponent:g}: must be from 0.3 to 4")
+    if math.isinf(distance) and law.coefficient == 0:
+        raise BadInput("coefficient = 0: nothing wears, so that a distance must be given")
+
+
+def run_on(rubs: Rubs, law: Law, stations: Sequence[float]) -> list[State]:
+    """The same in steps that end at the growing distances `stations` [m], whatever their error."""
+    machine = _Machine(rubs, law, None)
+    states = [machine.start()]
+    for s in stations:
+        after, _ = machine.step(states[-1], s - states[-1].s)
+        states.append(replace(after, s=s))
     return states
 
 
@@ -335,7 +345,8 @@ def ripple(p: Floats, margin: int = 5) -> float:
 def _eroded(where: Bools, margin: int, *, beyond: bool) -> Bools:
     """Places (n,) with `where` true up to `margin` places to either side; past the array's ends it is `beyond`."""
     padded = np.pad(where, margin, constant_values=beyond)
-    return np.lib.stride_tricks.sliding_window_view(padded, 2 * margin + 1).all(axis=1)
+    found: Bools = np.lib.stride_tricks.sliding_window_view(padded, 2 * margin + 1).min(axis=1)
+    return found
 
 
 def at(states: Sequence[State], s: float) -> State:
