@@ -108,7 +108,8 @@ def run(
 
     forward: the rubs, each in equilibrium by itself; backward: the same with the drum turning the other way, which it
     does every `reverse` [m]: the state is then there twice, before and after. torque [N m]: of all rubs, held by
-    the actuation; else the actuation stays. Each step's error of p (L2) is below `tolerance`. Raises NoAnswer: no equilibrium, not converged, self-locking.
+    the actuation; else the actuation stays. Each step's error of p (L2) is below `tolerance`.
+    Raises BadInput, and NoAnswer: no equilibrium, not converged, self-locking.
     """
     if reverse < math.inf and not backward:
         raise BadInput(f"reverse = {reverse:g}: needs the rubs of the drum turning backward")
