@@ -113,6 +113,9 @@ def run(
     """
     if reverse < math.inf and not backward:
         raise BadInput(f"reverse = {reverse:g}: needs the rubs of the drum turning backward")
+    for name, value in {"distance": distance, "reverse": reverse, "torque": 1.0 if torque is None else torque}.items():
+        if not value > 0:
+            raise BadInput(f"{name} = {value:g}: must be greater than 0")
     _check(law, tolerance, distance)
     machines = {True: _Machine(forward, law, torque), False: _Machine(backward or forward, law, torque)}
     turning = True
@@ -139,7 +142,7 @@ def run(
         if fresh:  # the step that a reversal begins with is that which the last one could take
             opening, fresh = size * factor, False
         ds = max(ds, size) if at_end and size < ds else size * factor
-        if at_end and end == turn:
+        if at_end and end == turn and end < distance:
             turning, turn = not turning, turn + reverse
             state = machines[turning].turned(state, turning)
             states.append(state)
@@ -229,7 +232,7 @@ class _Machine:
 
     def first(self, state: State, tolerance: float) -> float:
         """A step [m] that is short even for the fastest ripple."""
-        rate = self.law.rate(np.full(1, state.pressure.max(initial=1.0)), 0.0)[1][0]
+        rate = float(self.law.rate(np.full(1, state.pressure.max(initial=1.0)), 0.0)[1][0])
         if rate == 0:
             return math.inf
         ratios = [np.diagonal(rub.problem.A) / (np.diagonal(rub.weight) * rub.pressure) for rub in self.rubs]

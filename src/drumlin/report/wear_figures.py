@@ -55,7 +55,7 @@ def pressure_picture(rig: Rig, states: Sequence[State], goal: Target, unit: floa
             left.set(ylim=(0, top * 1e-6), xlim=(theta[0], theta[-1]), ylabel="pressure p [MPa]")
             left.set_title(f"{surface.name} shoe")
             heat(right, surface, states, unit, top)
-            right.set_title("the same as a picture; white: no contact")
+            right.set_title(f"{surface.name} shoe, over the distance; white: no contact")
         for axes in grid[-1]:
             axes.set_xlabel("angle on the drum θ [deg]")
         grid[0, 0].legend(fontsize=8, ncols=2)
@@ -163,7 +163,7 @@ def film(rig: Rig, frames: Sequence[Frame], goal: Target, unit: float, path: Pat
     top = 1.15 * max(inner_peak(rig, s, frame.state) for s in rig.surfaces for frame in frames[:1])
     stress = float(np.percentile(np.concatenate([f.von_mises for f in frames[0].fields]), 99)) * 1e-6
     move = max(float(np.abs(f.displacement).max()) for f in frames[0].fields)
-    scale = 0.06 * rig.brake.drum.radius / move
+    scale = float(f"{0.06 * rig.brake.drum.radius / move:.1g}")
     pictures = []
     for number in range(len(frames)):
         figure = _frame(rig, frames, number, goal, unit, (top, stress, scale))
@@ -185,7 +185,7 @@ def _frame(
     state, top = frames[number].state, scales[0]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 5.4), layout="constrained")
-        left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(1.0, 0.95)))
+        left, right = np.asarray(figure.subfigures(1, 2, width_ratios=(1.0, 0.95)), dtype=object)
         _shoes(left.subplots(), rig, frames[number], scales)
         panels = right.subplots(len(rig.surfaces) + 1, 1)
         for axes, surface in zip(panels, rig.surfaces, strict=False):
@@ -237,7 +237,7 @@ def _shoes(axes: Axes, rig: Rig, frame: Frame, scales: tuple[float, float, float
     axes.set_aspect("equal")
     axes.set_axis_off()
     axes.set_title(
-        f"stress (0 to {stress:.3g} MPa), displacement × {scale:.2g}; red: pressure on the drum", fontsize=9,
+        f"stress (0 to {stress:.3g} MPa), displacement × {scale:g}; red: pressure on the drum", fontsize=9,
         loc="center", fontweight="normal",
     )  # fmt: skip
 
