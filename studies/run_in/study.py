@@ -296,7 +296,7 @@ def stepping(
             row["torque"] = last.torque
             row["torque_error"] = relative(last.torque, exact.torque)
             rows.append({**row, "status": "ended"})
-            boards[f"{way}, steps of {size:g}/(k K)"] = (last, row["ripple"])
+            boards[f"{way}\nsteps of {size:g}/(k K)"] = (last, row["ripple"])
     return rows, boards
 
 
@@ -373,8 +373,15 @@ def draw(result: Result, folder: Path) -> dict[str, Path]:
         for ending in ("svg", "png"):
             picture = wear_figures.pressure_picture(one.rig, one.states, one.goal, one.unit, curves)
             made[key] = figures.save(picture, folder / f"pressure_{key}.{ending}")
+    open_one = least_contact(result)
+    ends = open_one.states[-1].s / open_one.unit * np.array([0.003, 0.03, 0.2, 1.0])
+    marks = [float(f"{end:.1g}") for end in ends[:-1]]
     made["profiles"] = figures.save(
-        wear_figures.profiles(main.rig, main.states, main.unit, CURVES[1:]), folder / "profiles.svg"
+        wear_figures.profiles(open_one.rig, open_one.states, open_one.unit, marks), folder / "profiles.svg"
+    )
+    made["open"] = figures.save(
+        wear_figures.pressure_picture(open_one.rig, open_one.states, open_one.goal, open_one.unit, [0.0, *marks]),
+        folder / "pressure_open.svg",
     )
     shown = [one for one in result.runs if abs(distance(one.rig, one.states[0], one.goal).torque) > 0.01]
     torques = [
@@ -414,15 +421,21 @@ def draw(result: Result, folder: Path) -> dict[str, Path]:
     return made
 
 
+def least_contact(result: Result) -> Run:
+    """The brake of which the least lies on when new."""
+    return min([result.main, *result.runs], key=lambda one: float((one.states[0].pressure > 0).mean()))
+
+
 def film(scene: Scene, one: Run, path: Path, count: int) -> Path:
     """The film of a run: frames evenly spread over the logarithm of the distance."""
     end = one.states[-1].s
     frames = []
-    for s in [0.0, *np.geomspace(2e-3 * end, end, count - 1)]:
+    for s in [0.0, *np.geomspace(3e-4 * end, end, count - 1)]:
         state = at(one.states, s)
         brake = worn(one.rig, state)
         response = respond(scene, brake, penalty=math.inf)
-        frames.append(Frame(state, [fields(scene, brake, response, i) for i in range(len(brake.shoes))]))
+        shown = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
+        frames.append(Frame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))
     return wear_figures.film(one.rig, frames, one.goal, one.unit, path)
 
 

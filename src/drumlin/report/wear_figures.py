@@ -136,24 +136,32 @@ def profiles(rig: Rig, states: Sequence[State], unit: float, curves: Sequence[fl
 
 
 def checkerboard(surface: Surface, columns: Mapping[str, tuple[State, float]]) -> Figure:
-    """Nodal p(theta) of one lining by several ways to step; each title carries its ripple."""
+    """Nodal p(theta) over the most loaded third of one lining by several ways to step; titles carry the ripple."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10.6, 3.4), layout="constrained")
+        figure = Figure(figsize=(10.6, 3.6), layout="constrained")
         grid = figure.subplots(1, len(columns), sharey=True, squeeze=False)[0]
+        theta = np.degrees(surface.angles)
+        third = (theta[-1] - theta[0]) / 3
+        smooth = surface.along(next(iter(columns.values()))[0].pressure)
+        start = min(max(theta[smooth.argmax()] - third / 2, theta[0]), theta[-1] - third)
         for axes, (title, (state, ripple)) in zip(grid, columns.items(), strict=True):
             p = surface.along(state.pressure) * 1e-6
-            axes.plot(np.degrees(surface.angles), p, color=COLORS["fem"], lw=0.8, marker="o", ms=2.2)
-            axes.set_title(f"{title}\ncheckerboard {ripple:.2g}, torque {state.torque:.2f} N m", fontsize=9)
+            axes.plot(theta, p, color=COLORS["fem"], lw=0.8, marker="o", ms=2.2)
+            said = f"{title}\ncheckerboard {ripple:.1e}\ntorque {state.torque:.2f} N m"
+            axes.set_title(said, fontsize=8.5)
+            axes.set_xlim(start, start + third)
             axes.set_xlabel("angle on the drum θ [deg]")
+        grid[0].set_ylim(0, 4 * smooth.max() * 1e-6)
         grid[0].set_ylabel("nodal pressure p [MPa]")
     return figure
 
 
 class Frame(NamedTuple):
-    """A moment of the film: the state, its fields of each shoe."""
+    """A moment of the film: the state, and of each shoe the fields and the turn about its pin [rad]."""
 
     state: State
     fields: Sequence[Fields]
+    turns: Sequence[float]
 
 
 def film(rig: Rig, frames: Sequence[Frame], goal: Target, unit: float, path: Path) -> Path:
@@ -186,7 +194,7 @@ def _frame(
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 5.4), layout="constrained")
         left, right = np.asarray(figure.subfigures(1, 2, width_ratios=(1.0, 0.95)), dtype=object)
-        _shoes(left.subplots(), rig, frames[number], scales)
+        _shoes(left.subplots(), rig, frames[number], frames[0].turns, scales)
         panels = right.subplots(len(rig.surfaces) + 1, 1)
         for axes, surface in zip(panels, rig.surfaces, strict=False):
             theta, p = np.degrees(surface.angles), surface.along(state.pressure) * 1e-6
@@ -211,12 +219,15 @@ def _frame(
     return figure
 
 
-def _shoes(axes: Axes, rig: Rig, frame: Frame, scales: tuple[float, float, float]) -> None:
+def _shoes(axes: Axes, rig: Rig, frame: Frame, first: Sequence[float], scales: tuple[float, float, float]) -> None:
+    """The shoes deformed, without the turn beyond `first` that takes up the wear: it would leave the picture."""
     top, stress, scale = scales
     brake: Brake = rig.brake
     radius = brake.drum.radius
-    for fields in frame.fields:
-        x, y = (fields.points + scale * fields.displacement).T
+    for fields, shoe, turn, start in zip(frame.fields, brake.shoes, frame.turns, first, strict=True):
+        arm = fields.points - shoe.hinge.xy
+        followed = (turn - start) * np.column_stack([-arm[:, 1], arm[:, 0]])
+        x, y = (fields.points + scale * (fields.displacement - followed)).T
         quads = fields.cells[:, :4] if fields.cell_type.startswith("quad") else None
         corners = fields.cells[:, :3] if quads is None else np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
         axes.tripcolor(
@@ -230,14 +241,15 @@ def _shoes(axes: Axes, rig: Rig, frame: Frame, scales: tuple[float, float, float
         ray = np.column_stack([np.cos(spread), np.sin(spread)])
         bars = np.stack([ray * radius, ray * (radius + sign * tall)[:, None]], axis=1)
         axes.add_collection(LineCollection(list(bars * 1e3), colors=LAW, linewidths=2.2))
-    turn = np.linspace(0, 2 * math.pi, 241)
-    axes.plot(1e3 * radius * np.cos(turn), 1e3 * radius * np.sin(turn), color=LATE, lw=1.4)
+    around = np.linspace(0, 2 * math.pi, 241)
+    axes.plot(1e3 * radius * np.cos(around), 1e3 * radius * np.sin(around), color=LATE, lw=1.4)
     for shoe in brake.shoes:
         axes.plot(*(1e3 * shoe.hinge.xy), "o", color=LATE, ms=6)
     axes.set_aspect("equal")
     axes.set_axis_off()
     axes.set_title(
-        f"stress (0 to {stress:.3g} MPa), displacement × {scale:g}; red: pressure on the drum", fontsize=9,
+        f"stress (0 to {stress:.3g} MPa), displacement × {scale:g} without the turn that takes up\n"
+        "the wear; red: pressure on the drum", fontsize=9,
         loc="center", fontweight="normal",
     )  # fmt: skip
 
