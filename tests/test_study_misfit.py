@@ -40,7 +40,7 @@ def test_run_in_heals_every_misfit_but_not_the_drum(result, module):
     worn = {share.name: share.total.value for share in result.shares["worn in"]["torque"]}
     for name, value in worn.items():
         assert value < 1e-6 or not any(word in name for word in ("radius", "centre", "taper")), name
-    assert max(worn, key=worn.get).startswith("angle of drum")
+    assert max(worn, key=worn.get).startswith("where the oval drum stands")
     for name in ("run-out", "oval"):
         assert np.ptp(result.turns["worn in"][name]) > 0.5 * np.ptp(result.turns["new"][name])
 

@@ -20,7 +20,7 @@ from drumlin.files import write_text
 from drumlin.journal import Journal
 from drumlin.laws import sine
 from drumlin.report import figures, misfit_figures
-from drumlin.report.page import Figure, Section, Source, Table, Text, write_page
+from drumlin.report.page import Figure, Section, Table, Text, write_page
 from drumlin.response import Response
 from drumlin.run_in import COEFFICIENT
 from drumlin.sweep import Case, Row
@@ -198,7 +198,7 @@ def assumed(brake: Brake) -> tuple[Tolerance, ...]:
         Tolerance("force ±3 %", within(0.03), {"shoe.actuation.force": brake.shoes[0].actuation.force}),
         Tolerance("line of force ±0.5 mm", within(0.5e-3), {"shoe.actuation.point.y": 1.0}),
         Tolerance("ovality of drum 0 to 30 µm", between(0.0, 30e-6), {"drum.out_of_round[0].amplitude": 1.0}),
-        Tolerance("angle of drum, any", between(0.0, 2 * math.pi), {"drum.angle": 1.0}),
+        Tolerance("where the oval drum stands", between(0.0, 2 * math.pi), {"drum.angle": 1.0}),
     )
 
 
@@ -429,12 +429,12 @@ def lead(result: Result) -> str:
     """What was found."""
     new, worn = (spread(samples(result, state, "torque")) for state in ("new", "worn in"))
     law = spread(samples(result, "law", "torque"))
-    first = max(result.shares["new"]["torque"], key=lambda share: share.total.value)
     return (
         "Fifty micrometres of misfit, the width of a hair, change the torque of a new double-shoe brake by "
         f"{min(r['from_fit'] for r in result.single[1:7]):+.0%} to {max(r['from_fit'] for r in result.single[1:7]):+.0%}. "
         f"Over all tolerances its torque spreads by {new.relative:.1%} (standard deviation), worn in by {worn.relative:.1%}, "
-        f"by the sine law by {law.relative:.1%}. The largest share of the new brake's variance has: {first.name}."
+        f"by the sine law by {law.relative:.1%}. Largest shares of the new brake's variance: "
+        f"{ranking(result.shares['new']['torque'])}."
     )
 
 
@@ -448,18 +448,17 @@ def assumptions(result: Result) -> str:
     """What the law's user has to assume, in numbers."""
     new, worn = off_law(result, "new"), off_law(result, "worn in")
     peaks = samples(result, "new", "peak_pressure") / nominal_of(result, "peak_pressure")
-    settled = result.healed["torque"]
-    ends = np.percentile(settled, (5, 95), axis=0)
-    widths = (ends[1] - ends[0]) / (ends[1] - ends[0])[-1]
-    by = next((s for s, width in zip(DISTANCES, widths, strict=True) if width < 1.1), DISTANCES[-1])
+    ends = np.percentile(result.healed["torque"], (5, 50, 95), axis=0)
+    off = np.abs(ends / ends[:, -1:] - 1).max(axis=0)
+    by = next(s for k, s in enumerate(DISTANCES) if off[k:].max() < 0.02)
     return (
         "<b>New lining.</b> With the friction, force and levers that a brake really has, the sine law is still off: its "
-        f"torque is {interval(1 / new)} of the elastic brake's (5th to 95th percentile), and the mean peak pressure is "
+        f"torque is off by {interval(1 / new)} from the elastic brake's (5th to 95th percentile), and the mean peak pressure is "
         f"{float(peaks.mean()):.1f} times the law's, {float(np.percentile(peaks, 95)):.1f} times at the 95th percentile. "
         f"<b>Worn in.</b> On a round drum the law is right for every fit; what remains on drums of up to 30 µm ovality is "
         f"{interval(1 / worn)}, over one turn. Run-in takes away {fitting(result):.0%} of the torque's variance. "
-        f"<b>When.</b> The range from the 5th to the 95th percentile is within 10 % of its final width after a sliding "
-        f"distance of {by:g}/(k K), {by * result.unit / 1e3:.0f} km at k = 10<sup>−5</sup> mm³/(N m): until then the law's "
+        "<b>When.</b> On round drums the 5th, 50th and 95th percentile of the torque are within 2 % of their final values "
+        f"after a sliding distance of {by:g}/(k K), {by * result.unit / 1e3:.0f} km at k = 10<sup>−5</sup> mm³/(N m): until then the law's "
         "user must take the spread of a new lining; afterwards that of friction, force and levers alone, and of the drum."
     )
 
@@ -499,7 +498,8 @@ def sections(
                 Table(
                     result.single,
                     SINGLE,
-                    "Both shoes alike. Peak pressure: away from the lining's ends by half its thickness.",
+                    "Both shoes alike. Peak pressure: away from the lining's ends by half its thickness; between blocks it is that "
+                    "of an edge, rounded over 1 deg.",
                 ),
                 Figure(
                     folder / "pressure.svg",
@@ -539,8 +539,8 @@ def sections(
                     f"Torque, new: {ranking(result.shares['new']['torque'])}. Torque, worn in: "
                     f"{ranking(result.shares['worn in']['torque'])}. Peak pressure, new: "
                     f"{ranking(result.shares['new']['peak_pressure'])}. (Total index; 95 % interval.) First-order indices of the "
-                    f"new brake's torque sum to {sum(s.first.value for s in result.shares['new']['torque']):.2f}: what lacks to 1 is "
-                    "misfits that meet."
+                    f"new brake's torque sum to {sum(s.first.value for s in result.shares['new']['torque']):.2f}: the rest is "
+                    "made by tolerances together."
                 ),
                 Table(ranked, SHARES, "Total Sobol indices."),
                 Table(spreads, SPREADS, "Distributions. Pressures in MPa, torques in N m."),
@@ -565,7 +565,9 @@ def sections(
                     "Wear ends where all points of the lining wear as the shoe turns, p ~ sin φ, whatever the lining began with. "
                     "What is left of the spread is that of the law: friction, force and levers."
                 ),
-                Source("computing", f"{result.seconds:.0f} s"),
+                Text(
+                    f"Computing for this page took {result.seconds:.0f} s; cases that a stopped run had finished are not counted."
+                ),
             ],
         ),
     ]

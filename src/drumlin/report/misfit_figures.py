@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib import patheffects
 from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
@@ -64,18 +65,20 @@ def maps(x: Floats, y: Floats, both: Sequence[Map], xlabel: str, ylabel: str) ->
         for axes, one in zip(grid, both, strict=True):
             percent = 100 * one.ratio
             most = float(np.abs(percent).max())
-            levels = [level for level in LEVELS if percent.min() < level < percent.max()]
+            lines = [level for level in LEVELS if percent.min() < level < percent.max()]
+            levels = [float(percent.min()), *lines, float(percent.max())]
             scale = mpl.colors.SymLogNorm(linthresh=20, linscale=1, vmin=-most, vmax=most)
-            filled = axes.contourf(x, y, percent, levels=levels, cmap="RdBu_r", norm=scale, extend="both")
-            lines = [level for level in levels if level]
-            drawn = axes.contour(x, y, percent, levels=lines, colors="#46525e", linewidths=0.6, linestyles="solid")
-            axes.clabel(drawn, fmt="%+.0f %%", fontsize=7.5)
+            filled = axes.contourf(x, y, percent, levels=levels, cmap="RdBu_r", norm=scale)
+            others = [level for level in lines if level]
+            drawn = axes.contour(x, y, percent, levels=others, colors="#46525e", linewidths=0.6, linestyles="solid")
+            for text in axes.clabel(drawn, fmt="%+.0f %%", fontsize=7.5):
+                text.set_path_effects([patheffects.withStroke(linewidth=2, foreground="white")])
             axes.contour(x, y, percent, levels=[0.0], colors=LAW, linewidths=2.6)
             axes.plot([], [], color=LAW, lw=2.6, label="as the sine law says")
             axes.plot(0, 0, "o", color="#1d2733", ms=5, label="lining that fits")
             axes.set_title(one.title)
             axes.set_xlabel(xlabel)
-            bar = figure.colorbar(filled, ax=axes, shrink=0.9, ticks=levels, format="%+.0f")
+            bar = figure.colorbar(filled, ax=axes, shrink=0.9, ticks=lines, format="%+.0f")
             bar.set_label("from the sine law [%]")
         grid[0].set_ylabel(ylabel)
         grid[0].legend(loc="lower left", fontsize=8, frameon=True)
