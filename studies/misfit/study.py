@@ -452,7 +452,7 @@ def assumptions(result: Result) -> str:
     off = np.abs(ends / ends[:, -1:] - 1).max(axis=0)
     by = next(s for k, s in enumerate(DISTANCES) if off[k:].max() < 0.02)
     return (
-        "<b>New lining.</b> With the friction, force and levers that a brake really has, the sine law is still off: its "
+        "<b>New lining.</b> Even with the friction, force and levers that the brake really has, the sine law's "
         f"torque is off by {interval(1 / new)} from the elastic brake's (5th to 95th percentile), and the mean peak pressure is "
         f"{float(peaks.mean()):.1f} times the law's, {float(np.percentile(peaks, 95)):.1f} times at the 95th percentile. "
         f"<b>Worn in.</b> On a round drum the law is right for every fit; what remains on drums of up to 30 µm ovality is "
