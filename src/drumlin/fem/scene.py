@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Beam, Brake, Shoe
+from drumlin.brake import Beam, Brake, Misfit, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem import beam_mesh
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
@@ -144,13 +144,14 @@ class Kept:
 def bare(brake: Brake) -> Brake:
     """The brake without what its bodies do not depend on, so that brakes with equal bodies are equal.
 
-    Removed: title, rotation, size of the friction (but for 0), forces, clearances.
+    Removed: title, rotation, size of the friction (but for 0), forces, clearances and misfits.
     """
     return brake.model_copy(
         update={
             "title": "-",
             "rotation": "counter-clockwise",
             "friction": float(brake.friction > 0),
+            "drum": brake.drum.model_copy(update={"out_of_round": (), "angle": 0.0}),
             "shoes": tuple(_bare(shoe) for shoe in brake.shoes),
         }
     )
@@ -162,7 +163,7 @@ def _bare(shoe: Shoe) -> Shoe:
         force["point"] = Point(x=0.0, y=0.0)
     return shoe.model_copy(
         update={
-            "lining": shoe.lining.model_copy(update={"clearance": 0.0}),
+            "lining": shoe.lining.model_copy(update={"clearance": 0.0, "misfit": Misfit()}),
             "actuation": shoe.actuation.model_copy(update=force),
         }
     )

@@ -26,7 +26,7 @@ SLACK = 1e-9  # rad
 
 LEFT_OUT = (
     "elasticity of shoe, backing and drum: rigid by assumption",
-    "clearance: the law is that of a lining that fits",
+    "clearance and misfit: the law is that of a lining that fits, new or worn in, on a round drum",
 )
 
 
