@@ -68,6 +68,9 @@ class Journal:
     def __len__(self) -> int:
         return len(self._rows)
 
+    def __bool__(self) -> bool:
+        return True  # also while it is empty: `journal or Journal()` must keep it
+
     def __contains__(self, case: Mapping[str, Any]) -> bool:
         return key_of(case) in self._rows
 
