@@ -6,9 +6,12 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
+
+from studies.stability import bad_input, locking
 
 from drumlin.compare import Column, as_csv
 from drumlin.extremes import cases
@@ -19,14 +22,17 @@ from drumlin.report import figures, stability_figures
 from drumlin.report.page import Figure, Section, Table, Text, write_page
 
 WORKERS = 2
+INPUTS = 5000  # bad ones
 CROSSED = ("corners", "shoe × friction", "thickness × penalty", "hypercube")
 LOST = 2.0  # digits by which an answer may stay below what its condition leaves
 
 
 class Result(NamedTuple):
-    """A row for each case; `seconds` of this run."""
+    """A row for each case; self-locking; what became of each bad input; `seconds` of this run."""
 
     rows: list[dict[str, Any]]
+    locked: locking.Result
+    verdicts: list[bad_input.Verdict]
     seconds: float
 
 
@@ -35,7 +41,7 @@ def study(
 ) -> Result:
     """Try every case of the designed set, two at a time; `short`: some 70 of them, here and one by one."""
     start = time.perf_counter()
-    journal = Journal() if journal is None else journal  # an empty one is false
+    journal = journal or Journal()
     keys = {case: {"case": repr(case)} for case in cases(short=short)}
     left = [case for case, key in keys.items() if key not in journal]
     if short:
@@ -47,7 +53,15 @@ def study(
                 journal.add(keys[case], row)
                 if done % 10 == 0:
                     say(f"{done} of {len(left)} cases")
-    return Result([journal[key] for key in keys.values()], time.perf_counter() - start)
+    locked = locking.rows(short, journal, say)
+    count, judged = (40, partial(bad_input.judge_many, 0)) if short else (INPUTS, partial(bad_input.judge_all, say=say))
+    say("bad input")
+    kept = journal.once(
+        {"of": "bad input", "count": count},
+        lambda: {"verdicts": [verdict._asdict() for verdict in judged(count)]},
+    )
+    verdicts = [bad_input.Verdict(**verdict) for verdict in kept["verdicts"]]
+    return Result([journal[key] for key in keys.values()], locked, verdicts, time.perf_counter() - start)
 
 
 def faults(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -115,7 +129,16 @@ WORTH = (
     Column("pointwise", "pointwise penalty"),
 )
 REFUSED = (*CASE, Column("outcome", "why"), Column("reason", "the line"), Column("pointwise", "pointwise penalty"))
-POINTWISE = ("agrees", "differs", "cycles", "does not end", "singular", "a number where there is none", "not for rings")
+POINTWISE = (
+    "agrees",
+    "differs",
+    "cycles",
+    "does not end",
+    "singular",
+    "a number where there is none",
+    "not for rings",
+    "not tried: too large",
+)
 TIMES = (
     Column("knob", "sweep"),
     Column("cases", "cases", form="d"),
@@ -157,6 +180,8 @@ def report(result: Result, folder: Path) -> Path:
             refusals(rows),
             baseline(rows),
             penalties(rows, folder),
+            *locking.sections(result.locked, folder),
+            bad_input.section(result.verdicts),
             times(result),
         ],
     )

@@ -199,7 +199,6 @@ def answer_of(
     for i in group:
         body, shoe = scene.bodies[i], brake.shoes[i]
         _check_reach(shoe, body.line.xy, gap_of(body, brake, shoe), actuation(body, shoe)[1])
-    names = ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
     try:
         found = contact.solve(contact_problem(scene, brake, group, penalty), first)
         if found.regular:
@@ -212,7 +211,12 @@ def answer_of(
     try:
         return followed(at, brake.friction, reason, law=law, brake="elastic as it is")
     except NoAnswer as error:
-        raise NoAnswer(f"{names}: {error}") from error
+        raise NoAnswer(f"{names_of(brake, group)}: {error}") from error
+
+
+def names_of(brake: Brake, group: list[int]) -> str:
+    """The shoes of a group as a refusal names them."""
+    return ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
 
 
 def _answers(
@@ -239,10 +243,11 @@ def _answers(
         answers[i] = _answer(
             scene.bodies[i], brake, brake.shoes[i], p, turn, change[parts[k]], penalty, steps, reaction
         )
-    if refined.correction > LARGEST_CORRECTION or not _imbalance(answers) < LARGEST_IMBALANCE:
+    left = _imbalance(answers)
+    if refined.correction > LARGEST_CORRECTION or not left < LARGEST_IMBALANCE:
         raise NoAnswer(
-            f"{names}: lost digits, even refined the pressures are certain only to {refined.correction:.1e} and "
-            f"balance to {_imbalance(answers):.1e}; stiffnesses or sizes are too far apart for the arithmetic"
+            f"{names_of(brake, group)}: lost digits, even refined the pressures are certain only to "
+            f"{refined.correction:.1e} and balance to {left:.1e}; stiffnesses or sizes are too far apart for the arithmetic"
         )
     return answers
 
