@@ -24,7 +24,6 @@ from drumlin.report.page import Figure, Section, Table, Text, write_page
 WORKERS = 2
 INPUTS = 5000  # bad ones
 CROSSED = ("corners", "shoe × friction", "thickness × penalty", "hypercube")
-LOST = 2.0  # digits by which an answer may stay below what its condition leaves
 
 
 class Result(NamedTuple):
@@ -235,7 +234,7 @@ def outcomes(rows: list[dict[str, Any]], folder: Path) -> Section:
 def digits(rows: list[dict[str, Any]], folder: Path) -> Section:
     """What the answers are worth."""
     known = [row for row in rows if row.get("digits") is not None]
-    path = figures.save(stability_figures.condition(known, LOST), folder / "condition.svg")
+    path = figures.save(stability_figures.condition(known), folder / "condition.svg")
     fewest = min(row["digits"] for row in known)
     below = [row for row in known if row["digits"] < min(DIGITS, row["allowed"])]
     return Section(

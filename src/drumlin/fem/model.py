@@ -247,7 +247,8 @@ def _answers(
     if refined.correction > LARGEST_CORRECTION or not left < LARGEST_IMBALANCE:
         raise NoAnswer(
             f"{names_of(brake, group)}: lost digits, even refined the pressures are certain only to "
-            f"{refined.correction:.1e} and balance to {left:.1e}; stiffnesses or sizes are too far apart for the arithmetic"
+            f"{refined.correction:.1e} and balance to {left:.1e}; stiffnesses or sizes are too far apart for the "
+            "arithmetic"
         )
     return answers
 

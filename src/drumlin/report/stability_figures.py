@@ -86,11 +86,8 @@ def grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, str]) -> Figur
     return figure
 
 
-def condition(rows: Sequence[Row], lost: float) -> Figure:
-    """Digits of the torque against its condition, with the digits that this leaves to double precision.
-
-    lost: log10 of what the guide line stands below the bound.
-    """
+def condition(rows: Sequence[Row]) -> Figure:
+    """Digits of the torque against its condition, with the digits that this leaves to double precision."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         axes = figure.subplots()
@@ -102,11 +99,8 @@ def condition(rows: Sequence[Row], lost: float) -> Figure:
             axes.semilogx([r["torque_condition"] for r in chosen], [r["digits"] for r in chosen], "o", ms=4, alpha=0.65,
                           color=color, mec="none", label=label)  # fmt: skip
         k = np.array([1.0, 1e16])
-        axes.semilogx(
-            k, -np.log10(k * np.finfo(float).eps), color="#1d2733", lw=1.2, label="16 − log₁₀ of the condition"
-        )
-        axes.semilogx(k, -np.log10(k * np.finfo(float).eps) - lost, color="#8a8f98", lw=1, ls="--",
-                      label=f"{lost:g} digits below")  # fmt: skip
+        left = -np.log10(k * np.finfo(float).eps)
+        axes.semilogx(k, left, color="#1d2733", lw=1.2, label="what its condition leaves to double precision")
         axes.axhline(6, color="#c8553d", lw=1, ls=":")
         axes.set_xlim(1, 1e15)
         axes.set_ylim(0, 16.5)
