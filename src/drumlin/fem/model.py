@@ -22,6 +22,7 @@ from drumlin.fem.mesh import DEFAULT_KIND
 from drumlin.fem.scene import (
     ELEMENTS,
     Body,
+    Kept,
     Scene,
     actuation,
     clock,
@@ -54,14 +55,16 @@ def solve(
     kind: str = DEFAULT_KIND,
     tolerance: float | None = None,
     penalty: float = PENALTY,
+    kept: Kept | None = None,
 ) -> Response:
     """Mesh, condense and solve a brake: prepare, then respond; with a `tolerance` on meshes adapted to it.
 
     tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque. Raises
-    NoAnswer where it is not reached, BadInput where `elements` are given too.
+    NoAnswer where it is not reached, BadInput where `elements` are given too. kept: bodies of earlier solves, see
+    `prepare`.
     """
     if tolerance is None:
-        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind)
+        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind, kept=kept)
         return respond(scene, brake, penalty=penalty)
     if elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
