@@ -1,6 +1,8 @@
 """Knobs at their ends: the whole system as a judge, what it mended, and the study on its short setting."""
 
+import json
 import math
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from drumlin.fem.body import stiffness
 from drumlin.fem.model import REFINED, contact_problem, refined_group, respond
 from drumlin.fem.scene import materials_of, prepare
 from drumlin.fem.trial import trial
+from drumlin.journal import Journal
 from drumlin.studies import load
 
 
@@ -33,6 +36,7 @@ def test_the_designed_set_turns_every_knob_to_its_end():
     every = cases()
     assert len(every) >= 300
     assert len(set(every)) == len(every)
+    assert all(json.loads(json.dumps(asdict(case))) == asdict(case) for case in every)  # as a journal keeps them
     for knob, low, high in (
         ("penalty", 1e-2, math.inf),
         ("friction", 0, 5),
@@ -167,6 +171,11 @@ def test_a_trial_says_what_went_wrong():
     assert trial(Case(lever=-1e-6, elements=12))["outcome"] == "no contact"
     assert trial(Case(nu=0.5, elements=12))["outcome"] == "bad input"
     assert trial(Case(shoe=1e-13, elements=12))["outcome"] == "arithmetic"
+
+
+def test_an_empty_journal_is_one():
+    """A study keeps its cases in the journal that it is given, from the first case on."""
+    assert Journal() and len(Journal()) == 0
 
 
 @pytest.fixture(scope="module")

@@ -251,7 +251,7 @@ def _hypercube(count: int) -> list[Case]:
     rng = np.random.default_rng(SEED)
     strata = np.array([rng.permutation(count) for _ in range(13)]).T
     for row in (strata + rng.random(strata.shape)) / count:
-        u = iter(row)
+        u = iter(row.tolist())
 
         def log(low: float, high: float, u: Any = u) -> float:
             return float(f"{10 ** (low + (high - low) * next(u)):.3g}")
