@@ -44,6 +44,7 @@ lining's own compression p t/E, and the pressure is off by about as much; each r
 REFINED_FROM = 1e-9  # relative imbalance from which on the condensed bodies have lost too many digits
 LARGEST_IMBALANCE = 1e-8  # of a refined answer; one that balances worse is none
 LARGEST_CORRECTION = 1e-6  # relative, of the pressures, by the last step of a refinement
+SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 REFINED = "refined in the whole system, condensed it loses digits"
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
 
@@ -270,7 +271,11 @@ def refined_group(
     order: of its elimination, by SuperLU's names. Raises NoAnswer where it is singular or does not settle.
     """
     gaps = {i: gap_of(scene.bodies[i], brake, brake.shoes[i]) for i in group}
-    return refine(whole(scene, brake, group, penalty, gaps), active, order)
+    refined = refine(whole(scene, brake, group, penalty, gaps), active, order)
+    if refined.correction < SETTLED:
+        return refined
+    other = refine(whole(scene, brake, group, penalty, gaps, carried=False), active, order)
+    return min(refined, other, key=lambda found: found.correction)
 
 
 def _answer(

@@ -84,10 +84,16 @@ class Whole:
         return self.pressures[0].start
 
 
-def whole(scene: Scene, brake: Brake, group: list[int], penalty: float, gaps: dict[int, Floats]) -> Whole:
-    """Assemble the whole system of a group of shoes, all nodes in contact; `gaps`: of the unloaded linings [m]."""
+def whole(
+    scene: Scene, brake: Brake, group: list[int], penalty: float, gaps: dict[int, Floats], *, carried: bool = True
+) -> Whole:
+    """Assemble the whole system of a group of shoes, all nodes in contact; `gaps`: of the unloaded linings [m].
+
+    carried: displacements are counted from where the turns carry the shoes; otherwise from where they were, which
+    keeps more digits where the drum holds the lining and a soft shoe turns behind it.
+    """
     size = max(abs(brake.shoes[i].actuation.force) for i in group)
-    sections = [_shoe_block(scene, brake, i, size) for i in group]
+    sections = [_shoe_block(scene, brake, i, size, carried) for i in group]
     ring = _ring_block(scene, brake) if scene.ring is not None else None
     blocks = [part.K for part in sections] + ([ring.K] if ring else [])
     starts = np.cumsum([0, *(block.shape[0] for block in blocks)])
@@ -135,7 +141,7 @@ class _ShoeBlock(NamedTuple):
     held_load: Any
 
 
-def _shoe_block(scene: Scene, brake: Brake, index: int, size: float) -> _ShoeBlock:
+def _shoe_block(scene: Scene, brake: Brake, index: int, size: float, carried: bool) -> _ShoeBlock:
     body, shoe = scene.bodies[index], brake.shoes[index]
     ties = body.condensed.ties.matrix.astype(LONG)
     K = stiffness(body.basis, materials_of(shoe), precise=True)
@@ -150,12 +156,17 @@ def _shoe_block(scene: Scene, brake: Brake, index: int, size: float) -> _ShoeBlo
     x, y = (body.line.xy - pin_of(shoe)[:, None]).astype(LONG)
     turned = np.column_stack([-y, x]).ravel()
     first, shape = inside - 2 * n, (inside + 1, n)
+    closed = _placed(N.T, shape, row=first)
+    if carried:
+        closed = closed + _placed((N @ turned)[None], shape, row=inside)
+    columns = np.append(np.arange(inside), [] if carried else inside + FRAME - 1).astype(int)
+    along = None if carried else A[:inside, inside + FRAME - 1 :]
     return _ShoeBlock(
-        K=_joined([[A[:inside, :inside], None], [None, None]], [inside, 1]),
+        K=_joined([[A[:inside, :inside], along], [None, None]], [inside, 1]),
         pushed=_placed(pushing, shape, row=first) + _placed((turned @ pushing)[None], shape, row=inside),
-        closed=(_placed(N.T, shape, row=first) + _placed((N @ turned)[None], shape, row=inside)).T.tocsr(),
+        closed=closed.T.tocsr(),
         load=np.append(load[:inside], share * LONG(moment)),
-        held=A[inside : inside + 2, :inside],
+        held=A[inside : inside + 2][:, columns],
         held_load=load[inside : inside + 2],
     )
 
