@@ -45,6 +45,7 @@ REFINED_FROM = 1e-9  # relative imbalance from which on the condensed bodies hav
 LARGEST_IMBALANCE = 1e-8  # of a refined answer; one that balances worse is none
 LARGEST_CORRECTION = 1e-6  # relative, of the pressures, by the last step of a refinement
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
+TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
 REFINED = "refined in the whole system, condensed it loses digits"
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
 
@@ -240,7 +241,10 @@ def _answers(
         answers[i] = _answer(scene.bodies[i], brake, brake.shoes[i], p, turn, change[parts[k]], penalty, found.steps)
     if _imbalance(answers) < REFINED_FROM:
         return answers
-    refined = refined_group(scene, brake, group, penalty, found.active)
+    try:
+        refined = refined_group(scene, brake, group, penalty, found.active)
+    except NoAnswer as error:
+        raise NoAnswer(f"{names_of(brake, group)}: lost digits, {TOO_FAR}; refined: {error}") from error
     for k, i in enumerate(group):
         p, turn = size * refined.p[k], size * float(refined.turns[k])
         steps, reaction = found.steps + refined.sets, size * refined.reactions[k]
@@ -251,8 +255,7 @@ def _answers(
     if refined.correction > LARGEST_CORRECTION or not left < LARGEST_IMBALANCE:
         raise NoAnswer(
             f"{names_of(brake, group)}: lost digits, even refined the pressures are certain only to "
-            f"{refined.correction:.1e} and balance to {left:.1e}; stiffnesses or sizes are too far apart for the "
-            "arithmetic"
+            f"{refined.correction:.1e} and balance to {left:.1e}; {TOO_FAR}"
         )
     return answers
 
