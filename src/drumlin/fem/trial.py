@@ -39,7 +39,7 @@ DIGITS = 6  # of the torque
 OTHER_ORDER = "MMD_AT_PLUS_A"  # of the elimination than the model takes where it refines
 STIFFEST = 1e16  # penalty of the pointwise method in the place of an infinite one
 POINTWISE = {"repeats": "cycles", "singular": "singular"}  # what its refusal says -> why
-LARGEST = 50_000  # unknowns of a shoe up to which the pointwise method is tried: it takes up to 60 factorisations
+LARGEST = 12_000  # unknowns of a shoe up to which the pointwise method is tried: it takes up to 60 factorisations
 SAME = 1e-2  # relative difference of torques up to which both methods agree: less than that is in the meshes
 
 
