@@ -1,0 +1,258 @@
+"""A shoe against its drum as an input deck for CalculiX, from drumlin's own mesh; units mm, N, MPa.
+
+Plane stress elements of one small thickness (CPS8 or CPS6; thick ones are not quite in plane stress there), every
+stiffness and force in proportion to it: what is wider than the lining is stiffer instead. The hinge's line turns
+about the pin by linear equations; the drum is an arc of elements whose nodes are all moved, reaching past the
+lining's ends; contact is face to face by a penalty, with friction.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Floats, Ints
+from drumlin.brake import Brake
+from drumlin.errors import BadInput
+from drumlin.fem.inp import NAMES
+from drumlin.fem.interface import edge_nodes
+from drumlin.fem.mesh import kind_of
+from drumlin.fem.model import gap_at
+from drumlin.fem.scene import end_loads, materials_of
+from drumlin.peers.peer import Loaded
+
+MM = 1e3  # per m
+MPA = 1e-6  # per Pa
+CELLS = {"quad9": ("quad8", 4), "triangle6": ("triangle6", 3)}
+DRUM_LAYER = 1 / 30  # thickness of the drum's arc of elements, in radii
+BEYOND, BEYOND_ELEMENTS = math.radians(3), 2  # at each end of the lining
+
+BEARING = 1e10  # stiffness of the pin's springs [N/mm]
+SOFT = 1e-6  # modulus of the drum, of the lining's: all its nodes are prescribed, and their forces are those of contact
+
+
+class Setting(NamedTuple):
+    """How a brake is posed to CalculiX.
+
+    `scale` s: of load and rotation together; `rotation` [rad] of the drum at s = 1; `thickness` of all elements, of the
+    lining's width; `penalty` and `stick`: contact and stick stiffness as multiples of E/t of the lining; `steps`: least
+    number of increments; `accuracy`: CalculiX's relative tolerance of forces.
+    """
+
+    scale: float = 1.0
+    rotation: float = 1e-3
+    thickness: float = 0.01
+    penalty: float = 1e3
+    stick: float = 1e3
+    steps: int = 1
+    accuracy: float = 1e-5
+
+
+class Grid(NamedTuple):
+    """A shoe's mesh as CalculiX has it: nodes `xy` (n, 2) [mm], `cells` (m, k) of them, corners first, and the nodes of
+    the edges of each boundary. Labels count from 1; nodes `pin` and `turn` come after those of the mesh, then the
+    drum's; elements of the drum and of the `bearing` after the shoe's."""
+
+    xy: Floats
+    cells: Ints
+    corners: int
+    kind: str
+    edges: Mapping[str, Ints]
+    pin: int
+    turn: int
+    bearing: int
+
+
+def deck(brake: Brake, loaded: Loaded, setting: Setting, name: str = "shoe") -> str:
+    """The deck of one shoe, in the brake's frame. Raises BadInput for linear elements and for a clearance."""
+    shoe, parts = loaded.shoe, loaded.parts
+    if np.any(gap_at(parts.line.xy, parts.line.phi, brake, shoe)):
+        raise BadInput(f"shoe {shoe.name!r}: lining.clearance: CalculiX gets linings that fit the drum; must be 0")
+    grid = _grid(loaded)
+    drum_lines, drum_xy = drum(brake, loaded, (grid.turn + 1, len(grid.cells) + 1))
+    lines = [
+        *header(brake, loaded, setting, name),
+        *_shoe(loaded, grid),
+        *drum_lines,
+        *_sections(loaded, setting),
+        *_contact(brake, loaded, setting, grid),
+        *_hinge(loaded, grid),
+        *_step(brake, loaded, setting, grid, drum_xy),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _grid(loaded: Loaded) -> Grid:
+    shoe, parts = loaded.shoe, loaded.parts
+    cell = kind_of(parts.mesh).cell
+    if cell not in CELLS:
+        raise BadInput("--kind: CalculiX gets quadratic elements only; allowed: quad2, tri2")
+    kind, corners = CELLS[cell]
+    xy = shoe.frame.to_brake(parts.basis.doflocs.T) * MM
+    cells = counter_clockwise(xy, parts.basis.element_dofs.T[:, : 2 * corners], corners)
+    edges = {name: edge_nodes(parts.basis, facets) for name, facets in parts.mesh.boundaries.items()}
+    bearing = len(cells) + len(drum_angles(loaded)) // 2 + 1
+    return Grid(xy, cells, corners, NAMES[kind], edges, len(xy) + 1, len(xy) + 2, bearing)
+
+
+def _shoe(loaded: Loaded, grid: Grid) -> list[str]:
+    hinge = loaded.shoe.hinge.xy * MM
+    lines = ["*NODE, NSET=NSHOE"]
+    lines += [_node(i + 1, grid.xy[i]) for i in np.unique(grid.cells)]
+    lines += ["*NODE, NSET=PIN", _node(grid.pin, hinge)]
+    lines += ["** its displacement x is the turn [rad] of the shoe about the pin"]
+    lines += ["*NODE, NSET=TURN", _node(grid.turn, hinge)]
+    for part, members in loaded.parts.mesh.subdomains.items():
+        lines.append(f"*ELEMENT, TYPE={grid.kind}, ELSET={part.upper()}")
+        lines += [", ".join(map(str, [i + 1, *(grid.cells[i] + 1)])) for i in np.sort(members)]
+    return lines
+
+
+def _node(label: int, xy: Floats) -> str:
+    return f"{label}, {xy[0]:.12e}, {xy[1]:.12e}, 0."
+
+
+def _sections(loaded: Loaded, setting: Setting) -> list[str]:
+    """Materials and thickness; what is wider than the lining is stiffer instead."""
+    lining = loaded.shoe.lining
+    thickness = setting.thickness * lining.width * MM
+    moduli = {
+        part.upper(): (material.E * width / lining.width, material.nu)
+        for part, (material, width) in materials_of(loaded.shoe).items()
+    }
+    lines = []
+    for name, (E, nu) in (moduli | {"DRUM": (SOFT * lining.material.E, 0.0)}).items():
+        lines += [f"*MATERIAL, NAME={name}", "*ELASTIC", f"{E * MPA:.12e}, {nu:.12e}"]
+        lines += [f"*SOLID SECTION, ELSET={name}, MATERIAL={name}", f"{thickness:.12e}"]
+    return lines
+
+
+def _contact(brake: Brake, loaded: Loaded, setting: Setting, grid: Grid) -> list[str]:
+    lining = loaded.shoe.lining
+    unit = lining.material.E * MPA / (lining.thickness * MM)
+    return [
+        "*SURFACE, NAME=SLINING, TYPE=ELEMENT",
+        *faces(grid.cells, grid.edges["contact"], grid.corners),
+        "*SURFACE, NAME=SDRUM, TYPE=ELEMENT",
+        f"DRUM, {'S1' if loaded.shoe.sign > 0 else 'S3'}",
+        "*SURFACE INTERACTION, NAME=SLIDING",
+        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
+        f"{setting.penalty * unit:.12e}",
+        "*FRICTION",
+        f"{brake.friction:.12e}, {setting.stick * unit:.12e}",
+        "*CONTACT PAIR, INTERACTION=SLIDING, TYPE=SURFACE TO SURFACE",
+        "SLINING, SDRUM",
+    ]
+
+
+def _hinge(loaded: Loaded, grid: Grid) -> list[str]:
+    """The hinge's nodes move as a rigid line with the pin's node and the turn; stiff springs bear the pin, since
+    CalculiX prints no reaction of a node that equations tie."""
+    lines = ["** the hinge's line turns about the pin", "*EQUATION"]
+    for i in np.unique(grid.edges["hinge"]):
+        x, y = grid.xy[i] - loaded.shoe.hinge.xy * MM
+        lines += ["3", f"{i + 1}, 1, 1., {grid.pin}, 1, -1., {grid.turn}, 1, {y:.12e}"]
+        lines += ["3", f"{i + 1}, 2, 1., {grid.pin}, 2, -1., {grid.turn}, 1, {-x:.12e}"]
+    lines.append("** the pin's bearing: its force on the shoe is that of these springs")
+    for c, axis in enumerate("XY"):
+        lines += [f"*ELEMENT, TYPE=SPRING1, ELSET=BEARING{axis}", f"{grid.bearing + c}, {grid.pin}"]
+    for c, axis in enumerate("XY", start=1):
+        lines += [f"*SPRING, ELSET=BEARING{axis}", f"{c}", f"{BEARING:.12e}"]
+    return [*lines, "*BOUNDARY", f"{grid.pin}, 3, 3"]
+
+
+def _step(brake: Brake, loaded: Loaded, setting: Setting, grid: Grid, drum_xy: Floats) -> list[str]:
+    """Load and rotation together, and what is printed."""
+    lines = ["*STEP, INC=1000", "*STATIC", f"{1 / setting.steps:.12e}, 1.", "*CONTROLS, PARAMETERS=FIELD"]
+    lines += [f"{setting.accuracy:.12e}, {setting.accuracy:.12e}", "*CLOAD", *_load(loaded, setting, grid)]
+    angle = brake.spin * setting.scale * setting.rotation
+    c, s = math.cos(angle), math.sin(angle)
+    lines.append("*BOUNDARY")
+    for label, (x, y) in enumerate(drum_xy @ np.array([[c - 1, s], [-s, c - 1]]), start=grid.turn + 1):
+        lines += [f"{label}, 1, 1, {x:.12e}", f"{label}, 2, 2, {y:.12e}"]
+    for nodes, value in (("PIN", "U"), ("TURN", "U"), ("NDRUM", "RF")):
+        lines += [f"*NODE PRINT, NSET={nodes}, FREQUENCY=1000", value]
+    lines += ["*CONTACT PRINT, SLAVE=SLINING, MASTER=SDRUM, FREQUENCY=1000", "CF, CSTR"]
+    return [*lines, "*CONTACT FILE, FREQUENCY=1000", "CDIS, CSTR", "*END STEP"]
+
+
+def _load(loaded: Loaded, setting: Setting, grid: Grid) -> list[str]:
+    """The actuation, as nodal forces of drumlin's traction on the loaded end, or on the rigid shoe itself."""
+    shoe, parts, size = loaded.shoe, loaded.parts, setting.scale * setting.thickness
+    if "actuation" in grid.edges:
+        unit, _ = end_loads(parts.basis, parts.mesh.boundaries["actuation"])
+        nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
+        forces = size * shoe.frame.to_brake(nodal)
+        return [f"{i + 1}, {c + 1}, {forces[i, c]:.12e}" for i in np.unique(grid.edges["actuation"]) for c in range(2)]
+    force, couple = size * shoe.frame.to_brake(loaded.force), size * shoe.frame.sense * loaded.couple * MM
+    lines = [f"{grid.pin}, {c + 1}, {force[c]:.12e}" for c in range(2)]
+    return [*lines, f"{grid.turn}, 1, {couple:.12e}"]
+
+
+def header(brake: Brake, loaded: Loaded, setting: Setting, name: str) -> list[str]:
+    """Comment lines: what it is, how to run it, how to read it."""
+    title, shoe = (" ".join(text.split())[:80] for text in (brake.title, loaded.shoe.name))
+    return [
+        f"** {title}",
+        f"** shoe {shoe!r}, drum turns {brake.rotation}, friction {brake.friction:g}",
+        "** units: mm, N, MPa; written by drumlin from its own mesh",
+        f"** run: ccx {name}     results: {name}.dat",
+        f"** thickness, stiffness across it and force are {setting.thickness:g} of the brake's",
+        f"** load and drum's rotation ({setting.scale * setting.rotation:g} rad) are scaled by {setting.scale:g};"
+        " small displacements are the limit 0",
+    ]
+
+
+def counter_clockwise(xy: Floats, cells: Ints, corners: int) -> Ints:
+    """Cells (m, 2 corners) of nodes xy (n, 2), corners first, each turned so that it runs counter-clockwise."""
+    x, y = xy[cells[:, :corners]].transpose(2, 0, 1)
+    area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    back = [0, *range(corners - 1, 0, -1)]
+    middles = [corners + i for i in range(corners - 1, -1, -1)]
+    return np.where((area > 0)[:, None], cells, cells[:, back + middles])
+
+
+def faces(cells: Ints, along: Ints, corners: int) -> list[str]:
+    """Lines "element, S<face>" of the edges `along` (3, m) (nodes from end to end); faces run between corners."""
+    wanted = {tuple(sorted(ends)) for ends in along[[0, -1]].T.tolist()}
+    lines = []
+    for number, row in enumerate(cells[:, :corners].tolist(), start=1):
+        for face in range(corners):
+            if tuple(sorted((row[face], row[(face + 1) % corners]))) in wanted:
+                lines.append(f"{number}, S{face + 1}")
+    return lines
+
+
+def drum_angles(loaded: Loaded) -> Floats:
+    """Angles theta of the nodes of the drum's arc [rad]: those of the lining, so that no gap is left between their
+    edges, and a few elements beyond its ends."""
+    theta = np.sort(loaded.shoe.frame.theta(loaded.parts.line.phi))
+    beyond = min(BEYOND, 0.49 * (2 * math.pi - np.ptp(theta)))  # the ends of the arc must not meet
+    more = np.linspace(0.0, beyond, 2 * BEYOND_ELEMENTS + 1)[1:]
+    return np.concatenate([theta[0] - more[::-1], theta, theta[-1] + more])
+
+
+def drum(brake: Brake, loaded: Loaded, first: tuple[int, int]) -> tuple[list[str], Floats]:
+    """Lines of the drum's nodes and elements, numbered from `first` (node, element), and its nodes (n, 2) [mm].
+
+    One layer of CPS8 along the arc; their face S1 (of an internal shoe) or S3 lies on the friction surface.
+    """
+    shoe, R = loaded.shoe, brake.drum.radius
+    theta = drum_angles(loaded)
+    count = len(theta) // 2
+    inner, outer = (R, R * (1 + DRUM_LAYER)) if shoe.sign > 0 else (R * (1 - DRUM_LAYER), R)
+    # rows of nodes: inner arc, middle (every other), outer arc
+    rows = [(inner, theta), ((inner + outer) / 2, theta[::2]), (outer, theta)]
+    xy = np.concatenate([r * np.column_stack([np.cos(t), np.sin(t)]) for r, t in rows]) * MM
+    node, element = first
+    a, b, c = (node + np.cumsum([0, len(theta), count + 1])).tolist()
+    lines = ["*NODE, NSET=NDRUM"]
+    lines += [_node(label, at) for label, at in enumerate(xy, start=node)]
+    lines.append("*ELEMENT, TYPE=CPS8, ELSET=DRUM")
+    for k in range(count):
+        i = 2 * k
+        # counter-clockwise: along the inner arc backwards, out, along the outer arc forwards
+        nodes = [a + i + 2, a + i, c + i, c + i + 2, a + i + 1, b + k, c + i + 1, b + k + 1]
+        lines.append(", ".join(map(str, [element + k, *nodes])))
+    return lines, xy
