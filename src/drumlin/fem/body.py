@@ -80,25 +80,27 @@ def scalar_basis(mesh: Any) -> Any:
     return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
 
 
-def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]]) -> Any:
+def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]], *, precise: bool = False) -> Any:
     """Plane-stress stiffness (2 nodes, 2 nodes), unknown 2 i + c for component c of node i [N/m].
 
-    materials: subdomain -> (material, width [m]).
+    materials: subdomain -> (material, width [m]); precise: in long double, from the nodes on.
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
     The gradients of all shape functions meet in one batched matrix product an element, instead of one
     form evaluation a pair of shape functions.
     """
+    gradients, dx = (
+        _precise_gradients(basis) if precise else (np.array([psi[0].grad for psi in basis.basis]), basis.dx)
+    )  # (a, i, elements, points), (elements, points)
     lame = np.zeros((2, basis.mesh.nelements))
     for name, elements in basis.mesh.subdomains.items():
         material, width = materials[name]
         lame[:, elements] = np.array(plane_stress(material.E, material.nu))[:, None] * width
     lam, mu = lame[:, :, None, None, None, None]
-    gradients = np.array([psi[0].grad for psi in basis.basis])  # (a, i, elements, points)
     a, _, elements, points = gradients.shape
     G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, 2 * a, points)
-    H = (G * basis.dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, 2, a, 2)  # Int psi_a,i psi_b,j
+    H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, 2, a, 2)  # Int psi_a,i psi_b,j
     K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
     for i in range(2):
         K[:, :, i, :, i] += mu[:, :, 0, :, 0] * np.trace(H, axis1=2, axis2=4)
@@ -106,6 +108,21 @@ def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]]) -> An
     rows = np.broadcast_to(dofs[:, :, None], (elements, 2 * a, 2 * a))
     columns = np.broadcast_to(dofs[:, None, :], rows.shape)
     return sp.coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * basis.N, 2 * basis.N)).tocsc()
+
+
+def _precise_gradients(basis: Any) -> tuple[Any, Any]:
+    """Gradients (a, 2, elements, points) of the shape functions and area weights (elements, points), long double.
+
+    The elements are isoparametric: the nodes of the shape functions are those of the map.
+    """
+    at = basis.X.astype(np.longdouble)
+    count = basis.element_dofs.shape[0]
+    slopes = np.array([basis.elem.lbasis(at, i)[1] for i in range(count)])  # (a, 2, points)
+    nodes = basis.doflocs.astype(np.longdouble)[:, basis.element_dofs]  # (2, a, elements)
+    J = np.einsum("caj,adq->cdjq", nodes, slopes)
+    det = J[0, 0] * J[1, 1] - J[0, 1] * J[1, 0]
+    inverse = np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]]) / det
+    return np.einsum("adq,dcjq->acjq", slopes, inverse), np.abs(det) * basis.W
 
 
 def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None) -> Ties:

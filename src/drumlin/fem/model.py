@@ -7,6 +7,7 @@ force, line of action, clearance and penalty, in milliseconds on the same scene.
 import math
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
@@ -31,6 +32,7 @@ from drumlin.fem.scene import (
     prepare,
     shape_of,
 )
+from drumlin.fem.whole import Refined, refine, whole
 from drumlin.laws import locking_friction
 from drumlin.locking import followed
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
@@ -39,7 +41,12 @@ from drumlin.statics import cross
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
 lining's own compression p t/E, and the pressure is off by about as much; each response states by how much."""
-LARGEST_IMBALANCE = 1e-6  # relative; a response that balances worse has lost its digits and is none
+REFINED_FROM = 1e-9  # relative imbalance from which on the condensed bodies have lost too many digits
+LARGEST_IMBALANCE = 1e-8  # of a refined answer; one that balances worse is none
+LARGEST_CORRECTION = 1e-6  # relative, of the pressures, by the last step of a refinement
+SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
+TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
+REFINED = "refined in the whole system, condensed it loses digits"
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
 
 
@@ -88,11 +95,6 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         for i in set(range(len(brake.shoes))) - set(answers):
             answers[i] = _untouched(brake.shoes[i])
     balance = worst([answer.balance for answer in answers.values()])
-    if not max(balance.force, balance.moment) < LARGEST_IMBALANCE:
-        raise NoAnswer(
-            f"not converged: forces balance only to {balance.force:.1e} and moments to {balance.moment:.1e}; "
-            "stiffnesses or sizes are too far apart for the arithmetic"
-        )
     return Response(
         model="fem",
         shoes=tuple(answers[i].response for i in sorted(answers)),
@@ -202,7 +204,6 @@ def answer_of(
     for i in group:
         body, shoe = scene.bodies[i], brake.shoes[i]
         _check_reach(shoe, body.line.xy, gap_of(body, brake, shoe), actuation(body, shoe)[1])
-    names = ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
     try:
         found = contact.solve(contact_problem(scene, brake, group, penalty), first)
         if found.regular:
@@ -215,7 +216,12 @@ def answer_of(
     try:
         return followed(at, brake.friction, reason, law=law, brake="elastic as it is")
     except NoAnswer as error:
-        raise NoAnswer(f"{names}: {error}") from error
+        raise NoAnswer(f"{names_of(brake, group)}: {error}") from error
+
+
+def names_of(brake: Brake, group: list[int]) -> str:
+    """The shoes of a group as a refusal names them."""
+    return ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
 
 
 def _answers(
@@ -227,25 +233,77 @@ def _answers(
     size = unit_force(brake, group)
     soft = [scene.bodies[i].coupling.M / contact_stiffness(brake.shoes[i], penalty) for i in group]
     change = size * found.tangent(scipy.linalg.block_diag(*soft) @ found.p)  # by the penalty's compliance
-    answers, begin = {}, 0
+    begins = np.cumsum([0, *(len(M) for M in soft)])
+    parts = [slice(a, b) for a, b in pairwise(begins)]
+    answers = {}
     for k, i in enumerate(group):
-        part = slice(begin, begin + len(soft[k]))
-        begin = part.stop
-        p, turn = size * found.p[part], size * float(found.y[k])
-        answers[i] = _answer(scene.bodies[i], brake, brake.shoes[i], p, turn, change[part], penalty, found.steps)
+        p, turn = size * found.p[parts[k]], size * float(found.y[k])
+        answers[i] = _answer(scene.bodies[i], brake, brake.shoes[i], p, turn, change[parts[k]], penalty, found.steps)
+    if _imbalance(answers) < REFINED_FROM:
+        return answers
+    try:
+        refined = refined_group(scene, brake, group, penalty, found.active)
+    except NoAnswer as error:
+        raise NoAnswer(f"{names_of(brake, group)}: lost digits, {TOO_FAR}; refined: {error}") from error
+    for k, i in enumerate(group):
+        p, turn = size * refined.p[k], size * float(refined.turns[k])
+        steps, reaction = found.steps + refined.sets, size * refined.reactions[k]
+        answers[i] = _answer(
+            scene.bodies[i], brake, brake.shoes[i], p, turn, change[parts[k]], penalty, steps, reaction
+        )
+    left = _imbalance(answers)
+    if refined.correction > LARGEST_CORRECTION or not left < LARGEST_IMBALANCE:
+        raise NoAnswer(
+            f"{names_of(brake, group)}: lost digits, even refined the pressures are certain only to "
+            f"{refined.correction:.1e} and balance to {left:.1e}; {TOO_FAR}"
+        )
     return answers
 
 
+def _imbalance(answers: dict[int, _Answer]) -> float:
+    """The largest imbalance of forces or moments, relative."""
+    balance = worst([answer.balance for answer in answers.values()])
+    return float(np.nan_to_num(max(balance.force, balance.moment), nan=math.inf))
+
+
+def refined_group(
+    scene: Scene, brake: Brake, group: list[int], penalty: float, active: Bools, order: str = "COLAMD"
+) -> Refined:
+    """The answer of a group of shoes to all digits: the whole system, refined from the contact set `active` (n,).
+
+    order: of its elimination, by SuperLU's names. Raises NoAnswer where it is singular or does not settle.
+    """
+    gaps = {i: gap_of(scene.bodies[i], brake, brake.shoes[i]) for i in group}
+    refined = refine(whole(scene, brake, group, penalty, gaps), active, order)
+    if refined.correction < SETTLED:
+        return refined
+    other = refine(whole(scene, brake, group, penalty, gaps, carried=False), active, order)
+    return min(refined, other, key=lambda found: found.correction)
+
+
 def _answer(
-    body: Body, brake: Brake, shoe: Shoe, p: Floats, turn: float, change: Floats, penalty: float, steps: int
+    body: Body,
+    brake: Brake,
+    shoe: Shoe,
+    p: Floats,
+    turn: float,
+    change: Floats,
+    penalty: float,
+    steps: int,
+    reaction: Floats | None = None,
 ) -> _Answer:
-    """What one shoe does under the pressure p (n,) and the turn about its pin, in its own frame."""
+    """What one shoe does under the pressure p (n,) and the turn about its pin, in its own frame.
+
+    reaction (2,): of the pin, where it is known otherwise than from the condensed body.
+    """
     frame, line, coupling = shoe.frame, body.line, body.coupling
     load, moment = actuation(body, shoe)
     load, moment = abs(shoe.actuation.force) * load, abs(shoe.actuation.force) * moment
     drag = brake.friction * brake.spin * frame.sense
     nodal = (drag * (coupling.T.T @ p) - coupling.N.T @ p).reshape(-1, 2)  # on the lining [N]
-    reaction = held(body, p, drag, load)[:2]
+    refined = reaction is not None
+    if reaction is None:
+        reaction = held(body, p, drag, load)[:2]
     pin = pin_of(shoe)
     balance = relative_balance(
         [nodal.sum(axis=0), reaction, load[:2]],
@@ -260,6 +318,8 @@ def _answer(
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
         f"which changes its torque by {float(coupling.lever @ change) / pressed if pressed else 0.0:+.1e} of it"
     )
+    if refined:
+        note += f"; {REFINED}"
     forward = slice(None, None, frame.sense)
     theta = frame.theta(line.phi)[forward]
     response = ShoeResponse(

@@ -1,0 +1,212 @@
+"""Knobs at their ends: the whole system as a judge, what it mended, and the study on its short setting."""
+
+import json
+import math
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+
+from drumlin import contact
+from drumlin.errors import NoAnswer
+from drumlin.extremes import Case, cases
+from drumlin.fem.body import stiffness
+from drumlin.fem.model import REFINED, contact_problem, refined_group, respond
+from drumlin.fem.scene import materials_of, prepare
+from drumlin.fem.trial import trial
+from drumlin.journal import Journal
+from drumlin.studies import load
+
+
+def solved(case):
+    brake = case.brake()
+    scene = prepare(brake, elements=case.elements, kind=case.kind, mesher=case.mesher())
+    return scene, brake, respond(scene, brake, penalty=case.penalty)
+
+
+def answer(case):
+    return solved(case)[2]
+
+
+def everywhere(scene):
+    return np.ones(len(scene.bodies[0].line.phi), dtype=bool)
+
+
+def test_the_designed_set_turns_every_knob_to_its_end():
+    every = cases()
+    assert len(every) >= 300
+    assert len(set(every)) == len(every)
+    assert all(json.loads(json.dumps(asdict(case))) == asdict(case) for case in every)  # as a journal keeps them
+    for knob, low, high in (
+        ("penalty", 1e-2, math.inf),
+        ("friction", 0, 5),
+        ("thickness", 1e-5, 1 / 3),
+        ("arc", 0.1, 340),
+        ("force", 1e-9, 1e12),
+        ("elements", 2, 2000),
+    ):
+        values = [getattr(case, knob) for case in every]
+        assert min(values) <= low and max(values) >= high * (1 - 1e-12), knob
+    for knob in ("shoe", "ring"):
+        values = [getattr(case, knob) for case in every if getattr(case, knob) is not None]
+        assert min(values) == 1e-8 and max(values) == 1e8
+    assert {1e4, 1e-4} <= {case.aspect for case in every}
+    assert max(case.nu for case in every) == 0.4999
+    assert {"toe", "heel", "split", "point"} <= {case.clearance for case in every}
+
+
+def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_motion():
+    for kind in ("quad2", "quad1", "tri2", "tri1"):
+        scene, brake, _ = solved(Case(elements=8, kind=kind))
+        body, materials = scene.bodies[0], materials_of(brake.shoes[0])
+        K, L = (stiffness(body.basis, materials, precise=precise) for precise in (False, True))
+        assert L.dtype == np.longdouble
+        scale = abs(K).max()
+        assert abs((K - L).toarray()).max() < 1e-13 * scale
+        x, y = body.basis.doflocs.astype(np.longdouble)
+        turn = np.column_stack([-y, x]).ravel()
+        assert np.abs(L @ turn).max() < 1e3 * np.finfo(np.longdouble).eps * float(scale) * np.abs(turn).max()
+
+
+@pytest.mark.parametrize("ring", [None, (1e-8, "free"), (400.0, "fixed"), (400.0, "free")])
+def test_the_whole_system_gives_the_torque_of_the_condensed_bodies(ring):
+    extra = {} if ring is None else {"ring": ring[0], "support": ring[1], "shoes": 2}
+    scene, brake, response = solved(Case(elements=20, **extra))
+    group = list(range(len(brake.shoes)))
+    p = [response.shoes[i].pressure[:: brake.shoes[i].frame.sense] for i in group]
+    refined = refined_group(scene, brake, group, 1e6, np.concatenate(p) > 0)
+    assert refined.torque * 2000 == pytest.approx(response.torque, rel=1e-10)
+    assert np.abs(refined.p[0] * 2000 - p[0]).max() < 1e-9 * p[0].max()
+    assert refined.correction < 1e-12
+    for i in group:
+        reaction = brake.shoes[i].frame.to_brake(2000 * refined.reactions[i])
+        assert reaction == pytest.approx(response.shoes[i].hinge_reaction, rel=1e-9)
+
+
+def test_the_whole_system_finds_the_contact_set_itself():
+    scene, brake, response = solved(Case(clearance="split", elements=24))
+    wrong = everywhere(scene)
+    refined = refined_group(scene, brake, [0], 1e6, wrong)
+    assert refined.sets > 1
+    assert refined.torque * 2000 == pytest.approx(response.torque, rel=1e-9)
+
+
+def test_a_torque_near_self_locking_has_a_bad_condition():
+    scene, brake, _ = solved(Case(friction=0.3, elements=12))
+    scene_, brake_, _ = solved(Case(friction=1.17, elements=12))
+    mild, sharp = (
+        refined_group(s, b, [0], 1e6, everywhere(s)).condition for s, b in ((scene, brake), (scene_, brake_))
+    )
+    assert sharp > 10 * mild
+
+
+@pytest.mark.parametrize("assisted", [True, False])
+def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
+    """The digits that condensation loses, some 1e-16 over the ratio of bending to lining stiffness, come back."""
+    softer = [answer(Case(shoe=E, assisted=assisted, elements=20)) for E in (1e-5, 1e-6, 1e-7, 1e-8)]
+    for response in softer[1:]:
+        assert REFINED in response.notes[0]
+        assert max(response.balance.force, response.balance.moment) < 1e-8
+    assert softer[3].torque == pytest.approx(softer[2].torque, rel=1e-6)
+    # A lining that is rigid against its shoe: the torque has a limit, to which it tends as the ratio.
+    first, second = softer[1].torque - softer[0].torque, softer[2].torque - softer[1].torque
+    assert second == pytest.approx(first / 10, rel=0.1)
+
+
+def test_digits_that_no_arithmetic_keeps_are_refused_with_the_reason():
+    with pytest.raises(NoAnswer, match=r"lost digits.*certain only to .*too far apart"):
+        answer(Case(shoe=1e-13, elements=16))
+
+
+def test_wide_gaps_on_tiny_compressions_keep_their_digits():
+    """A force so small that the shoe touches at one node: its pressure is in proportion to the force, to round-off."""
+    torques = [answer(Case(clearance=1e-4, force=F, elements=16)).torque / F for F in (1e-9, 1e-7, 1e-5, 1e-3)]
+    assert torques == pytest.approx([torques[0]] * 4, rel=1e-9)
+
+
+def test_a_contact_set_of_one_node_carries_the_moment_exactly():
+    A = np.diag([1e-16, 2e-16, 1e-16])
+    problem = contact.Problem(
+        A,
+        np.array([5e-5, 4.9e-5, 6e-5]),
+        -np.array([[1e-6], [1e-6], [1e-6]]),
+        np.full((1, 3), 0.7e-6),
+        np.array([3e-5]),
+    )
+    found = contact.solve(problem)
+    assert found.active.tolist() == [False, True, False]
+    assert 0.7e-6 * found.p[1] == pytest.approx(3e-5, rel=1e-15)
+
+
+def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix():
+    scene, brake, _ = solved(Case(elements=10))
+    problem = contact_problem(scene, brake, [0])
+    A, _, B, C, _ = problem
+    d = 1 / np.sqrt(np.diagonal(A))
+    column, row = 1 / np.abs(d[:, None] * B).max(), 1 / np.abs(C * d).max()
+    matrix = np.block([[d[:, None] * A * d, d[:, None] * B * column], [row * C * d, np.zeros((1, 1))]])
+    exact = np.linalg.cond(matrix, 1)
+    assert contact.condition(problem, everywhere(scene)) == pytest.approx(exact, rel=0.5)
+
+
+def test_a_stiff_penalty_costs_nothing_and_a_soft_one_errs_in_proportion():
+    scene, brake, exact = solved(Case(penalty=math.inf, elements=20))
+    torque = {a: respond(scene, brake, penalty=a) for a in (1e3, 1e4, 1e5, 1e6, 1e9, 1e12, 1e16)}
+    for a in (1e6, 1e9, 1e12, 1e16):
+        assert torque[a].torque == pytest.approx(exact.torque, rel=1e-5)
+        assert torque[a].iterations == exact.iterations
+    errors = [abs(torque[a].torque / exact.torque - 1) for a in (1e3, 1e4, 1e5)]
+    assert errors[0] / errors[1] == pytest.approx(10, rel=0.01)
+    assert errors[1] / errors[2] == pytest.approx(10, rel=0.01)
+
+
+def test_units_do_not_matter():
+    """The same brake in m and N, and counted in mm and MPa as numbers."""
+    base, other = (answer(Case(elements=20, **knobs)) for knobs in ({}, {"size": 1e3, "pressure": 1e-6}))
+    assert other.torque == pytest.approx(1e3 * base.torque, rel=1e-10)
+
+
+def test_a_trial_says_what_went_wrong():
+    row = trial(Case(friction=1.5, elements=12))
+    assert row["outcome"] == "self-locking" and "mu_lock" in row["reason"]
+    assert trial(Case(clearance=0.03, elements=12))["outcome"] == "out of reach"
+    assert trial(Case(lever=-1e-6, elements=12))["outcome"] == "no contact"
+    assert trial(Case(nu=0.5, elements=12))["outcome"] == "bad input"
+    assert trial(Case(shoe=1e-13, elements=12))["outcome"] == "arithmetic"
+
+
+def test_an_empty_journal_is_one():
+    """A study keeps its cases in the journal that it is given, from the first case on."""
+    assert Journal() and len(Journal()) == 0
+
+
+@pytest.fixture(scope="module")
+def module():
+    return load("stability")[0]
+
+
+@pytest.fixture(scope="module")
+def result(module):
+    return module.study(short=True)
+
+
+def test_every_case_is_right_or_refused_with_the_physical_reason(module, result):
+    assert len(result.rows) >= 60
+    assert module.faults(result.rows) == []
+    answers = [row for row in result.rows if row["outcome"] == "answer"]
+    assert len(answers) >= 40
+    for row in answers:
+        assert max(row["balance"], row["complementarity"]) <= 1e-8, row["case"]
+        assert row["digits"] >= min(6, row["allowed"]), row["case"]
+    for row in result.rows:
+        if row["outcome"] not in ("answer", "no contact"):
+            assert row["reason"] and "\n" not in row["reason"]
+    assert any(row["pointwise"] in ("cycles", "does not end") for row in result.rows)
+
+
+def test_the_page_holds_the_maps_the_worst_and_the_refusals(module, result, tmp_path):
+    text = module.report(result, tmp_path).read_text()
+    for words in ("fewest digits", "Refusals", "mu_lock", "pointwise", "penalty costs nothing", "0 faults"):
+        assert words in text
+    assert (tmp_path / "cases.csv").exists()
+    assert (tmp_path / "sweeps.svg").exists()
