@@ -78,14 +78,14 @@ class Pair(NamedTuple):
     other: Response
 
 
-def responses(brake: Brake) -> Pair:
+def responses(brake: Brake, refinements: tuple[Refinement, Refinement] = REFINEMENTS) -> Pair:
     """Both fine responses of a brake. Raises BadInput where finite elements do not apply or a mesh is given by a file,
     NoAnswer where there is no equilibrium."""
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(f"shoe {shoe.name!r} has a mesh file, which is not refined: no reference values")
     first = fine_response(brake, solve(brake, elements=40), FIRST)
-    value, other = (fine_response(brake, first, refinement) for refinement in REFINEMENTS)
+    value, other = (fine_response(brake, first, refinement) for refinement in refinements)
     return Pair(value, other)
 
 
@@ -165,7 +165,8 @@ def reference(brake: Brake, text: str, command: str, pair: Pair | None = None) -
     pair = pair or responses(brake)
     versions = {"drumlin": drumlin.__version__, **{name: importlib.metadata.version(name) for name in PACKAGES}}
     shoes = tuple(_shoe(brake, i, *pair) for i in range(len(brake.shoes)))
-    return Reference(brake.title, text, command, versions, _sure(pair.value.torque, pair.other.torque), shoes)
+    torque = Sure(pair.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))  # shoes do not cancel
+    return Reference(brake.title, text, command, versions, torque, shoes)
 
 
 def _sure(value: Any, other: Any) -> Sure:
