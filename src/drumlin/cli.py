@@ -169,6 +169,29 @@ def mesh(
 
 
 @app.command()
+def export(
+    brake_file: BrakeFile,
+    to: Annotated[str, typer.Option("--to", metavar="calculix", help="the program that the files are for")],
+    output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the files")] = Path(),
+    elements: Elements = None,
+    kind: Kind = None,
+) -> None:
+    """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
+    from drumlin.brakefile import read_brake
+    from drumlin.peers import calculix
+
+    if to != "calculix":
+        raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
+    brake = read_brake(brake_file)
+    with _busy("writing"):
+        paths, apart = calculix.export(brake, output, brake_file.stem, **_options(elements, kind=kind))
+    for path in paths:
+        print(path)
+    for name in apart:
+        print(f"shoe {name!r}: no deck, its force does not turn it towards the drum")
+
+
+@app.command()
 def hold(
     brake_file: BrakeFile,
     rotation: Annotated[

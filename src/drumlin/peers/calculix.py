@@ -1,0 +1,308 @@
+"""CalculiX as a peer: decks written, run by `ccx`, read back, checked, and extrapolated to small displacements.
+
+CalculiX follows the surfaces as they move, so that its answer depends on how far the drum turns. Load and rotation are
+scaled together by s, and what it finds, over s, is taken to s = 0 along a line. A state is believed only where forces
+and moments balance, where enough of the lining touches and where it slips everywhere that it touches; it is known to
+end normally on states that are none.
+"""
+
+import functools
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake import Brake
+from drumlin.errors import NoAnswer
+from drumlin.fem.interface import ContactLine, couple, radial
+from drumlin.fem.mesh import DEFAULT_KIND
+from drumlin.fem.scene import ELEMENTS, Mesher
+from drumlin.files import write_text
+from drumlin.peers.deck import BEARING, BEYOND_ELEMENTS, MM, Setting, deck, drum_angles
+from drumlin.peers.peer import (
+    Forces,
+    Loaded,
+    Peer,
+    PeerMissing,
+    brake_response,
+    loaded_shoes,
+    shoe_response,
+    untouched_response,
+)
+from drumlin.response import Balance, ShoeResponse
+
+INSTALL = "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"
+SCALES = (0.5, 0.25)
+LARGEST_IMBALANCE = 1e-3  # relative: it sums forces in the moved place, and its equations in the first one
+LEAST_TOUCHING = 0.1  # of the lining's elements
+STICKING = 0.99  # of mu p: less shear than that is not full slip ...
+MOST_STICKING = 0.02  # ... and at most this part of the points may have less
+MOST_DOUBLINGS = 4  # of the drum's rotation, until the lining slips everywhere
+LONGEST = 3600  # s
+
+
+class State(NamedTuple):
+    """What CalculiX found at one scale s, in the shoe's frame, over s: forces on the nodes of the drum's arc (n, 2) and
+    of the pin on the shoe (2,) [N], moment of the contact about the drum's centre [N m], counter-clockwise in the
+    brake, turn about the pin [rad], counter-clockwise in the brake.
+
+    `touching`: elements of the lining with contact points; `points`: their number; `sticking`: the part of them that
+    does not slip. `iterations`, `unknowns`, `seconds` (its own count), `process_seconds`.
+    """
+
+    contact: Floats
+    pin: Floats
+    moment: float
+    turn: float
+    touching: int
+    points: int
+    sticking: float
+    iterations: int
+    unknowns: int
+    seconds: float
+    process_seconds: float
+
+
+@functools.cache
+def version() -> str:
+    """Version of the `ccx` on the PATH. Raises PeerMissing where there is none."""
+    path = shutil.which("ccx")
+    if path is None:
+        raise PeerMissing(INSTALL)
+    said = subprocess.run([path, "-v"], capture_output=True, text=True, check=False).stdout
+    found = re.search(r"Version\s+(\S+)", said)
+    return found[1] if found else "unknown"
+
+
+def export(
+    brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND
+) -> tuple[list[Path], list[str]]:
+    """Write the decks of a brake, one for each shoe and scale, as `solve` runs them at first.
+
+    Returns the files, and the names of shoes without a deck because their force turns them away from the drum.
+    Raises BadInput as `solve` does; needs no CalculiX.
+    """
+    paths, apart = [], []
+    for loaded in loaded_shoes(brake, elements, kind):
+        if not loaded.approaches:
+            apart.append(loaded.shoe.name)
+            continue
+        for scale in SCALES:
+            path = folder / f"{stem}_{loaded.shoe.name}_s{scale:g}.inp".replace(" ", "_")
+            write_text(path, deck(brake, loaded, Setting(scale=scale), path.stem))
+            paths.append(path)
+    return paths, apart
+
+
+def solve(
+    brake: Brake,
+    *,
+    elements: int = ELEMENTS,
+    kind: str = DEFAULT_KIND,
+    mesher: Mesher | None = None,
+    scales: Sequence[float] = SCALES,
+    setting: Setting | None = None,
+) -> Peer:
+    """A brake by CalculiX on drumlin's mesh, extrapolated to small displacements from at least one scale.
+
+    With a single scale its state stands as it is. Where the lining does not slip everywhere the drum is turned twice
+    as far. Raises PeerMissing; BadInput for a brake with a ring, without friction or with a clearance; NoAnswer where it
+    fails or ends on a state that is none.
+    """
+    installed = version()
+    shoes = loaded_shoes(brake, elements, kind, mesher)
+    answers, iterations, unknowns, seconds, process, points = [], 0, 0, 0.0, 0.0, []
+    for loaded in shoes:
+        if not loaded.approaches:
+            answers.append(untouched_response(loaded))
+            continue
+        states, rotation = slipping_states(brake, loaded, scales, setting or Setting())
+        answers.append(extrapolated(brake, loaded, scales, states))
+        iterations = max(iterations, *(state.iterations for state in states))
+        unknowns += states[0].unknowns
+        seconds += sum(state.seconds for state in states)
+        process += sum(state.process_seconds for state in states)
+        points.append(f"shoe {loaded.shoe.name!r}: {states[-1].points} contact points on {states[-1].touching} elements, "
+                      f"drum turned by {rotation:g} rad times s")  # fmt: skip
+    response = brake_response("calculix", answers, iterations, {"calculix": seconds})
+    notes = (
+        f"CalculiX {installed}, face-to-face penalty, s = {', '.join(f'{s:g}' for s in scales)}, one thread",
+        "a further load case is a new run: nothing is reused",
+        *points,
+    )
+    return Peer("calculix", installed, response, seconds, process, seconds, unknowns, notes)
+
+
+def slipping_states(
+    brake: Brake, loaded: Loaded, scales: Sequence[float], setting: Setting
+) -> tuple[list[State], float]:
+    """States of a shoe at each scale, the drum turned so far that the lining slips, and that rotation [rad].
+
+    Only the runs that are kept count in their times. Raises NoAnswer.
+    """
+    for _ in range(MOST_DOUBLINGS + 1):
+        states = []
+        for scale in scales:
+            states.append(run(brake, loaded, setting._replace(scale=scale)))
+            check(loaded, states[-1])
+            if states[-1].sticking > MOST_STICKING:
+                break
+        else:
+            return states, setting.rotation
+        setting = setting._replace(rotation=2 * setting.rotation)
+    raise NoAnswer(
+        f"shoe {loaded.shoe.name!r}: CalculiX: {states[-1].sticking:.0%} of the contact points do not slip, even where "
+        f"the drum turns by {setting.rotation / 2:g} rad"
+    )
+
+
+def run(brake: Brake, loaded: Loaded, setting: Setting) -> State:
+    """Write a deck into a folder of its own, run `ccx` on one thread, and read its state.
+
+    Raises NoAnswer where it does not end normally.
+    """
+    version()
+    text = deck(brake, loaded, setting)
+    with tempfile.TemporaryDirectory(prefix="drumlin-calculix-") as folder:
+        (Path(folder) / "shoe.inp").write_text(text, encoding="utf-8")
+        start = time.perf_counter()
+        try:
+            ended = subprocess.run(
+                ["ccx", "shoe"], env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}, cwd=folder,
+                capture_output=True, text=True, errors="replace", timeout=LONGEST, check=False,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired as error:
+            raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX still running after {LONGEST} s") from error
+        spent = time.perf_counter() - start
+        output = ended.stdout + ended.stderr
+        if ended.returncode or "Job finished" not in output:
+            faults = [line.strip() for line in output.splitlines() if "*ERROR" in line or "diverge" in line]
+            said = faults[-1] if faults else f"its process ended with status {ended.returncode}"
+            raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX: {said[:200]}")
+        return read_state(
+            (Path(folder) / "shoe.dat").read_text(), (Path(folder) / "shoe.sta").read_text(), output, brake, loaded,
+            setting, spent,
+        )  # fmt: skip
+
+
+def read_state(
+    dat: str, sta: str, output: str, brake: Brake, loaded: Loaded, setting: Setting, process_seconds: float
+) -> State:
+    """The state in CalculiX's texts: results (.dat), increments (.sta), and what it printed. Raises NoAnswer."""
+    blocks = _blocks(dat)
+    try:
+        drum = _block(blocks, "forces (fx,fy,fz) for set NDRUM")
+        pin = _block(blocks, "displacements (vx,vy,vz) for set PIN")[0, 1:3]
+        turn = float(_block(blocks, "displacements (vx,vy,vz) for set TURN")[0, 1])
+        total = _block(blocks, "total surface force (fx,fy,fz) and moment about the origin")[0]
+        stress = _block(blocks, "contact stress")
+        time_reached = float(re.findall(r"for set TURN and time\s+(\S+)", dat)[-1])
+    except (LookupError, ValueError) as error:
+        raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX wrote no contact state ({error})") from error
+    if abs(time_reached - 1) > 1e-6:
+        raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX ended at {time_reached:g} of its step")
+    size = setting.scale * setting.thickness
+    press, shear = stress[:, 2], np.hypot(stress[:, 3], stress[:, 4])
+    pressed = press > 1e-3 * press.max()
+    steps = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
+    equations = re.search(r"number of equations\s+(\d+)", output)
+    spent = re.search(r"Total CalculiX Time:\s*(\S+)", output)
+    return State(
+        contact=loaded.shoe.frame.to_shoe(drum[:, 1:3]) / size,
+        pin=loaded.shoe.frame.to_shoe(-BEARING * pin) / size,
+        moment=float(total[5]) / (size * MM),
+        turn=turn / setting.scale,
+        touching=len(np.unique(stress[:, 0])),
+        points=len(stress),
+        sticking=float(np.mean(shear[pressed] < STICKING * brake.friction * press[pressed])),
+        iterations=sum(int(row[3]) for row in steps),
+        unknowns=int(equations[1]) if equations else 0,
+        seconds=float(spent[1]) if spent else process_seconds,
+        process_seconds=process_seconds,
+    )
+
+
+def _blocks(dat: str) -> dict[str, str]:
+    """Heading -> lines of numbers under it, of the last time that it is printed."""
+    found: dict[str, str] = {}
+    heading = ""
+    for line in dat.splitlines():
+        words = line.split()
+        if not words:
+            continue
+        if re.match(r"[-+]?[\d.]", words[0]):
+            found[heading] += line + "\n"
+        else:
+            heading = line.strip()
+            found[heading] = ""
+    return found
+
+
+def _block(blocks: dict[str, str], start: str) -> Floats:
+    """The numbers (rows, columns) under the heading that starts so; raises LookupError."""
+    for heading, text in blocks.items():
+        if heading.startswith(start) and text:
+            return np.array([[float(word) for word in line.split()] for line in text.splitlines()])
+    raise LookupError(f"nothing under {start!r}")
+
+
+def check(loaded: Loaded, state: State) -> None:
+    """Raise NoAnswer where a state is none: forces or moments that do not balance, a handful of contact points."""
+    name, lining = loaded.shoe.name, len(loaded.parts.line.pieces[0])
+    _, balance = _response(loaded, state)
+    if not max(balance.force, balance.moment) < LARGEST_IMBALANCE:
+        raise NoAnswer(f"shoe {name!r}: CalculiX ended normally where forces balance only to {balance.force:.1e} and "
+                       f"moments to {balance.moment:.1e}")  # fmt: skip
+    if state.touching < LEAST_TOUCHING * lining:
+        raise NoAnswer(f"shoe {name!r}: CalculiX ended normally with {state.points} contact points on "
+                       f"{state.touching} of {lining} elements")  # fmt: skip
+
+
+def extrapolated(
+    brake: Brake, loaded: Loaded, scales: Sequence[float], states: Sequence[State]
+) -> tuple[ShoeResponse, Balance]:
+    """The response at s = 0."""
+    fields = ("contact", "pin", "moment", "turn")
+    values = {name: at_zero(scales, np.array([getattr(state, name) for state in states])) for name in fields}
+    limit = states[-1]._replace(contact=values["contact"], pin=values["pin"], moment=float(values["moment"]),
+                                turn=float(values["turn"]))  # fmt: skip
+    return _response(loaded, limit)
+
+
+def at_zero(scales: Sequence[float], values: Floats) -> Floats:
+    """Where the straight line through values (k, ...) at the k scales, by least squares, meets s = 0."""
+    s = np.asarray(scales, dtype=float)
+    if len(s) == 1:
+        return values[0]
+    spread = s - s.mean()
+    slope = np.tensordot(spread, values, axes=1) / float(spread @ spread)
+    return np.asarray(values.mean(axis=0) - s.mean() * slope)
+
+
+def _response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
+    """The response to one state. The pressure is that whose weak form has CalculiX's forces on the drum's nodes."""
+    shoe, frame = loaded.shoe, loaded.shoe.frame
+    theta = drum_angles(loaded)
+    friction_arc = slice(len(theta)) if shoe.sign > 0 else slice(-len(theta), None)
+    forces = state.contact[friction_arc][:: frame.sense]
+    phi = frame.phi(theta)[:: frame.sense]
+    radius = float(np.hypot(*loaded.parts.line.xy).mean())
+    xy = radius * np.array([np.cos(phi), np.sin(phi)])
+    pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
+    line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
+    normal, tangent = radial(shoe.sign)(xy)
+    traction = np.linalg.solve(couple(line, shoe.lining.width, radial(shoe.sign)).M, forces)
+    pressure = -np.einsum("ic,ci->i", traction, normal)
+    on = slice(2 * BEYOND_ELEMENTS, len(phi) - 2 * BEYOND_ELEMENTS)
+    pressing = np.einsum("ic,ci,di->d", forces, normal, normal)
+    along = np.einsum("ic,ci,di->d", forces, tangent, tangent)
+    found = Forces(pressing, along, state.pin, abs(state.moment))
+    return shoe_response(loaded, phi[on], pressure[on], 2, found, frame.sense * state.turn)

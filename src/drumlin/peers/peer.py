@@ -1,0 +1,150 @@
+"""What a peer answers, whichever it is, and what all of them need: shoes in their own frames, responses."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake import Brake, Shoe
+from drumlin.errors import BadInput
+from drumlin.fem.ends import contact_arcs
+from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.scene import ELEMENTS, Assembled, Mesher, actuation, assemble, pin_of, shape_of
+from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
+from drumlin.statics import cross
+
+NOTHING = 1e-3  # of the peak pressure: what a peer leaves where its lining does not touch
+
+
+class PeerMissing(BadInput):
+    """A peer is not installed; the line says how to install it."""
+
+
+class Peer(NamedTuple):
+    """A peer's answer for a brake, and what it took, in seconds.
+
+    `seconds`: its own computing, without the start of its process where it can be told apart; `process_seconds`: the
+    whole process or processes; `further_seconds`: a further load case, another friction coefficient, reusing what
+    the peer can reuse. `unknowns`: of all its systems, equal shoes counted once where they share one.
+    """
+
+    name: str
+    version: str
+    response: Response
+    seconds: float
+    process_seconds: float
+    further_seconds: float
+    unknowns: int
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A meshed shoe under its force, in its own frame: `force` (2,) [N] and `couple` [N m] about `parts.load_centre`.
+
+    `drag`: mu times the sense in which the drum drags the lining, positive towards growing phi. `approaches`: whether
+    the force turns the shoe towards the drum anywhere; else it does not touch.
+    """
+
+    shoe: Shoe
+    parts: Assembled
+    body: int
+    force: Floats
+    couple: float
+    drag: float
+    approaches: bool
+
+
+def loaded_shoes(
+    brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
+) -> list[Loaded]:
+    """The shoes of a brake, meshed as drumlin meshes them; `body` numbers the distinct shapes.
+
+    Raises BadInput for a brake with an elastic ring: both peers get a rigid drum.
+    """
+    if brake.drum.ring is not None:
+        raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
+    if brake.friction == 0:
+        raise BadInput("friction = 0: the peers are given a drum that slips; must be greater than 0")
+    mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
+    made: dict[tuple[object, ...], tuple[int, Assembled]] = {}
+    shoes = []
+    for shoe in brake.shoes:
+        key = shape_of(brake, shoe)
+        if key not in made:
+            made[key] = (len(made), assemble(brake, shoe, mesher, {}))
+        number, parts = made[key]
+        load, moment = actuation(parts, shoe)
+        size = abs(shoe.actuation.force)
+        drag = brake.friction * brake.spin * shoe.frame.sense
+        # The lining at (x, y) closes by -sign a y/r per turn about the pin at (a, 0).
+        approaches = size > 0 and bool((-moment * shoe.sign * parts.line.xy[1] > 0).any())
+        shoes.append(Loaded(shoe, parts, number, size * load[:2], size * float(load[2]), drag, approaches))
+    return shoes
+
+
+class Forces(NamedTuple):
+    """What a peer found on one shoe, in the shoe's frame: forces of pressure, of friction and of the pin (2,) [N], and
+    the torque on the drum [N m], positive."""
+
+    normal: Floats
+    friction: Floats
+    reaction: Floats
+    torque: float
+
+
+def shoe_response(
+    loaded: Loaded, phi: Floats, pressure: Floats, order: int, forces: Forces, turn: float | None
+) -> tuple[ShoeResponse, Balance]:
+    """A shoe's response from a peer's pressure [Pa] at growing angles phi [rad], piecewise of degree `order`.
+
+    The balance is that of the peer's own forces: their sum, and their moment about the drum's centre.
+    """
+    shoe, frame = loaded.shoe, loaded.shoe.frame
+    forward = slice(None, None, frame.sense)
+    theta, p = frame.theta(phi)[forward], pressure[forward]
+    zone = shoe.lining.thickness / (2 * float(np.hypot(*loaded.parts.line.xy).mean()))
+    inside = (phi > phi[0] + zone) & (phi < phi[-1] - zone)
+    pin, centre = pin_of(shoe), loaded.parts.load_centre
+    sense = math.copysign(1.0, loaded.drag)
+    moments = [sense * forces.torque, float(cross(pin, forces.reaction)), loaded.couple,
+               float(cross(centre, loaded.force))]  # fmt: skip
+    balance = relative_balance([forces.normal, forces.friction, forces.reaction, loaded.force], moments)
+    friction_about_pin = sense * forces.torque - float(cross(pin, forces.friction))
+    actuation_about_pin = loaded.couple + float(cross(centre - pin, loaded.force))
+    response = ShoeResponse(
+        name=shoe.name,
+        torque=forces.torque,
+        normal_force=float(np.linalg.norm(forces.normal)),
+        self_energising=friction_about_pin * actuation_about_pin > 0,
+        peak_pressure=float((pressure[inside] if inside.any() else pressure).max()),
+        hinge_reaction=frame.to_brake(forces.reaction),
+        contact_arcs=contact_arcs(theta, np.where(p > NOTHING * p.max(), p, 0.0), order),
+        theta=theta,
+        pressure=p,
+        order=order,
+        turn=None if turn is None else frame.sense * turn,
+    )
+    return response, balance
+
+
+def untouched_response(loaded: Loaded) -> tuple[ShoeResponse, Balance]:
+    """The response of a shoe that its force turns away from the drum."""
+    return untouched(loaded.shoe, -loaded.shoe.actuation.vector), Balance(0.0, 0.0)
+
+
+def brake_response(
+    model: str, answers: Sequence[tuple[ShoeResponse, Balance]], iterations: int, seconds: dict[str, float]
+) -> Response:
+    """The response of the whole brake."""
+    return Response(
+        model=model,
+        shoes=tuple(response for response, _ in answers),
+        balance=worst([balance for _, balance in answers]),
+        iterations=iterations,
+        seconds=seconds,
+    )
