@@ -270,13 +270,13 @@ def reference(
 ) -> None:
     """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two fine meshes."""
     from drumlin.brakefile import read_brake
+    from drumlin.reference import as_dict, write_values
     from drumlin.reference import reference as make
-    from drumlin.reference import write_reference
 
     brake, path = read_brake(brake_file), output or Path(f"{brake_file.stem}.reference.json")
     with _busy("two fine meshes"):
         found = make(brake, brake_file.read_text(), f"drumlin reference {brake_file.as_posix()}")
-    write_reference(found, path)
+    write_values(as_dict(found), path)
     print(f"torque {found.torque.value:.10g} N m, uncertainty {found.torque.uncertainty:.1e}")
     for shoe in found.shoes:
         print(

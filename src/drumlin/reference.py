@@ -34,7 +34,7 @@ _LIST = re.compile(r"\[[-+0-9.eE,\s]*\]")  # in JSON, of numbers only
 LARGEST_FILE = 10_000_000  # bytes
 METHOD = (
     "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: graded quadratic "
-    "quadrilaterals; uncertainty: distance of graded quadratic triangles on divisions of their own"
+    "quadrilaterals; uncertainty: distance of graded quadratic triangles, four to a cell of a division of their own"
 )
 UNITS = {
     "torque": "N m",
@@ -60,7 +60,7 @@ class Refinement(NamedTuple):
 
 
 FIRST = Refinement("quad2", 120, 2e-3, 1.4)  # finds the contact's ends
-REFINEMENTS = (Refinement("quad2", 400, 7e-4, 1.25), Refinement("tri2", 360, 1e-3, 1.2))
+REFINEMENTS = (Refinement("quad2", 400, 7e-4, 1.25), Refinement("tri2", 200, 1e-3, 1.2))
 
 
 def fine_response(brake: Brake, guess: Response, refinement: Refinement) -> Response:
@@ -242,14 +242,14 @@ def as_dict(found: Reference) -> dict[str, Any]:
     }
 
 
-def write_reference(found: Reference, path: Path) -> None:
-    """Write reference values as JSON, whole or not at all; a list of numbers stands on one line."""
-    text = json.dumps(as_dict(found), indent=1, allow_nan=False)
+def write_values(data: dict[str, Any], path: Path) -> None:
+    """Write reference values, as as_dict gives them, as JSON; a list of numbers stands on one line."""
+    text = json.dumps(data, indent=1, allow_nan=False)
     write_text(path, _LIST.sub(lambda match: " ".join(match.group().split()), text) + "\n")
 
 
 def read_reference(path: Path) -> Reference:
-    """Reference values from a file that write_reference made. Raises BadInput with one line."""
+    """Reference values from a file that write_values made. Raises BadInput with one line."""
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; no reference values")

@@ -32,10 +32,10 @@ from drumlin.reference import Pair, edge_zone, peak_away
 from drumlin.response import Response
 
 REPEATS = 5  # at least
-FURTHER_REPEATS = 5
 LEAST_SECONDS = 0.1  # of a measurement, all repeats together
 MOST_REPEATS = 9
 LEAST_SAMPLE = 2e-3  # s; what is faster is run several times a sample
+ALIKE = 1.2  # times that differ by less are taken as equal
 FURTHER = 0.9  # of the friction coefficient, in the further load case
 ERRORS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
 
@@ -53,18 +53,22 @@ class Method(NamedTuple):
         return {"family": self.family, "method": self.name, **self.options}
 
 
-class Runs(NamedTuple):
-    """A method on a brake: `cold` solves from the brake alone; `further` another friction with what can be reused."""
+class Solved(NamedTuple):
+    """What a cold solve leaves: `further` solves another friction with what can be reused of it."""
 
-    cold: Callable[[], Response]
+    response: Response
     further: Callable[[], Response] | None = None
     unknowns: int | None = None
 
 
-def _model(brake: Brake, *, model: str, **options: Any) -> Runs:
+def _other(brake: Brake) -> Brake:
+    """The brake of the further load case."""
+    return vary(brake, {"friction": FURTHER * brake.friction})
+
+
+def _model(brake: Brake, *, model: str, **options: Any) -> Solved:
     solver = pick(model, brake).solve
-    other = vary(brake, {"friction": FURTHER * brake.friction})
-    return Runs(partial(solver, brake, **options), partial(solver, other, **options))
+    return Solved(solver(brake, **options), partial(solver, _other(brake), **options))
 
 
 def even_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
@@ -76,43 +80,38 @@ def even_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
 
 def _mesh(
     brake: Brake, *, elements: int, kind: str = DEFAULT_KIND, even: bool = False, penalty: float = math.inf
-) -> Runs:
+) -> Solved:
     mesher = partial(even_mesh, elements=elements, kind=kind) if even else None
-    made = partial(prepare, brake, elements=elements, kind=kind, mesher=mesher)
-    scene = made()
-    other = vary(brake, {"friction": FURTHER * brake.friction})
-    unknowns = sum(body.unknowns for body in {id(body): body for body in scene.bodies}.values())
-    if scene.ring is not None:
-        unknowns += int(2 * scene.ring.basis.N)
-    return Runs(
-        lambda: respond(made(), brake, penalty=penalty), partial(respond, scene, other, penalty=penalty), unknowns
-    )
+    scene = prepare(brake, elements=elements, kind=kind, mesher=mesher)
+    bodies = {id(body): body for body in scene.bodies}.values()
+    unknowns = sum(body.unknowns for body in bodies) + (0 if scene.ring is None else int(2 * scene.ring.basis.N))
+    response = respond(scene, brake, penalty=penalty)
+    return Solved(response, lambda: respond(scene, _other(brake), penalty=penalty), unknowns)
 
 
-def _adaptive(brake: Brake, *, tolerance: float, kind: str = DEFAULT_KIND) -> Runs:
-    return Runs(partial(solve, brake, tolerance=tolerance, kind=kind, penalty=math.inf))
+def _adapted(brake: Brake, *, tolerance: float, kind: str = DEFAULT_KIND) -> Solved:
+    return Solved(solve(brake, tolerance=tolerance, kind=kind, penalty=math.inf))
 
 
-def _pointwise(brake: Brake, *, elements: int, penalty: float) -> Runs:
-    other = vary(brake, {"friction": FURTHER * brake.friction})
-    cold, further = (partial(pointwise.solve, b, elements=elements, penalty=penalty) for b in (brake, other))
-    return Runs(cold, further, _mesh(brake, elements=elements).unknowns)
+def _pointwise(brake: Brake, *, elements: int, penalty: float) -> Solved:
+    solver = partial(pointwise.solve, elements=elements, penalty=penalty)
+    return Solved(solver(brake), lambda: solver(_other(brake)))
 
 
-FAMILIES: Mapping[str, Callable[..., Runs]] = {
+FAMILIES: Mapping[str, Callable[..., Solved]] = {
     "law": _model,
     "foundation": _model,
     "even mesh": _mesh,
     "graded mesh": _mesh,
-    "adapted mesh": _adaptive,
+    "adapted mesh": _adapted,
     "weak penalty": _mesh,
     "pointwise penalty": _pointwise,
 }
 PEERS = {"GetFEM": "drumlin.peers.getfem", "CalculiX": "drumlin.peers.calculix"}
 
 
-def runs(brake: Brake, method: Method) -> Runs:
-    """The calls of a method; raises BadInput where it does not apply."""
+def solved(brake: Brake, method: Method) -> Solved:
+    """A brake by a method, cold. Raises BadInput where it does not apply, NoAnswer where it fails."""
     return FAMILIES[method.family](brake, **method.options)
 
 
@@ -148,12 +147,12 @@ class Timing(NamedTuple):
     repeats: int
 
 
-def timing(call: Callable[[], object], unit: Callable[[], object], repeats: int = REPEATS) -> Timing:
-    """Time a call and, before each of its repeats, the unit."""
-    loops = max(1, math.ceil(LEAST_SAMPLE / max(_spent(call, 1), 1e-7)))
+def timing(call: Callable[[], object], unit: Callable[[], object], first: float) -> Timing:
+    """Time a call that took `first` seconds once and, before each of its repeats, the unit."""
+    loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
     samples: list[float] = []
     ratios: list[float] = []
-    while len(samples) < repeats or (sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS):
+    while len(samples) < REPEATS or (sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS):
         beside = _spent(unit, 1)
         samples.append(_spent(call, loops))
         ratios.append(samples[-1] / beside)
@@ -168,7 +167,7 @@ def _quartiles(samples: list[float]) -> tuple[float, float, float]:
     return middle, lower, upper
 
 
-def _spent(call: Callable[[], object], loops: int) -> float:
+def _spent(call: Callable[[], object], loops: int = 1) -> float:
     """The process's own seconds of one of `loops` calls."""
     start = time.process_time()
     for _ in range(loops):
@@ -181,20 +180,23 @@ def measure(brake: Brake, method: Method, truth: Response, unit: Callable[[], ob
     row: dict[str, Any] = dict(method.case)
     start = time.process_time()
     try:
-        calls = runs(brake, method)
-        response = calls.cold()
+        found = solved(brake, method)
     except DrumlinError as error:
-        said = "refused" if isinstance(error, BadInput) else "failed"
-        return row | {"seconds": time.process_time() - start, "status": f"{said}: {error}"}
-    row |= errors(brake, response, truth) | {"unknowns": calls.unknowns}
-    row |= timing(calls.cold, unit)._asdict()
-    if calls.further is not None:
+        return row | {"seconds": time.process_time() - start, "status": _said(error)}
+    first = time.process_time() - start
+    row |= errors(brake, found.response, truth) | {"unknowns": found.unknowns}
+    row |= timing(partial(solved, brake, method), unit, first)._asdict()
+    if found.further is not None:
         try:
-            further = timing(calls.further, unit, FURTHER_REPEATS)
-            row |= {"further": further.seconds, "further_ratio": further.ratio}
+            loops = max(1, math.ceil(LEAST_SAMPLE / max(_spent(found.further), 1e-6)))
+            row["further"] = median(_spent(found.further, loops) for _ in range(REPEATS))
         except DrumlinError as error:
-            row["note"] = f"further load case: {error}"
+            row["note"] = f"further load case: {_said(error)}"
     return row | {"memory": memory(brake, method), "status": "converged"}
+
+
+def _said(error: DrumlinError) -> str:
+    return f"{'refused' if isinstance(error, BadInput) else 'failed'}: {error}"
 
 
 def memory(brake: Brake, method: Method) -> int:
@@ -215,7 +217,7 @@ def _context() -> Any:
 
 def _grown(brake: Brake, method: Method) -> int:
     before = peak_memory()
-    runs(brake, method).cold()
+    solved(brake, method)
     return peak_memory() - before
 
 
@@ -227,8 +229,7 @@ def peer_row(brake: Brake, method: Method, truth: Response, repeats: int = REPEA
     try:
         answers = [solve_by(brake, **method.options) for _ in range(repeats)]
     except DrumlinError as error:
-        said = "refused" if isinstance(error, BadInput) else "failed"
-        return row | {"seconds": time.perf_counter() - start, "status": f"{said}: {error}"}
+        return row | {"seconds": time.perf_counter() - start, "status": _said(error)}
     samples = [answer.seconds for answer in answers]
     middle, lower, upper = _quartiles(samples)
     return row | errors(brake, answers[0].response, truth) | {
@@ -245,7 +246,7 @@ def peer_row(brake: Brake, method: Method, truth: Response, repeats: int = REPEA
 
 
 def enough(rows: Iterable[Mapping[str, Any]], key: str, target: float, floors: Mapping[str, float]) -> list[Any]:
-    """The rows whose error `key` is at most `target`, fastest first.
+    """The rows whose error `key` is at most `target`, fastest first; of equally fast ones the most exact is first.
 
     A mesh counts only where every finer one of its series is below the target as well: an error that passes through
     zero is luck. Nothing is claimed below the floor of the reference.
@@ -256,7 +257,9 @@ def enough(rows: Iterable[Mapping[str, Any]], key: str, target: float, floors: M
     for members in series(rows).values():
         above = [k for k, row in enumerate(members) if row[key] > target]
         found += members[above[-1] + 1 if above else 0 :]
-    return sorted(found, key=lambda row: row["seconds"])
+    found.sort(key=lambda row: row["seconds"])
+    ties = [row for row in found if row["seconds"] <= ALIKE * found[0]["seconds"]]
+    return sorted(ties, key=lambda row: row[key]) + found[len(ties) :]
 
 
 def series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], list[Any]]:

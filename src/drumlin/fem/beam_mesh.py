@@ -72,7 +72,7 @@ def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
     depth, place = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > 2) | ((place > start) & (place < end))))
     if shape in {skfem.MeshTri1, skfem.MeshTri2}:
-        grid = grid.to_meshtri()
+        grid = grid.to_meshtri(style=None if division.grading is None else "x")  # four a cell: no slant
     layer = np.floor(grid.p[0, grid.t].mean(axis=0)).astype(int)
     middle = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())

@@ -75,7 +75,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > lining_depth) | ((phi > phi_1) & (phi < phi_2))))
     if kind.startswith("tri"):
-        grid = grid.to_meshtri()
+        grid = grid.to_meshtri(style=None if division.grading is None else "x")  # four a cell: no slant
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     layer = np.searchsorted(bounds, depth)
     middle = grid.p[:, grid.facets].mean(axis=1)
