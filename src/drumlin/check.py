@@ -29,9 +29,9 @@ class Verdict(NamedTuple):
     """How far a shoe's curve is from its reference.
 
     `distance`: relative L2 distance of p outside the edge zones, at the reference's angles; `largest`: largest
-    difference there over the peak pressure, at the angle `at` [rad]; `torque` [N m] of the curve itself, held even
-    from its first and last point to the lining's ends, and its relative error; `floor`, `torque_floor`: relative
-    uncertainties of the reference.
+    difference there over the peak pressure, at the angle `at` [rad]; `torque_error`: what these differences of p change
+    of the torque, relative; `torque` [N m]: by trapezia of the curve's own points, held even to the lining's ends,
+    where a sharp edge may need finer ones; `floor`, `torque_floor`: relative uncertainties of the reference.
     """
 
     shoe: str
@@ -145,25 +145,24 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Ve
     size = math.sqrt(float(p @ p))
     worst = int(np.abs(off).argmax())
     peak = known.peak_pressure.value
-    torque = _torque(brake, spec, curve)
+    lever = brake.friction * spec.lining.width * brake.drum.radius**2
     return Verdict(
         shoe=known.name,
         distance=math.sqrt(float(off @ off)) / size if size else math.inf if off.any() else 0.0,
         largest=abs(float(off[worst])) / peak if peak else math.inf if off.any() else 0.0,
         at=float(theta[worst]),
-        torque=torque,
-        torque_error=abs(torque / known.torque.value - 1) if known.torque.value else math.inf if torque else 0.0,
+        torque=lever * _area(spec, curve),
+        torque_error=abs(lever * float(np.trapezoid(off, theta))) / known.torque.value if known.torque.value else 0.0,
         floor=known.distance,
         torque_floor=known.torque.relative,
     )
 
 
-def _torque(brake: Brake, shoe: Shoe, curve: Curve) -> float:
-    """mu b R^2 Int p dtheta over the lining, by trapezia of the curve's own points."""
+def _area(shoe: Shoe, curve: Curve) -> float:
+    """Int p dtheta over the lining, by trapezia of the curve's own points."""
     start, end = shoe.lining.start, shoe.lining.end
     theta = np.concatenate([[start], curve.theta[(curve.theta > start) & (curve.theta < end)], [end]])
-    area = float(np.trapezoid(np.interp(theta, *curve), theta))
-    return brake.friction * shoe.lining.width * brake.drum.radius**2 * area
+    return float(np.trapezoid(np.interp(theta, *curve), theta))
 
 
 def within(verdicts: Sequence[Verdict], tolerance: float) -> bool:
@@ -175,8 +174,8 @@ def lines(verdicts: Sequence[Verdict], tolerance: float) -> list[str]:
     """The verdicts for people, the last line the verdict on all."""
     said = [
         f"shoe {v.shoe!r}: p off by {v.distance:.2%} in L2 (reference known to {v.floor:.1e}), at most by "
-        f"{v.largest:.2%} of the peak, at {_deg(v.at)}; torque of its p {v.torque:.7g} N m, off by "
-        f"{v.torque_error:.2%} (known to {v.torque_floor:.1e})"
+        f"{v.largest:.2%} of the peak, at {_deg(v.at)}; that is {v.torque_error:.2%} of the torque (known to "
+        f"{v.torque_floor:.1e}); torque of its points {v.torque:.7g} N m"
         for v in verdicts
     ]
     return [*said, f"{'within' if within(verdicts, tolerance) else 'NOT within'} {tolerance:.3g} of the reference"]

@@ -105,7 +105,7 @@ def study(
 ) -> Result:
     """Every method on every brake, each a case of the journal; `short`: two brakes, fewer sizes, coarser references."""
     start = time.perf_counter()
-    journal = journal or Journal()
+    journal = Journal() if journal is None else journal  # an empty one is false
     paths, refused = brakes()
     paths = {name: path for name, path in paths.items() if not short or name in SHORT}
     unit_brake = read_brake(UNIT)
