@@ -26,7 +26,7 @@ from drumlin.fem.cost import peak_memory
 from drumlin.fem.division import Division, lining_layers
 from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.model import respond, solve
-from drumlin.fem.scene import prepare
+from drumlin.fem.scene import Scene, prepare
 from drumlin.models import pick
 from drumlin.reference import Pair, edge_zone, peak_away
 from drumlin.response import Response
@@ -58,7 +58,7 @@ class Solved(NamedTuple):
 
     response: Response
     further: Callable[[], Response] | None = None
-    unknowns: int | None = None
+    unknowns: Callable[[], int] | None = None
 
 
 def _other(brake: Brake) -> Brake:
@@ -83,10 +83,14 @@ def _mesh(
 ) -> Solved:
     mesher = partial(even_mesh, elements=elements, kind=kind) if even else None
     scene = prepare(brake, elements=elements, kind=kind, mesher=mesher)
-    bodies = {id(body): body for body in scene.bodies}.values()
-    unknowns = sum(body.unknowns for body in bodies) + (0 if scene.ring is None else int(2 * scene.ring.basis.N))
     response = respond(scene, brake, penalty=penalty)
-    return Solved(response, lambda: respond(scene, _other(brake), penalty=penalty), unknowns)
+    return Solved(response, lambda: respond(scene, _other(brake), penalty=penalty), partial(_unknowns, scene))
+
+
+def _unknowns(scene: Scene) -> int:
+    """Of the distinct bodies and the ring."""
+    bodies = {id(body): body for body in scene.bodies}.values()
+    return sum(body.unknowns for body in bodies) + (0 if scene.ring is None else int(2 * scene.ring.basis.N))
 
 
 def _adapted(brake: Brake, *, tolerance: float, kind: str = DEFAULT_KIND) -> Solved:
@@ -95,7 +99,7 @@ def _adapted(brake: Brake, *, tolerance: float, kind: str = DEFAULT_KIND) -> Sol
 
 def _pointwise(brake: Brake, *, elements: int, penalty: float) -> Solved:
     solver = partial(pointwise.solve, elements=elements, penalty=penalty)
-    return Solved(solver(brake), lambda: solver(_other(brake)))
+    return Solved(solver(brake), lambda: solver(_other(brake)), lambda: _unknowns(prepare(brake, elements=elements)))
 
 
 FAMILIES: Mapping[str, Callable[..., Solved]] = {
@@ -184,7 +188,7 @@ def measure(brake: Brake, method: Method, truth: Response, unit: Callable[[], ob
     except DrumlinError as error:
         return row | {"seconds": time.process_time() - start, "status": _said(error)}
     first = time.process_time() - start
-    row |= errors(brake, found.response, truth) | {"unknowns": found.unknowns}
+    row |= errors(brake, found.response, truth) | {"unknowns": None if found.unknowns is None else found.unknowns()}
     row |= timing(partial(solved, brake, method), unit, first)._asdict()
     if found.further is not None:
         try:
