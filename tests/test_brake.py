@@ -147,3 +147,9 @@ def test_the_frame_of_a_shoe_and_back_is_the_identity_and_keeps_lengths(origin, 
 def test_a_quantity_is_its_number_times_its_unit(number):
     assert to_si(f"{number!r} mm", "m", unit_required=True) == pytest.approx(number * 1e-3, rel=1e-14)
     assert to_si(f"{number!r} deg", "rad", unit_required=True) == pytest.approx(math.radians(number), rel=1e-14)
+
+
+def test_varying_inside_a_table_that_was_given_leaves_that_table_alone(brake):
+    ring = {"thickness": 0.015, "width": 0.04, "material": {"E": 1e11, "nu": 0.25}}
+    assert vary(brake, {"drum.ring": ring, "drum.ring.material.E": 2e11}).drum.ring.material.E == 2e11
+    assert ring["material"]["E"] == 1e11

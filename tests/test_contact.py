@@ -115,10 +115,10 @@ def test_releasing_nodes_from_a_factorised_set_equals_factorising_the_smaller_se
     problem = Problem(
         p_matrix(rng, n, 0.3), rng.normal(size=n), rng.normal(size=(n, 1)), rng.normal(size=(1, n)), rng.normal(size=1)
     )
-    base = contact._Equations(problem.A, problem.B, problem.C, np.ones(n, bool))
+    base = contact._Equations(problem, np.ones(n, bool))
     smaller = np.ones(n, bool)
     smaller[rng.choice(n, n // 10, replace=False)] = False
-    direct = contact._Equations(problem.A, problem.B, problem.C, smaller)
+    direct = contact._Equations(problem, smaller)
     released = contact._Released(base, smaller)
     for a, b in zip(direct.solve(problem.q, problem.h), released.solve(problem.q, problem.h), strict=True):
         assert b == pytest.approx(a, rel=1e-6, abs=1e-8 * np.abs(a).max())

@@ -2,14 +2,15 @@
 
 import tomllib
 from collections.abc import Mapping
+from copy import deepcopy
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import ValidationError
 
 from drumlin.brake import Brake
 from drumlin.errors import BadInput
-from drumlin.parts import Part
+from drumlin.parts import Part, unit_in
 
 LARGEST_FILE = 1_000_000  # bytes; a brake file has a few thousand
 
@@ -95,9 +96,53 @@ def vary(brake: P, changes: Mapping[str, Any]) -> P:
     """
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():
-        steps = key.replace("[", ".").replace("]", "").split(".")
-        _set(data, steps, value, key)
+        _set(data, _steps(key), value, key)
     return validated(type(brake), data)
+
+
+def unit_of(brake: Part, key: str) -> str | None:
+    """The SI unit of a key, written as for `vary`: "" of a pure number, None of what is no number.
+
+    Raises BadInput for a key that there is not.
+    """
+    parts, name = _parts(brake, key)
+    field = type(parts[0]).model_fields[name]
+    return unit_in(Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation)
+
+
+def values_of(brake: Part, key: str) -> list[Any]:
+    """The values of a key, written as for `vary`: one, or that of each shoe. Raises BadInput as `unit_of` does."""
+    parts, name = _parts(brake, key)
+    return [getattr(part, name) for part in parts]
+
+
+def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
+    """The parts that have a key, and its name in them."""
+    found: list[Part] = [brake]
+    *path, last = _steps(key)
+    for step in path:
+        if step.isdigit():
+            found = found[int(step) : int(step) + 1]
+            continue
+        below = [getattr(part, _name(part, step, key)) for part in found]
+        found = [part for item in below for part in (item if isinstance(item, tuple) else [item]) if part is not None]
+        if not all(isinstance(part, Part) for part in found):
+            raise BadInput(f"{key}: {step!r} has nothing to be set in")
+    if not found:
+        raise BadInput(f"{key}: the brake has no such part")
+    return found, _name(found[0], last, key)
+
+
+def _name(part: Part, key: str, whole: str) -> str:
+    """The name of the field that a file calls `key`."""
+    names = {field.alias or name: name for name, field in type(part).model_fields.items()}
+    if key not in names:
+        raise BadInput(f"{whole}: unknown key {key!r}; allowed: {', '.join(names)}")
+    return names[key]
+
+
+def _steps(key: str) -> list[str]:
+    return key.replace("[", ".").replace("]", "").split(".")
 
 
 def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
@@ -116,4 +161,4 @@ def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
         _set(data[head], rest, value, key)
     else:
-        data[head] = value
+        data[head] = deepcopy(value)  # a later key may change what lies inside

@@ -3,13 +3,14 @@
 import json
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drumlin.errors import BadInput, DrumlinError
+from drumlin.errors import BadInput, DrumlinError, NoAnswer
 
 if TYPE_CHECKING:
     from rich.status import Status
@@ -123,6 +124,58 @@ def study(
 
 
 @app.command()
+def sweep(
+    sweep_file: Annotated[Path, typer.Argument(metavar="SWEEP.toml", help="the sweep file")],
+    output: Annotated[Path | None, typer.Option(metavar="FILE.csv|FILE.parquet", help="the table of all cases")] = None,
+    jobs: Annotated[int | None, typer.Option(help="processes; default: one a core")] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="a Dask scheduler, in place of this machine's cores")
+    ] = None,
+) -> None:
+    """Solve a brake with any of its keys varied: one table, a row a case. Stopped, it goes on with what is missing."""
+    from collections import Counter
+
+    from drumlin.journal import Journal, source_stamp
+    from drumlin.sweep import check_output, run, table, write_table
+    from drumlin.sweepfile import read_sweep
+    from drumlin.workers import crew
+
+    made = read_sweep(sweep_file)
+    table_file = output or Path(sweep_file.with_suffix(".csv").name)
+    check_output(table_file)
+    with Journal(table_file.with_name(table_file.name + ".journal"), source_stamp()) as journal:
+        try:
+            with crew(jobs, scheduler) as (executor, workers), _progress(made.title) as done:
+                rows = run(made.cases, executor=executor, workers=workers, journal=journal, done=done)
+        except KeyboardInterrupt:
+            print(f"drumlin: stopped; {len(journal)} finished cases are kept in {journal.path}", file=sys.stderr)
+            sys.exit(130)
+    write_table(table(made.cases, rows), table_file)
+    failed = Counter(row["status"].removeprefix("failed: ") for row in rows if row["status"] != "solved")
+    print(f"{len(rows)} cases: {len(rows) - failed.total()} solved, {failed.total()} failed")
+    for reason, count in failed.most_common(3):
+        print(f"  failed, {count}: {reason}")
+    print(f"table: {table_file}")
+    if failed.total() == len(rows):
+        raise NoAnswer("sweep: no case has an answer; the table says why")
+
+
+@contextmanager
+def _progress(words: str) -> Iterator[Callable[[int, int], None]]:
+    """A bar with the time left, on a terminal; to be told how many cases have finished, and of how many."""
+    if not sys.stderr.isatty():
+        yield lambda finished, of: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        task = progress.add_task(words, total=None)
+        yield lambda finished, of: progress.update(task, completed=finished, total=of)
+
+
+@app.command()
 def view(
     brake_file: BrakeFile,
     output: Annotated[Path | None, typer.Option(metavar="FILE", help="the picture, .png or .svg")] = None,
@@ -232,6 +285,33 @@ def hold(
     print(f"{'rotation [deg]':>15}{'moment [N m]':>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
     for at in states:
         print(f"{np.degrees(at.rotation):15.6f}{at.torque:15.4f}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
+
+
+@app.command()
+def sensitivity(
+    brake_file: BrakeFile,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write them as JSON")] = None,
+    elements: Elements = None,
+    kind: Kind = None,
+    penalty: Penalty = None,
+) -> None:
+    """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the elastic brake."""
+    from drumlin.brakefile import read_brake
+    from drumlin.fem.scene import prepare
+    from drumlin.fem.sensitivity import as_text
+    from drumlin.fem.sensitivity import sensitivity as slopes
+    from drumlin.files import write_text
+
+    brake = read_brake(brake_file)
+    options = _options(elements, kind=kind, penalty=penalty)
+    stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
+    with _busy("sensitivity"):
+        found = slopes(prepare(brake, **options), brake, **stiffness)
+    if json_file is not None:
+        write_text(json_file, json.dumps(found.as_dict(), indent=1, allow_nan=False) + "\n")
+    print(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
+    for line in as_text(found, brake):
+        print(line)
 
 
 @app.command()

@@ -44,8 +44,9 @@ class Problem(NamedTuple):
 class Contact:
     """Solution of a contact problem. `p` (n,), `w` (n,), `y` (k,), `active` (n,): the contact set.
 
-    `regular`: the determinant on the contact set has the sign that it has without friction. Followed from
-    mu = 0 it changes where the brake locks itself. `tangent(dq)`: change of p where the weighted gaps
+    `regular`: on the contact set every free motion meets resistance, as it does without friction: the determinant
+    has its sign and no motion's resistance is negative. Followed from mu = 0 this is lost where the brake locks
+    itself. `tangent(dq)`: change of p where the weighted gaps
     change by dq (n,) and the contact set stays.
     """
 
@@ -65,16 +66,9 @@ def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) 
 
     Raises NoAnswer where no contact set is consistent: nothing balances the actuation, or not converged.
     """
-    A, q, B, C, h = problem
+    scaled, scales = equilibrated(problem)
+    (A, q, B, C, h), d = scaled, scales.pressure
     n, k = B.shape
-    # Equilibrate: unit diagonal of A, unit columns of B and rows of C. Signs, and so the answer, stay.
-    tiny = np.finfo(float).tiny
-    d = 1 / np.sqrt(np.maximum(np.abs(np.diagonal(A)), tiny))
-    column = 1 / np.maximum(np.abs(d[:, None] * B).max(axis=0), tiny)
-    row = 1 / np.maximum(np.abs(C * d).max(axis=1), tiny)
-    A, q, B = d[:, None] * A * d, d * q, d[:, None] * B * column
-    C, h = row[:, None] * C * d, row * h
-
     active = np.ones(n, dtype=bool) if start is None else start.copy()
     fewest, patience = n + 1, PATIENCE
     base: _Equations | None = None
@@ -84,7 +78,7 @@ def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) 
         if base is not None and _few_released(base, active):
             equations: _Equations = _Released(base, active)
         else:
-            equations = base = _Equations(A, B, C, active)
+            equations = base = _Equations(scaled, active)
         p, y = equations.solve(q, h)
         w = q + A @ p + B @ y
         w[active] = 0.0
@@ -95,10 +89,10 @@ def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) 
             return Contact(
                 p=np.maximum(p, 0.0) * d,
                 w=w / d,
-                y=y * column,
+                y=y * scales.motion,
                 active=active,
                 steps=step,
-                regular=equations.sign == (-1) ** k,
+                regular=equations.regular(scales),
                 tangent=partial(_tangent, equations, d, np.zeros(k)),
             )
         wrong = np.count_nonzero(change)
@@ -112,25 +106,55 @@ def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) 
     raise NoAnswer(f"not converged: the contact set still changes after {most} steps")
 
 
-def locking(problem_at: Callable[[float], Problem], friction: float) -> float | None:
-    """The friction below `friction` up to which a problem has an answer; None where it has none at mu = 0 either.
+class Scales(NamedTuple):
+    """What undoes the equilibration: p = pressure p', y = motion y'; C p = h was multiplied by `balance` (k,)."""
 
-    Found by halving, to 1e-4: the contact set changes on the way, so that no single eigenvalue gives it.
+    pressure: Floats
+    motion: Floats
+    balance: Floats
+
+
+def equilibrated(problem: Problem) -> tuple[Problem, Scales]:
+    """The problem with unit diagonal of A, unit columns of B and rows of C. Signs, and so the answer, stay."""
+    A, q, B, C, h = problem
+    tiny = np.finfo(float).tiny
+    d = 1 / np.sqrt(np.maximum(np.abs(np.diagonal(A)), tiny))
+    column = 1 / np.maximum(np.abs(d[:, None] * B).max(axis=0), tiny)
+    row = 1 / np.maximum(np.abs(C * d).max(axis=1), tiny)
+    scaled = Problem(d[:, None] * A * d, d * q, d[:, None] * B * column, row[:, None] * C * d, row * h)
+    return scaled, Scales(d, column, row)
+
+
+def matrix_on(problem: Problem, active: Bools) -> Floats:
+    """The matrix (m + k, m + k) of w = 0 on the m nodes of a contact set and of C p = h."""
+    A, _, B, C, _ = problem
+    on = np.flatnonzero(active)
+    size, k = len(on), B.shape[1]
+    matrix = np.zeros((size + k, size + k))
+    matrix[:size, :size] = A if size == len(A) else A[np.ix_(on, on)]
+    matrix[:size, size:] = B[on]
+    matrix[size:, :size] = C[:, on]
+    return matrix
+
+
+def adjoint(problem: Problem, active: Bools, weights: Floats) -> tuple[Floats, Floats]:
+    """What one functional feels of any change of the problem, while the contact set stays.
+
+    weights (n, m): m functionals weights^T p. Returns a (n, m), zero off the contact set, and b (k, m), so that
+    each changes by
+
+        -a^T (dq + dA p + dB y) + b^T (dh - dC p).
+
+    Raises NoAnswer where the equations are singular.
     """
-
-    def holds(mu: float) -> bool:
-        try:
-            return solve(problem_at(mu), most=25).regular
-        except NoAnswer:
-            return False
-
-    if not holds(0.0):
-        return None
-    below, above = 0.0, friction
-    while above - below > 1e-4 * above:
-        middle = 0.5 * (below + above)
-        below, above = (middle, above) if holds(middle) else (below, middle)
-    return below
+    scaled, scales = equilibrated(problem)
+    on = np.flatnonzero(active)
+    right = np.zeros((len(on) + len(problem.C), weights.shape[1]))
+    right[: len(on)] = (scales.pressure[:, None] * weights)[on]
+    solution = _back(_factorised(np.ascontiguousarray(matrix_on(scaled, active).T)), right)
+    a = np.zeros(weights.shape)
+    a[on] = solution[: len(on)]
+    return scales.pressure[:, None] * a, scales.balance[:, None] * solution[len(on) :]
 
 
 def coarse_start(problem: Problem) -> Bools:
@@ -170,15 +194,9 @@ class _Equations:
     the released nodes are the unknowns that make their pressures vanish.
     """
 
-    def __init__(self, A: Floats, B: Floats, C: Floats, active: Bools) -> None:
-        on = np.flatnonzero(active)
-        size, k = len(on), B.shape[1]
-        matrix = np.zeros((size + k, size + k))
-        matrix[:size, :size] = A if size == len(A) else A[np.ix_(on, on)]
-        matrix[:size, size:] = B[on]
-        matrix[size:, :size] = C[:, on]
-        self.active, self._on, self._n = active, on, len(A)
-        self._factors = _factorised(matrix)
+    def __init__(self, problem: Problem, active: Bools) -> None:
+        self.active, self._on, self._n = active, np.flatnonzero(active), len(problem.q)
+        self._factors = _factorised(matrix_on(problem, active))
         self.sign = _determinant_sign(self._factors)
 
     def solve(self, q: Floats, h: Floats) -> tuple[Floats, Floats]:
@@ -187,6 +205,18 @@ class _Equations:
         p = np.zeros(self._n)
         p[self._on] = solution[: len(self._on)]
         return p, solution[len(self._on) :]
+
+    def regular(self, scales: "Scales") -> bool:
+        """Whether no motion has lost its resistance: det A > 0 and C A^-1 B without negative eigenvalue."""
+        k = len(scales.motion)
+        if self.sign != (-1) ** k:
+            return False
+        if k < 2:
+            return True
+        unit = np.vstack([np.zeros((len(self._on), k)), np.diag(scales.balance)])
+        yielding = scales.motion[:, None] * -self._solution(unit)[-k:]  # (C A^-1 B)^-1
+        values = np.linalg.eigvals(yielding)
+        return not ((values.imag == 0) & (values.real < 0)).any()
 
     def _solution(self, right: Floats) -> Floats:
         return _back(self._factors, right)

@@ -6,8 +6,9 @@ Every number is SI. Where a brake file is read the validation's context asks for
 import difflib
 import math
 from collections.abc import Mapping
+from functools import partial
 from itertools import pairwise
-from typing import Annotated
+from typing import Annotated, Any, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -33,10 +34,10 @@ def _si(value: object, si: str, info: ValidationInfo, key: str = "") -> float:
 
 
 def _quantity(si: str) -> BeforeValidator:
-    def read(value: object, info: ValidationInfo) -> float:
+    def read(value: object, info: ValidationInfo, *, si: str) -> float:
         return _si(value, si, info)
 
-    return BeforeValidator(read)
+    return BeforeValidator(partial(read, si=si))
 
 
 Length = Annotated[float, _quantity("m")]
@@ -117,7 +118,7 @@ Rows = tuple[tuple[float, float], ...]
 def number_or_table(place: str, place_si: str, name: str, si: str) -> PlainValidator:
     """One value, or a table of (place, value) with straight lines between; for the words of a refusal: names."""
 
-    def read(value: object, info: ValidationInfo) -> float | Rows:
+    def read(value: object, info: ValidationInfo, *, si: str) -> float | Rows:
         if not isinstance(value, list | tuple):
             return _si(value, si, info)
         rows = []
@@ -130,7 +131,20 @@ def number_or_table(place: str, place_si: str, name: str, si: str) -> PlainValid
             raise ValueError(f"the table needs at least two rows, with growing {place}s")
         return tuple(rows)
 
-    return PlainValidator(read)
+    return PlainValidator(partial(read, si=si))
+
+
+def unit_in(annotation: Any) -> str | None:
+    """The SI unit of a field's type: "" of a pure number, None of what is no number."""
+    kind, *marks = (
+        (annotation.__origin__, *annotation.__metadata__) if get_origin(annotation) is Annotated else [annotation]
+    )
+    for mark in marks:
+        if isinstance(mark, BeforeValidator | PlainValidator) and isinstance(mark.func, partial):
+            return str(mark.func.keywords["si"])
+    if kind is float:
+        return ""
+    return next((unit for unit in map(unit_in, get_args(kind)) if unit is not None), None)
 
 
 def value_at(values: float | Rows, places: Floats) -> Floats:

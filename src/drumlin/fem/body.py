@@ -15,7 +15,7 @@ import scipy.linalg
 import scipy.sparse as sp
 import skfem
 from scipy.linalg.lapack import dpotrf
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import splu
 from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
@@ -63,10 +63,15 @@ class Condensed:
         nodal (2n,): forces on the contact nodes [N]; frame (3,): its displacement; loads (l,): factors of the unit
         loads.
         """
+        u = self.displacements(nodal[:, None], frame[:, None], loads[:, None])
+        return np.asarray(u.reshape(-1, 2).T)
+
+    def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+        """Displacements (2 nodes, m) [m] of m cases: nodal (2n, m), frame (3, m), loads (l, m) as above."""
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
         right[len(right) - len(nodal) :] += nodal
-        u = spsolve(self.A[:-FRAME, :-FRAME], right, permc_spec="MMD_AT_PLUS_A")
-        return np.asarray((self.ties.matrix @ np.concatenate([u, frame])).reshape(-1, 2).T)
+        u = splu(self.A[:-FRAME, :-FRAME], permc_spec="MMD_AT_PLUS_A").solve(right)
+        return np.asarray(self.ties.matrix @ np.vstack([u, frame]))
 
 
 def scalar_basis(mesh: Any) -> Any:

@@ -21,6 +21,7 @@ from drumlin.fem.mesh import DEFAULT_KIND
 from drumlin.fem.scene import (
     ELEMENTS,
     Body,
+    Kept,
     Scene,
     actuation,
     clock,
@@ -31,6 +32,7 @@ from drumlin.fem.scene import (
     shape_of,
 )
 from drumlin.laws import locking_friction
+from drumlin.locking import followed
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
 from drumlin.statics import cross
 
@@ -48,14 +50,16 @@ def solve(
     kind: str = DEFAULT_KIND,
     tolerance: float | None = None,
     penalty: float = PENALTY,
+    kept: Kept | None = None,
 ) -> Response:
     """Mesh, condense and solve a brake: prepare, then respond; with a `tolerance` on meshes adapted to it.
 
     tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque. Raises
-    NoAnswer where it is not reached, BadInput where `elements` are given too.
+    NoAnswer where it is not reached, BadInput where `elements` are given too. kept: bodies of earlier solves, see
+    `prepare`.
     """
     if tolerance is None:
-        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind)
+        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind, kept=kept)
         return respond(scene, brake, penalty=penalty)
     if elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
@@ -69,8 +73,7 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
     response of a similar brake or on another mesh, whose contact is the first guess: it saves steps and does
     not change the answer. Raises NoAnswer: self-locking, no equilibrium, not converged.
     """
-    if not penalty > 0:
-        raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
+    check_penalty(penalty)
     if [shape_of(brake, s) for s in brake.shoes] != [shape_of(scene.brake, s) for s in scene.brake.shoes]:
         raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
     if brake.friction > 0 and scene.brake.friction == 0:
@@ -79,11 +82,10 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         raise BadInput("the brake's drum.ring differs from that of the prepared scene")
     seconds = dict(scene.seconds)
     with clock(seconds, "contact"):
-        touching = [i for i, shoe in enumerate(brake.shoes) if turns_towards(scene.bodies[i], shoe)]
-        # Shoes meet each other only through an elastic ring.
-        groups = [[i] for i in touching] if scene.ring is None else [touching] if touching else []
-        answers = {i: answer for group in groups for i, answer in _answers(scene, brake, group, penalty, start).items()}
-        for i in set(range(len(brake.shoes))) - set(touching):
+        answers: dict[int, _Answer] = {}
+        for group in groups_of(scene, brake):
+            answers |= _answers(scene, brake, group, penalty, start)
+        for i in set(range(len(brake.shoes))) - set(answers):
             answers[i] = _untouched(brake.shoes[i])
     balance = worst([answer.balance for answer in answers.values()])
     if not max(balance.force, balance.moment) < LARGEST_IMBALANCE:
@@ -100,6 +102,12 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         left_out=scene.left_out,
         notes=tuple(answers[i].note for i in sorted(answers)),
     )
+
+
+def check_penalty(penalty: float) -> None:
+    """Raise BadInput for a factor of the contact stiffness that is none."""
+    if not penalty > 0:
+        raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
 
 
 @dataclass(frozen=True)
@@ -184,21 +192,38 @@ def _shoe_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float, size: fl
     )
 
 
-def _answers(
-    scene: Scene, brake: Brake, group: list[int], penalty: float, start: Response | None
-) -> dict[int, _Answer]:
-    """The answers of a group of shoes that meet the drum together."""
+def answer_of(
+    scene: Scene, brake: Brake, group: list[int], penalty: float, first: Bools | None = None
+) -> contact.Contact:
+    """The contact of a group of shoes per newton of `unit_force`, from the contact set `first` where there is one.
+
+    Raises NoAnswer as `respond` does.
+    """
     for i in group:
         body, shoe = scene.bodies[i], brake.shoes[i]
         _check_reach(shoe, body.line.xy, gap_of(body, brake, shoe), actuation(body, shoe)[1])
     names = ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
     try:
-        first = None if start is None else np.concatenate([_touching(scene, brake, start, i) for i in group])
         found = contact.solve(contact_problem(scene, brake, group, penalty), first)
+        if found.regular:
+            return found
+        reason = "self-locking, no stable equilibrium"
     except NoAnswer as error:
-        raise NoAnswer(f"{names}: {_locked(scene, brake, group) or error}") from error
-    if not found.regular:
-        raise NoAnswer(f"{names}: {_locked(scene, brake, group) or 'self-locking, no stable equilibrium'}")
+        reason = str(error)
+    law = min(locking_friction(brake, brake.shoes[i]) for i in group)
+    at = partial(at_friction, scene, brake, group, penalty)
+    try:
+        return followed(at, brake.friction, reason, law=law, brake="elastic as it is")
+    except NoAnswer as error:
+        raise NoAnswer(f"{names}: {error}") from error
+
+
+def _answers(
+    scene: Scene, brake: Brake, group: list[int], penalty: float, start: Response | None
+) -> dict[int, _Answer]:
+    """The answers of a group of shoes that meet the drum together."""
+    first = None if start is None else np.concatenate([_touching(scene, brake, start, i) for i in group])
+    found = answer_of(scene, brake, group, penalty, first)
     size = unit_force(brake, group)
     soft = [scene.bodies[i].coupling.M / contact_stiffness(brake.shoes[i], penalty) for i in group]
     change = size * found.tangent(scipy.linalg.block_diag(*soft) @ found.p)  # by the penalty's compliance
@@ -292,17 +317,13 @@ def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
         )
 
 
-def _locked(scene: Scene, brake: Brake, group: list[int]) -> str:
-    """What to say where there is no equilibrium because of friction; empty where friction is not the reason."""
+def at_friction(scene: Scene, brake: Brake, group: list[int], penalty: float, friction: float) -> contact.Problem:
+    """The contact problem of a group of shoes at another friction coefficient."""
+    return contact_problem(scene, brake.model_copy(update={"friction": friction}), group, penalty)
 
-    def problem_at(friction: float) -> contact.Problem:
-        return contact_problem(scene, brake.model_copy(update={"friction": friction}), group)
 
-    limit = contact.locking(problem_at, brake.friction)
-    if limit is None:
-        return ""
-    law = min(locking_friction(brake, brake.shoes[i]) for i in group)
-    return (
-        f"self-locking, no equilibrium at friction {brake.friction:g}; elastic as it is there is one up to "
-        f"mu_lock = {limit:.4g} (sine law: {law:.4g})"
-    )
+def groups_of(scene: Scene, brake: Brake) -> list[list[int]]:
+    """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
+    touching = [i for i, shoe in enumerate(brake.shoes) if turns_towards(scene.bodies[i], shoe)]
+    # Shoes meet each other only through an elastic ring.
+    return [[i] for i in touching] if scene.ring is None else [touching] if touching else []

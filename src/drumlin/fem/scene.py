@@ -2,7 +2,8 @@
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -19,12 +20,13 @@ from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, e
 from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.meshfile import read_mesh
 from drumlin.fem.ring import RingBody, ring_body
-from drumlin.parts import Material
+from drumlin.parts import Material, Point
 from drumlin.statics import cross
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
 
 MOST_ELEMENTS = 4000  # along a lining: the dense contact matrices fill 2 GB
+ROOM = 200_000_000  # bytes of bodies that are kept for the next scenes
 
 Seconds = dict[str, float]
 Mesher = Callable[[Shoe, float], Any]  # shoe, drum radius [m] -> mesh in the shoe's frame
@@ -115,12 +117,68 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     )
 
 
-def prepare(brake: Brake, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None) -> Scene:
+class Kept:
+    """What was made last, by what it was made from, so that the next scenes need not make it again.
+
+    A value depends on its key alone, never on what else was made before. `room` [bytes]: beyond it the value that
+    was used longest ago goes first; the one in use always stays.
+    """
+
+    def __init__(self, room: int = ROOM) -> None:
+        self._room, self._values = room, OrderedDict[Hashable, tuple[int, Any]]()
+
+    def get(self, key: Hashable, make: Callable[[], Any], size: Callable[[Any], int]) -> Any:
+        """The value of `key`: kept, or else made by `make` and kept; size(value) [bytes]."""
+        if key not in self._values:
+            value = make()
+            self._values[key] = size(value), value
+        self._values.move_to_end(key)
+        while len(self._values) > 1 and sum(bytes_ for bytes_, _ in self._values.values()) > self._room:
+            self._values.popitem(last=False)
+        return self._values[key][1]
+
+
+def bare(brake: Brake) -> Brake:
+    """The brake without what its bodies do not depend on, so that brakes with equal bodies are equal.
+
+    Removed: title, rotation, size of the friction (but for 0), forces, clearances.
+    """
+    return brake.model_copy(
+        update={
+            "title": "-",
+            "rotation": "counter-clockwise",
+            "friction": float(brake.friction > 0),
+            "shoes": tuple(_bare(shoe) for shoe in brake.shoes),
+        }
+    )
+
+
+def _bare(shoe: Shoe) -> Shoe:
+    force: dict[str, Any] = {"force": 1.0, "direction": 0.0}
+    if not isinstance(shoe.body, Beam):  # a beam ends where it is loaded
+        force["point"] = Point(x=0.0, y=0.0)
+    return shoe.model_copy(
+        update={
+            "lining": shoe.lining.model_copy(update={"clearance": 0.0}),
+            "actuation": shoe.actuation.model_copy(update=force),
+        }
+    )
+
+
+def prepare(
+    brake: Brake,
+    *,
+    elements: int = ELEMENTS,
+    kind: str = DEFAULT_KIND,
+    mesher: Mesher | None = None,
+    kept: Kept | None = None,
+) -> Scene:
     """Mesh and condense the bodies of a brake; shoes of one shape share one body.
 
     elements: number along each parametric lining; kind: "quad2", "quad1", "tri2" or "tri1"; mesher: what makes
     the mesh of a shoe without a file in the place of shoe_mesh: `elements` then count for an elastic ring only.
-    Raises BadInput for a brake that finite elements do not cover, and for a mesh file that cannot serve.
+    kept: bodies of earlier scenes, taken from there and put there; not with a mesher. Raises BadInput for a brake
+    that finite elements do not cover, and for a mesh file that cannot serve.
     """
     reason = why_not(brake)
     if reason is not None:
@@ -130,10 +188,17 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND,
     seconds: Seconds = {}
     made: dict[tuple[object, ...], Body] = {}
     bodies = []
+    kept = Kept() if kept is None or mesher is not None else kept
+    mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
+    setting = (elements, kind)
     for shoe in brake.shoes:
         key = shape_of(brake, shoe)
         if key not in made:
-            made[key] = _body(brake, shoe, mesher or partial(shoe_mesh, elements=elements, kind=kind), seconds)
+            made[key] = kept.get(
+                (_bare(shoe), brake.drum.radius, brake.friction > 0, setting),
+                partial(_body, brake, shoe, mesher, seconds),
+                _bytes,
+            )
         bodies.append(made[key])
     ring = None
     left_out = ["interior fields: recovered only for a picture"]
@@ -141,7 +206,8 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND,
         left_out.append("drum: rigid, no [drum.ring] in the brake")
     else:
         with clock(seconds, "ring"):
-            ring = ring_body(brake, brake.drum.ring, tuple(body.line for body in bodies), elements)
+            lines = tuple(body.line for body in bodies)
+            ring = kept.get((bare(brake), setting), partial(ring_body, brake, brake.drum.ring, lines, elements), _bytes)
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
@@ -150,6 +216,12 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND,
         if shoe.mesh is None and shoe.body is None:
             left_out.append(f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed")
     return Scene(brake, tuple(bodies), ring, seconds, tuple(left_out))
+
+
+def _bytes(body: Body | RingBody) -> int:
+    """What a condensed body keeps, about: its matrices."""
+    n = len(body.line.nodes)
+    return 8 * (4 + 2) * n**2 + 24 * int(body.condensed.A.nnz)
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from drumlin.foundation.post import Post, post, shoe_angles, trapezoid
 from drumlin.foundation.ring import drag_flexibility, flexibility
 from drumlin.laws import locking_friction
 from drumlin.laws.hinged import no_contact, pressing_moment
+from drumlin.locking import followed
 from drumlin.merit import with_merits
 from drumlin.response import Deformation, Response, ShoeResponse, shoe_balance, untouched, worst
 from drumlin.statics import Resultant
@@ -204,10 +205,23 @@ def _found(
     begin = None if start is None else np.concatenate([start[i] for i in group])
     try:
         found = contact.solve(parts.problem, begin)
+        reason = "" if found.regular else "self-locking, no stable equilibrium"
     except NoAnswer as error:
-        raise NoAnswer(f"{said}: {_locked(brake, group, sections, names) or error}") from error
-    if not found.regular:
-        raise NoAnswer(f"{said}: {_locked(brake, group, sections, names) or 'self-locking, no stable equilibrium'}")
+        reason = str(error)
+    if reason:
+        law = min(locking_friction(brake, brake.shoes[i]) for i in group)
+        try:
+            found = followed(
+                lambda friction: (
+                    system(brake.model_copy(update={"friction": friction}), group, sections, names).problem
+                ),
+                brake.friction,
+                reason,
+                law=law,
+                brake="on the foundation",
+            )
+        except NoAnswer as error:
+            raise NoAnswer(f"{said}: {error}") from error
     turn = float(np.abs(found.y).max())
     if turn > LARGEST_TURN:
         raise NoAnswer(
@@ -215,22 +229,6 @@ def _found(
             f"small displacements hold up to {math.degrees(LARGEST_TURN):.3g} deg"
         )
     return found
-
-
-def _locked(brake: Brake, group: list[int], sections: int, names: frozenset[str]) -> str:
-    """What to say where friction is why there is no equilibrium, with the friction that it ends at; else nothing."""
-
-    def problem_at(friction: float) -> contact.Problem:
-        return system(brake.model_copy(update={"friction": friction}), group, min(sections, 90), names).problem
-
-    limit = contact.locking(problem_at, brake.friction)
-    if limit is None:
-        return ""
-    law = min(locking_friction(brake, brake.shoes[i]) for i in group)
-    return (
-        f"self-locking, no equilibrium at friction {brake.friction:g}; on the foundation there is one up to "
-        f"mu_lock = {limit:.4g} (sine law: {law:.4g})"
-    )
 
 
 def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float) -> ShoeResponse:

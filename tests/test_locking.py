@@ -1,0 +1,137 @@
+"""Self-locking as an eigenvalue that is followed; unique answers below it, none beyond it."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from drumlin import contact, locking
+from drumlin.brakefile import vary
+from drumlin.contact import Problem
+from drumlin.errors import NoAnswer
+from drumlin.fem.locking import limits, sliding, torques
+from drumlin.fem.model import respond
+from drumlin.fem.scene import prepare
+from drumlin.laws import locking_friction
+from drumlin.locking import Sliding
+from drumlin.random_brake import random_brake
+
+RING = {"drum.ring": {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}, "support": "free"}}
+
+
+def one_node(a=1.0, lever=0.5):
+    """One node on a hinge: p = h / (1 - lever mu); it locks at 1 / lever."""
+    still = Problem(np.array([[a]]), np.array([-1.0]), np.array([[-1.0]]), np.array([[-1.0]]), np.array([-1.0]))
+    return Sliding(still, np.array([[0.0]]), np.array([[lever]]))
+
+
+@given(st.floats(0.1, 10))
+def test_the_limit_of_one_node_on_a_hinge_is_that_of_its_lever(lever):
+    end = locking.limit(one_node(lever=lever))
+    assert not end.bounded
+    assert end.friction == pytest.approx(1 / lever, rel=1e-12)
+
+
+def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes():
+    """w_2 = 0.5 - mu p_1 closes at mu = 0.5, where p_1 = 1 is far from any pole; on both nodes det = 1 - 8 mu^2 < 0."""
+    still = Problem(np.eye(2), np.array([-1.0, 0.5]), np.zeros((2, 0)), np.zeros((0, 2)), np.zeros(0))
+    problems = Sliding(still, np.array([[0.0, -8.0], [-1.0, 0.0]]), np.zeros((0, 2)))
+    end = locking.limit(problems)
+    assert end.bounded
+    assert end.friction == pytest.approx(0.5, rel=1e-10)
+    both = contact.solve(problems.at(0.45), np.array([True, True]))
+    assert not both.regular and both.p[1] > 0  # the other answer, which meets the first one at 0.5
+    assert locking.agreement(problems.at(0.45), locking.limit(problems, 0.45).last, [both.active]).unstable == 1
+    with pytest.raises(NoAnswer):
+        contact.solve(problems.at(0.51))
+
+
+def test_the_eigenvalue_is_exact_where_halving_was_not(brake):
+    """Just below the limit the answer is of order 1/distance, just beyond there is none: to 1e-9."""
+    for changes in ({}, {"rotation": "clockwise"}, RING):
+        changed = vary(brake, changes)
+        scene = prepare(changed, elements=20)
+        group, end = min(limits(scene, changed, 3.0).items(), key=lambda item: item[1].friction)
+        problems = sliding(scene, changed, list(group))
+        near = [
+            contact.solve(problems.at(end.friction * (1 - gap)), end.last.active).p.max() * gap for gap in (1e-7, 1e-9)
+        ]
+        assert near[1] == pytest.approx(near[0], rel=1e-4)
+        for start in (None, end.last.active, ~end.last.active):
+            with pytest.raises(NoAnswer):
+                contact.solve(problems.at(end.friction * (1 + 1e-9)), start)
+        with pytest.raises(NoAnswer, match=rf"mu_lock = {end.friction:.4g} .sine law: 0.8231"):
+            respond(scene, vary(changed, {"friction": end.friction * 1.01}))
+
+
+def test_both_hands_lock_alike_and_the_other_shoe_never(brake):
+    found = []
+    for rotation in ("counter-clockwise", "clockwise"):
+        turning = vary(brake, {"rotation": rotation})
+        found.append([end.friction for end in limits(prepare(turning, elements=20), turning).values()])
+    assert found[0][0] == found[1][1] == math.inf
+    assert found[0][1] == pytest.approx(found[1][0], rel=1e-12)
+
+
+def test_the_limit_knows_neither_force_nor_clearance(brake):
+    plain, other = (
+        limits(prepare(changed, elements=20), changed, 3.0)[(1,)].friction
+        for changed in (brake, vary(brake, {"shoe.actuation.force": 50.0, "shoe.lining.clearance": 2e-4}))
+    )
+    assert other == pytest.approx(plain, rel=1e-10)
+
+
+def test_rigid_shoes_tend_to_the_law_as_their_linings_become_thin(brake):
+    law = locking_friction(brake, brake.shoes[1])
+    off = []
+    for t in (8e-3, 4e-3, 2e-3):
+        rigid = vary(brake, {"shoe.body": None, "shoe.lining.thickness": t})
+        off.append(limits(prepare(rigid, elements=60), rigid, 3.0)[(1,)].friction / law - 1)
+    assert abs(off[2]) < 5e-3
+    assert off[0] / off[1] == pytest.approx(2, rel=0.05)  # linear in t/R: the lining's shear
+    assert off[1] / off[2] == pytest.approx(2, rel=0.05)
+
+
+def test_torque_has_a_simple_pole_at_the_limit(brake):
+    scene = prepare(brake, elements=20)
+    end = limits(scene, brake, 3.0)[(1,)].friction
+    gaps = np.array([1e-4, 1e-6])
+    T = torques(scene, brake, list(end * (1 - gaps)))[:, 1]
+    assert T[1] * gaps[1] == pytest.approx(T[0] * gaps[0], rel=1e-3)
+
+
+@settings(max_examples=12)
+@given(st.integers(0, 10**6), st.sampled_from(["locking", "opposed"]))
+def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(seed, way):
+    brake = random_brake(seed, way)
+    scene = prepare(brake, elements=10)
+    problems = sliding(scene, brake, [0])
+    end, rng = locking.limit(problems, 20.0), np.random.default_rng(seed)
+    n = len(problems.still.q)
+    starts = [np.ones(n, bool), np.zeros(n, bool), *(rng.random(n) < 0.5 for _ in range(5))]
+    mu = 0.5 * min(end.friction, 0.6)
+    found = locking.agreement(problems.at(mu), locking.limit(problems, mu).last, starts)
+    assert found.others == 0
+    assume(found.unstable == found.lost == 0)  # the study shows where they are not
+    assert found.same == 7
+    if way == "opposed":
+        assert math.isinf(end.friction)
+    elif end.friction < 5:
+        with pytest.raises(NoAnswer, match="self-locking"):
+            respond(scene, vary(brake, {"friction": 1.05 * end.friction}))
+
+
+def test_below_the_first_singular_set_every_load_has_one_answer(brake):
+    one = vary(brake, {"shoe": [brake.model_dump(by_alias=True)["shoe"][1]]})
+    problems = sliding(prepare(one, elements=2), one, [0])
+    first, n = locking.first_singular(problems), len(problems.still.q)
+    assert 0 < first <= locking.limit(problems).friction
+    rng = np.random.default_rng(0)
+    below = problems.at(0.99 * first)
+    scale = np.abs(below.A).max()
+    for _ in range(20):
+        changed = below._replace(q=scale * rng.normal(size=n) * 10 ** rng.uniform(-3, 3))
+        answers = [contact.solve(changed, rng.random(n) < 0.5).p for _ in range(6)]
+        assert np.ptp(answers, axis=0).max() <= 1e-9 * np.abs(answers[0]).max()

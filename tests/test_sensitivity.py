@@ -1,0 +1,90 @@
+"""Sensitivities from the tangent: against differences of whole solves, and what scaling demands of them."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from conftest import STUDY
+from drumlin import cli
+from drumlin.brakefile import vary
+from drumlin.errors import DrumlinError, NoAnswer
+from drumlin.fem.model import respond, solve
+from drumlin.fem.scene import prepare
+from drumlin.fem.sensitivity import against_differences, sensitivity
+from drumlin.random_brake import random_brake
+
+RING = {"drum.ring": {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}, "support": "free"}}
+
+
+@pytest.mark.parametrize(
+    "changes", [RING, {"rotation": "clockwise", "shoe.lining.clearance": 1e-5}], ids=["ring", "gap"]
+)
+def test_every_slope_agrees_with_differences_of_solves_from_the_mesh_up(brake, changes):
+    for row in against_differences(vary(brake, changes), 1, elements=12)[1]:
+        assert row["difference"] < 2e-6, row
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 10**6), st.sampled_from(["locking", "opposed"]), st.floats(0.05, 0.5))
+def test_the_slope_over_friction_is_that_of_differences_where_no_set_changes(seed, way, friction):
+    brake = vary(random_brake(seed, way), {"friction": friction})
+    scene = prepare(brake, elements=12)
+    try:
+        found = sensitivity(scene, brake)
+        around = [respond(scene, vary(brake, {"friction": friction + s})) for s in (-1e-5, 1e-5)]
+    except DrumlinError:
+        assume(False)
+    touching = [response.shoes[0].pressure > 0 for response in around]
+    assume((touching[0] == touching[1]).all())
+    near = (around[1].torque - around[0].torque) / 2e-5
+    assert found.friction == pytest.approx(near, rel=1e-5, abs=1e-6 * found.torque)
+
+
+def test_moduli_scaled_alike_change_nothing_and_forces_are_proportional(brake):
+    ringed = vary(brake, RING)
+    found = sensitivity(prepare(ringed, elements=12), ringed)
+    moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
+    assert found.ring is not None
+    assert math.fsum([*moduli, found.ring]) == pytest.approx(0.0, abs=1e-10 * max(map(abs, moduli)))
+    forces = math.fsum(own.force * shoe.actuation.force for own, shoe in zip(found.shoes, brake.shoes, strict=True))
+    assert forces == pytest.approx(found.torque, rel=1e-10)
+
+
+def test_an_uneven_clearance_acts_through_its_density(brake):
+    """A small bump in the clearance: its change of torque is the integral of the density times the bump."""
+    scene = prepare(brake, elements=20)
+    found = sensitivity(scene, brake)
+    shoe, R = found.shoes[1], brake.drum.radius
+    height = 1e-9
+    theta = shoe.theta
+    bump = height * np.exp(-(((theta - theta.mean()) / 0.2) ** 2))
+    table = [[float(a), float(g)] for a, g in zip(theta, bump, strict=True)]
+    change = respond(scene, vary(brake, {"shoe[1].lining.clearance": table})).torque - found.torque
+    expected = np.trapezoid(shoe.density * bump, theta) * R
+    assert change == pytest.approx(expected, rel=5e-3)
+    assert shoe.clearance == pytest.approx(np.trapezoid(shoe.density, theta) * R, rel=2e-2)
+
+
+def test_sensitivities_on_the_command_line(brake, tmp_path, capsys):
+    file = tmp_path / "s.json"
+    with pytest.raises(SystemExit) as end:
+        cli.app(
+            [
+                "sensitivity",
+                str(STUDY / "brake.toml"),
+                "--elements",
+                "12",
+                "--json",
+                str(file),
+            ]
+        )
+    assert end.value.code == 0
+    data, said = json.loads(file.read_text()), capsys.readouterr().out
+    assert data["torque"] == pytest.approx(solve(brake, elements=12).torque, rel=1e-12)
+    assert f"S = (mu/T) dT/dmu = {data['S']:.5g} (sine law: 1.3064)" in said
+    with pytest.raises(NoAnswer, match="without friction there is no torque"):
+        sensitivity(prepare(brake, elements=4), vary(brake, {"friction": 0.0}))
