@@ -7,12 +7,10 @@ end normally on states that are none.
 """
 
 import functools
-import os
 import re
 import shutil
 import subprocess
 import tempfile
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -34,6 +32,7 @@ from drumlin.peers.peer import (
     PeerMissing,
     brake_response,
     loaded_shoes,
+    run_process,
     shoe_response,
     untouched_response,
 )
@@ -55,7 +54,7 @@ class State(NamedTuple):
     brake, turn about the pin [rad], counter-clockwise in the brake.
 
     `touching`: elements of the lining with contact points; `points`: their number; `sticking`: the part of them that
-    does not slip. `iterations`, `unknowns`, `seconds` (its own count), `process_seconds`.
+    does not slip. `iterations`; `unknowns`; `seconds` of its process.
     """
 
     contact: Floats
@@ -67,8 +66,7 @@ class State(NamedTuple):
     sticking: float
     iterations: int
     unknowns: int
-    seconds: float
-    process_seconds: float
+    seconds: float = 0.0
 
 
 @functools.cache
@@ -114,12 +112,12 @@ def solve(
     """A brake by CalculiX on drumlin's mesh, extrapolated to small displacements from at least one scale.
 
     With a single scale its state stands as it is. Where the lining does not slip everywhere the drum is turned twice
-    as far. Raises PeerMissing; BadInput for a brake with a ring, without friction or with a clearance; NoAnswer where it
-    fails or ends on a state that is none.
+    as far. Raises PeerMissing; BadInput for a brake with a ring, without friction or with a clearance; NoAnswer
+    where it fails or ends on a state that is none.
     """
     installed = version()
     shoes = loaded_shoes(brake, elements, kind, mesher)
-    answers, iterations, unknowns, seconds, process, points = [], 0, 0, 0.0, 0.0, []
+    answers, iterations, unknowns, seconds, points = [], 0, 0, 0.0, []
     for loaded in shoes:
         if not loaded.approaches:
             answers.append(untouched_response(loaded))
@@ -129,16 +127,18 @@ def solve(
         iterations = max(iterations, *(state.iterations for state in states))
         unknowns += states[0].unknowns
         seconds += sum(state.seconds for state in states)
-        process += sum(state.process_seconds for state in states)
-        points.append(f"shoe {loaded.shoe.name!r}: {states[-1].points} contact points on {states[-1].touching} elements, "
-                      f"drum turned by {rotation:g} rad times s")  # fmt: skip
+        last = states[-1]
+        points.append(
+            f"shoe {loaded.shoe.name!r}: {last.points} contact points on {last.touching} elements, "
+            f"drum turned by {rotation:g} rad times s"
+        )
     response = brake_response("calculix", answers, iterations, {"calculix": seconds})
     notes = (
-        f"CalculiX {installed}, face-to-face penalty, s = {', '.join(f'{s:g}' for s in scales)}, one thread",
+        f"CalculiX {installed}, face-to-face penalty, s = {', '.join(f'{s:g}' for s in scales)}",
         "a further load case is a new run: nothing is reused",
         *points,
     )
-    return Peer("calculix", installed, response, seconds, process, seconds, unknowns, notes)
+    return Peer("calculix", installed, response, seconds, seconds, seconds, unknowns, notes)
 
 
 def slipping_states(
@@ -173,29 +173,16 @@ def run(brake: Brake, loaded: Loaded, setting: Setting) -> State:
     text = deck(brake, loaded, setting)
     with tempfile.TemporaryDirectory(prefix="drumlin-calculix-") as folder:
         (Path(folder) / "shoe.inp").write_text(text, encoding="utf-8")
-        start = time.perf_counter()
-        try:
-            ended = subprocess.run(
-                ["ccx", "shoe"], env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}, cwd=folder,
-                capture_output=True, text=True, errors="replace", timeout=LONGEST, check=False,
-            )  # fmt: skip
-        except subprocess.TimeoutExpired as error:
-            raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX still running after {LONGEST} s") from error
-        spent = time.perf_counter() - start
-        output = ended.stdout + ended.stderr
-        if ended.returncode or "Job finished" not in output:
-            faults = [line.strip() for line in output.splitlines() if "*ERROR" in line or "diverge" in line]
-            said = faults[-1] if faults else f"its process ended with status {ended.returncode}"
+        ended = run_process(["ccx", "shoe"], Path(folder), LONGEST)
+        if ended.status or "Job finished" not in ended.output:
+            faults = [line.strip() for line in ended.output.splitlines() if "*ERROR" in line or "diverge" in line]
+            said = faults[-1] if faults else f"its process ended with status {ended.status}"
             raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX: {said[:200]}")
-        return read_state(
-            (Path(folder) / "shoe.dat").read_text(), (Path(folder) / "shoe.sta").read_text(), output, brake, loaded,
-            setting, spent,
-        )  # fmt: skip
+        dat, sta = ((Path(folder) / f"shoe.{suffix}").read_text() for suffix in ("dat", "sta"))
+        return read_state(dat, sta, ended.output, brake, loaded, setting)._replace(seconds=ended.seconds)
 
 
-def read_state(
-    dat: str, sta: str, output: str, brake: Brake, loaded: Loaded, setting: Setting, process_seconds: float
-) -> State:
+def read_state(dat: str, sta: str, output: str, brake: Brake, loaded: Loaded, setting: Setting) -> State:
     """The state in CalculiX's texts: results (.dat), increments (.sta), and what it printed. Raises NoAnswer."""
     blocks = _blocks(dat)
     try:
@@ -214,7 +201,6 @@ def read_state(
     pressed = press > 1e-3 * press.max()
     steps = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
     equations = re.search(r"number of equations\s+(\d+)", output)
-    spent = re.search(r"Total CalculiX Time:\s*(\S+)", output)
     return State(
         contact=loaded.shoe.frame.to_shoe(drum[:, 1:3]) / size,
         pin=loaded.shoe.frame.to_shoe(-BEARING * pin) / size,
@@ -225,8 +211,6 @@ def read_state(
         sticking=float(np.mean(shear[pressed] < STICKING * brake.friction * press[pressed])),
         iterations=sum(int(row[3]) for row in steps),
         unknowns=int(equations[1]) if equations else 0,
-        seconds=float(spent[1]) if spent else process_seconds,
-        process_seconds=process_seconds,
     )
 
 
@@ -288,7 +272,7 @@ def at_zero(scales: Sequence[float], values: Floats) -> Floats:
 
 
 def _response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
-    """The response to one state. The pressure is that whose weak form has CalculiX's forces on the drum's nodes."""
+    """The response to one state. Pressure and shear are those whose nodal forces are CalculiX's on the drum."""
     shoe, frame = loaded.shoe, loaded.shoe.frame
     theta = drum_angles(loaded)
     friction_arc = slice(len(theta)) if shoe.sign > 0 else slice(-len(theta), None)
@@ -298,11 +282,12 @@ def _response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
     xy = radius * np.array([np.cos(phi), np.sin(phi)])
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
-    normal, tangent = radial(shoe.sign)(xy)
-    traction = np.linalg.solve(couple(line, shoe.lining.width, radial(shoe.sign)).M, forces)
-    pressure = -np.einsum("ic,ci->i", traction, normal)
+    coupling = couple(line, shoe.lining.width, radial(shoe.sign))
+    pressing, dragging = -coupling.N.T, coupling.T.T  # nodal forces of a pressure and of a shear
+    pressure, shear = np.split(np.linalg.solve(np.hstack([pressing, dragging]), forces.ravel()), 2)
+    normal, along = (
+        (of @ values).reshape(-1, 2).sum(axis=0) for of, values in ((pressing, pressure), (dragging, shear))
+    )
     on = slice(2 * BEYOND_ELEMENTS, len(phi) - 2 * BEYOND_ELEMENTS)
-    pressing = np.einsum("ic,ci,di->d", forces, normal, normal)
-    along = np.einsum("ic,ci,di->d", forces, tangent, tangent)
-    found = Forces(pressing, along, state.pin, abs(state.moment))
+    found = Forces(normal, along, state.pin, abs(state.moment))
     return shoe_response(loaded, phi[on], pressure[on], 2, found, frame.sense * state.turn)

@@ -7,6 +7,7 @@ lining's ends; contact is face to face by a penalty, with friction.
 """
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -48,118 +49,158 @@ class Setting(NamedTuple):
     accuracy: float = 1e-5
 
 
+class Grid(NamedTuple):
+    """A shoe's mesh as CalculiX has it: nodes `xy` (n, 2) [mm], `cells` (m, k) of them, corners first, and the nodes of
+    the edges of each boundary. Labels count from 1; nodes `pin` and `turn` come after those of the mesh, then the
+    drum's; elements of the drum and of the `bearing` after the shoe's."""
+
+    xy: Floats
+    cells: Ints
+    corners: int
+    kind: str
+    edges: Mapping[str, Ints]
+    pin: int
+    turn: int
+    bearing: int
+
+
 def deck(brake: Brake, loaded: Loaded, setting: Setting, name: str = "shoe") -> str:
     """The deck of one shoe, in the brake's frame. Raises BadInput for linear elements and for a clearance."""
     shoe, parts = loaded.shoe, loaded.parts
-    cell = kind_of(parts.mesh).cell
-    if cell not in CELLS:
-        raise BadInput("--kind: CalculiX gets quadratic elements only; allowed: quad2, tri2")
     if np.any(gap_at(parts.line.xy, parts.line.phi, brake, shoe)):
         raise BadInput(f"shoe {shoe.name!r}: lining.clearance: CalculiX gets linings that fit the drum; must be 0")
-    cell, corners = CELLS[cell]
-    thick = setting.thickness * shoe.lining.width * MM
-    xy = shoe.frame.to_brake(parts.basis.doflocs.T) * MM
-    cells = counter_clockwise(xy, parts.basis.element_dofs.T[:, : 2 * corners], corners)
-    used = np.unique(cells)
-    pin, turn = len(xy) + 1, len(xy) + 2
-    edges = {key: edge_nodes(parts.basis, facets) for key, facets in parts.mesh.boundaries.items()}
-    lines = [*header(brake, loaded, setting, name), "*NODE, NSET=NSHOE"]
-    lines += [f"{i + 1}, {xy[i, 0]:.12e}, {xy[i, 1]:.12e}, 0." for i in used]
-    lines += ["*NODE, NSET=PIN", f"{pin}, {shoe.hinge.x * MM:.12e}, {shoe.hinge.y * MM:.12e}, 0."]
-    lines += ["** its displacement x is the turn [rad] of the shoe about the pin", "*NODE, NSET=TURN",
-              f"{turn}, {shoe.hinge.x * MM:.12e}, {shoe.hinge.y * MM:.12e}, 0."]  # fmt: skip
-    for part, members in parts.mesh.subdomains.items():
-        lines.append(f"*ELEMENT, TYPE={NAMES[cell]}, ELSET={part.upper()}")
-        lines += [", ".join(map(str, [i + 1, *(cells[i] + 1)])) for i in np.sort(members)]
-    first = turn + 1, len(cells) + 1
-    last = len(cells) + len(drum_angles(loaded)) // 2 + 1
-    drum_lines, drum_xy = drum(brake, loaded, setting, first)
-    lines += drum_lines
-    for part, (material, width) in materials_of(shoe).items():
-        E = material.E * width / shoe.lining.width * MPA
-        lines += _material(part.upper(), E, material.nu, thick)
-    lines += _material("DRUM", SOFT * shoe.lining.material.E * MPA, 0.0, thick)
-    lines += ["*SURFACE, NAME=SLINING, TYPE=ELEMENT", *faces(cells, edges["contact"], corners)]
-    lines += ["*SURFACE, NAME=SDRUM, TYPE=ELEMENT", f"DRUM, {'S1' if shoe.sign > 0 else 'S3'}"]
-    unit = shoe.lining.material.E * MPA / (shoe.lining.thickness * MM)
-    lines += [
-        "*SURFACE INTERACTION, NAME=SLIDING",
-        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
-        f"{setting.penalty * unit:.9e}",
-        "*FRICTION",
-        f"{brake.friction:.9e}, {setting.stick * unit:.9e}",
-        "*CONTACT PAIR, INTERACTION=SLIDING, TYPE=SURFACE TO SURFACE",
-        "SLINING, SDRUM",
-        "** the hinge's line turns about the pin",
-        "*EQUATION",
-    ]
-    for i in np.unique(edges["hinge"]):
-        x, y = xy[i] - shoe.hinge.xy * MM
-        lines += ["3", f"{i + 1}, 1, 1., {pin}, 1, -1., {turn}, 1, {y:.12e}"]
-        lines += ["3", f"{i + 1}, 2, 1., {pin}, 2, -1., {turn}, 1, {-x:.12e}"]
-    lines += ["** its bearing: the force of the pin on the shoe is that of these springs",
-              "*ELEMENT, TYPE=SPRING1, ELSET=BEARINGX", f"{last}, {pin}", "*ELEMENT, TYPE=SPRING1, ELSET=BEARINGY",
-              f"{last + 1}, {pin}"]  # fmt: skip
-    for c, axis in enumerate("XY", start=1):
-        lines += [f"*SPRING, ELSET=BEARING{axis}", f"{c}", f"{BEARING:.9e}"]
-    lines += ["*BOUNDARY", f"{pin}, 3, 3", f"*STEP, INC={1000}", "*STATIC", f"{1 / setting.steps:.6e}, 1."]
-    lines += [
-        "*CONTROLS, PARAMETERS=FIELD",
-        f"{setting.accuracy:.3e}, {setting.accuracy:.3e}",
-        "*CLOAD",
-    ]
-    size = setting.scale * setting.thickness
-    if "actuation" in parts.mesh.boundaries:
-        unit_loads, _ = end_loads(parts.basis, parts.mesh.boundaries["actuation"])
-        nodal = (unit_loads @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
-        forces = size * shoe.frame.to_brake(nodal)
-        for i in np.unique(edges["actuation"]):
-            lines += [f"{i + 1}, {c + 1}, {forces[i, c]:.12e}" for c in range(2)]
-    else:  # on the rigid shoe itself
-        forces = size * shoe.frame.to_brake(loaded.force)
-        lines += [f"{pin}, {c + 1}, {forces[c]:.12e}" for c in range(2)]
-        lines.append(f"{turn}, 1, {size * shoe.frame.sense * loaded.couple * MM:.12e}")
-    angle = brake.spin * setting.scale * setting.rotation
-    moved = np.column_stack([np.cos(angle) * drum_xy[:, 0] - np.sin(angle) * drum_xy[:, 1],
-                             np.sin(angle) * drum_xy[:, 0] + np.cos(angle) * drum_xy[:, 1]]) - drum_xy  # fmt: skip
-    lines.append("*BOUNDARY")
-    for i, (x, y) in enumerate(moved, start=first[0]):
-        lines += [f"{i}, 1, 1, {x:.12e}", f"{i}, 2, 2, {y:.12e}"]
-    lines += [
-        "*NODE PRINT, NSET=PIN, FREQUENCY=1000",
-        "U",
-        "*NODE PRINT, NSET=TURN, FREQUENCY=1000",
-        "U",
-        "*NODE PRINT, NSET=NDRUM, TOTALS=YES, FREQUENCY=1000",
-        "RF",
-        "*CONTACT PRINT, SLAVE=SLINING, MASTER=SDRUM, FREQUENCY=1000",
-        "CF, CSTR",
-        "*CONTACT FILE, FREQUENCY=1000",
-        "CSTR, CDIS",
-        "*END STEP",
+    grid = _grid(loaded)
+    drum_lines, drum_xy = drum(brake, loaded, (grid.turn + 1, len(grid.cells) + 1))
+    lines = [
+        *header(brake, loaded, setting, name),
+        *_shoe(loaded, grid),
+        *drum_lines,
+        *_sections(loaded, setting),
+        *_contact(brake, loaded, setting, grid),
+        *_hinge(loaded, grid),
+        *_step(brake, loaded, setting, grid, drum_xy),
     ]
     return "\n".join(lines) + "\n"
 
 
+def _grid(loaded: Loaded) -> Grid:
+    shoe, parts = loaded.shoe, loaded.parts
+    cell = kind_of(parts.mesh).cell
+    if cell not in CELLS:
+        raise BadInput("--kind: CalculiX gets quadratic elements only; allowed: quad2, tri2")
+    kind, corners = CELLS[cell]
+    xy = shoe.frame.to_brake(parts.basis.doflocs.T) * MM
+    cells = counter_clockwise(xy, parts.basis.element_dofs.T[:, : 2 * corners], corners)
+    edges = {name: edge_nodes(parts.basis, facets) for name, facets in parts.mesh.boundaries.items()}
+    bearing = len(cells) + len(drum_angles(loaded)) // 2 + 1
+    return Grid(xy, cells, corners, NAMES[kind], edges, len(xy) + 1, len(xy) + 2, bearing)
+
+
+def _shoe(loaded: Loaded, grid: Grid) -> list[str]:
+    hinge = loaded.shoe.hinge.xy * MM
+    lines = ["*NODE, NSET=NSHOE"]
+    lines += [_node(i + 1, grid.xy[i]) for i in np.unique(grid.cells)]
+    lines += ["*NODE, NSET=PIN", _node(grid.pin, hinge)]
+    lines += ["** its displacement x is the turn [rad] of the shoe about the pin"]
+    lines += ["*NODE, NSET=TURN", _node(grid.turn, hinge)]
+    for part, members in loaded.parts.mesh.subdomains.items():
+        lines.append(f"*ELEMENT, TYPE={grid.kind}, ELSET={part.upper()}")
+        lines += [", ".join(map(str, [i + 1, *(grid.cells[i] + 1)])) for i in np.sort(members)]
+    return lines
+
+
+def _node(label: int, xy: Floats) -> str:
+    return f"{label}, {xy[0]:.12e}, {xy[1]:.12e}, 0."
+
+
+def _sections(loaded: Loaded, setting: Setting) -> list[str]:
+    """Materials and thickness; what is wider than the lining is stiffer instead."""
+    lining = loaded.shoe.lining
+    thickness = setting.thickness * lining.width * MM
+    moduli = {
+        part.upper(): (material.E * width / lining.width, material.nu)
+        for part, (material, width) in materials_of(loaded.shoe).items()
+    }
+    lines = []
+    for name, (E, nu) in (moduli | {"DRUM": (SOFT * lining.material.E, 0.0)}).items():
+        lines += [f"*MATERIAL, NAME={name}", "*ELASTIC", f"{E * MPA:.12e}, {nu:.12e}"]
+        lines += [f"*SOLID SECTION, ELSET={name}, MATERIAL={name}", f"{thickness:.12e}"]
+    return lines
+
+
+def _contact(brake: Brake, loaded: Loaded, setting: Setting, grid: Grid) -> list[str]:
+    lining = loaded.shoe.lining
+    unit = lining.material.E * MPA / (lining.thickness * MM)
+    return [
+        "*SURFACE, NAME=SLINING, TYPE=ELEMENT",
+        *faces(grid.cells, grid.edges["contact"], grid.corners),
+        "*SURFACE, NAME=SDRUM, TYPE=ELEMENT",
+        f"DRUM, {'S1' if loaded.shoe.sign > 0 else 'S3'}",
+        "*SURFACE INTERACTION, NAME=SLIDING",
+        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
+        f"{setting.penalty * unit:.12e}",
+        "*FRICTION",
+        f"{brake.friction:.12e}, {setting.stick * unit:.12e}",
+        "*CONTACT PAIR, INTERACTION=SLIDING, TYPE=SURFACE TO SURFACE",
+        "SLINING, SDRUM",
+    ]
+
+
+def _hinge(loaded: Loaded, grid: Grid) -> list[str]:
+    """The hinge's nodes move as a rigid line with the pin's node and the turn; stiff springs bear the pin, since
+    CalculiX prints no reaction of a node that equations tie."""
+    lines = ["** the hinge's line turns about the pin", "*EQUATION"]
+    for i in np.unique(grid.edges["hinge"]):
+        x, y = grid.xy[i] - loaded.shoe.hinge.xy * MM
+        lines += ["3", f"{i + 1}, 1, 1., {grid.pin}, 1, -1., {grid.turn}, 1, {y:.12e}"]
+        lines += ["3", f"{i + 1}, 2, 1., {grid.pin}, 2, -1., {grid.turn}, 1, {-x:.12e}"]
+    lines.append("** the pin's bearing: its force on the shoe is that of these springs")
+    for c, axis in enumerate("XY"):
+        lines += [f"*ELEMENT, TYPE=SPRING1, ELSET=BEARING{axis}", f"{grid.bearing + c}, {grid.pin}"]
+    for c, axis in enumerate("XY", start=1):
+        lines += [f"*SPRING, ELSET=BEARING{axis}", f"{c}", f"{BEARING:.12e}"]
+    return [*lines, "*BOUNDARY", f"{grid.pin}, 3, 3"]
+
+
+def _step(brake: Brake, loaded: Loaded, setting: Setting, grid: Grid, drum_xy: Floats) -> list[str]:
+    """Load and rotation together, and what is printed."""
+    lines = ["*STEP, INC=1000", "*STATIC", f"{1 / setting.steps:.12e}, 1.", "*CONTROLS, PARAMETERS=FIELD"]
+    lines += [f"{setting.accuracy:.12e}, {setting.accuracy:.12e}", "*CLOAD", *_load(loaded, setting, grid)]
+    angle = brake.spin * setting.scale * setting.rotation
+    c, s = math.cos(angle), math.sin(angle)
+    lines.append("*BOUNDARY")
+    for label, (x, y) in enumerate(drum_xy @ np.array([[c - 1, s], [-s, c - 1]]), start=grid.turn + 1):
+        lines += [f"{label}, 1, 1, {x:.12e}", f"{label}, 2, 2, {y:.12e}"]
+    for nodes, value in (("PIN", "U"), ("TURN", "U"), ("NDRUM", "RF")):
+        lines += [f"*NODE PRINT, NSET={nodes}, FREQUENCY=1000", value]
+    lines += ["*CONTACT PRINT, SLAVE=SLINING, MASTER=SDRUM, FREQUENCY=1000", "CF, CSTR"]
+    return [*lines, "*CONTACT FILE, FREQUENCY=1000", "CDIS, CSTR", "*END STEP"]
+
+
+def _load(loaded: Loaded, setting: Setting, grid: Grid) -> list[str]:
+    """The actuation, as nodal forces of drumlin's traction on the loaded end, or on the rigid shoe itself."""
+    shoe, parts, size = loaded.shoe, loaded.parts, setting.scale * setting.thickness
+    if "actuation" in grid.edges:
+        unit, _ = end_loads(parts.basis, parts.mesh.boundaries["actuation"])
+        nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
+        forces = size * shoe.frame.to_brake(nodal)
+        return [f"{i + 1}, {c + 1}, {forces[i, c]:.12e}" for i in np.unique(grid.edges["actuation"]) for c in range(2)]
+    force, couple = size * shoe.frame.to_brake(loaded.force), size * shoe.frame.sense * loaded.couple * MM
+    lines = [f"{grid.pin}, {c + 1}, {force[c]:.12e}" for c in range(2)]
+    return [*lines, f"{grid.turn}, 1, {couple:.12e}"]
+
+
 def header(brake: Brake, loaded: Loaded, setting: Setting, name: str) -> list[str]:
     """Comment lines: what it is, how to run it, how to read it."""
+    title, shoe = (" ".join(text.split())[:80] for text in (brake.title, loaded.shoe.name))
     return [
-        f"** {brake.title}, shoe {loaded.shoe.name!r}; drum turns {brake.rotation}, friction {brake.friction:g}",
+        f"** {title}",
+        f"** shoe {shoe!r}, drum turns {brake.rotation}, friction {brake.friction:g}",
         "** units: mm, N, MPa; written by drumlin from its own mesh",
         f"** run: ccx {name}     results: {name}.dat",
         f"** thickness, stiffness across it and force are {setting.thickness:g} of the brake's",
         f"** load and drum's rotation ({setting.scale * setting.rotation:g} rad) are scaled by {setting.scale:g};"
         " small displacements are the limit 0",
-    ]
-
-
-def _material(name: str, E: float, nu: float, thickness: float) -> list[str]:
-    return [
-        f"*MATERIAL, NAME={name}",
-        "*ELASTIC",
-        f"{E:.12e}, {nu:.9e}",
-        f"*SOLID SECTION, ELSET={name}, MATERIAL={name}",
-        f"{thickness:.12e}",
     ]
 
 
@@ -187,11 +228,12 @@ def drum_angles(loaded: Loaded) -> Floats:
     """Angles theta of the nodes of the drum's arc [rad]: those of the lining, so that no gap is left between their
     edges, and a few elements beyond its ends."""
     theta = np.sort(loaded.shoe.frame.theta(loaded.parts.line.phi))
-    more = np.linspace(0.0, BEYOND, 2 * BEYOND_ELEMENTS + 1)[1:]
+    beyond = min(BEYOND, 0.49 * (2 * math.pi - np.ptp(theta)))  # the ends of the arc must not meet
+    more = np.linspace(0.0, beyond, 2 * BEYOND_ELEMENTS + 1)[1:]
     return np.concatenate([theta[0] - more[::-1], theta, theta[-1] + more])
 
 
-def drum(brake: Brake, loaded: Loaded, setting: Setting, first: tuple[int, int]) -> tuple[list[str], Floats]:
+def drum(brake: Brake, loaded: Loaded, first: tuple[int, int]) -> tuple[list[str], Floats]:
     """Lines of the drum's nodes and elements, numbered from `first` (node, element), and its nodes (n, 2) [mm].
 
     One layer of CPS8 along the arc; their face S1 (of an internal shoe) or S3 lies on the friction surface.
@@ -206,7 +248,7 @@ def drum(brake: Brake, loaded: Loaded, setting: Setting, first: tuple[int, int])
     node, element = first
     a, b, c = (node + np.cumsum([0, len(theta), count + 1])).tolist()
     lines = ["*NODE, NSET=NDRUM"]
-    lines += [f"{i}, {x:.12e}, {y:.12e}, 0." for i, (x, y) in enumerate(xy, start=node)]
+    lines += [_node(label, at) for label, at in enumerate(xy, start=node)]
     lines.append("*ELEMENT, TYPE=CPS8, ELSET=DRUM")
     for k in range(count):
         i = 2 * k

@@ -7,11 +7,9 @@ system's Python) and nothing of drumlin. Lengths go in drum radii, stresses in m
 import functools
 import json
 import math
-import os
 import shutil
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -32,6 +30,7 @@ from drumlin.peers.peer import (
     PeerMissing,
     brake_response,
     loaded_shoes,
+    run_process,
     shoe_response,
     untouched_response,
 )
@@ -81,12 +80,13 @@ def solve(
                for loaded in shoes]  # fmt: skip
     steps = max((answer["steps"] for answer in result["answers"][0]), default=0)
     cold, warm = (median(run[k] for run in result["seconds"]) for k in (0, 1))
+    once = spent - sum(map(sum, result["seconds"])) + cold  # the process of one solve, without the others in it
     response = brake_response("getfem", answers, steps, {"getfem": cold})
     if not max(response.balance.force, response.balance.moment) < LARGEST_IMBALANCE:
         raise NoAnswer(f"GetFEM: forces balance only to {response.balance.force:.1e}, "
                        f"moments to {response.balance.moment:.1e}")  # fmt: skip
-    notes = (f"GetFEM {result['version']}, {formulation}, {steps} Newton steps, MUMPS, one thread",)
-    return Peer("getfem", result["version"], response, cold, spent, warm, result["unknowns"], notes)
+    notes = (f"GetFEM {result['version']}, {formulation}, {steps} Newton steps, MUMPS",)
+    return Peer("getfem", result["version"], response, cold, once, warm, result["unknowns"], notes)
 
 
 def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) -> dict[str, Any]:
@@ -122,26 +122,15 @@ def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) 
 
 
 def _run(interpreter: str, problem: dict[str, Any]) -> tuple[dict[str, Any], float]:
-    """The script's result, and the seconds of its whole process; one thread, as drumlin has it."""
+    """The script's result, and the seconds of its whole process."""
     with tempfile.TemporaryDirectory(prefix="drumlin-getfem-") as folder:
         source, target = Path(folder) / "problem.npz", Path(folder) / "result.json"
         np.savez(source, **problem)
-        threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
-        outside = {key: value for key, value in os.environ.items() if key not in {"PYTHONPATH", "PYTHONHOME"}}
-        start = time.perf_counter()
-        try:
-            ended = subprocess.run(
-                [interpreter, str(SCRIPT), str(source), str(target)],
-                env=outside | threads, cwd=folder, capture_output=True, text=True, errors="replace",
-                timeout=LONGEST, check=False,
-            )  # fmt: skip
-        except subprocess.TimeoutExpired as error:
-            raise NoAnswer(f"GetFEM: still running after {LONGEST} s") from error
-        spent = time.perf_counter() - start
-        if ended.returncode or not target.is_file():
-            said = (ended.stderr.strip() or ended.stdout.strip() or "nothing").splitlines()[-1]
-            raise NoAnswer(f"GetFEM: its process ended with status {ended.returncode}: {said[:200]}")
-        return json.loads(target.read_text()), spent
+        ended = run_process([interpreter, str(SCRIPT), str(source), str(target)], Path(folder), LONGEST)
+        if ended.status or not target.is_file():
+            said = (ended.output.strip() or "nothing").splitlines()[-1]
+            raise NoAnswer(f"GetFEM: its process ended with status {ended.status}: {said[:200]}")
+        return json.loads(target.read_text()), ended.seconds
 
 
 def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> tuple[ShoeResponse, Balance]:

@@ -1,16 +1,20 @@
 """What a peer answers, whichever it is, and what all of them need: shoes in their own frames, responses."""
 
 import math
+import os
+import resource
+import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake import Brake, Shoe
-from drumlin.errors import BadInput
+from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.ends import contact_arcs
 from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.scene import ELEMENTS, Assembled, Mesher, actuation, assemble, pin_of, shape_of
@@ -25,11 +29,11 @@ class PeerMissing(BadInput):
 
 
 class Peer(NamedTuple):
-    """A peer's answer for a brake, and what it took, in seconds.
+    """A peer's answer for a brake, and what it took, in seconds of processor time on one thread.
 
     `seconds`: its own computing, without the start of its process where it can be told apart; `process_seconds`: the
-    whole process or processes; `further_seconds`: a further load case, another friction coefficient, reusing what
-    the peer can reuse. `unknowns`: of all its systems, equal shoes counted once where they share one.
+    whole process or processes, of one solve; `further_seconds`: a further load case, another friction coefficient,
+    reusing what the peer can reuse. `unknowns`: of all its systems, equal shoes counted once where they share one.
     """
 
     name: str
@@ -135,6 +139,31 @@ def shoe_response(
 def untouched_response(loaded: Loaded) -> tuple[ShoeResponse, Balance]:
     """The response of a shoe that its force turns away from the drum."""
     return untouched(loaded.shoe, -loaded.shoe.actuation.vector), Balance(0.0, 0.0)
+
+
+class Ended(NamedTuple):
+    """How a process ended: status, what it printed, and its processor time [s]."""
+
+    status: int
+    output: str
+    seconds: float
+
+
+def run_process(command: Sequence[str], folder: Path, longest: float) -> Ended:
+    """Run a peer in a folder, on one thread, away from this Python's paths. Raises NoAnswer after `longest` seconds."""
+    outside = {key: value for key, value in os.environ.items() if key not in {"PYTHONPATH", "PYTHONHOME"}}
+    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER"), "1")
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    try:
+        done = subprocess.run(
+            command, env=outside | threads, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            errors="replace", timeout=longest, check=False,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired as error:
+        raise NoAnswer(f"{command[0]}: still running after {longest:g} s") from error
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Ended(done.returncode, done.stdout, spent)
 
 
 def brake_response(

@@ -1,0 +1,317 @@
+"""CalculiX and GetFEM: the decks, what is read back and refused, the answers where the peers are installed."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drumlin import peers
+from drumlin.brakefile import read_brake, vary
+from drumlin.compare import pressure_distance
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.model import solve
+from drumlin.peers import calculix, getfem
+from drumlin.peers.deck import BEARING, Setting, deck, drum_angles
+from drumlin.peers.peer import loaded_shoes
+
+STUDIES = Path(__file__).parents[1] / "studies"
+MAIN = read_brake(STUDIES / "double_shoe" / "brake.toml")
+POST = vary(read_brake(STUDIES / "post_brake" / "brake.toml"), {"drum.ring": None})
+RIGID = vary(MAIN, {"shoe.body": None})
+BACKED = vary(MAIN, {"shoe.backing": {"thickness": 4e-3, "material": {"E": 1e10, "nu": 0.3}}, "shoe.body.width": 0.05})
+CLEARANCE = vary(MAIN, {"shoe[0].lining.clearance": 1e-4, "rotation": "clockwise"})
+
+needs_calculix = pytest.mark.skipif(peers.missing("calculix") is not None, reason=peers.missing("calculix") or "")
+needs_getfem = pytest.mark.skipif(peers.missing("getfem") is not None, reason=peers.missing("getfem") or "")
+
+
+class Parsed:
+    """A deck as its keywords with their rows of words."""
+
+    def __init__(self, text):
+        self.sections = []
+        for line in text.splitlines():
+            assert len(line) <= 132  # CalculiX reads no more
+            if line.startswith("**"):
+                continue
+            words = [word.strip() for word in line.split(",")]
+            if line.startswith("*"):
+                options = dict(word.partition("=")[::2] for word in words[1:])
+                self.sections.append((words[0][1:], options, []))
+            else:
+                self.sections[-1][2].append(words)
+        self.nodes = {int(row[0]): np.array([float(x) for x in row[1:3]]) for row in self.rows("NODE")}
+        self.elements = {int(r[0]): [int(x) for x in r[1:]] for r in self.rows("ELEMENT") if len(r) > 2}
+
+    def rows(self, keyword, **options):
+        return [row for key, given, rows in self.sections if key == keyword and options.items() <= given.items()
+                for row in rows]  # fmt: skip
+
+    def edge(self, element, face):
+        """Ends and middle of a face, in the element's sense."""
+        nodes = self.elements[element]
+        corners = len(nodes) // 2
+        return [self.nodes[nodes[i]] for i in (face - 1, face % corners, corners + face - 1)]
+
+
+def outward(ends):
+    along = ends[1] - ends[0]
+    return np.array([along[1], -along[0]]) / np.hypot(*along)
+
+
+@pytest.mark.parametrize(
+    ("brake", "kind"),
+    [(MAIN, "quad2"), (MAIN, "tri2"), (BACKED, "quad2"), (RIGID, "quad2"), (POST, "tri2"), (POST, "quad2")],
+    ids=["arc", "triangles", "backing", "rigid", "post-triangles", "post"],
+)
+@pytest.mark.parametrize("index", [0, 1])
+def test_deck_states_the_brake(brake, kind, index):
+    """Load, faces towards each other on the friction surface, hinge and rotation, all in mm, N, MPa."""
+    setting = Setting(scale=0.25, rotation=2e-3, thickness=0.02)
+    loaded = loaded_shoes(brake, 12, kind)[index]
+    shoe, text = loaded.shoe, deck(brake, loaded, setting)
+    assert text == deck(brake, loaded, setting)
+    parsed, R = Parsed(text), brake.drum.radius * 1e3
+
+    for element in parsed.elements.values():
+        x, y = np.array([parsed.nodes[n] for n in element[: len(element) // 2]]).T
+        assert (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() > 0
+    contact = [(int(e), int(face[1])) for e, face in parsed.rows("SURFACE", NAME="SLINING")]
+    assert len(contact) == 12
+    ((_, drum_face),) = parsed.rows("SURFACE", NAME="SDRUM")
+    drum = [int(row[0]) for row in parsed.rows("ELEMENT", ELSET="DRUM")]
+    for faces, sign in ((contact, shoe.sign), ([(e, int(drum_face[1])) for e in drum], -shoe.sign)):
+        for element, face in faces:
+            ends = parsed.edge(element, face)
+            assert np.hypot(*np.array(ends).T) == pytest.approx(R, rel=1e-9)
+            assert outward(ends) @ ends[2] / R == pytest.approx(sign, abs=1e-6)
+    angles = drum_angles(loaded)
+    assert angles[0] < shoe.lining.start - 0.02 and angles[-1] > shoe.lining.end + 0.02
+
+    force, moment, pin = np.zeros(2), 0.0, shoe.hinge.xy * 1e3
+    (turn_node,) = [int(row[0]) for row in parsed.rows("NODE", NSET="TURN")]
+    for node, component, value in parsed.rows("CLOAD"):
+        if int(node) == turn_node:
+            moment += float(value)
+            continue
+        f = np.eye(2)[int(component) - 1] * float(value)
+        force += f
+        arm = parsed.nodes[int(node)] - pin
+        moment += arm[0] * f[1] - arm[1] * f[0]
+    size = setting.scale * setting.thickness
+    assert force == pytest.approx(size * shoe.actuation.vector, rel=1e-9, abs=1e-9 * abs(size * shoe.actuation.force))
+    assert moment == pytest.approx(size * 1e3 * shoe.actuation.moment_about(shoe.hinge), rel=1e-9)
+
+    for terms in [row for row in parsed.rows("EQUATION") if len(row) > 1]:
+        node, component, own = int(terms[0]), int(terms[1]), float(terms[2])
+        arm = parsed.nodes[node] - pin
+        turned = np.array([-arm[1], arm[0]])[component - 1]
+        assert own * turned + float(terms[8]) == pytest.approx(0, abs=1e-9 * R)  # turn 1
+        assert own + float(terms[5]) == 0  # shift 1
+
+    moved = {}
+    for row in parsed.rows("BOUNDARY"):
+        if len(row) > 3:
+            moved.setdefault(int(row[0]), np.zeros(2))[int(row[1]) - 1] = float(row[3])
+    assert set(moved) == {n for e in drum for n in parsed.elements[e]}
+    for node, u in moved.items():
+        x = parsed.nodes[node]
+        assert np.hypot(*(x + u)) == pytest.approx(np.hypot(*x), rel=1e-12)
+        assert (x[0] * u[1] - x[1] * u[0]) / (x @ x) == pytest.approx(brake.spin * np.sin(5e-4), rel=1e-6)
+
+    (modulus, nu) = map(float, parsed.rows("ELASTIC")[0])
+    assert (modulus, nu) == pytest.approx((shoe.lining.material.E * 1e-6, shoe.lining.material.nu))
+    names = [given["NAME"] for key, given, _ in parsed.sections if key == "MATERIAL"]
+    (thickness,) = {float(row[0]) for row in parsed.rows("SOLID SECTION")}
+    assert thickness == pytest.approx(0.02 * shoe.lining.width * 1e3)
+    if brake is BACKED:  # wider than the lining: stiffer instead
+        assert float(parsed.rows("ELASTIC")[names.index("SHOE")][0]) == pytest.approx(2.1e5 * 50 / 40)
+
+
+def test_decks_that_calculix_does_not_get():
+    with pytest.raises(BadInput, match="quad2, tri2"):
+        deck(MAIN, loaded_shoes(MAIN, 8, "quad1")[0], Setting())
+    open_ = vary(MAIN, {"shoe[0].lining.clearance": 1e-4})
+    with pytest.raises(BadInput, match="clearance"):
+        deck(open_, loaded_shoes(open_, 8)[0], Setting())
+    for change, said in (({"friction": 0.0}, "friction"), ({"drum.ring": {"bending_stiffness": 1e3}}, "ring")):
+        with pytest.raises(BadInput, match=said):
+            loaded_shoes(vary(MAIN, change))
+
+
+def written(brake, loaded, setting, **changes):
+    """CalculiX's results for a uniform pressure that holds the shoe in balance, and that pressure [Pa]."""
+    shoe, R = loaded.shoe, brake.drum.radius
+    theta = drum_angles(loaded)
+    lining = (theta[:-2:2] >= shoe.lining.start - 1e-9) & (theta[2::2] <= shoe.lining.end + 1e-9)
+    xi, w = np.polynomial.legendre.leggauss(8)
+    psi = np.array([xi * (xi - 1) / 2, 1 - xi**2, xi * (xi + 1) / 2])
+    slope = np.array([xi - 0.5, -2 * xi, xi + 0.5])
+    nodal, torque = np.zeros((len(theta), 2)), 0.0
+    for k in np.flatnonzero(lining):  # traction -n + mu s e, times the width, per pascal, on the element's edge
+        on = slice(2 * k, 2 * k + 3)
+        nodes = R * np.array([np.cos(theta[on]), np.sin(theta[on])])
+        x, ds = nodes @ psi, np.hypot(*(nodes @ slope)) * w * shoe.lining.width
+        drag = brake.friction * brake.spin
+        t = (-shoe.sign * x + drag * np.array([-x[1], x[0]])) / np.hypot(*x)
+        nodal[on] += np.einsum("aq,cq,q->ac", psi, t, ds)
+        torque += drag * np.hypot(*x) @ ds
+    total = nodal.sum(axis=0)
+    arm = shoe.hinge.xy
+    pressure = shoe.actuation.moment_about(shoe.hinge) / (arm[0] * total[1] - arm[1] * total[0] - torque)
+    pin = -(pressure * total + shoe.actuation.vector)
+    size = setting.scale * setting.thickness
+    nodal, pin, moment = size * pressure * nodal, size * pin * changes.get("pin", 1.0), size * 1e3 * pressure * torque
+    rows = np.zeros((2 * len(theta) + len(theta) // 2 + 1, 2))
+    rows[: len(theta)] = nodal
+    elements = np.repeat(np.arange(1, 1 + changes.get("touching", 20)), 6)
+    shear = changes.get("shear", 1.0) * brake.friction
+    when = changes.get("time", "0.1000000E+01")
+    dat = [
+        f" displacements (vx,vy,vz) for set PIN and time  {when}", "",
+        f"  900 {-pin[0] / BEARING:.6E} {-pin[1] / BEARING:.6E} 0.000000E+00", "",
+        f" displacements (vx,vy,vz) for set TURN and time  {when}", "",
+        f"  901 {setting.scale * 1e-4:.6E} 0.000000E+00 0.000000E+00", "",
+        f" forces (fx,fy,fz) for set NDRUM and time  {when}", "",
+        *[f"  {902 + i} {f[0]:.6E} {f[1]:.6E} 0.000000E+00" for i, f in enumerate(rows)], "",
+        " contact stress (slave element+face,press,tang1,tang2) for all contact elements and time 0.1000000E+01", "",
+        *[f"  {e} 3 {pressure * 1e-6 * setting.scale:.6E} {shear * pressure * 1e-6 * setting.scale:.6E} 1.0E-09"
+          for e in elements], "",
+        " statistics for slave set SLINING, master set SDRUM and time  0.1000000E+01", "",
+        "   total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)", "",
+        f"  0.0 0.0 0.0 0.0 0.0 {moment:.6E}", "",
+        "   center of gravity and mean normal", "", "  0.0 0.0 0.0 0.0 0.0 0.0",
+    ]  # fmt: skip
+    sta = "SUMMARY OF JOB INFORMATION\n  STEP INC ATT ITRS TOT\n     1   1   1   4  0.5\n     1   2   1   3  1.0\n"
+    return "\n".join(dat) + "\n", sta, " number of equations\n 1459\n", pressure
+
+
+@pytest.mark.parametrize("index", [0, 1])
+def test_results_are_read_as_written(index):
+    setting, loaded = Setting(scale=0.5), loaded_shoes(MAIN, 20)[index]
+    *texts, pressure = written(MAIN, loaded, setting)
+    state = calculix.read_state(*texts, MAIN, loaded, setting)
+    calculix.check(loaded, state)
+    assert (state.iterations, state.unknowns) == (7, 1459)
+    assert (state.touching, state.points, state.sticking) == (20, 120, 0.0)
+    shoe, balance = calculix.extrapolated(MAIN, loaded, [0.5], [state])
+    edge = 0.5  # the jump at the ends leaves ripples in the elements next to them
+    inside = (shoe.theta > shoe.theta[0] + edge) & (shoe.theta < shoe.theta[-1] - edge)
+    assert shoe.pressure[inside] == pytest.approx(pressure, rel=1e-4)
+    spec = MAIN.shoes[index].lining
+    assert shoe.torque == pytest.approx(0.3 * 0.04 * 0.15**2 * (spec.end - spec.start) * pressure, rel=1e-4)
+    assert shoe.turn == pytest.approx(1e-4)
+    assert shoe.self_energising == (MAIN.shoes[index].name == "left")
+    assert max(balance.force, balance.moment) < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [({"pin": 1.01}, "balance"), ({"touching": 1}, "contact points"), ({"time": "0.4E+00"}, "ended at 0.4")],
+    ids=["unbalanced", "handful", "stopped"],
+)
+def test_states_that_are_none_are_refused(changes, said):
+    setting, loaded = Setting(), loaded_shoes(MAIN, 20)[0]
+    *texts, _ = written(MAIN, loaded, setting, **changes)
+    with pytest.raises(NoAnswer, match=said):
+        calculix.check(loaded, calculix.read_state(*texts, MAIN, loaded, setting))
+    assert calculix.read_state(*written(MAIN, loaded, setting, shear=0.9)[:3], MAIN, loaded, setting).sticking == 1
+    with pytest.raises(NoAnswer, match="wrote no contact state"):
+        calculix.read_state("", "", "", MAIN, loaded, setting)
+
+
+def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
+    loaded, turned = loaded_shoes(MAIN, 20)[0], []
+
+    def run(brake, loaded, setting):
+        turned.append(setting.rotation)
+        shear = 1.0 if setting.rotation > limit else 0.5
+        return calculix.read_state(*written(brake, loaded, setting, shear=shear)[:3], brake, loaded, setting)
+
+    monkeypatch.setattr(calculix, "run", run)
+    limit = 3e-3
+    states, rotation = calculix.slipping_states(MAIN, loaded, (0.5, 0.25), Setting(rotation=1e-3))
+    assert (len(states), rotation, turned) == (2, 4e-3, [1e-3, 2e-3, 4e-3, 4e-3])
+    limit = 1.0
+    with pytest.raises(NoAnswer, match="do not slip"):
+        calculix.slipping_states(MAIN, loaded, (0.5,), Setting(rotation=1e-3))
+
+
+def test_extrapolation_to_small_displacements():
+    s = np.array([1.0, 0.5, 0.2])
+    values = 3.0 + np.outer(s, [0.5, -2.0])
+    assert calculix.at_zero(s, values) == pytest.approx(np.array([3.0, 3.0]), rel=1e-14)
+    assert calculix.at_zero([0.5, 0.25], np.array([2.0, 1.5])) == pytest.approx(1.0)
+    assert calculix.at_zero([0.5], np.array([2.0])) == 2.0
+
+
+def test_absent_peers_say_how_to_install_them(monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    for find in (calculix.version, getfem.python):
+        find.cache_clear()
+    try:
+        for name, package in (("calculix", "calculix-ccx"), ("getfem", "python3-getfem++")):
+            assert f"apt install {package}" in peers.missing(name)
+            with pytest.raises(peers.PeerMissing, match="is not installed") as fault:
+                peers.solve(name, MAIN, elements=8)
+            assert fault.value.exit_status == 2
+    finally:
+        for find in (calculix.version, getfem.python):
+            find.cache_clear()
+    with pytest.raises(BadInput, match="allowed: calculix, getfem"):
+        peers.solve("abaqus", MAIN)
+
+
+def test_export_command(tmp_path):
+    from typer.testing import CliRunner
+
+    from drumlin.cli import app
+
+    away = (STUDIES / "double_shoe" / "brake.toml").read_text().replace('"2 kN"', '"-2 kN"', 1)
+    (tmp_path / "my brake.toml").write_text(away)
+    call = ["export", str(tmp_path / "my brake.toml"), "--output", str(tmp_path / "out"), "--elements", "8", "--to"]
+    result = CliRunner().invoke(app, [*call, "calculix"])
+    assert result.exit_code == 0
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert names == ["my_brake_left_s0.25.inp", "my_brake_left_s0.5.inp"]
+    assert "run: ccx my_brake_left_s0.5 " in (tmp_path / "out" / names[1]).read_text()
+    assert "'right': no deck" in result.output
+    with pytest.raises(BadInput, match="allowed: calculix"):
+        CliRunner().invoke(app, [*call, "abaqus"], catch_exceptions=False)
+
+
+@needs_getfem
+@pytest.mark.parametrize(("formulation", "close"), [("full slip", 2e-6), ("coulomb", 4e-5)])
+def test_getfem_agrees(formulation, close):
+    """The same condition on the same mesh; GetFEM decides contact in the weak sense, drumlin node by node."""
+    peer, own = peers.solve("getfem", MAIN, elements=40, formulation=formulation), solve(MAIN, elements=40)
+    assert peer.response.torque == pytest.approx(own.torque, rel=close)
+    for a, b in zip(peer.response.shoes, own.shoes, strict=True):
+        assert pressure_distance(a, b) < 1e-3
+        assert a.hinge_reaction == pytest.approx(b.hinge_reaction, rel=1e-3)
+        assert (a.self_energising, np.sign(a.turn)) == (b.self_energising, np.sign(b.turn))
+    assert peer.further_seconds < peer.process_seconds > peer.seconds > 0
+
+
+@needs_getfem
+def test_getfem_on_other_brakes():
+    for brake in (POST, RIGID, BACKED, CLEARANCE):
+        peer, own = peers.solve("getfem", brake, elements=24), solve(brake, elements=24)
+        assert peer.response.torque == pytest.approx(own.torque, rel=2e-4)
+    locked = vary(MAIN, {"friction": 1.3})
+    for formulation in getfem.FORMULATIONS:
+        with pytest.raises(NoAnswer, match="GetFEM"):
+            peers.solve("getfem", locked, elements=12, formulation=formulation)
+
+
+@needs_calculix
+def test_calculix_agrees():
+    """Extrapolated: torque within 1e-3; p within 2 % in L2, one lining thickness away from the ends."""
+    peer, own = peers.solve("calculix", MAIN, elements=20), solve(MAIN, elements=80)
+    assert peer.response.torque == pytest.approx(own.torque, rel=1e-3)
+    for a, b in zip(peer.response.shoes, own.shoes, strict=True):
+        assert pressure_distance(a, b, 8 / 150) < 0.02
+        assert a.hinge_reaction == pytest.approx(b.hinge_reaction, rel=2e-3)
+    rigid = peers.solve("calculix", RIGID, elements=12)
+    assert rigid.response.torque == pytest.approx(solve(RIGID, elements=40).torque, rel=1e-3)
