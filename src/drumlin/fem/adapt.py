@@ -43,7 +43,7 @@ Points = dict[tuple[object, ...], list[float]]
 class Respond(Protocol):
     """What answers for a brake on a scene, from the contact of an earlier response."""
 
-    def __call__(self, scene: Scene, brake: Brake, *, start: Response | None) -> Response:
+    def __call__(self, scene: Scene, brake: Brake, *, start: Response | None = None) -> Response:
         """The response."""
 
 

@@ -15,9 +15,9 @@ from drumlin import contact
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.adapt import adapt
 from drumlin.fem.ends import contact_arcs
 from drumlin.fem.mesh import DEFAULT_KIND
+from drumlin.fem.omission import adapt_without
 from drumlin.fem.scene import (
     ELEMENTS,
     Body,
@@ -54,16 +54,16 @@ def solve(
 ) -> Response:
     """Mesh, condense and solve a brake: prepare, then respond; with a `tolerance` on meshes adapted to it.
 
-    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque. Raises
-    NoAnswer where it is not reached, BadInput where `elements` are given too. kept: bodies of earlier solves, see
-    `prepare`.
+    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the mesh and
+    of what is left out for it. Raises NoAnswer where it is not reached, BadInput where `elements` are given too.
+    kept: bodies of earlier solves, see `prepare`.
     """
     if tolerance is None:
         scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind, kept=kept)
         return respond(scene, brake, penalty=penalty)
     if elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
-    return adapt(brake, tolerance, partial(respond, penalty=penalty), kind)
+    return adapt_without(brake, tolerance, partial(respond, penalty=penalty), kind)
 
 
 def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None) -> Response:
@@ -326,4 +326,4 @@ def groups_of(scene: Scene, brake: Brake) -> list[list[int]]:
     """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
     touching = [i for i, shoe in enumerate(brake.shoes) if turns_towards(scene.bodies[i], shoe)]
     # Shoes meet each other only through an elastic ring.
-    return [[i] for i in touching] if scene.ring is None else [touching] if touching else []
+    return [[i] for i in touching] if scene.ring is None or scene.apart else [touching] if touching else []

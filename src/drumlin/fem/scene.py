@@ -73,13 +73,17 @@ class Body:
 
 @dataclass(frozen=True)
 class Scene:
-    """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if it has one."""
+    """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if it has one.
+
+    `apart`: each shoe meets the ring as if the others did not press it.
+    """
 
     brake: Brake
     bodies: tuple[Body, ...]
     ring: RingBody | None
     seconds: Seconds
     left_out: tuple[str, ...]
+    apart: bool = False
 
 
 def why_not(brake: Brake) -> str | None:
@@ -202,9 +206,7 @@ def prepare(
         bodies.append(made[key])
     ring = None
     left_out = ["interior fields: recovered only for a picture"]
-    if brake.drum.ring is None:
-        left_out.append("drum: rigid, no [drum.ring] in the brake")
-    else:
+    if brake.drum.ring is not None:
         with clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
             ring = kept.get((bare(brake), setting), partial(ring_body, brake, brake.drum.ring, lines, elements), _bytes)
@@ -212,10 +214,17 @@ def prepare(
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
         left_out.append("friction: mu = 0, symmetric, without the flexibility under drag")
-    for shoe in brake.shoes:
-        if shoe.mesh is None and shoe.body is None:
-            left_out.append(f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed")
-    return Scene(brake, tuple(bodies), ring, seconds, tuple(left_out))
+    return Scene(brake, tuple(bodies), ring, seconds, (*left_out, *lacking(brake)))
+
+
+def lacking(brake: Brake) -> list[str]:
+    """What is not computed because the brake has it not, in words."""
+    drum = [] if brake.drum.ring is not None else ["drum: rigid, no [drum.ring] in the brake"]
+    return drum + [
+        f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed"
+        for shoe in brake.shoes
+        if shoe.mesh is None and shoe.body is None
+    ]
 
 
 def _bytes(body: Body | RingBody) -> int:

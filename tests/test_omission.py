@@ -1,0 +1,213 @@
+"""What is left out of a brake: exact where it is said to be, predicted where not, within the tolerance where unseen."""
+
+import math
+
+import numpy as np
+import pytest
+
+from conftest import ROOT, STUDY
+from drumlin.brake import Ring
+from drumlin.brakefile import read_brake, vary
+from drumlin.compare import pressure_distance
+from drumlin.errors import BadInput
+from drumlin.fem import omission
+from drumlin.fem.adapt import adapt
+from drumlin.fem.model import respond, solve
+from drumlin.fem.omission import change, predict, scene_without, simplified
+from drumlin.fem.scene import prepare
+from drumlin.fem.sketch import ring_modes, sketcher
+from drumlin.left_out import omissions
+
+BRAKE = read_brake(STUDY / "brake.toml")
+POST = read_brake(STUDY.parent / "post_brake" / "brake.toml")
+IRON = {"E": 1.2e11, "nu": 0.25}
+RIGID = {"shoe.body": None}
+
+
+def ringed(support, thickness=0.015, E=1.2e11):
+    return {"drum.ring": {"thickness": thickness, "width": 0.04, "material": IRON | {"E": E}, "support": support}}
+
+
+def backed(thickness, E):
+    return {"shoe.backing": {"thickness": thickness, "material": {"E": E, "nu": 0.3}}}
+
+
+def alone(brake):
+    return brake.model_copy(update={"shoes": brake.shoes[:1]})
+
+
+def test_what_is_left_out_exactly_changes_nothing_but_round_off():
+    for brake, count in ((BRAKE, 2), (vary(BRAKE, {"friction": 0.0}), 3)):
+        exact = [row for row in omissions(brake, "b", elements=16, repeats=0) if row["exact"] == "yes"]
+        assert len(exact) == count
+        for row in exact:
+            assert max(row["torque"], row["pressure"], row["reaction"]) < 1e-9
+    # and a rigid drum couples no shoes
+    other = vary(BRAKE, {"shoe[1].actuation.force": 9e3})
+    one, both = (solve(spec, elements=16).shoes[0].torque for spec in (BRAKE, other))
+    assert one == pytest.approx(both, rel=1e-12)
+
+
+@pytest.mark.parametrize("support", ["fixed", "free"])
+def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(support):
+    """Mode 0 against Lame, high modes against the half-plane, of a thin free ring modes 2 to 5 against bending."""
+    R, t, E, nu = 0.15, 0.02, 1.2e11, 0.25
+    ring = Ring(thickness=t, width=0.04, material=IRON, support=support)
+    radial, _ = ring_modes(ring, R, 1, np.arange(300))
+    b = R + t
+    # u = A r + B/r, sigma_r = E/(1 - nu^2) ((1 + nu) A - (1 - nu) B/r^2) = -1 for r = R
+    stress = lambda r: [(1 + nu) * E / (1 - nu**2), -(1 - nu) / r**2 * E / (1 - nu**2)]  # noqa: E731
+    outer = [b, 1 / b] if support == "fixed" else stress(b)
+    A, B = np.linalg.solve(np.array([stress(R), outer]), [-1.0, 0.0])
+    assert radial[0] == pytest.approx(A * R + B / R, rel=1e-6)
+    assert radial[250] == pytest.approx(2 * R / (E * 250), rel=0.05)
+    if support == "free":
+        thin = Ring(thickness=1e-3 * R, width=0.04, material=IRON, support="free")
+        k = np.arange(2, 6)
+        EI_per_width = E * (1e-3 * R) ** 3 / 12
+        assert ring_modes(thin, R, 1, k)[0] == pytest.approx(R**4 / (EI_per_width * (k**2 - 1) ** 2), rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    "brake",
+    [
+        BRAKE,
+        vary(BRAKE, ringed("free")),
+        vary(BRAKE, backed(0.005, 1e10) | {"shoe[1].body.thickness": 0.012}),
+        POST,
+    ],
+    ids=["shoe", "ring", "backing and two shoes", "post"],
+)
+def test_a_sketch_of_closed_forms_answers_as_the_finite_elements_of_its_mesh(brake):
+    sketch, full = respond(sketcher(24)(brake), brake), solve(brake, elements=24)
+    assert sketch.torque == pytest.approx(full.torque, rel=4e-3)
+    assert max(pressure_distance(a, b) for a, b in zip(sketch.shoes, full.shoes, strict=True)) < 0.05
+
+
+LADDER = {
+    "shoe stiff": (vary(BRAKE, {"shoe.body.material.E": 2.1e13}), "shoe"),
+    "shoe stiffer": (vary(BRAKE, {"shoe.body.material.E": 2.1e14}), "shoe"),
+    "shoe thick": (vary(BRAKE, {"shoe.body.thickness": 0.05, "shoe.lining.material.E": 3e7}), "shoe"),
+    "ring fixed": (vary(BRAKE, ringed("fixed")), "ring"),
+    "ring fixed, soft": (vary(BRAKE, ringed("fixed", E=1e9) | RIGID), "ring"),
+    "ring fixed, clearance": (vary(BRAKE, ringed("fixed", E=1e10) | {"shoe.lining.clearance": 5e-5}), "ring"),
+    "ring free, stiff": (vary(BRAKE, ringed("free", 0.03, 2e13)), "ring"),
+    "ring free": (vary(BRAKE, ringed("free", 0.03, 2e12)), "coupling"),
+    "backing": (vary(BRAKE, backed(0.005, 1e10)), "backing"),
+    "backing, rigid shoe": (vary(BRAKE, backed(0.005, 3e9) | RIGID), "backing"),
+    "drag, rigid shoe": (vary(BRAKE, RIGID), "drag"),
+    "drag, stiff shoe": (vary(BRAKE, {"shoe.body.material.E": 2.1e13, "friction": 0.1}), "drag"),
+}
+
+
+@pytest.mark.parametrize("case", LADDER)
+def test_predictions_are_within_a_factor_two_of_the_truth(case):
+    """p and the shoes' torques, between 1e-4 and 0.3; what adapt_without uses is never 1.5 times too small."""
+    brake, part = LADDER[case]
+
+    def make(spec):
+        return prepare(spec, elements=48)
+
+    predicted = predict(brake, [part], respond)
+    true = change(respond(*scene_without(brake, [part], make)), respond(make(brake), brake))
+    judged = [(a, b) for a, b in ((predicted.pressure, true.pressure), (predicted.shoes, true.shoes)) if b > 1e-4]
+    assert judged
+    for a, b in judged:
+        assert b < 0.3
+        assert b / omission.SAFETY < a < 2 * b
+
+
+WITHIN = {
+    "ring fixed": alone(vary(BRAKE, ringed("fixed"))),
+    "ring fixed, thin": alone(vary(BRAKE, ringed("fixed", 0.005))),
+    "ring fixed, soft": alone(vary(BRAKE, ringed("fixed", E=1e10))),
+    "ring fixed, thin shoe": alone(vary(BRAKE, ringed("fixed") | {"shoe.body.thickness": 0.012})),
+    "ring fixed, two shoes, clearance": vary(BRAKE, ringed("fixed") | {"shoe.lining.clearance": 1e-4}),
+    "ring free": alone(vary(BRAKE, ringed("free"))),
+    "ring free, stiff": alone(vary(BRAKE, ringed("free", 0.03, 2e13))),
+    "shoe": alone(BRAKE),
+    "shoe stiff": alone(vary(BRAKE, {"shoe.body.material.E": 2.1e13})),
+    "shoe stiffer, mu 0.6": alone(vary(BRAKE, {"shoe.body.material.E": 2.1e14, "friction": 0.6})),
+    "shoe stiffest, ring": alone(vary(BRAKE, {"shoe.body.material.E": 2.1e15} | ringed("fixed", 0.005))),
+    "rigid shoe, ring, mu 0": alone(vary(BRAKE, RIGID | ringed("fixed") | {"friction": 0.0})),
+}
+OMITTED = {  # what is left out for 1e-1, 1e-2, 1e-3
+    "ring fixed": ("ring", "ring", ""),
+    "ring fixed, soft": ("ring", "", ""),
+    "ring free": ("", "", ""),
+    "shoe": ("", "", ""),
+    "shoe stiffest, ring": ("ring and shoe", "ring and shoe", "ring"),
+}
+
+
+@pytest.mark.parametrize("case", WITHIN)
+def test_the_true_error_stays_within_the_tolerance_with_what_is_left_out_for_it(case):
+    brake = WITHIN[case]
+    truth = adapt(brake, 2e-4, respond)
+    for i, tolerance in enumerate((1e-1, 1e-2, 1e-3)):
+        response = solve(brake, tolerance=tolerance, penalty=math.inf)
+        true = change(response, truth)
+        assert max(true.pressure, true.torque) <= tolerance
+        assert max(response.error.values()) <= tolerance
+        assert true.torque <= response.error["torque"] + 1e-6
+        said = [line for line in response.left_out if "predicted to change" in line]
+        if case in OMITTED:
+            assert [line.split(":")[0] for line in said] == [OMITTED[case][i]] * bool(OMITTED[case][i])
+        assert any("no [drum.ring]" in line for line in response.left_out) == (brake.drum.ring is None)
+
+
+def test_what_proves_larger_afterwards_than_predicted_is_put_back(monkeypatch):
+    brake = alone(vary(BRAKE, ringed("fixed", E=1e9)))
+    nothing = change(*[solve(BRAKE, elements=8)] * 2)
+    monkeypatch.setattr(omission, "_chosen", lambda *_: (("ring",), nothing))
+    response = solve(brake, tolerance=2e-2)
+    assert not any("predicted" in line for line in response.left_out)
+    assert response.torque == pytest.approx(solve(brake, elements=60).torque, rel=1e-3)
+
+
+def test_omissions_compose_and_their_words_are_checked():
+    brake = vary(BRAKE, ringed("free") | backed(0.005, 1e10))
+    bare = simplified(brake, ["ring", "shoe", "backing"])
+    assert bare.drum.ring is None
+    assert all(shoe.body is None and shoe.backing is None for shoe in bare.shoes)
+    assert simplified(POST, ["shoe", "backing"]).shoes == POST.shoes
+    with pytest.raises(BadInput, match="'rim': cannot be left out; allowed: ring, coupling"):
+        simplified(brake, ["rim"])
+
+
+def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
+    from drumlin.fem.model import contact_problem
+
+    brake = vary(BRAKE, ringed("free"))
+    scene, simple = scene_without(brake, ["drag"], lambda spec: prepare(spec, elements=16))
+    A = contact_problem(scene, simple, [0, 1]).A
+    assert np.abs(A - A.T).max() < 1e-12 * np.abs(A).max()
+    response = respond(scene, simple)
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    assert response.torque != pytest.approx(solve(brake, elements=16).torque, rel=1e-3)
+
+
+def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining():
+    """Under a load that keeps all of it in contact; half as much on twice as many elements."""
+    brake = alone(vary(BRAKE, RIGID | {"shoe.actuation.force": 1e5}))
+    rows = [omissions(brake, "b", elements=n, repeats=0)[1:] for n in (48, 96)]
+    coarse, fine = (next(row for row in found if row["part"] == "curvature") for found in rows)
+    for row in (coarse, fine):
+        assert row["pressure"] < 0.3
+        assert 0.5 < row["predicted_pressure"] / row["pressure"] < 2
+    assert coarse["pressure"] / fine["pressure"] == pytest.approx(2, rel=0.3)
+
+
+def test_the_section_says_what_the_rows_give_and_a_case_without_answer_stays(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT)
+    from studies.error_vs_runtime.left_out import section
+
+    rows = omissions(vary(BRAKE, RIGID), "b", elements=12, repeats=1)
+    locked = omissions(vary(BRAKE, {"friction": 1.1}), "locked when rigid", elements=12, repeats=0)
+    failed = [row for row in locked if row["status"].startswith("failed: shoe 'left': self-locking")]
+    assert {row["part"] for row in failed} >= {"shoe"}
+    made = section([*rows, *locked], tmp_path)
+    assert (tmp_path / "left_out.svg").stat().st_size > 10_000
+    assert len((tmp_path / "left_out.csv").read_text().splitlines()) == len(rows) + len(locked) + 1
+    assert {row["part"] for row in made.blocks[3].rows} >= {"drag", "curvature", "shoe", "interior fields"}
+    assert "times the truth for p" in made.blocks[2].html
