@@ -8,10 +8,13 @@ a unit of work that is measured at once, so that ratios hold where the machine's
 import importlib
 import math
 import multiprocessing
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache, partial
+from pathlib import Path
 from statistics import median, quantiles
 from typing import Any, NamedTuple
 
@@ -223,6 +226,17 @@ def _grown(brake: Brake, method: Method) -> int:
     before = peak_memory()
     solved(brake, method)
     return peak_memory() - before
+
+
+def process_seconds(brake_file: Path, *options: str, repeats: int = REPEATS) -> float:
+    """Wall-clock seconds of a whole `drumlin solve` of a brake file, from the start of its process; the median."""
+    command = [sys.executable, "-c", "from drumlin.cli import main; main()", "solve", str(brake_file), *options]
+    samples = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        subprocess.run(command, check=True, capture_output=True)
+        samples.append(time.perf_counter() - start)
+    return median(samples)
 
 
 def peer_row(brake: Brake, method: Method, truth: Response, repeats: int = REPEATS) -> dict[str, Any]:
