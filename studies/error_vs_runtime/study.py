@@ -98,8 +98,11 @@ def methods(name: str, brake: Brake, *, short: bool = False) -> list[Method]:
             for n in some
         ]
     if name in WITH_PEERS and not short:
-        found += [Method("GetFEM", f"{n} elements", {"elements": n}) for n in (20, 40, 80)]
-        found += [Method("CalculiX", f"{n} elements", {"elements": n}) for n in (20, 40)]
+        found.append(
+            Method("graded mesh", "quad2, 56 elements", {"kind": "quad2", "elements": 56})
+        )  # half a percent of p
+        found += [Method("GetFEM", f"{n} elements", {"elements": n}) for n in (20, 40, 56, 80)]
+        found += [Method("CalculiX", f"{n} elements", {"elements": n}) for n in (40, 56)]
     return found
 
 
@@ -404,8 +407,8 @@ def peers_sections(result: Result) -> list[Section]:
                 continue
             aims = {"GetFEM": (20, 200), "CalculiX": (200, None)}[peer]
             cold, warm = theirs[0]["seconds"] / own[0]["seconds"], theirs[0]["further"] / own[0]["further"]
-            said = f"{name}, 0.5 % of p: {peer} ({theirs[0]['method']}) takes {cold:.0f} times as long as drumlin ({own[0]['method']}) cold (aim {aims[0]}{'' if cold >= aims[0] else ', missed'})"
-            said += f", {warm:.0f} times for a further load case" + (
+            said = f"{name}, 0.5 % of p: {peer} ({theirs[0]['method']}) takes {cold:.2g} times as long as drumlin ({own[0]['method']}) cold (aim {aims[0]}{'' if cold >= aims[0] else ', missed'})"
+            said += f", {warm:.2g} times for a further load case" + (
                 "" if aims[1] is None else f" (aim {aims[1]}{'' if warm >= aims[1] else ', missed'})"
             )
             whole = theirs[0]["process"] / own[0]["process"]
