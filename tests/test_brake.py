@@ -40,6 +40,7 @@ REFUSED = [
     ('radius = "150 mm"', 'radius = "0 mm"', ["drum.radius", "greater than 0"]),
     ('radius = "150 mm"', 'radius = "1e999 mm"', ["drum.radius", "1e999"]),
     ('radius = "150 mm"', 'radius = "9**9**9 mm"', ["drum.radius", "a number and its unit"]),
+    ('radius = "150 mm"', 'radius = "150 m^9^9^9^9"', ["drum.radius", "a number and its unit"]),
     ('radius = "150 mm"', 'radius = "150 furbles"', ["drum.radius", "unknown unit 'furbles'"]),
     ('radius = "150 mm"', "radius = nan", ["drum.radius = nan"]),
     ("friction = 0.3", "friction = nan", ["friction = nan", "finite"]),

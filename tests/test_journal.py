@@ -1,6 +1,8 @@
 """A journal keeps finished cases, drops a torn line, and belongs to one state of the program and one run."""
 
+import errno
 import math
+import os
 
 import pytest
 
@@ -51,3 +53,20 @@ def test_a_finished_journal_is_kept_aside(tmp_path):
         journal.add({"n": 1}, {})
         journal.finish()
     assert (tmp_path / "cases.jsonl").exists() and not (tmp_path / "journal.jsonl").exists()
+
+
+def test_a_file_that_is_no_journal_is_left_alone(tmp_path):
+    (tmp_path / "notes").write_text("torque: 447 N m\n")
+    with pytest.raises(BadInput, match="is no journal"):
+        Journal(tmp_path / "notes")
+    assert (tmp_path / "notes").read_text() == "torque: 447 N m\n"
+
+
+def test_a_full_disk_is_said_in_one_line(tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with Journal(tmp_path / "journal", "a") as journal:
+        monkeypatch.setattr("os.write", full)
+        with pytest.raises(BadInput, match="cannot be written"):
+            journal.add({"n": 1}, {})

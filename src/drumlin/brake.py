@@ -6,6 +6,7 @@ numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surf
 
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, Self
 
@@ -23,6 +24,7 @@ from drumlin.parts import (
     Angle,
     BendingStiffness,
     Force,
+    Length,
     Material,
     Name,
     Part,
@@ -31,6 +33,7 @@ from drumlin.parts import (
     Rows,
     Thickness,
     number_or_table,
+    table,
     value_at,
 )
 from drumlin.units import deg, mm
@@ -92,11 +95,27 @@ class Ring(Part):
         return section.bending_stiffness if section else float(self.bending_stiffness or 0.0)
 
 
+class Lobes(Part):
+    """One harmonic of a drum's surface off its circle: outwards by amplitude cos(order (theta - phase)) [m].
+
+    Order 0 is growth (a hot drum), 1 run-out, 2 ovality.
+    """
+
+    order: Annotated[int, Field(ge=0, le=100)]
+    amplitude: Length
+    phase: Angle = 0.0
+
+
 class Drum(Part):
-    """The drum: friction radius R [m]; without `ring` it is rigid."""
+    """The drum: friction radius R [m]; without `ring` it is rigid.
+
+    `out_of_round`: what its surface is off the circle, as it stands when turned to `angle` = 0 [rad].
+    """
 
     radius: Thickness
     ring: Ring | None = None
+    out_of_round: tuple[Lobes, ...] = ()
+    angle: Angle = 0.0
 
 
 StiffnessAlong = Annotated[float | Rows, number_or_table("distance", "m", "bending stiffness", "N m^2")]
@@ -104,11 +123,31 @@ OffsetAlong = Annotated[float | Rows, number_or_table("distance", "m", "offset",
 Clearance = Annotated[float | Rows, number_or_table("angle", "rad", "clearance", "m")]
 
 
+STEP = math.radians(1.0)  # rad
+"""Arc of the rounded step from one block's height to the next. A sharp edge, and the corner of a straight chamfer,
+carry a pressure without bound, and no mesh would settle."""
+
+
+class Misfit(Part):
+    """How a lining's surface is off the drum's circle, besides its clearance; `drumlin.misfit` says by how much.
+
+    `radius` [m] of the lining's own circle, by default the drum's: the circle meets the drum's in the lining's
+    middle, and is moved from there by `offset` [m]. `taper` [m]: how much farther the lining stands back at its
+    end away from the hinge than at its end near it. `blocks`: rows (angle, depth) [rad, m]: from each angle on
+    the lining stands back by this depth, before the first by none.
+    """
+
+    radius: Thickness | None = None
+    offset: Place = Point(x=0.0, y=0.0)
+    taper: Length = 0.0
+    blocks: Annotated[Rows, table("angle", "rad", "depth", "m")] = ()
+
+
 class Lining(Part):
     """The friction lining, from angle `start` to `end` on the friction surface.
 
     `clearance` [m] is the gap of the unloaded lining, positive = open: one value, or a table of
-    (angle, clearance) with straight lines between.
+    (angle, clearance) with straight lines between. What `misfit` makes of it comes on top.
     """
 
     start: Angle
@@ -117,6 +156,12 @@ class Lining(Part):
     width: Thickness
     material: Material
     clearance: Clearance = 0.0
+    misfit: Misfit = Misfit()
+
+    @property
+    def middle(self) -> float:
+        """The angle of its middle [rad]."""
+        return 0.5 * (self.start + self.end)
 
     @model_validator(mode="after")
     def _arc(self) -> Self:
@@ -127,7 +172,7 @@ class Lining(Part):
         return self
 
     def clearance_at(self, theta: Floats) -> Floats:
-        """Clearance [m] at the angles `theta` [rad], same shape."""
+        """Clearance [m] at the angles `theta` [rad], same shape, without the misfit."""
         return value_at(self.clearance, theta)
 
 
@@ -340,9 +385,39 @@ class Brake(Part):
         if len(set(names)) < len(names):
             raise ValueError(f"shoe.name = {names}: names must differ")
         _check_thickness("drum.ring", self.drum.ring, self.drum.radius)
+        _check_round(self.drum)
         for i, shoe in enumerate(self.shoes):
             _check_shoe(f"shoe[{i}]", shoe, self.drum.radius)
+            _check_misfit(f"shoe[{i}].lining.misfit", shoe.lining, self.drum.radius)
         return self
+
+
+LARGEST_MISFIT = 0.05  # of the drum's radius; beyond it normals along the drum's radii are no longer a model
+
+
+def _check_round(drum: Drum) -> None:
+    off, most = sum(abs(lobes.amplitude) for lobes in drum.out_of_round), LARGEST_MISFIT * drum.radius
+    if off > most:
+        raise ValueError(f"drum.out_of_round = {mm(off)} in all: must be at most {LARGEST_MISFIT:g} R = {mm(most)}")
+
+
+def _check_misfit(key: str, lining: Lining, radius: float) -> None:
+    """Raise ValueError for a misfit that is no small one of a drum of this radius [m], or blocks not on the lining."""
+    misfit, most = lining.misfit, LARGEST_MISFIT * radius
+    allowed = f"{LARGEST_MISFIT:g} R = {mm(most)}"
+    if misfit.radius is not None and abs(misfit.radius - radius) > most:
+        raise ValueError(f"{key}.radius = {mm(misfit.radius)}: must be within {allowed} of drum.radius = {mm(radius)}")
+    depths = [depth for _, depth in misfit.blocks]
+    deepest = max(map(abs, depths), default=0.0)
+    for name, size in (("offset", misfit.offset.radius), ("taper", misfit.taper), ("blocks", deepest)):
+        if abs(size) > most:
+            raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
+    edges = [lining.start, *(angle for angle, _ in misfit.blocks), lining.end]
+    if misfit.blocks and min(b - a for a, b in pairwise(edges)) <= STEP:
+        raise ValueError(
+            f"{key}.blocks: must begin on the lining, {deg(lining.start)} to {deg(lining.end)}, "
+            f"more than {deg(STEP)} from its ends and from each other"
+        )
 
 
 THINNEST = 1e-9  # of the drum's radius: a thinner layer has no elements that arithmetic can tell from nothing

@@ -141,6 +141,16 @@ def _name(part: Part, key: str, whole: str) -> str:
     return names[key]
 
 
+def value_of(brake: Part, key: str) -> float:
+    """The number [SI] of a key, written as for `vary`; raises BadInput where it is none, or shoes differ in it."""
+    values = values_of(brake, key)
+    if not all(isinstance(value, int | float) for value in values):
+        raise BadInput(f"{key}: must be a key of the brake with a number, not {values[0]!r}")
+    if len(set(values)) > 1:
+        raise BadInput(f"{key}: is {values} of the different shoes; name one")
+    return float(values[0])
+
+
 def _steps(key: str) -> list[str]:
     return key.replace("[", ".").replace("]", "").split(".")
 

@@ -315,6 +315,91 @@ def sensitivity(
 
 
 @app.command()
+def wear(
+    brake_file: BrakeFile,
+    model: Annotated[str, typer.Option(metavar="fem|foundation", help="the elastic model that is worn in")] = "fem",
+    distance: Annotated[
+        str | None,
+        typer.Option(help='sliding distance, such as "20 km", or a number of 1/(k K), K = E/t; default: until settled'),
+    ] = None,
+    coefficient: Annotated[
+        str | None, typer.Option(metavar="K", help='of wear, such as "1e-5 mm^3/(N m)"; with an exponent: at 1 MPa')
+    ] = None,
+    exponent: Annotated[float, typer.Option(help="of the pressure in the rate of wear")] = 1.0,
+    torque: Annotated[str | None, typer.Option(help="hold this torque by the force, not the force")] = None,
+    reverse: Annotated[str | None, typer.Option(help="the drum turns back after every such distance")] = None,
+    guided: Annotated[bool, typer.Option("--guided", help="rigid shoes moving along their middle radius")] = False,
+    tolerance: Annotated[float | None, typer.Option(help="relative error of p (L2) a step")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")] = None,
+    elements: Elements = None,
+    kind: Kind = None,
+    sections: Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")] = None,
+    lift: Annotated[
+        list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
+    ] = None,
+) -> None:
+    """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe law."""
+    from drumlin.brakefile import read_brake, vary
+    from drumlin.files import write_text
+    from drumlin.rig import Rig, fem_rig, foundation_rig
+    from drumlin.run_in import COEFFICIENT, as_dict, report_lines, run_in, target
+    from drumlin.run_in import unit_distance as unit_of
+    from drumlin.units import quantity
+    from drumlin.wear import Law
+
+    brake = read_brake(brake_file)
+    if model not in {"fem", "foundation"}:
+        raise BadInput(f"--model = {model!r}: does not wear; allowed: fem, foundation")
+    meshing = _options(elements, kind=kind)
+    solving: dict[str, Any] = {
+        name: value for name, value in (("sections", sections), ("lift", lift)) if value is not None
+    }
+    if solving if model == "fem" else (meshing or guided):
+        raise BadInput("--elements, --kind and --guided belong to --model fem, --sections and --lift to foundation")
+    law = Law(COEFFICIENT if coefficient is None else quantity("--coefficient", coefficient, "1/Pa"), exponent)
+    options: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
+    if torque is not None:
+        options["torque"] = quantity("--torque", torque, "N m")
+
+    def length(key: str, text: str, rig: Rig) -> float:
+        try:
+            number = float(text)
+        except ValueError:
+            return quantity(key, text, "m")
+        return number * unit_of(rig, law)
+
+    with _busy("running in") as say:
+        if model == "fem":
+            from drumlin.fem.scene import prepare
+
+            scene = prepare(brake, **meshing)
+
+            def rig_of(turning: Any) -> Rig:
+                return fem_rig(scene, turning, guide="radius" if guided else "hinge")
+        else:
+
+            def rig_of(turning: Any) -> Rig:
+                return foundation_rig(turning, **solving)
+
+        rig = rig_of(brake)
+        if reverse is not None:
+            other = "clockwise" if brake.spin > 0 else "counter-clockwise"
+            options |= {
+                "backward": rig_of(vary(brake, {"rotation": other})),
+                "reverse": length("--reverse", reverse, rig),
+            }
+        if distance is not None:
+            options["distance"] = length("--distance", distance, rig)
+        say("wearing")
+        states = run_in(rig, law, **options)
+    goal = target(rig, law, options.get("torque"))
+    if json_file is not None:
+        write_text(json_file, json.dumps(as_dict(rig, states, goal, law), indent=1, allow_nan=False) + "\n")
+    for line in report_lines(rig, states, goal, law):
+        print(line)
+
+
+@app.command()
 def cost(
     brake_file: BrakeFile,
     elements: Elements = None,

@@ -57,7 +57,11 @@ class Journal:
         self._file.seek(0)
         text = self._file.read()
         whole = text[: text.rfind(b"\n") + 1]
-        lines = [json.loads(line) for line in whole.splitlines()]
+        try:
+            lines = [json.loads(line) for line in whole.splitlines()]
+        except ValueError as error:
+            self._file.close()
+            raise BadInput(f"{path}: is no journal; move it away, or write elsewhere") from error
         if not lines or lines[0] != {"stamp": stamp}:
             self._file.truncate(0)
             self._write({"stamp": stamp})
@@ -67,6 +71,9 @@ class Journal:
 
     def __len__(self) -> int:
         return len(self._rows)
+
+    def __bool__(self) -> bool:
+        return True  # an empty journal is a journal
 
     def __contains__(self, case: Mapping[str, Any]) -> bool:
         return key_of(case) in self._rows
@@ -108,4 +115,7 @@ class Journal:
         assert self._file is not None
         data = (json.dumps(line) + "\n").encode()
         while data:  # an unbuffered write may be short
-            data = data[os.write(self._file.fileno(), data) :]
+            try:
+                data = data[os.write(self._file.fileno(), data) :]
+            except OSError as error:
+                raise BadInput(f"{self.path}: cannot be written ({error.strerror})") from error

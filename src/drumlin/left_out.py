@@ -200,8 +200,8 @@ def straight_edges(brake: Brake, shoe: Shoe, elements: int) -> float:
 
     An edge of length h whose chord lies s = R (1 - cos(dphi/2)) off the arc leaves a gap that repeats itself as
     s (1 - (2 x/h)^2), of the waves k = 2 pi m/h with the amplitudes 4 s/(pi m)^2. A layer of thickness t bonded to a
-    rigid base, in plane stress, answers a wave w with the pressure (Johnson: Contact Mechanics, sec. 5.8, for half
-    the layer's two limits)
+    rigid base, in plane stress, answers a wave w without friction with the pressure below: the plane problem in waves,
+    of which the limits are E k/2 of a half-plane and E/((1 - nu^2) t) of a thin layer.
 
         p = w 4 G k/(kappa + 1) (2 kappa cosh 2kt + 1 + kappa^2 + (2kt)^2)/(2 kappa sinh 2kt - 4kt).
     """

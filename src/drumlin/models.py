@@ -22,10 +22,10 @@ class Model(NamedTuple):
     solve: Callable[..., Response]
 
 
-def _fem(brake: Brake, **options: Any) -> Response:
-    from drumlin.fem import model
+def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
+    from drumlin.fem import model, worn
 
-    return with_merits(brake, model.solve(brake, **options))
+    return with_merits(brake, (worn.solve if worn_in else model.solve)(brake, **options))
 
 
 def _fem_why_not(brake: AnyBrake) -> str | None:

@@ -5,7 +5,7 @@ Every number is SI. Where a brake file is read the validation's context asks for
 
 import difflib
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import pairwise
 from typing import Annotated, Any, get_args, get_origin
@@ -16,7 +16,6 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    PlainValidator,
     ValidationInfo,
     model_validator,
 )
@@ -115,23 +114,38 @@ Place = Annotated[Point, BeforeValidator(_from_polar)]
 Rows = tuple[tuple[float, float], ...]
 
 
-def number_or_table(place: str, place_si: str, name: str, si: str) -> PlainValidator:
+def number_or_table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
     """One value, or a table of (place, value) with straight lines between; for the words of a refusal: names."""
+    read_rows = _rows_reader(place, place_si, name, si, f"{NAMES[si]} or rows")
 
     def read(value: object, info: ValidationInfo, *, si: str) -> float | Rows:
         if not isinstance(value, list | tuple):
             return _si(value, si, info)
-        rows = []
-        for row in value:
-            if not isinstance(row, list | tuple) or len(row) != 2:
-                raise ValueError(f'must be {NAMES[si]} or rows like ["{EXAMPLES[place_si]}", "{EXAMPLES[si]}"]')
-            rows.append((_si(row[0], place_si, info, place), _si(row[1], si, info, name)))
-        places = [row[0] for row in rows]
-        if len(rows) < 2 or any(b <= a for a, b in pairwise(places)):
+        rows = read_rows(value, info)
+        if len(rows) < 2:
             raise ValueError(f"the table needs at least two rows, with growing {place}s")
+        return rows
+
+    return BeforeValidator(partial(read, si=si))
+
+
+def table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
+    """Any number of rows (place, value) with growing places; for the words of a refusal: names."""
+    return BeforeValidator(_rows_reader(place, place_si, name, si, "rows"))
+
+
+def _rows_reader(place: str, place_si: str, name: str, si: str, kinds: str) -> Callable[[object, ValidationInfo], Rows]:
+    def read(value: object, info: ValidationInfo) -> Rows:
+        rows = []
+        for row in value if isinstance(value, list | tuple) else [value]:
+            if not isinstance(row, list | tuple) or len(row) != 2:
+                raise ValueError(f'must be {kinds} like ["{EXAMPLES[place_si]}", "{EXAMPLES[si]}"]')
+            rows.append((_si(row[0], place_si, info, place), _si(row[1], si, info, name)))
+        if any(b[0] <= a[0] for a, b in pairwise(rows)):
+            raise ValueError(f"the table needs growing {place}s")
         return tuple(rows)
 
-    return PlainValidator(partial(read, si=si))
+    return read
 
 
 def unit_in(annotation: Any) -> str | None:
@@ -140,7 +154,7 @@ def unit_in(annotation: Any) -> str | None:
         (annotation.__origin__, *annotation.__metadata__) if get_origin(annotation) is Annotated else [annotation]
     )
     for mark in marks:
-        if isinstance(mark, BeforeValidator | PlainValidator) and isinstance(mark.func, partial):
+        if isinstance(mark, BeforeValidator) and isinstance(mark.func, partial):
             return str(mark.func.keywords["si"])
     if kind is float:
         return ""

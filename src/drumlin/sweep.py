@@ -34,7 +34,7 @@ Row = dict[str, Any]
 
 CHUNK_SECONDS = 0.1  # of work sent to a worker at a time: what a kill can lose of it
 MOST_IN_CHUNK = 64
-LOADS = ("title", "rotation", "friction", "clearance", "force", "direction", "point")
+LOADS = ("title", "rotation", "friction", "clearance", "misfit", "out_of_round", "angle", "force", "direction", "point")
 """Keys that leave the bodies as they are: cases that differ in others are solved one group after the other."""
 
 

@@ -8,15 +8,34 @@ import math
 import re
 from typing import Any
 
-# A number, then a unit made of words joined by * / ^: nothing that pint would have to evaluate.
-_QUANTITY = re.compile(
-    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([A-Za-zµμ°%][\wµμ°%/*^ ]{0,30})\s*", re.ASCII
-)
+from drumlin.errors import BadInput
+
+# A number, then a unit: words with one-digit powers, joined by blank, * or /, the last denominator perhaps in
+# brackets. Nothing that pint would have to evaluate: m^9^9^9 would take it for ever.
+_WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
+_UNIT = rf"(?:1 ?/ ?)?{_WORD}(?:[ */]{{1,3}}{_WORD}){{0,5}}(?: ?/ ?\( ?{_WORD}(?:[ *]{{1,3}}{_WORD}){{0,5}} ?\))?"
+_QUANTITY = re.compile(rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{{1,3}})?)\s*({_UNIT})\s*", re.ASCII)
 
 LARGEST = 1e30  # beyond any brake, and products of such numbers are still numbers
 SMALLEST = 1e-30  # below it a quantity is nothing: squares of such numbers would vanish, but not the numbers
-EXAMPLES = {"m": "8 mm", "N": "2 kN", "Pa": "300 MPa", "rad": "55 deg", "N m^2": "12 MN m^2"}
-NAMES = {"m": "a length", "N": "a force", "Pa": "a stress", "rad": "an angle", "N m^2": "a bending stiffness"}
+EXAMPLES = {
+    "m": "8 mm",
+    "N": "2 kN",
+    "Pa": "300 MPa",
+    "rad": "55 deg",
+    "N m": "400 N m",
+    "N m^2": "12 MN m^2",
+    "1/Pa": "1e-5 mm^3/(N m)",
+}
+NAMES = {
+    "m": "a length",
+    "N": "a force",
+    "Pa": "a stress",
+    "rad": "an angle",
+    "N m": "a torque",
+    "N m^2": "a bending stiffness",
+    "1/Pa": "a wear coefficient",
+}
 
 
 @functools.cache
@@ -59,6 +78,14 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
     if not abs(number) <= LARGEST:
         raise ValueError(f"must be finite and at most {LARGEST:g} in SI units")
     return number if abs(number) >= SMALLEST else 0.0
+
+
+def quantity(key: str, text: str, si: str) -> float:
+    """An option's text with its unit as a number in SI; raises BadInput with one line."""
+    try:
+        return to_si(text, si, unit_required=True)
+    except ValueError as error:
+        raise BadInput(f"{key} = {text!r}: {error}") from error
 
 
 def mm(length: float) -> str:

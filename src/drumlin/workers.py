@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 from drumlin.errors import BadInput, NoAnswer
 
 PATIENCE = 30.0  # s to wait for a scheduler, and for its first worker
-DEATHS = 5  # workers that may die over the same cases
 
 
 class Crew(NamedTuple):

@@ -22,6 +22,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from drumlin import misfit
 from drumlin.brake import Brake, Shoe
 from drumlin.compare import pressure_distance
 from drumlin.errors import BadInput, NoAnswer
@@ -126,8 +127,7 @@ def scene_refined(brake: Brake, response: Response | None, divide: Divide, kind:
 def _points(shoe: Shoe, response: ShoeResponse | None) -> list[float]:
     """Angles phi inside the lining where its pressure is not smooth: ends of the contact, kinks of the clearance."""
     theta = [end for arc in response.contact_arcs for end in arc] if response is not None else []
-    if isinstance(shoe.lining.clearance, tuple):
-        theta += [angle for angle, _ in shoe.lining.clearance]
+    theta += misfit.kinks(shoe.lining)
     phi = shoe.frame.phi(np.array(theta))
     start, end = shoe.arc
     return [float(angle) for angle in phi if start < angle < end]

@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from drumlin.arrays import Floats
 from drumlin.brake import Shoe
@@ -85,7 +84,7 @@ def overhang(near: float, far: float, division: Division) -> Floats:
     count = max(1, round(length / step))
     parts = np.linspace(0, 1, min(count, MOST_BEYOND) + 1)
     if count > MOST_BEYOND:
-        growth = brentq(lambda g: np.expm1(MOST_BEYOND * g) / np.expm1(g) - length / step, 1e-9, 1.0)
+        growth = _growth(length / step)
         parts = np.expm1(growth * np.arange(MOST_BEYOND + 1)) / np.expm1(growth * MOST_BEYOND)
     places = near + (far - near) * parts
     places[-1] = far
@@ -138,6 +137,15 @@ def half_geometric(length: float, smallest: float, ratio: float, largest: float)
         points.append(points[-1] + step)
         step = min(step * ratio, largest)
     return np.array(points) * length / points[-1]
+
+
+def _growth(total: float) -> float:
+    """g of MOST_BEYOND steps 1, e^g, e^2g, ... whose sum is `total`, by halving."""
+    low, high = 0.0, 1.0
+    while high - low > 1e-12:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if math.expm1(MOST_BEYOND * middle) < total * math.expm1(middle) else (low, middle)
+    return high
 
 
 def refine(shoe: Shoe, radius: float, elements: int, layers: int, points: Sequence[float]) -> Division:

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 import scipy.linalg
 
-from drumlin import contact
+from drumlin import contact, misfit
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
@@ -133,7 +133,7 @@ def _untouched(shoe: Shoe) -> _Answer:
 
 
 def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
-    """Gap of the unloaded lining at the contact nodes (n,) [m]: off the drum's radius, and the clearance."""
+    """Gap of the unloaded lining at the contact nodes (n,) [m]: off the drum's radius, clearance and misfit."""
     return gap_at(body.line.xy, body.line.phi, brake, shoe)
 
 
@@ -141,7 +141,7 @@ def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
     """Gap [m] of the unloaded lining at the points xy (2, ...) [m] of its mesh, at the angles phi (...) there."""
     theta, radius = shoe.frame.theta(phi), brake.drum.radius
     off = shoe.sign * (radius - np.hypot(*xy))
-    return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + shoe.lining.clearance_at(theta)  # 0.0: not round-off
+    return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + misfit.clearance(brake, shoe, theta)  # 0.0: not round-off
 
 
 def contact_problem(scene: Scene, brake: Brake, group: list[int], penalty: float = math.inf) -> contact.Problem:
@@ -326,4 +326,5 @@ def groups_of(scene: Scene, brake: Brake) -> list[list[int]]:
     """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
     touching = [i for i, shoe in enumerate(brake.shoes) if turns_towards(scene.bodies[i], shoe)]
     # Shoes meet each other only through an elastic ring.
-    return [[i] for i in touching] if scene.ring is None or scene.apart else [touching] if touching else []
+    alone = scene.ring is None or scene.apart
+    return [[i] for i in touching] if alone else [touching] if touching else []

@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Beam, Brake, Shoe
+from drumlin.brake import Beam, Brake, Misfit, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem import beam_mesh
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
 from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.meshfile import read_mesh
 from drumlin.fem.ring import RingBody, ring_body
 from drumlin.parts import Material, Point
 from drumlin.statics import cross
@@ -145,13 +144,14 @@ class Kept:
 def bare(brake: Brake) -> Brake:
     """The brake without what its bodies do not depend on, so that brakes with equal bodies are equal.
 
-    Removed: title, rotation, size of the friction (but for 0), forces, clearances.
+    Removed: title, rotation, size of the friction (but for 0), forces, clearances and misfits.
     """
     return brake.model_copy(
         update={
             "title": "-",
             "rotation": "counter-clockwise",
             "friction": float(brake.friction > 0),
+            "drum": brake.drum.model_copy(update={"out_of_round": (), "angle": 0.0}),
             "shoes": tuple(_bare(shoe) for shoe in brake.shoes),
         }
     )
@@ -163,7 +163,7 @@ def _bare(shoe: Shoe) -> Shoe:
         force["point"] = Point(x=0.0, y=0.0)
     return shoe.model_copy(
         update={
-            "lining": shoe.lining.model_copy(update={"clearance": 0.0}),
+            "lining": shoe.lining.model_copy(update={"clearance": 0.0, "misfit": Misfit()}),
             "actuation": shoe.actuation.model_copy(update=force),
         }
     )
@@ -255,6 +255,8 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         if shoe.mesh is None:
             mesh = mesher(shoe, brake.drum.radius)
         else:
+            from drumlin.fem.meshfile import read_mesh  # noqa: PLC0415  (meshio: 0.1 s, for a mesh in a file only)
+
             mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):

@@ -4,7 +4,7 @@ What is behind the lining only adds flexibility to its contact nodes. Where a pa
 sketch says beforehand what that does to the brake: see omission.py.
 
 Shoe: a bar that carries, beyond each of its sections, the contact's forces and the actuation (Timoshenko: Strength of
-Materials II, art. 80). With bending moment m, normal force n and shear force v of unit loads the flexibility is
+Materials II). With bending moment m, normal force n and shear force v of unit loads the flexibility is
 
     F_ij = Int (m_i m_j/EI + n_i n_j/EA + kappa v_i v_j/GA) ds.
 

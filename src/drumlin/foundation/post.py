@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drumlin import misfit
 from drumlin.arrays import Floats, Ints
 from drumlin.beam import Axis, axis_of
 from drumlin.brake import Beam, Brake, Shoe
@@ -75,7 +76,7 @@ def post(brake: Brake, shoe: Shoe, sections: int, *, tilt: bool, wedge: bool, pl
         theta=theta,
         sector=sector,
         k=lining.width * R * sector / layers(brake, shoe, axis, theta, wedge=wedge, plane_stress=plane_stress),
-        gap=lining.clearance_at(shoe_angles(axis, shoe, theta)),
+        gap=misfit.clearance(brake, shoe, shoe_angles(axis, shoe, theta)),
         pressed=pressed,
         dragged=arm_y * c - arm_x * s,
         loaded=(axis.length - x) * towards - body.offset_at(x) * along,

@@ -12,13 +12,13 @@ from drumlin.laws import sine
 
 
 def worn_in(brake: Brake, *, sections: int = SECTIONS, lift: Iterable[str] = ()) -> Brake:
-    """The brake with every clearance replaced by that at which the pressure is that of the sine law.
+    """The brake with every clearance and misfit replaced by that at which the pressure is that of the sine law.
 
     Wear goes with the pressure, so it ends where all points wear as the shoe turns. What is left free, a turn of
     the shoe, is such that the unloaded lining touches. Raises NoAnswer for a self-locking shoe.
     """
     names, law = lifted(brake, lift), sine(brake)
-    fitting = vary(brake, {"shoe.lining.clearance": 0.0})
+    fitting = vary(brake, {"shoe.lining.clearance": 0.0, "shoe.lining.misfit": {}, "drum.out_of_round": []})
     indices = list(range(len(brake.shoes)))
     changes: dict[str, list[list[float]]] = {}
     groups = [indices] if "own-pressure" in names else [[i] for i in indices]
@@ -39,4 +39,4 @@ def worn_in(brake: Brake, *, sections: int = SECTIONS, lift: Iterable[str] = ())
             gap = p.closing[0] * np.max(own / p.closing[0]) - own
             rows = np.column_stack([theta, gap])[:: p.axis.sense]
             changes[f"shoe[{i}].lining.clearance"] = rows.tolist()
-    return vary(brake, changes)
+    return vary(fitting, changes)

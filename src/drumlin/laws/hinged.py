@@ -15,7 +15,7 @@ from drumlin.arrays import Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import NoAnswer
 from drumlin.flat import AnyBrake, FlatBrake
-from drumlin.laws.shapes import SINE, Law, Layout, Load
+from drumlin.laws.shapes import SINE, Law, Layout, Load, equivalent_friction
 from drumlin.merit import double_delta, with_merits
 from drumlin.response import Response, ShoeResponse, contact_resultant, shoe_balance, untouched, worst
 from drumlin.statics import Resultant, cross
@@ -26,7 +26,7 @@ SLACK = 1e-9  # rad
 
 LEFT_OUT = (
     "elasticity of shoe, backing and drum: rigid by assumption",
-    "clearance: the law is that of a lining that fits",
+    "clearance and misfit: the law is that of a lining that fits, new or worn in, on a round drum",
 )
 
 
@@ -121,6 +121,20 @@ def _shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
         float(law.peak_at(arc)),
         lumped=law.lumped,
     )
+
+
+def guided_torque(brake: Brake) -> float:
+    """Torque [N m] of shoes that move along the middle radius of their linings, the guide bearing all else.
+
+    p = p_0 cos about the middle: the lumped friction mu' N, N the force along that radius (NPTEL lesson 12.1).
+    """
+    total = 0.0
+    for shoe in brake.shoes:
+        middle = 0.5 * (shoe.lining.start + shoe.lining.end)
+        force = shoe.sign * float(shoe.actuation.vector @ [math.cos(middle), math.sin(middle)])
+        lumped = brake.friction * float(equivalent_friction(layout(brake, shoe).half))
+        total += lumped * max(force, 0.0) * brake.drum.radius
+    return total
 
 
 def pressing_moment(shoe: Shoe) -> float:

@@ -72,6 +72,8 @@ def solve(
     if formulation not in FORMULATIONS:
         raise BadInput(f"formulation = {formulation!r}: unknown; allowed: {', '.join(FORMULATIONS)}")
     interpreter = python()
+    if not SCRIPT.is_file():
+        raise PeerMissing(f"{SCRIPT}: GetFEM's script is not there; it comes with drumlin's source")
     shoes = loaded_shoes(brake, elements, kind, mesher)
     touching = [loaded for loaded in shoes if loaded.approaches]
     result, spent = _run(interpreter, _problem(brake, touching, formulation, repeats))

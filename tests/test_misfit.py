@@ -1,0 +1,332 @@
+"""Misfit: exact geometry, what it does to the contact, its symmetries, and how wear heals it."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from conftest import ROOT, STUDY
+from drumlin import misfit, run_in
+from drumlin.brakefile import brake_from, read_brake, vary
+from drumlin.compare import pressure_distance
+from drumlin.errors import BadInput
+from drumlin.fem.model import respond, solve
+from drumlin.fem.scene import prepare
+from drumlin.fem.worn import worn_in
+from drumlin.foundation import model as foundation
+from drumlin.laws import sine
+from drumlin.parts import Point
+from drumlin.rig import fem_rig
+
+R = 0.15
+TEXT = (STUDY / "brake.toml").read_text()
+BRAKE = read_brake(STUDY / "brake.toml")
+SCENE = prepare(BRAKE, elements=40)
+MISFIT = "shoe.lining.misfit"
+
+
+@given(
+    st.floats(-0.05, 0.05), st.floats(-0.02, 0.02), st.floats(-0.02, 0.02), st.floats(-3, 3), st.sampled_from([-1, 1])
+)
+def test_the_gap_ends_on_the_linings_own_circle(dr, x, y, middle, sign):
+    """At R - sign gap every point is the radius r away from the circle's centre."""
+    theta = middle + np.linspace(-1.2, 1.2, 41)
+    r = R * (1 + dr)
+    gap = misfit.circle_gap(R, r, Point(x=x * R, y=y * R), middle, sign, theta)
+    rho = R - sign * gap
+    centre = (R - r) * np.exp(1j * middle) + R * (x + 1j * y)
+    assert np.abs(rho * np.exp(1j * theta) - centre) == pytest.approx(np.full(41, r), rel=1e-13)
+    if x == y == 0:
+        assert abs(gap[20]) <= 1e-15 * R  # the circles meet in the lining's middle
+
+
+@pytest.mark.parametrize(("dr", "offset"), [(-1e-4, 0.0), (1e-4, 0.0), (0.0, 1e-4), (-1e-4, 1e-4)])
+def test_to_first_order_the_gap_is_that_of_small_mismatches(dr, offset):
+    """sign ((R - r)(1 - cos) - offset cos); what is left falls with the square of the mismatch."""
+    theta, left = np.linspace(-1.0, 1.0, 41), []
+    for scale in (1.0, 0.5):
+        a, b = scale * dr, scale * offset
+        first = -a * (1 - np.cos(theta)) - b * np.cos(theta)
+        exact = misfit.circle_gap(R, R + a, Point(x=b, y=0.0), 0.0, 1, theta)
+        left.append(np.abs(exact - first).max())
+        assert left[-1] < 2e-3 * np.abs(first).max()
+    assert left[0] == pytest.approx(4 * left[1], rel=1e-2)
+
+
+@pytest.mark.parametrize(("side", "dr"), [("internal", -1), ("internal", 1), ("external", -1), ("external", 1)])
+def test_where_a_lining_of_another_radius_touches(side, dr):
+    """Internal: a smaller one in its middle, a larger one at its ends; external the other way round."""
+    sign = 1 if side == "internal" else -1
+    brake = vary(rigid(side), {f"{MISFIT}.radius": R + dr * 5e-4})
+    shoe = solve(brake, elements=60).shoes[0]
+    arcs, middle = shoe.contact_arcs, brake.shoes[0].lining.middle
+    if dr * sign < 0:
+        assert len(arcs) == 1 and arcs[0][0] < middle < arcs[0][1]
+        assert arcs[0][1] - arcs[0][0] < 0.5 * (shoe.theta[-1] - shoe.theta[0])
+    else:
+        assert len(arcs) == 2 and arcs[0][1] < middle < arcs[1][0]
+        assert (arcs[0][0], arcs[1][1]) == pytest.approx((shoe.theta[0], shoe.theta[-1]))
+
+
+def rigid(side="internal", thickness=4e-3, nu=0.0, half=50, force=500.0):
+    """A rigid shoe without friction, its lining's middle 90 deg from the hinge and under the force."""
+    sign = 1 if side == "internal" else -1
+    return brake_from(
+        {
+            "title": "rigid",
+            "rotation": "clockwise",
+            "friction": 0.0,
+            "drum": {"radius": R},
+            "shoe": [
+                {
+                    "name": "shoe",
+                    "side": side,
+                    "hinge": {"x": 0.0, "y": -0.12 if side == "internal" else -0.2},
+                    "lining": {
+                        "start": math.radians(-half),
+                        "end": math.radians(half),
+                        "thickness": thickness,
+                        "width": 0.04,
+                        "material": {"E": 3e8, "nu": nu},
+                    },
+                    "actuation": {"force": force, "direction": 0.0 if sign > 0 else math.pi, "point": {"x": 0, "y": 0}},
+                }
+            ],
+        }
+    )
+
+
+def test_gross_mismatch_on_a_thin_lining_is_the_parabola_of_its_layer():
+    """Contact wide against t: p = (E/t)(x_c^2 - x^2)/(2 rho), nu = 0; P = (2/3)(E/t) b x_c^3/rho."""
+    t, dr = 4e-4, 2e-3
+    brake = vary(rigid(thickness=t, half=25, force=2000.0), {f"{MISFIT}.radius": R - dr})
+    shoe = solve(brake, elements=200).shoes[0]
+    rho = R * (R - dr) / dr
+    width = (1.5 * shoe.normal_force * rho * t / (0.04 * 3e8)) ** (1 / 3)
+    ((start, end),) = shoe.contact_arcs
+    assert width > 10 * t
+    assert R * (end - start) / 2 == pytest.approx(width, rel=0.02)
+    assert shoe.peak_pressure == pytest.approx(3e8 / t * width**2 / (2 * rho), rel=0.02)
+
+
+def test_gross_mismatch_on_a_thick_lining_is_hertz():
+    """Contact narrow against t: a^2 = 4 P rho/(pi E b), p_0 = 2 P/(pi a b), against a rigid drum."""
+    t, r = 0.06, 0.143
+    brake = vary(rigid(thickness=t, half=20, force=60.0), {f"{MISFIT}.radius": r})
+    shoe = solve(brake, elements=240).shoes[0]
+    rho, P = R * r / (R - r), shoe.normal_force / 0.04
+    a = math.sqrt(4 * P * rho / (math.pi * 3e8))
+    ((start, end),) = shoe.contact_arcs
+    assert a < t / 10
+    assert R * (end - start) / 2 == pytest.approx(a, rel=0.035)
+    assert shoe.peak_pressure == pytest.approx(2 * P / (math.pi * a), rel=0.02)
+
+
+def test_an_offset_across_the_hinges_radius_is_a_turn_of_the_shoe():
+    """It changes the gap by sin(phi), which the shoe's turn takes back; along the radius it does not."""
+    base, hinge = respond(SCENE, BRAKE), BRAKE.shoes[0].hinge
+    across = np.array([-hinge.y, hinge.x]) / hinge.radius
+    along = hinge.xy / hinge.radius
+    changes = []
+    for direction in (across, along):
+        x, y = 1e-5 * direction
+        moved = respond(SCENE, vary(BRAKE, {"shoe[0].lining.misfit.offset.x": x, "shoe[0].lining.misfit.offset.y": y}))
+        changes.append(abs(moved.shoes[0].torque / base.shoes[0].torque - 1))
+    assert changes[0] < 2e-5
+    assert changes[1] > 1e-2
+
+
+def same(a, b, rel=1e-9):
+    assert [s.torque for s in a.shoes] == pytest.approx([s.torque for s in b.shoes], rel=rel)
+    for x, y in zip(a.shoes, b.shoes, strict=True):
+        assert x.pressure == pytest.approx(y.pressure, rel=rel, abs=rel * y.pressure.max())
+
+
+def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
+    lining = BRAKE.shoes[0].lining
+    taper = vary(BRAKE, {"shoe[0].lining.misfit.taper": 4e-5})
+    table = [[lining.start, -2e-5], [lining.end, 2e-5]]  # the right shoe's hinge is at the start
+    same(respond(SCENE, taper), respond(SCENE, vary(BRAKE, {"shoe[0].lining.clearance": table})))
+    other = vary(BRAKE, {"shoe[1].lining.misfit.taper": 4e-5})  # the left one's is at the end
+    at = BRAKE.shoes[1].lining
+    table = [[at.start, 2e-5], [at.end, -2e-5]]
+    same(respond(SCENE, other), respond(SCENE, vary(BRAKE, {"shoe[1].lining.clearance": table})))
+    blocks = vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.4, 2e-5], [0.3, -1e-5]]}).shoes[0].lining
+    theta = np.array([-1.0, -0.45, -0.4, -0.35, 0.2, 0.3, 0.4, 0.9])
+    assert misfit.block_gap(blocks, theta) == pytest.approx([0, 0, 1e-5, 2e-5, 2e-5, 5e-6, -1e-5, -1e-5], abs=1e-15)
+    growth = misfit.thermal_growth(R, 1.2e-5, 100.0)
+    assert growth == pytest.approx(1.8e-4)
+    hot = vary(BRAKE, {"drum.out_of_round": [{"order": 0, "amplitude": growth}]})
+    same(respond(SCENE, hot), respond(SCENE, vary(BRAKE, {"shoe.lining.clearance": growth})))
+
+
+def test_a_step_between_blocks_converges_with_the_mesh():
+    stepped = vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.3, 1e-5]]})
+    adapted = solve(stepped, tolerance=1e-2)
+    assert respond(SCENE, stepped).torque == pytest.approx(adapted.torque, rel=2e-3)
+    assert solve(stepped, elements=120).torque == pytest.approx(adapted.torque, rel=2e-4)
+
+
+@pytest.mark.parametrize("order", [2, 3, 5])
+def test_the_torque_over_a_turn_has_the_period_of_the_lobes(order):
+    brake = vary(BRAKE, {"drum.out_of_round": [{"order": order, "amplitude": 2e-5}]})
+    angles = np.linspace(0, 2 * math.pi / order, 6, endpoint=False)
+    once, again = (
+        [r.torque for r in misfit.one_turn(brake, lambda b: respond(SCENE, b), start + angles)]
+        for start in (0.0, 2 * math.pi / order)
+    )
+    assert again == pytest.approx(once, rel=1e-9)
+    assert np.ptp(once) > 0.02 * np.mean(once)
+
+
+def mirrored(brake):
+    """The mirror image about the y axis, rotation included."""
+    data = brake.model_dump(by_alias=True)
+    data["rotation"] = "clockwise" if brake.spin > 0 else "counter-clockwise"
+    data["drum"]["angle"] = -data["drum"]["angle"]
+    for lobes in data["drum"]["out_of_round"]:
+        lobes["phase"] = math.pi - lobes["phase"]
+    for shoe in data["shoe"]:
+        lining, body, m = shoe["lining"], shoe["body"], shoe["lining"]["misfit"]
+        for part in (lining, body):
+            part["start"], part["end"] = math.pi - part["end"], math.pi - part["start"]
+        for point in (shoe["hinge"], shoe["actuation"]["point"], m["offset"]):
+            point["x"] = -point["x"]
+        shoe["actuation"]["direction"] = math.pi - shoe["actuation"]["direction"]
+        if m["blocks"]:
+            ((at, depth),) = m["blocks"]
+            m["blocks"], lining["clearance"] = [[math.pi - at, -depth]], lining["clearance"] + depth
+    return brake_from(data)
+
+
+def scaled(brake, s):
+    """All lengths s times, all forces s^2 times: the same stresses."""
+    data = brake.model_dump(by_alias=True)
+    data["drum"]["radius"] *= s
+    for lobes in data["drum"]["out_of_round"]:
+        lobes["amplitude"] *= s
+    for shoe in data["shoe"]:
+        lining, m = shoe["lining"], shoe["lining"]["misfit"]
+        for part in (lining, shoe["body"]):
+            part["thickness"], part["width"] = part["thickness"] * s, part["width"] * s
+        for point in (shoe["hinge"], shoe["actuation"]["point"], m["offset"]):
+            point["x"], point["y"] = point["x"] * s, point["y"] * s
+        m["radius"], m["taper"], lining["clearance"] = m["radius"] * s, m["taper"] * s, lining["clearance"] * s
+        m["blocks"] = [[at, depth * s] for at, depth in m["blocks"]]
+        shoe["actuation"]["force"] *= s**2
+    return brake_from(data)
+
+
+small = st.floats(-5e-5, 5e-5)
+
+
+@settings(max_examples=4)
+@given(small, small, small, small, small, small, st.floats(-3, 3), st.integers(0, 5))
+def test_mirror_image_and_units_change_nothing(dr, x, y, taper, depth, lobe, angle, order):
+    brake = vary(
+        BRAKE,
+        {
+            "shoe.lining.misfit.radius": R + dr,
+            "shoe.lining.misfit.offset": {"x": x, "y": y},
+            "shoe[1].lining.misfit.taper": taper,
+            "shoe[0].lining.misfit.blocks": [[0.1, depth]],
+            "drum.out_of_round": [{"order": order, "amplitude": lobe, "phase": 0.7}],
+            "drum.angle": angle,
+        },
+    )
+    here, there, large = (
+        respond(SCENE, brake),
+        solve(mirrored(brake), elements=40),
+        solve(scaled(brake, 2), elements=40),
+    )
+    assert [s.torque for s in there.shoes] == pytest.approx([s.torque for s in here.shoes], rel=1e-7)
+    assert [s.torque / 8 for s in large.shoes] == pytest.approx([s.torque for s in here.shoes], rel=1e-7)
+    assert [s.peak_pressure for s in large.shoes] == pytest.approx([s.peak_pressure for s in here.shoes], rel=1e-7)
+
+
+def test_the_foundation_has_the_same_misfit():
+    brake = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
+    radius = brake.drum.radius
+    changed = vary(brake, {f"{MISFIT}.radius": radius + 1e-3, f"{MISFIT}.taper": 1e-4})
+    tables = {}
+    for i, shoe in enumerate(changed.shoes):
+        theta = np.linspace(shoe.lining.start, shoe.lining.end, 4001)
+        gap = misfit.clearance(changed, shoe, theta)
+        tables[f"shoe[{i}].lining.clearance"] = np.column_stack([theta, gap]).tolist()
+    same(foundation.solve(changed), foundation.solve(vary(brake, tables)), rel=1e-5)
+    assert foundation.solve(changed).torque != pytest.approx(foundation.solve(brake).torque, rel=1e-2)
+
+
+def test_worn_in_every_lining_bears_by_the_sine_law():
+    """Whatever misfit it had, internal shoes as external ones; on a drum that is not round it does not stay so."""
+    law = sine(BRAKE)
+    off = vary(BRAKE, {f"{MISFIT}.radius": R - 1e-4, f"{MISFIT}.taper": 5e-5})
+    worn = respond(SCENE, worn_in(SCENE, off))
+    assert worn.torque == pytest.approx(law.torque, rel=1e-6)
+    assert max(pressure_distance(a, b) for a, b in zip(worn.shoes, law.shoes, strict=True)) < 1e-4
+    assert min(min(gap for _, gap in shoe.lining.clearance) for shoe in worn_in(SCENE, off).shoes) >= 0
+    block = rigid("external", half=40, force=500.0)
+    assert solve(block, elements=20).torque == 0  # no friction
+    block = vary(block, {"friction": 0.3})
+    scene = prepare(block, elements=20)
+    assert respond(scene, worn_in(scene, block)).torque == pytest.approx(sine(block).torque, rel=1e-5)
+    oval = vary(worn_in(SCENE, off), {"drum.out_of_round": [{"order": 2, "amplitude": 2e-5}]})
+    assert abs(respond(SCENE, oval).torque / law.torque - 1) > 0.01
+
+
+def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
+    """Archard's wear, step by step: its worn shape is `worn_in`'s but for what the shoe's turn makes up, sin(phi)."""
+    off = vary(BRAKE, {f"{MISFIT}.radius": R + 5e-5, f"{MISFIT}.taper": -3e-5})
+    rig = fem_rig(SCENE, off)
+    goal = run_in.target(rig)
+    states = run_in.run_in(rig, until=run_in.settled(rig, goal, 1e-4))
+    ended, limit = run_in.worn(rig, states[-1]), worn_in(SCENE, off)
+    for by_wear, at_once in zip(ended.shoes, limit.shoes, strict=True):
+        theta, gap = np.array(at_once.lining.clearance).T
+        difference = misfit.clearance(ended, by_wear, theta) - gap
+        turn = np.sin(by_wear.frame.phi(theta))
+        left = difference - turn * (turn @ difference) / (turn @ turn)
+        inside = slice(2, -2)
+        assert np.abs(left[inside]).max() < 0.02 * np.ptp(gap)
+
+
+REFUSED = [
+    ('misfit = { radius = "160 mm" }', ["misfit.radius = 160 mm", "drum.radius = 150 mm"]),
+    ('misfit = { taper = "-8 mm" }', ["misfit.taper = -8 mm", "7.5 mm"]),
+    ('misfit = { offset = { x = "9 mm", y = "0 mm" } }', ["misfit.offset = 9 mm", "7.5 mm"]),
+    ('misfit = { offset = "9 mm" }', ["misfit.offset = '9 mm'"]),
+    ('misfit = { blocks = [["56 deg", "1 mm"]] }', ["misfit.blocks", "-70 deg to 55 deg"]),
+    ('misfit = { blocks = [["5 deg", "1 mm"], ["5.5 deg", "0 mm"]] }', ["misfit.blocks", "more than 1 deg"]),
+    ('misfit = { blocks = [["5 deg", "-9 mm"]] }', ["misfit.blocks", "7.5 mm"]),
+    ('misfit = { blocks = ["5 deg"] }', ["misfit.blocks", "rows like"]),
+    ('misfit = { blocks = [["5 deg", 1]] }', ["depth = 1 has no unit"]),
+    ('misfit = { tapper = "1 mm" }', ["did you mean 'taper'"]),
+]
+
+
+@pytest.mark.parametrize(("line", "words"), REFUSED, ids=[f"{i}" for i in range(len(REFUSED))])
+def test_wrong_misfits_are_refused_in_one_line(tmp_path, line, words):
+    path = tmp_path / "b.toml"
+    path.write_text(TEXT.replace('end = "55 deg"', f'end = "55 deg"\n{line}', 1))
+    with pytest.raises(BadInput) as refusal:
+        read_brake(path)
+    assert "\n" not in str(refusal.value) and "shoe[0].lining" in str(refusal.value)
+    for word in words:
+        assert word in str(refusal.value)
+
+
+def test_wrong_drums_are_refused_in_one_line(tmp_path):
+    path = tmp_path / "b.toml"
+    for line, words in (
+        ('out_of_round = [{ order = -1, amplitude = "1 mm" }]', "out_of_round[0].order = -1"),
+        ('out_of_round = [{ order = 1.5, amplitude = "1 mm" }]', "out_of_round[0].order = 1.5"),
+        ("out_of_round = [{ order = 2, amplitude = 3 }]", "out_of_round[0].amplitude = 3: has no unit"),
+        ('out_of_round = [{ order = 2, amplitude = "9 mm" }]', "out_of_round = 9 mm in all"),
+        ('angle = "3 mm"', "drum.angle = '3 mm'"),
+    ):
+        path.write_text(TEXT.replace("[drum]", f"[drum]\n{line}"))
+        with pytest.raises(BadInput) as refusal:
+            read_brake(path)
+        assert words in str(refusal.value)

@@ -1,0 +1,71 @@
+"""The misfit study on its short setting: what it found, that it goes on where it was stopped, and its report."""
+
+import numpy as np
+import pytest
+
+from drumlin.journal import Journal
+from drumlin.studies import load
+
+
+@pytest.fixture(scope="module")
+def module():
+    return load("misfit")[0]
+
+
+@pytest.fixture(scope="module")
+def journal():
+    return Journal()
+
+
+@pytest.fixture(scope="module")
+def result(module, journal):
+    return module.study(short=True, journal=journal)
+
+
+def test_some_hundredths_of_a_millimetre_change_the_torque_by_tens_of_per_cent(result):
+    off = {row["misfit"]: row["from_fit"] for row in result.single}
+    assert off["fits"] == 0
+    assert off["linings 50 µm larger in radius"] == pytest.approx(0.22, abs=0.02)
+    assert off["linings 50 µm smaller in radius"] == pytest.approx(-0.09, abs=0.02)
+    assert min(off.values()) > -0.2
+    ratio = result.ratios["torque"]
+    assert ratio[2, 3] == pytest.approx(result.single[0]["from_law"], abs=1e-3)  # the middle of the map is the fit
+    assert (np.diff(ratio[-1]) > 0).all() and (np.diff(ratio[:, -1]) > 0).all()
+
+
+def test_run_in_heals_every_misfit_but_not_the_drum(result, module):
+    assert result.healed["torque"][:, -1] == pytest.approx([row for row in law_torques(result, module)], rel=3e-3)
+    first, last = (np.ptp(result.healed["torque"][:, k]) for k in (0, -1))
+    assert last < 0.6 * first
+    worn = {share.name: share.total.value for share in result.shares["worn in"]["torque"]}
+    for name, value in worn.items():
+        assert value < 1e-6 or not any(word in name for word in ("radius", "centre", "taper")), name
+    assert max(worn, key=worn.get).startswith("where the oval drum stands")
+    for name in ("run-out", "oval"):
+        assert np.ptp(result.turns["worn in"][name]) > 0.5 * np.ptp(result.turns["new"][name])
+
+
+def law_torques(result, module):
+    """The sine law's torque of the brakes that were worn in."""
+    return [row["torque"] for row in result.rows["law"][: len(result.healed["torque"])]]
+
+
+def test_a_second_run_computes_no_case_again(result, module, journal, monkeypatch):
+    kept = len(journal)
+    assert kept > 300
+    monkeypatch.setattr(module, "healing", lambda *_, **__: pytest.fail("computed again"))
+    monkeypatch.setattr("drumlin.sweep.solved", lambda *_, **__: pytest.fail("computed again"))
+    again = module.study(short=True, journal=journal)
+    assert len(journal) == kept
+    assert again.rows == result.rows
+    assert again.shares == result.shares
+
+
+def test_the_report_says_it_in_numbers(result, module, tmp_path):
+    page = module.report(result, tmp_path).read_text()
+    assert "What the law's user has to assume" in page or "What the law&#39;s user has to assume" in page
+    assert page.count("data:image/svg+xml") == 6
+    assert (tmp_path / "cases_new.csv").read_text().count("\n") == 1 + len(result.rows["new"])
+    quantities = {(row["quantity"], row["state"]): row for row in module.spread_rows(result)}
+    new, worn, law = (quantities["torque [N m]", state]["relative"] for state in ("new", "worn in", "sine law"))
+    assert new > worn > law

@@ -1,0 +1,107 @@
+"""The study on its short setting, and the command beside it: their headline numbers and files."""
+
+import csv
+import json
+import re
+
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from conftest import ROOT
+from drumlin.cli import app, main
+from drumlin.studies import load
+
+
+@pytest.fixture(scope="module")
+def module():
+    return load("run_in")[0]
+
+
+@pytest.fixture(scope="module")
+def result(module):
+    return module.study(short=True)
+
+
+def test_every_brake_comes_to_its_law_in_balance_and_without_a_checkerboard(result):
+    assert {row["law"] for row in result.brakes} == {"sin", "cos", "A cos + B sin"}
+    rows = [*result.brakes, *result.ratios]
+    assert len(rows) == 8
+    for row in rows:
+        assert row["status"] == "at the law"
+        assert row["end_pressure"] <= 0.01 and abs(row["end_torque"]) <= 1e-3
+        assert row["volume"] < 1e-8
+        assert row["ripple"] < 2e-3
+    for row in result.brakes:
+        assert abs(row["target"]) < 1e-6
+
+
+def test_steps_do_not_matter_but_their_kind_does(result):
+    for row in result.halves:
+        assert max(row["pressure"], row["torque"], row["depth"]) < row["asked"]
+        assert abs(row["long_pressure"]) < 1e-5
+    ripples = {(row["way"], row["step"]): row for row in result.steppers}
+    for step in (0.05, 0.5):
+        assert ripples["implicit", step]["ripple"] < 2e-3
+        assert ripples["implicit", step]["touching"] > 0.98
+    bad = ripples["explicit", 0.5]
+    assert bad["ripple"] > 0.05
+    assert abs(bad["torque_error"]) < 0.01  # it still looks right
+
+
+def test_new_and_worn_in_are_told_apart(result, module):
+    stiff, soft = module.run_row(result.main), module.run_row(result.flexible)
+    assert 0.5 < stiff["new_pressure"] < 0.8
+    assert stiff["pressure_life"] == pytest.approx(0.13, abs=0.02)
+    assert soft["pressure_life"] > 0.9
+    assert soft["new_torque"] == pytest.approx(0.145, abs=0.01)
+
+
+def test_the_report_holds_the_tables_and_the_film(module, result, tmp_path):
+    text = module.report(result, tmp_path).read_text()
+    for word in ("Checkerboard", "Reversed", "worn-in lining", "A cos + B sin", "image/gif"):
+        assert word.lower() in text.lower()
+    with (tmp_path / "brakes.csv").open() as file:
+        assert len(list(csv.DictReader(file))) == len(result.brakes)
+    with Image.open(tmp_path / "film.gif") as film:
+        assert film.n_frames == 6
+    assert (tmp_path / "film.gif").stat().st_size < 3e6
+
+
+def wear(*arguments):
+    done = CliRunner().invoke(app, ["wear", str(ROOT / "studies" / "double_shoe" / "brake.toml"), *arguments])
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    return done.stdout
+
+
+def test_the_command_runs_a_brake_in_and_writes_all_states(tmp_path):
+    out = wear("--elements", "30", "--json", str(tmp_path / "run.json"))
+    assert re.search(r"worn in \(law\): torque 435\.21\d N m", out)
+    data = json.loads((tmp_path / "run.json").read_text())
+    first, last = data["states"][0], data["states"][-1]
+    assert abs(last["torque_from_law"]) < 1e-3 and last["pressure_from_law"] < 1e-3
+    assert first["worn_volume"] == 0 < last["worn_volume"]
+    assert [len(p) for p in last["pressure"]] == [len(shoe["theta"]) for shoe in data["shoes"]]
+    out = wear("--elements", "10", "--distance", "3 km", "--coefficient", "2e-5 mm^3/(N m)", "--torque", "450 N m")
+    row = out.splitlines()[-4].split()
+    assert float(row[0]) == 3 and float(row[2]) == 450
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["--coefficient", "3 kg"], r"--coefficient = '3 kg': must be a wear coefficient such as '1e-5 mm\^3/\(N m\)'"),
+        (["--distance", "-2"], "distance = .*: must be greater than 0"),
+        (["--model", "sine"], "--model = 'sine': does not wear; allowed: fem, foundation"),
+        (["--model", "foundation", "--elements", "4"], "--elements, --kind and --guided belong to --model fem"),
+        (["--torque", "5"], "--torque = '5': must be a torque: a number and its unit"),
+    ],
+)
+def test_bad_options_are_one_line_and_exit_2(arguments, line, monkeypatch, capsys):
+    path = str(ROOT / "studies" / "double_shoe" / "brake.toml")
+    monkeypatch.setattr("sys.argv", ["drumlin", "wear", path, *arguments])
+    with pytest.raises(SystemExit) as stop:
+        main()
+    assert stop.value.code == 2
+    assert re.search(line, capsys.readouterr().err)
