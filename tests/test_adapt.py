@@ -14,7 +14,7 @@ from drumlin.fem.division import apart, refine
 from drumlin.fem.mesh import shoe_mesh
 from drumlin.fem.meshfile import write_mesh
 from drumlin.fem.model import solve
-from references import reference
+from drumlin.reference import Refinement, fine_response
 
 CLEARANCE = {"shoe.lining.clearance": 1e-4}  # partial contact: open at the hinge, and in the middle of one lining
 
@@ -46,8 +46,8 @@ def test_two_references_agree_and_adapted_meshes_meet_their_tolerance(name, requ
     first = solve(brake, tolerance=1e-3)
     ends = contact_ends(brake, first)
     assert len(ends) == 3
-    truth = reference(brake, ends, "quadrilaterals", ratio=1.2)
-    other = reference(brake, ends, "triangles", ratio=1.12, largest=0.008)
+    truth = fine_response(brake, first, Refinement("quad2", 220, 1e-3, 1.25))
+    other = fine_response(brake, first, Refinement("tri2", 120, 1e-3, 1.25))
     assert distance(other, truth) < 1e-4
     assert other.torque == pytest.approx(truth.torque, rel=1e-6)
     for tolerance, seconds in ((5e-3, 0.3), (1e-3, 1.0)):

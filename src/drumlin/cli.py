@@ -426,6 +426,69 @@ def cost(
         print(line)
 
 
+@app.command()
+def reference(
+    brake_file: BrakeFile,
+    output: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="where to write; default: NAME.reference.json")
+    ] = None,
+) -> None:
+    """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two fine meshes."""
+    from drumlin.brakefile import read_brake
+    from drumlin.reference import as_dict, write_values
+    from drumlin.reference import reference as make
+
+    brake, path = read_brake(brake_file), output or Path(f"{brake_file.stem}.reference.json")
+    with _busy("two fine meshes"):
+        found = make(brake, brake_file.read_text(), f"drumlin reference {brake_file.as_posix()}")
+    write_values(as_dict(found), path)
+    print(f"torque {found.torque.value:.10g} N m, uncertainty {found.torque.uncertainty:.1e}")
+    for shoe in found.shoes:
+        print(
+            f"  shoe {shoe.name!r}: torque {shoe.torque.value:.10g} N m, uncertainty {shoe.torque.uncertainty:.1e}; "
+            f"p uncertain by {shoe.pressure_uncertainty:.1e} of its peak away from the edges, "
+            f"{shoe.distance:.1e} in L2"
+        )
+    print(f"reference: {path}")
+
+
+@app.command()
+def check(
+    brake_file: BrakeFile,
+    result: Annotated[
+        Path, typer.Argument(metavar="RESULT.csv", help="columns 'shoe', 'theta [deg]', 'p [MPa]'; other units as well")
+    ],
+    known: Annotated[
+        Path | None,
+        typer.Option("--reference", metavar="FILE", help="reference values; default: stored, else made anew"),
+    ] = None,
+    tolerance: Annotated[float, typer.Option(help="of p in L2 and of the torque, relative")] = 0.01,
+) -> None:
+    """Compare anybody's p(theta) with reference values. The last line is the verdict; exit status 0 either way."""
+    from drumlin.brakefile import read_brake
+    from drumlin.check import check as compare_with
+    from drumlin.check import lines, read_curves
+    from drumlin.reference import read_reference, stored
+    from drumlin.reference import reference as make
+    from drumlin.studies import REPOSITORY
+
+    if not 0 < tolerance < 1:
+        raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
+    brake, text = read_brake(brake_file), brake_file.read_text()
+    curves = read_curves(result, brake)
+    values = Path("reports") / "reference" / "values"
+    path = known or stored(text, brake_file.parent, values, REPOSITORY / values)
+    if path is None:
+        with _busy("no stored reference: two fine meshes"):
+            found = make(brake, text, f"drumlin reference {brake_file.as_posix()}")
+        print("reference: made anew")
+    else:
+        found = read_reference(path)
+        print(f"reference: {path}")
+    for line in lines(compare_with(brake, found, curves), tolerance):
+        print(line)
+
+
 class _busy:
     """A spinner on a terminal while a block runs; `say` changes its words. Silent where no one watches."""
 

@@ -14,8 +14,9 @@ d falls faster, by chance or because the contact's ends have just been found, d_
 So an estimate takes three meshes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from typing import Any, Protocol
 
@@ -25,7 +26,7 @@ from drumlin import misfit
 from drumlin.brake import Brake, Shoe
 from drumlin.compare import pressure_distance
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.division import refine
+from drumlin.fem.division import Division, refine
 from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.scene import Scene, prepare, shape_of
 from drumlin.response import Response, ShoeResponse
@@ -36,6 +37,7 @@ SLOWEST, FASTEST = 1.5, GROWTH**2.5
 MOST_MESHES = 9
 MOST_UNKNOWNS = 300_000  # of a body; beyond it the next mesh would take minutes
 
+Divide = Callable[..., Division]
 Points = dict[tuple[object, ...], list[float]]
 
 
@@ -99,17 +101,25 @@ def _limit(before: float, last: float) -> float:
 
 
 def _scene(brake: Brake, level: int, response: Response | None, kind: str) -> Scene:
-    """Mesh number `level`. Shoes of one shape share a mesh, refined at the contact ends of them all."""
+    """Mesh number `level`."""
+    elements = round(FIRST_ELEMENTS * GROWTH**level)
+    divide = partial(refine, elements=elements, layers=FIRST_LAYERS + level)
+    return scene_refined(brake, response, divide, kind, elements)
+
+
+def scene_refined(brake: Brake, response: Response | None, divide: Divide, kind: str, elements: int) -> Scene:
+    """The scene on linings divided by `divide`(shoe, radius, points=places where the pressure is not smooth).
+
+    response: whose contact ends are such places; elements: of a ring. Shoes of one shape share a mesh, refined at
+    the contact ends of them all.
+    """
     points: Points = {}
     for i, shoe in enumerate(brake.shoes):
         found = _points(shoe, None if response is None else response.shoes[i])
         points.setdefault(shape_of(brake, shoe), []).extend(found)
 
-    elements = round(FIRST_ELEMENTS * GROWTH**level)
-
     def mesher(shoe: Shoe, radius: float) -> Any:
-        places = sorted(points[shape_of(brake, shoe)])
-        return shoe_mesh(shoe, radius, refine(shoe, radius, elements, FIRST_LAYERS + level, places), kind)
+        return shoe_mesh(shoe, radius, divide(shoe, radius, points=sorted(points[shape_of(brake, shoe)])), kind)
 
     return prepare(brake, elements=elements, mesher=mesher)
 

@@ -13,7 +13,7 @@ import skfem
 from drumlin.arrays import Floats
 from drumlin.beam import Axis, axis_of
 from drumlin.brake import Beam, Section, Shoe
-from drumlin.fem.division import MOST_LAYERS, Division, overhang
+from drumlin.fem.division import MOST_LAYERS, Division, layers_behind, overhang
 from drumlin.units import mm
 
 PARTS = ("lining", "backing", "shoe")
@@ -54,25 +54,25 @@ def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
     axis, section, thickness = axis_of(shoe.hinge.xy, shoe.actuation.point.xy), shoe.body.section, shoe.lining.thickness
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
-    start, end, step, back = float(angles[0]), float(angles[-1]), division.step, radius + thickness
+    start, end, back = float(angles[0]), float(angles[-1]), radius + thickness
     foot = axis.foot + back * np.sin(np.array([start, end]))
 
     # s: the angle under the lining; before and behind it the distance along the beam over the back's radius.
     low, high = start - foot[0] / back, end + (axis.length - foot[1]) / back
-    s = np.concatenate([overhang(start, low, step)[:0:-1], angles, overhang(end, high, step)[1:]])
+    s = np.concatenate([overhang(start, low, division)[:0:-1], angles, overhang(end, high, division)[1:]])
     face = axis.distance - section.thickness / 2
     linear = shape in {skfem.MeshQuad1, skfem.MeshTri1}
     most = len(s) if linear else MOST_LAYERS  # linear elements bend well only in thin layers
     deepest = face - back * min(math.cos(start), math.cos(end))
     block, beam = (
-        np.linspace(0, 1, max(division.behind, min(math.ceil(t / (step * radius)), most)) + 1)[1:]
-        for t in (deepest, section.thickness)
+        layers_behind(t, division, division.step * radius, most, last=last)
+        for t, last in ((deepest, False), (section.thickness, True))
     )
     grid = skfem.MeshQuad.init_tensor(np.concatenate([division.depths / thickness, 1 + block, 2 + beam]), s)
     depth, place = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > 2) | ((place > start) & (place < end))))
     if shape in {skfem.MeshTri1, skfem.MeshTri2}:
-        grid = grid.to_meshtri()
+        grid = grid.to_meshtri(style=None if division.grading is None else "x")  # four a cell: no slant
     layer = np.floor(grid.p[0, grid.t].mean(axis=0)).astype(int)
     middle = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())

@@ -72,7 +72,7 @@ def cost(
     scene = prepare(brake, elements=elements, mesher=mesher)
     respond(scene, brake, penalty=penalty)
     first = time.perf_counter() - first
-    memory = _peak_memory()
+    memory = peak_memory()
     other = vary(brake, {"friction": 0.9 * brake.friction})
     bodies = {id(body): (body, shoe) for body, shoe in zip(scene.bodies, brake.shoes, strict=True)}
     phases = np.zeros(3)
@@ -146,7 +146,7 @@ def measure(brake: Brake, **options: Any) -> list[str]:
     ]
 
 
-def _peak_memory() -> int:
+def peak_memory() -> int:
     """Largest resident memory of this process [bytes]; Linux's getrusage would count what started it, too."""
     status = Path("/proc/self/status")
     if status.exists():

@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,7 +20,15 @@ FACE_SIZE = 1 / 8  # of a layer at the lining's faces, relative to one in its mi
 COARSE = 36  # elements along a lining; on finer meshes that are refined at points both sizes shrink in proportion
 BEHIND = 4  # layers through backing and body each, at least, on meshes that are refined at points
 MOST_BEYOND = 200  # elements along the body on either side of the lining
+THROUGH = 1.5  # growth of the layers of fine divisions
 MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
+
+
+class Grading(NamedTuple):
+    """Factors by which elements grow away from a corner: along the arc and through the layers."""
+
+    along: float
+    through: float
 
 
 @dataclass(frozen=True)
@@ -27,13 +36,15 @@ class Division:
     """Where elements meet: `angles` phi (m + 1,) along the lining [rad], `depths` (l + 1,) below its surface [m].
 
     `step` [rad]: length of the elements elsewhere, in the body and its overhangs; `behind`: least number of
-    layers through backing and body each.
+    layers through backing and body each. With a `grading` these are not even, but grow away from the lining's
+    back and the ends of the backing, as geometric sequences do.
     """
 
     angles: Floats
     depths: Floats
     step: float
     behind: int = 1
+    grading: Grading | None = None
 
 
 def divide(shoe: Shoe, radius: float, elements: int) -> Division:
@@ -57,14 +68,19 @@ def lining_layers(elements: int) -> int:
     return min(max(2, round(elements / 15)), 12)
 
 
-def overhang(near: float, far: float, step: float) -> Floats:
-    """Places from `near`, where the lining ends, to `far`, about `step` apart; both ends once even where they coincide.
+def overhang(near: float, far: float, division: Division) -> Floats:
+    """Places from `near`, where the lining ends, to `far`, about a step apart; both ends once even where they coincide.
 
-    Where that would be more than MOST_BEYOND, their distances grow by one ratio from `step` on.
+    Where that would be more than MOST_BEYOND, their distances grow by one ratio from a step on; those of a division
+    with a grading grow by it from the division's shortest element on.
     """
-    length = abs(far - near)
+    length, step = abs(far - near), division.step
     if length < 1e-9:
         return np.array([near])
+    if division.grading is not None:
+        shortest = float(np.diff(division.angles).min())
+        parts = half_geometric(1.0, shortest / length, division.grading.along, step / length)
+        return np.append(near + (far - near) * parts[:-1], far)
     count = max(1, round(length / step))
     parts = np.linspace(0, 1, min(count, MOST_BEYOND) + 1)
     if count > MOST_BEYOND:
@@ -73,6 +89,54 @@ def overhang(near: float, far: float, step: float) -> Floats:
     places = near + (far - near) * parts
     places[-1] = far
     return places
+
+
+def layers_behind(thickness: float, division: Division, size: float, most: int, *, last: bool) -> Floats:
+    """Where the layers of backing or body end, as parts (m,) of its thickness, the last of them 1.
+
+    `size` [m]: their thickness where they are even, `most` in number; `last`: nothing lies behind.
+    """
+    if division.grading is None:
+        count = max(division.behind, min(math.ceil(thickness / size), most))
+        return np.arange(1, count + 1) / count
+    first, growth = float(np.diff(division.depths)[-1]) / thickness, division.grading.through
+    return (half_geometric if last else geometric)(1.0, first, growth, 1 / 7)[1:]
+
+
+def fine(
+    shoe: Shoe, radius: float, points: Sequence[float], *, elements: int = 220, smallest: float = 1e-3, along: float
+) -> Division:
+    """A far finer division than a solve needs: elements grow by the factor `along` from corners and `points` (phi).
+
+    `elements`: a lining's arc over the longest of them; `smallest`: the shortest, in thicknesses of the lining.
+    """
+    start, end = shoe.arc
+    t = shoe.lining.thickness
+    shortest, step = smallest * t / radius, (end - start) / elements
+    pieces = [
+        a + geometric(b - a, shortest, along, step)[:-1] for a, b in pairwise(apart([start, *points, end], shortest))
+    ]
+    return Division(
+        angles=np.concatenate([*pieces, [end]]),
+        depths=t * geometric(1.0, 4 * smallest, THROUGH, 0.15),
+        step=step,
+        grading=Grading(along, THROUGH),
+    )
+
+
+def geometric(length: float, smallest: float, ratio: float, largest: float) -> Floats:
+    """Points from 0 to `length`; from either end steps grow by `ratio` from `smallest` up to `largest`."""
+    half = half_geometric(length / 2, smallest, ratio, largest)
+    return np.concatenate([half, length - half[-2::-1]])
+
+
+def half_geometric(length: float, smallest: float, ratio: float, largest: float) -> Floats:
+    """Points from 0 to `length`; steps grow by `ratio` from about `smallest` up to `largest`."""
+    points, step = [0.0], min(smallest, length / 2)
+    while points[-1] < length:
+        points.append(points[-1] + step)
+        step = min(step * ratio, largest)
+    return np.array(points) * length / points[-1]
 
 
 def _growth(total: float) -> float:

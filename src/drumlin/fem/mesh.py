@@ -4,7 +4,6 @@ Named groups: subdomains "shoe", "lining", "backing"; boundaries "contact" (lini
 "hinge" (moves as a rigid line that turns about the pin) and "actuation" (carries the force).
 """
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +12,7 @@ import skfem
 from drumlin.brake import Beam, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.beam_mesh import beam_mesh
-from drumlin.fem.division import MOST_LAYERS, Division, divide, overhang
+from drumlin.fem.division import MOST_LAYERS, Division, divide, layers_behind, overhang
 
 
 class Kind(NamedTuple):
@@ -53,7 +52,6 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
     division = elements if isinstance(elements, Division) else divide(shoe, radius, elements)
     if isinstance(shoe.body, Beam):
         return beam_mesh(shoe, radius, division, KINDS[kind].mesh)
-    step = division.step
     layers = [("lining", shoe.lining.thickness)]
     if shoe.backing is not None:
         layers.append(("backing", shoe.backing.thickness))
@@ -64,18 +62,20 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         layers.append(("shoe", shoe.body.thickness))
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        angles = np.concatenate([overhang(phi_1, body[0], step)[:0:-1], angles, overhang(phi_2, body[1], step)[1:]])
+        angles = np.concatenate(
+            [overhang(phi_1, body[0], division)[:0:-1], angles, overhang(phi_2, body[1], division)[1:]]
+        )
     most = MOST_LAYERS if kind.endswith("2") else len(angles)  # linear elements bend well only in thin layers
     depths = [division.depths]
-    for _, thickness in layers[1:]:
-        count = max(division.behind, min(math.ceil(thickness / (step * radius)), most))
-        depths.append(depths[-1][-1] + np.arange(1, count + 1) / count * thickness)
+    for name, thickness in layers[1:]:
+        parts = layers_behind(thickness, division, division.step * radius, most, last=name == "shoe")
+        depths.append(depths[-1][-1] + parts * thickness)
     bounds = np.array([part[-1] for part in depths])
     grid = skfem.MeshQuad.init_tensor(np.concatenate(depths), angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > lining_depth) | ((phi > phi_1) & (phi < phi_2))))
     if kind.startswith("tri"):
-        grid = grid.to_meshtri()
+        grid = grid.to_meshtri(style=None if division.grading is None else "x")  # four a cell: no slant
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     layer = np.searchsorted(bounds, depth)
     middle = grid.p[:, grid.facets].mean(axis=1)

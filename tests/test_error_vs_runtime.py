@@ -1,0 +1,156 @@
+"""The study of error against run time on its short setting, stopped in its middle and gone on with."""
+
+import math
+
+import pytest
+
+from drumlin.errors import BadInput
+from drumlin.journal import Journal
+from drumlin.studies import load
+from drumlin.work_precision import ERRORS, Method, enough, floor, measure, series, timing
+
+MAIN = "double_shoe/brake"
+
+
+class Stopped(Exception):
+    """The run is killed here."""
+
+
+class Stopping(Journal):
+    """A journal whose run is killed after so many cases."""
+
+    def __init__(self, path, cases):
+        super().__init__(path)
+        self.left = cases
+
+    def add(self, case, row):
+        if self.left == 0:
+            raise Stopped
+        self.left -= 1
+        super().add(case, row)
+
+
+@pytest.fixture(scope="module")
+def outcome(tmp_path_factory):
+    """The module, the result of a run that was stopped twice, and what was in its journal at each stop."""
+    path = tmp_path_factory.mktemp("study") / "journal.jsonl"
+    module, _ = load("error_vs_runtime")
+    kept = []
+    for cases in (1, 6):
+        with Stopping(path, cases) as journal, pytest.raises(Stopped):
+            module.study(short=True, journal=journal)
+        kept.append(path.read_text())
+    with Journal(path) as journal:
+        assert len(journal) == 7
+        return module, module.study(short=True, journal=journal), kept, path.read_text()
+
+
+@pytest.fixture(scope="module")
+def rows(outcome):
+    return [row for row in outcome[1].rows if row["brake"] == MAIN]
+
+
+def pick(rows, family, **options):
+    return next(r for r in rows if r["family"] == family and all(r.get(k) == v for k, v in options.items()))
+
+
+def test_a_stopped_run_goes_on_and_keeps_every_row(outcome):
+    _, result, (first, second), whole = outcome
+    assert second.startswith(first) and whole.startswith(second)
+    keys = [(row["brake"], row["family"], row["method"]) for row in result.rows]
+    assert len(set(keys)) == len(keys) == len([line for line in whole.splitlines() if '\\"family\\"' in line])
+    assert set(result.floors) == {MAIN, "laws/shigley_16_2"}
+
+
+def test_finite_elements_know_more_than_laws_and_laws_are_faster(rows):
+    fem, law = pick(rows, "graded mesh", kind="quad2", elements=40), pick(rows, "law", model="sine")
+    assert law["torque_error"] == pytest.approx(0.0277, abs=2e-4)  # as the main report has it
+    for key in ERRORS:
+        assert fem[key] < 0.1 * law[key]
+    assert law["seconds"] < fem["seconds"] / 3
+    assert fem["further"] < fem["seconds"] / 3
+    assert law["further"] > law["seconds"] / 3  # nothing to reuse
+
+
+def test_grading_and_order_pay(rows):
+    graded, even = (pick(rows, family, kind="quad2", elements=40) for family in ("graded mesh", "even mesh"))
+    linear = pick(rows, "graded mesh", kind="tri1", elements=40)
+    assert graded["pressure_error"] < 0.5 * even["pressure_error"]
+    assert graded["torque_error"] < 0.01 * linear["torque_error"]
+    assert pick(rows, "adapted mesh", kind="quad2")["pressure_error"] < 1e-2
+
+
+def test_the_textbook_contact_is_slower_and_less_exact_on_the_same_mesh_and_its_failures_stay(rows):
+    weak, textbook = (pick(rows, family, elements=40, penalty=1e3) for family in ("weak penalty", "pointwise penalty"))
+    assert textbook["unknowns"] == weak["unknowns"]
+    assert textbook["pressure_error"] > 2 * weak["pressure_error"]
+    assert textbook["seconds"] > 1.2 * weak["seconds"]
+    assert textbook["further"] > 5 * weak["further"]
+    stiff = pick(rows, "pointwise penalty", penalty=1e6)
+    assert stiff["status"].startswith("failed: shoe") and "torque_error" not in stiff
+    assert pick(rows, "weak penalty", penalty=1e6)["status"] == "converged"
+
+
+def test_the_floor_lies_below_what_is_claimed(outcome):
+    module, result, _, _ = outcome
+    for name, floors in result.floors.items():
+        assert 0 < floors["torque_error"] < 1e-6 and floors["pressure_error"] < 1e-3
+        for row in module.best_rows(result):
+            if row["brake"] == name and "error" in row:
+                key = next(k for k, said in module.NAMES.items() if said == row["quantity"])
+                assert floors[key] < row["target"] and row["error"] <= row["target"]
+
+
+def test_every_converged_row_is_whole(outcome):
+    for row in outcome[1].rows:
+        if row["status"] == "converged":
+            assert row["lower"] <= row["seconds"] <= row["upper"] and row["repeats"] >= 5
+            assert 1e5 < row["memory"] < 1e9
+            assert all(math.isfinite(row[key]) for key in ERRORS)
+
+
+def test_report(outcome, tmp_path):
+    module, result, _, _ = outcome
+    text = module.report(result, tmp_path).read_text()
+    for said in ("What to use", "Deliberately not covered", "laws/pivoted_block", "repeats itself", "Reference values"):
+        assert said in text
+    assert (tmp_path / "work_precision_double_shoe_brake.png").stat().st_size > 20_000
+    assert (tmp_path / "values" / "double_shoe_brake.json").exists()
+    assert len((tmp_path / "results.csv").read_text().splitlines()) == len(result.rows) + 1
+
+
+def row_of(elements, error, seconds, family="graded mesh"):
+    return {"family": family, "kind": "quad2", "elements": elements, "torque_error": error, "seconds": seconds,
+            "status": "converged"}  # fmt: skip
+
+
+def test_luck_is_no_recommendation_and_ties_go_to_the_more_exact():
+    lucky = [row_of(20, 1e-4, 1.0), row_of(40, 1e-2, 2.0), row_of(80, 1e-3, 4.0)]
+    other = [row_of(20, 5e-4, 4.5, "even mesh")]
+    failed = [{"family": "even mesh", "kind": "tri1", "elements": 20, "seconds": 0.1, "status": "failed: x"}]
+    floors = {"torque_error": 1e-6}
+    fit = enough(lucky + other + failed, "torque_error", 5e-3, floors)
+    assert [row["seconds"] for row in fit] == [4.5, 4.0]  # 20 elements were lucky; of two alike the more exact is first
+    assert enough(lucky, "torque_error", 1e-7, floors) == []
+    assert len(series(lucky + other)) == 2
+
+
+def test_methods_that_do_not_apply_are_rows(brake):
+    rows = [
+        measure(brake, Method("foundation", "f", {"model": "foundation"}), None, lambda: None),
+        measure(brake, Method("adapted mesh", "a", {"tolerance": 2.0}), None, lambda: None),
+    ]
+    assert all(row["status"].startswith("refused: --") for row in rows)
+    with pytest.raises(BadInput):
+        load("no_such_study")
+
+
+def test_times_are_medians_of_enough_repeats_beside_the_unit():
+    def work(n):
+        return lambda: sum(range(n))
+
+    found = timing(work(20_000), work(10_000), 1e-4)
+    assert found.lower <= found.seconds <= found.upper
+    assert found.repeats >= 5
+    assert 1 < found.ratio < 4
+    assert callable(floor)

@@ -1,0 +1,164 @@
+"""Reference values against what is known otherwise, their file, and the check of somebody's p(theta)."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from conftest import ROOT, STUDY
+from drumlin.brakefile import read_brake, vary
+from drumlin.check import check, lines, read_curves, within
+from drumlin.cli import app
+from drumlin.errors import BadInput
+from drumlin.fem.model import solve
+from drumlin.laws import sine
+from drumlin.reference import FIRST, Refinement, as_dict, read_reference, reference, responses, stored, write_values
+
+VALUES = ROOT / "reports" / "reference" / "values"
+LIMIT = 447.592884  # N m, main brake: Richardson's limit of even halvings, by 320 elements; known to 9e-6
+
+
+@pytest.fixture(scope="module")
+def known():
+    return read_reference(VALUES / "double_shoe_brake.json")
+
+
+@pytest.fixture(scope="module")
+def quick(brake):
+    """Reference values by coarser meshes than those that are stored."""
+    return reference(brake, "text", "command", responses(brake, (FIRST, Refinement("tri2", 100, 2e-3, 1.3))))
+
+
+def test_both_meshes_agree_with_the_limit_of_meshes_that_double(known, quick):
+    assert known.torque.value == pytest.approx(LIMIT, rel=1e-6)
+    assert known.torque.relative < 1e-6
+    assert abs(quick.torque.value - LIMIT) < 1e-5 * LIMIT
+    assert abs(known.torque.value - LIMIT) < 2 * known.torque.uncertainty + 9e-6
+    for fine, coarse in zip(known.shoes, quick.shoes, strict=True):
+        assert fine.distance < 1e-4 and fine.pressure_uncertainty < 5e-4
+        off = np.abs(fine.pressure - coarse.pressure)[fine.inside].max() / fine.peak_pressure.value
+        assert off < 5 * coarse.pressure_uncertainty  # the uncertainty covers what a finer mesh changes
+        assert coarse.pressure_uncertainty < 5e-3
+
+
+def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_says():
+    files = {path.stem: path for path in VALUES.glob("*.json")}
+    assert len(files) >= 10
+    for stem, path in files.items():
+        found = read_reference(path)
+        folder = next(f for f in ("double_shoe", "laws", "post_brake") if stem.startswith(f + "_"))
+        brake_file = ROOT / "studies" / folder / f"{stem.removeprefix(folder + '_')}.toml"
+        assert found.text == brake_file.read_text()
+        assert stored(found.text, VALUES) == path
+        assert path.stat().st_size < 60_000
+        assert found.torque.relative < 1e-6
+        brake = read_brake(brake_file)
+        coarse = solve(brake, elements=40)
+        assert coarse.torque == pytest.approx(found.torque.value, rel=1e-3)
+        for shoe, answer in zip(found.shoes, coarse.shoes, strict=True):
+            assert answer.hinge_reaction == pytest.approx(
+                np.array(shoe.hinge_reaction.value), abs=5e-3 * np.linalg.norm(shoe.hinge_reaction.value)
+            )
+            drum, pin = np.array(shoe.contact_force.value), np.array(shoe.hinge_reaction.value)
+            force = next(s for s in brake.shoes if s.name == shoe.name).actuation.vector
+            assert np.linalg.norm(drum + pin + force) < 1e-6 * np.linalg.norm(force)
+
+
+def test_a_file_of_reference_values_returns_what_was_written(quick, tmp_path):
+    path = tmp_path / "values.json"
+    write_values(as_dict(quick), path)
+    assert as_dict(read_reference(path)) == as_dict(quick)
+    assert max(len(line) for line in path.read_text().splitlines()) > 1000  # arrays on a line each
+    for text in ("", "[]", '{"format": "other"}', path.read_text().replace('"edge"', '"edgy"')):
+        path.write_text(text)
+        with pytest.raises(BadInput, match=r"values\.json"):
+            read_reference(path)
+    path.write_text(json.dumps({"no": "reference"}))
+    assert stored("text", tmp_path) is None
+
+
+def table(response, factor=1.0, step=0.25):
+    """A response's p(theta) as somebody's CSV file, in degrees and MPa."""
+    rows = ["shoe,theta [deg],p [MPa]"]
+    for shoe in response.shoes:
+        ends = np.degrees(shoe.theta[[0, -1]])
+        for angle in np.linspace(*ends, round((ends[1] - ends[0]) / step) + 1):
+            p = shoe.pressure_at(np.clip(np.radians(angle), *shoe.theta[[0, -1]]))
+            rows.append(f"{shoe.name},{angle:.9f},{float(p) * 1e-6 * factor:.9g}")
+    return "\n".join(rows) + "\n"
+
+
+def test_check_tells_good_curves_from_bad_ones(brake, known, tmp_path):
+    path = tmp_path / "p.csv"
+    path.write_text(table(solve(brake, elements=160)))
+    good = check(brake, known, read_curves(path, brake))
+    assert within(good, 0.005) and all(v.distance < 1e-3 for v in good)
+    path.write_text(table(solve(brake, elements=160), factor=1.05))
+    for verdict in check(brake, known, read_curves(path, brake)):
+        assert verdict.distance == pytest.approx(0.05, abs=2e-3)
+        assert verdict.torque_error == pytest.approx(0.05, abs=4e-3)
+    path.write_text(table(sine(brake)))
+    law = check(brake, known, read_curves(path, brake))
+    assert not within(law, 0.05)
+    assert lines(law, 0.05)[-1] == "NOT within 0.05 of the reference"
+    # whole turns, radians, Pa and the order of lines change nothing
+    heading, *rows = table(solve(brake, elements=160)).splitlines()
+    turned = [heading.replace("[deg]", "[rad]").replace("[MPa]", "[Pa]")]
+    for name, angle, p in (row.split(",") for row in reversed(rows)):
+        turned.append(f"{name},{np.radians(float(angle)) - 2 * np.pi},{float(p) * 1e6}")
+    path.write_text("\n".join(turned))
+    again = check(brake, known, read_curves(path, brake))
+    assert [v.distance for v in again] == pytest.approx([v.distance for v in good], rel=1e-5)
+
+
+BAD = {
+    "": "is empty",
+    "shoe,theta,p [MPa]\n": r"line 1: 'theta'",
+    "shoe,theta [mm],p [MPa]\n": r"line 1: 'theta \[mm\]'",
+    "shoe,theta [deg]\n": "no column 'p'",
+    "theta [deg],p [MPa]\n0,1\n": "no column 'shoe'",
+    "shoe,theta [deg],p [MPa]\nmiddle,0,1\n": r"line 2: shoe = 'middle'.*right, left",
+    "shoe,theta [deg],p [MPa]\nright,0,nan\n": "line 2: p = 'nan'",
+    "shoe,theta [deg],p [MPa]\nright,zero,1\n": "line 2: theta = 'zero'",
+    "shoe,theta [deg],p [MPa]\nright,0\n": "line 2: 2 cells",
+    "shoe,theta [deg],p [MPa]\nright,0,1\nright,0,2\n": "stands twice",
+    "shoe,theta [deg],p [MPa]\nright,0,1\n": "1 points",
+}
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_a_table_that_cannot_be_read_is_refused_in_one_line(text, brake, tmp_path):
+    path = tmp_path / "p.csv"
+    path.write_text(text)
+    with pytest.raises(BadInput, match=BAD[text]) as caught:
+        read_curves(path, brake)
+    assert "\n" not in str(caught.value) and "p.csv" in str(caught.value)
+
+
+def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake, known, tmp_path):
+    path = tmp_path / "p.csv"
+    path.write_text("shoe,theta [deg],p [MPa]\n" + "".join(f"{n},{a},1\n" for n in ("right", "left") for a in (0, 30)))
+    with pytest.raises(BadInput, match="must reach from"):
+        check(brake, known, read_curves(path, brake))
+    block = read_brake(ROOT / "studies" / "laws" / "block.toml")
+    with pytest.raises(BadInput, match="another brake"):
+        check(block, known, {})
+    with pytest.raises(BadInput, match="mesh file"):
+        responses(vary(brake, {"shoe[0].mesh": str(Path("s.msh"))}))
+
+
+def test_commands(tmp_path):
+    brake_file, path = STUDY.parent / "laws" / "short_block.toml", tmp_path / "p.csv"
+    path.write_text(table(solve(read_brake(brake_file), elements=80)))
+    done = CliRunner().invoke(app, ["check", str(brake_file), str(path)])
+    assert done.exit_code == 0 and "laws_short_block.json" in done.output
+    assert done.output.splitlines()[-1] == "within 0.01 of the reference"
+    strict = CliRunner().invoke(app, ["check", str(brake_file), str(path), "--tolerance", "1e-9"])
+    assert strict.exit_code == 0 and "NOT within" in strict.output
+    with pytest.raises(BadInput, match="--tolerance"):
+        CliRunner().invoke(app, ["check", str(brake_file), str(path), "--tolerance", "2"], catch_exceptions=False)
+    made = CliRunner().invoke(app, ["reference", str(brake_file), "--output", str(tmp_path / "r.json")])
+    assert made.exit_code == 0 and "uncertainty" in made.output
+    assert read_reference(tmp_path / "r.json").torque.value == pytest.approx(20.0994935, rel=1e-6)
