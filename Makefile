@@ -6,11 +6,12 @@ BIN = .venv/bin
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
+# loadscope: a module, and what its tests share, stays in one process
 test: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 --dist loadscope
 
 setup: .venv/ready
 

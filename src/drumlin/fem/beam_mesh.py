@@ -13,7 +13,7 @@ import skfem
 from drumlin.arrays import Floats
 from drumlin.beam import Axis, axis_of
 from drumlin.brake import Beam, Section, Shoe
-from drumlin.fem.division import MOST_LAYERS, Division, layers_behind, overhang
+from drumlin.fem.division import MOST_LAYERS, MOST_THIN, Division, layers_behind, overhang
 from drumlin.units import mm
 
 PARTS = ("lining", "backing", "shoe")
@@ -62,7 +62,7 @@ def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
     s = np.concatenate([overhang(start, low, division)[:0:-1], angles, overhang(end, high, division)[1:]])
     face = axis.distance - section.thickness / 2
     linear = shape in {skfem.MeshQuad1, skfem.MeshTri1}
-    most = len(s) if linear else MOST_LAYERS  # linear elements bend well only in thin layers
+    most = MOST_THIN if linear else MOST_LAYERS  # linear elements bend well only in thin layers
     deepest = face - back * min(math.cos(start), math.cos(end))
     block, beam = (
         layers_behind(t, division, division.step * radius, most, last=last)

@@ -22,6 +22,7 @@ BEHIND = 4  # layers through backing and body each, at least, on meshes that are
 MOST_BEYOND = 200  # elements along the body on either side of the lining
 THROUGH = 1.5  # growth of the layers of fine divisions
 MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
+MOST_THIN = 80  # the same of linear elements
 
 
 class Grading(NamedTuple):

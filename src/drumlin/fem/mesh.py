@@ -12,7 +12,7 @@ import skfem
 from drumlin.brake import Beam, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.beam_mesh import beam_mesh
-from drumlin.fem.division import MOST_LAYERS, Division, divide, layers_behind, overhang
+from drumlin.fem.division import MOST_LAYERS, MOST_THIN, Division, divide, layers_behind, overhang
 
 
 class Kind(NamedTuple):
@@ -65,7 +65,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         angles = np.concatenate(
             [overhang(phi_1, body[0], division)[:0:-1], angles, overhang(phi_2, body[1], division)[1:]]
         )
-    most = MOST_LAYERS if kind.endswith("2") else len(angles)  # linear elements bend well only in thin layers
+    most = MOST_LAYERS if kind.endswith("2") else MOST_THIN  # linear elements bend well only in thin layers
     depths = [division.depths]
     for name, thickness in layers[1:]:
         parts = layers_behind(thickness, division, division.step * radius, most, last=name == "shoe")
