@@ -254,7 +254,7 @@ def test_a_brake_in_mm_n_mpa_numbers_gives_the_same_numbers(brake):
             return {k: scaled(v, k) for k, v in value.items()}
         if isinstance(value, list | tuple):
             return [scaled(v, key) for v in value]
-        lengths = {"radius", "thickness", "width", "x", "y"}
+        lengths = {"radius", "thickness", "width", "x", "y"} if value is not None else set()
         return value * 1e3 if key in lengths else value * 1e-6 if key == "E" else value
 
     from drumlin.brakefile import brake_from

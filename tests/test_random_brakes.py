@@ -73,7 +73,7 @@ def brakes(draw):
     return {
         "title": "random",
         "rotation": draw(st.sampled_from(ROTATIONS)),
-        "friction": draw(st.floats(0, 0.6)),
+        "friction": draw(st.floats(0, 0.6) | st.floats(1, 5)),
         "drum": {"radius": R},
         "shoe": [draw(shoes(R))],
     }

@@ -80,7 +80,8 @@ def limit(sliding: Sliding, most: float = LARGEST) -> Limit:
         if not np.array_equal(of, found.active):
             critical, of = next_eigenvalue(sliding, mu, found.active), found.active
             near = mu + (critical - mu) * (1 - CLOSE)
-            if np.isfinite(critical) and _reached(sliding, near, found.active, 1) is not None:
+            met = critical - mu < RESOLUTION * max(mu, 1e-3)  # the step before has met the pole itself
+            if np.isfinite(critical) and (met or _reached(sliding, near, found.active, 1) is not None):
                 return Limit(critical, False, found, mu, steps)
         reach = 0.5 * (target - mu)
         if reach < RESOLUTION * max(mu, 1e-3):
