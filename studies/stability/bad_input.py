@@ -16,7 +16,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
@@ -28,6 +28,7 @@ import numpy as np
 from drumlin.compare import Column
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.flat import FlatBrake, read_any
+from drumlin.journal import Journal
 from drumlin.models import MODELS, applicable
 from drumlin.report.page import Section, Source, Table, Text
 from drumlin.response import Response, contact_resultant
@@ -36,7 +37,7 @@ ROOT = Path(__file__).parents[2]
 LONGEST = 10.0  # s an input may take
 ELEMENTS = 8  # of the finite elements that try a brake file
 UNITS = ("mm", "m", "deg", "rad", "N", "kN", "Pa", "GPa", "s", "", "furlong")
-CHUNK = 25  # inputs a process takes at a time
+CHUNK = 50  # inputs a process takes at a time
 
 
 class Input(NamedTuple):
@@ -469,20 +470,26 @@ def _at_most(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def judge_many(first: int, count: int) -> list[Verdict]:
-    """The inputs number `first` to `first + count`, each drawn from a generator of its own."""
-    return [judge(make(random.Random(number))) for number in range(first, first + count)]
+def judge_many(chunk: dict[str, Any]) -> dict[str, Any]:
+    """Try `count` inputs from number `first` on, each drawn from a generator of its own."""
+    numbers = range(chunk["first"], chunk["first"] + chunk["count"])
+    return {"verdicts": [judge(make(random.Random(number)))._asdict() for number in numbers]}
 
 
-def judge_all(count: int, say: Callable[[str], None] = lambda _: None, processes: int = 2) -> list[Verdict]:
-    """Try `count` inputs; the same ones each time."""
-    verdicts: list[Verdict] = []
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        chunks = [pool.submit(judge_many, first, min(CHUNK, count - first)) for first in range(0, count, CHUNK)]
-        for chunk in chunks:
-            verdicts += chunk.result()
-            say(f"bad input: {len(verdicts)} of {count}")
-    return verdicts
+def judge_all(
+    count: int, journal: Journal, say: Callable[[str], None] = lambda _: None, processes: int = 0
+) -> list[Verdict]:
+    """Try `count` inputs, the same ones each time, in this process or in several; a chunk is a case of the journal."""
+    chunks = [
+        {"of": "bad input", "first": first, "count": min(CHUNK, count - first)} for first in range(0, count, CHUNK)
+    ]
+    left = [chunk for chunk in chunks if chunk not in journal]
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) if processes else nullcontext() as pool:
+        found = pool.map(judge_many, left) if pool else map(judge_many, left)
+        for chunk, verdicts in zip(left, found, strict=True):
+            journal.add(chunk, verdicts)
+            say(f"bad input: {chunk['first'] + chunk['count']} of {count}")
+    return [Verdict(**verdict) for chunk in chunks for verdict in journal[chunk]["verdicts"]]
 
 
 # -------------------------------------------------------------------------------------------------------- telling

@@ -6,7 +6,6 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -53,13 +52,8 @@ def study(
                 if done % 10 == 0:
                     say(f"{done} of {len(left)} cases")
     locked = locking.rows(short, journal, say)
-    count, judged = (40, partial(bad_input.judge_many, 0)) if short else (INPUTS, partial(bad_input.judge_all, say=say))
     say("bad input")
-    kept = journal.once(
-        {"of": "bad input", "count": count},
-        lambda: {"verdicts": [verdict._asdict() for verdict in judged(count)]},
-    )
-    verdicts = [bad_input.Verdict(**verdict) for verdict in kept["verdicts"]]
+    verdicts = bad_input.judge_all(40 if short else INPUTS, journal, say, processes=0 if short else WORKERS)
     return Result([journal[key] for key in keys.values()], locked, verdicts, time.perf_counter() - start)
 
 
