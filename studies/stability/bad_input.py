@@ -480,7 +480,7 @@ def judge_all(
     count: int, journal: Journal, say: Callable[[str], None] = lambda _: None, processes: int = 0
 ) -> list[Verdict]:
     """Try `count` inputs, the same ones each time, in this process or in several; a chunk is a case of the journal."""
-    chunks = [
+    chunks: list[dict[str, Any]] = [
         {"of": "bad input", "first": first, "count": min(CHUNK, count - first)} for first in range(0, count, CHUNK)
     ]
     left = [chunk for chunk in chunks if chunk not in journal]
