@@ -54,6 +54,10 @@ class Table:
         """The columns that some row fills."""
         return [column for column in self.columns if any(row.get(column.key) is not None for row in self.rows)]
 
+    def words(self, column: Column) -> bool:
+        """Whether a column holds words, and its heading stands on their side."""
+        return any(isinstance(row.get(column.key), str) for row in self.rows)
+
 
 @dataclass(frozen=True)
 class Source:
