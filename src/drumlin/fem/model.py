@@ -42,7 +42,8 @@ PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
 lining's own compression p t/E, and the pressure is off by about as much; each response states by how much."""
 REFINED_FROM = 1e-9  # relative imbalance from which on the condensed bodies have lost too many digits
-LARGEST_IMBALANCE = 1e-8  # of a refined answer; one that balances worse is none
+MOST_REFINED = 60_000  # unknowns of a group of shoes up to which that is done before it must be: it takes seconds
+LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
 LARGEST_CORRECTION = 1e-6  # relative, of the pressures, by the last step of a refinement
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
@@ -239,7 +240,8 @@ def _answers(
     for k, i in enumerate(group):
         p, turn = size * found.p[parts[k]], size * float(found.y[k])
         answers[i] = _answer(scene.bodies[i], brake, brake.shoes[i], p, turn, change[parts[k]], penalty, found.steps)
-    if _imbalance(answers) < REFINED_FROM:
+    small = sum(scene.bodies[i].unknowns for i in group) <= MOST_REFINED
+    if _imbalance(answers) < (REFINED_FROM if small else LARGEST_IMBALANCE):
         return answers
     try:
         refined = refined_group(scene, brake, group, penalty, found.active)
