@@ -38,7 +38,6 @@ PRESSURE, TORQUE = 0.01, 0.001  # what must hold after run-in
 RATIOS = (1e-4, 1e-3, 1e-2, 1e-1)  # E of the lining over that of the shoe
 CURVES = (0.0, 0.3, 3.0, 10.0, 30.0)
 REVERSALS = (10.0, 50.0, 250.0)  # in 1/(k K)
-TRIAL = 90.0  # 1/(k K), reported of a trial with flexible shoes
 
 
 class Run(NamedTuple):
@@ -526,7 +525,7 @@ def sections(result: Result, pictures: dict[str, Path]) -> list[Section]:
                     f"rotation and one line of force. Main brake: torque within 1 % after {stiff['torque_distance']:.3g}/(k K), "
                     f"{stiff['torque_life']:.1%} of its life, p after {stiff['pressure_distance']:.3g}/(k K), {stiff['pressure_life']:.0%}. "
                     f"Flexible shoes: {soft['torque_distance']:.3g}/(k K), {soft['torque_life']:.0%}, and {soft['pressure_distance']:.3g}/(k K), "
-                    f"{soft['pressure_life']:.0%} of the life. The {TRIAL:g}/(k K) of an earlier trial lies between. The part of life is "
+                    f"{soft['pressure_life']:.0%} of the life. The part of life is "
                     "(s k K)(p/E)/0.8 and depends on neither k nor the speed: light duty (p/E small) runs in early in life, heavy "
                     "duty late or never. For a stiffer lining s k K grows but p/E falls: over the stiffnesses in the table above "
                     f"p is off the law for {min(row['pressure_life'] for row in result.ratios):.0%} to "
