@@ -154,3 +154,12 @@ def test_varying_inside_a_table_that_was_given_leaves_that_table_alone(brake):
     ring = {"thickness": 0.015, "width": 0.04, "material": {"E": 1e11, "nu": 0.25}}
     assert vary(brake, {"drum.ring": ring, "drum.ring.material.E": 2e11}).drum.ring.material.E == 2e11
     assert ring["material"]["E"] == 1e11
+
+
+def test_common_units_are_those_of_pint():
+    from drumlin import units
+
+    for si, factors in units.COMMON.items():
+        for unit, factor in factors.items():
+            assert factor == pytest.approx(units._by_pint(unit, si), rel=1e-15)
+            assert units.to_si(f"2 {unit}", si, unit_required=True) == 2 * factor

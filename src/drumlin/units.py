@@ -36,11 +36,18 @@ NAMES = {
     "N m^2": "a bending stiffness",
     "1/Pa": "a wear coefficient",
 }
+# Factors to SI of the units that most files keep to, so that they need no pint; the tests hold them against it.
+COMMON = {
+    "m": {"m": 1.0, "mm": 1e-3},
+    "N": {"N": 1.0, "kN": 1e3},
+    "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
+    "rad": {"rad": 1.0, "deg": math.pi / 180},
+}
 
 
 @functools.cache
 def _registry() -> Any:
-    import pint  # noqa: PLC0415  (0.2 s: only when a brake file is read)
+    import pint  # noqa: PLC0415  (0.25 s: only where a file has another unit)
 
     return pint.UnitRegistry()
 
@@ -48,6 +55,11 @@ def _registry() -> Any:
 @functools.cache
 def _factor(unit: str, si: str) -> float:
     """Factor from `unit` to the SI unit `si`; raises ValueError if `unit` measures something else."""
+    common = COMMON.get(si, {}).get(unit.strip())
+    return _by_pint(unit, si) if common is None else common
+
+
+def _by_pint(unit: str, si: str) -> float:
     registry = _registry()
     try:
         factor, base = registry.get_base_units(registry.parse_units(unit.strip()))
