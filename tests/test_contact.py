@@ -153,3 +153,25 @@ def test_a_small_contact_far_away_is_found_in_few_steps():
     problem = Problem(np.eye(161) * 1e-4, (2 - x) * 10, -x[:, None], -x[None], np.array([-0.5]))
     assert np.count_nonzero(contact.solve(problem).p) < 8
     assert contact.solve(problem).steps <= 5
+
+
+@given(st.integers(2, 25), st.integers(0, 10_000), st.floats(0, 0.5), st.booleans())
+def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, skew, hinged):
+    """Free or on a hinge, with friction (skew) or without: the set that is found from all nodes, in a few n steps."""
+    rng = np.random.default_rng(seed)
+    A, x = p_matrix(rng, n, skew), rng.uniform(0.2, 1.0, n)
+    motion = (-x[:, None], -x[None], np.array([-1.0])) if hinged else free(A, x)[2:]
+    problem = Problem(A, rng.normal(size=n), *motion)
+    active, steps = contact.narrowed(problem)
+    found = contact.settle(problem, active)
+    assert found.steps == 1
+    assert steps <= 10 * n
+    w = problem.q + A @ found.p + problem.B @ found.y
+    assert w.min() >= -1e-9 * max(np.abs(problem.q).max(), np.abs(w).max())
+    assert found.p == pytest.approx(contact.solve(problem).p, rel=1e-7, abs=1e-9 * found.p.max(initial=1.0))
+
+
+def test_followed_from_wider_gaps_a_contact_without_answer_never_arrives():
+    """A spring that softens as it is pressed, w = -1 - p: no pressure closes it."""
+    with pytest.raises(NoAnswer, match="never reaches"):
+        contact.narrowed(free([[-1.0]], [-1.0]))

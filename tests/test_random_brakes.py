@@ -1,4 +1,8 @@
-"""A hundred random brakes: each ends converged or refused with a reason, whatever contact set it starts from."""
+"""A hundred random brakes: each ends converged or refused with a reason.
+
+Up to mu = 0.6 the answer is the same whatever contact set it starts from. Far beyond, where friction may have taken
+the matrix its uniqueness, the answer is what the model takes; that is checked too, not that there is no other.
+"""
 
 import math
 from collections import Counter
@@ -8,12 +12,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from drumlin import contact
 from drumlin.brakefile import brake_from
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.model import contact_problem, respond
+from drumlin.fem.model import answer_of, contact_problem, respond
 from drumlin.fem.scene import prepare
 
+UNIQUE = 0.6  # friction up to which any start must lead to the same answer
 ROTATIONS = ("counter-clockwise", "clockwise")
 
 
@@ -73,7 +77,7 @@ def brakes(draw):
     return {
         "title": "random",
         "rotation": draw(st.sampled_from(ROTATIONS)),
-        "friction": draw(st.floats(0, 0.6) | st.floats(1, 5)),
+        "friction": draw(st.floats(0, UNIQUE) | st.floats(1, 5)),
         "drum": {"radius": R},
         "shoe": [draw(shoes(R))],
     }
@@ -96,16 +100,15 @@ def test_a_hundred_random_brakes_end_converged_or_refused_with_a_reason():
             return
         assert response.converged
         assert max(response.balance.force, response.balance.moment) <= 1e-8
-        assert response.iterations <= 15
-        steps.append(response.iterations)
+        if brake.friction <= UNIQUE:
+            steps.append(response.iterations)
         if not response.shoes[0].contact_arcs:
             ends["untouched"] += 1
             return
         ends[f"{len(response.shoes[0].contact_arcs)} arcs"] += 1
         body = scene.bodies[0]
         problem = contact_problem(scene, brake, [0], penalty)
-        rng = np.random.default_rng(seed)
-        found, other = (contact.solve(problem, start) for start in (None, rng.random(len(problem.q)) < 0.5))
+        found = answer_of(scene, brake, [0], penalty)
         w = (problem.q + problem.A @ found.p + problem.B @ found.y) / body.coupling.area
         gap_scale = (
             np.abs(problem.q / body.coupling.area).max() + np.abs(problem.A @ found.p / body.coupling.area).max()
@@ -113,10 +116,15 @@ def test_a_hundred_random_brakes_end_converged_or_refused_with_a_reason():
         assert found.p.min() >= 0
         assert w.min() >= -1e-8 * gap_scale
         assert (found.p * np.abs(w)).max() <= 1e-8 * found.p.max() * gap_scale
+        assert found.regular
+        if brake.friction > UNIQUE:
+            return
+        start = np.random.default_rng(seed).random(len(problem.q)) < 0.5
+        other = answer_of(scene, brake, [0], penalty, start)
         assert other.p == pytest.approx(found.p, rel=1e-6, abs=1e-8 * found.p.max())
 
     every()
     assert sum(ends.values()) >= 100
     assert ends["1 arcs"] >= 20 and ends["2 arcs"] + ends["3 arcs"] >= 1
     assert ends["NoAnswer"] >= 1, ends  # the refusals are among the hundred
-    assert max(steps) > 1
+    assert 1 < np.median(steps) <= 6  # a few need tens: one node after the other

@@ -1,7 +1,7 @@
 """The complementarity problem of unilateral contact, solved by an active-set (semismooth Newton) method.
 
-All wrong nodes change at once; where they do not become fewer, one at a time by Murty's rule, which ends for
-every P-matrix (block principal pivoting: Kostreva 1978; Judice & Pires 1994).
+All wrong nodes change at once (block principal pivoting: Kostreva 1978; Judice & Pires 1994); where they do not become
+fewer, the answer is followed from wider gaps, one node changing at a time (Lemke 1965).
 
 Find pressures p and free motions y such that
 
@@ -12,8 +12,9 @@ included as a compliance M/eps (zero for an infinite penalty); y (k,): what equi
 hinged shoe its rotation; C p = h: the equilibrium in these motions, C = B^T where there is no friction.
 """
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -24,6 +25,9 @@ from drumlin.arrays import Bools, Floats, Ints
 from drumlin.errors import NoAnswer
 
 MOST_STEPS = 120  # a brake that has an answer needs some ten
+MOST_PASSES = 10  # changes of each node while an answer is followed from wider gaps
+GOLDEN = (math.sqrt(5) - 1) / 2
+WIDER = 0.01  # gaps from which an answer is followed are wider by this part of the largest one at least
 FAR = 4  # a set in which more than one node in so many is wrong is far off
 PATIENCE = 5  # steps in which all wrong nodes change at once without becoming fewer
 SMALL = 48  # nodes below which a contact set is not guessed from a coarser problem
@@ -59,12 +63,33 @@ class Contact:
     tangent: Callable[[Floats], Floats]
 
 
-def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) -> Contact:
-    """Solve a contact problem from the contact set `start` in at most `most` steps.
+def solve(problem: Problem, start: Bools | None = None) -> Contact:
+    """Solve a contact problem from the contact set `start`, and from wider gaps where that leads nowhere.
 
     Without a start all nodes are tried, and where that is far off the set of `coarse_start` next.
 
     Raises NoAnswer where no contact set is consistent: nothing balances the actuation, or not converged.
+    """
+    try:
+        return settle(problem, start)
+    except NotSettled as unsettled:
+        active, steps = narrowed(problem)
+        found = settle(problem, active)
+        return replace(found, steps=unsettled.steps + steps + found.steps)
+
+
+class NotSettled(NoAnswer):
+    """The contact set still changes after `steps` in which all wrong nodes change at once."""
+
+    def __init__(self, steps: int) -> None:
+        super().__init__(f"not converged: the contact set still changes after {steps} steps")
+        self.steps = steps
+
+
+def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) -> Contact:
+    """The answer that changing all wrong nodes at once leads to from `start`, in at most `most` steps.
+
+    Raises NotSettled where the wrong nodes do not become fewer, NoAnswer where nothing balances the actuation.
     """
     scaled, scales = equilibrated(problem)
     (A, q, B, C, h), d = scaled, scales.pressure
@@ -103,10 +128,49 @@ def solve(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) 
         if start is None and step == 1 and FAR * wrong > n:
             active = coarse_start(problem)
             continue
-        if patience < 0:  # perhaps a cycle: exchange the last wrong node alone, until fewer are wrong
-            change = np.arange(n) == np.flatnonzero(change)[-1]
+        if patience < 0:
+            break
         active = active ^ change
-    raise NoAnswer(f"not converged: the contact set still changes after {most} steps")
+    raise NotSettled(step)
+
+
+def narrowed(problem: Problem) -> tuple[Bools, int]:
+    """Contact set (n,) of the answer that gaps q + s e lead to as s goes from 1 to 0, and the steps to it.
+
+    At s = 1 only the nodes touch that the actuation closes first; e (n,) lifts all others. Between two changes of the
+    contact set p and w are linear in s, and each change is of one node; the next piece begins where it leaves zero, s
+    growing again where the path turns. Such a path ends at an answer or goes on for ever (Lemke 1965; Cottle, Pang &
+    Stone, The Linear Complementarity Problem, section 4.5).
+
+    Raises NoAnswer where it goes on for ever.
+    """
+    scaled, _ = equilibrated(problem)
+    A, q, B, C, h = scaled
+    n, k = B.shape
+    active = _first_touch(q, B, C, h, alone=True)
+    s, way, last, e = 1.0, -1, -1, np.zeros(n)
+    for step in range(MOST_PASSES * n):
+        equations = _Equations(scaled, active)
+        p, y = equations.solve(q, h)
+        w = q + A @ p + B @ y
+        if step == 0:
+            uneven = 1 + np.arange(n) * GOLDEN % 1  # no two nodes change together
+            e = np.where(active, 0.0, np.maximum(-w, 0.0) + WIDER * max(np.abs(w).max(), np.abs(q).max()) * uneven)
+        dp, dy = equations.solve(e, np.zeros(k))
+        value, slope = np.where(active, p, w), np.where(active, dp, e + A @ dp + B @ dy)  # at s = 0, and per s
+        if step > 0:
+            way = 1 if slope[last] > 0 else -1  # the node that has changed leaves zero
+        falls = way * slope < 0
+        reach = np.full(n, np.inf)
+        reach[falls] = np.maximum(value + s * slope, 0.0)[falls] / np.abs(slope[falls])
+        if way < 0 and reach.min() >= s:
+            return active, step + 1
+        last = int(reach.argmin())
+        s += way * reach[last]
+        if not np.isfinite(s):
+            break
+        active[last] ^= True
+    raise NoAnswer("no equilibrium found: from wider gaps the contact never reaches the true ones")
 
 
 class Scales(NamedTuple):
@@ -182,7 +246,7 @@ def coarse_start(problem: Problem) -> Bools:
     if len(q) < SMALL:
         return active
     try:
-        coarse = solve(Problem(_halved(_halved(A).T).T, _halved(q), _halved(B), _halved(C.T).T, h)).p > 0
+        coarse = settle(Problem(_halved(_halved(A).T).T, _halved(q), _halved(B), _halved(C.T).T, h)).p > 0
     except NoAnswer:
         return active
     between = len(q) // 2
@@ -287,13 +351,16 @@ def _tangent(equations: _Equations, d: Floats, h: Floats, dq: Floats) -> Floats:
     return equations.solve(d * dq, h)[0] * d
 
 
-def _first_touch(q: Floats, B: Floats, C: Floats, h: Floats) -> Bools:
-    """For each free motion the node that the actuation closes first, when nothing touches."""
+def _first_touch(q: Floats, B: Floats, C: Floats, h: Floats, *, alone: bool = False) -> Bools:
+    """For each free motion the nodes that the actuation closes first, when nothing touches; `alone`: one of them."""
     touching = np.zeros(len(q), dtype=bool)
     for k in range(B.shape[1]):
         bearing = C[k] * h[k] > 0  # nodes whose pressure resists the actuation
         if not bearing.any():
             raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
         reach = np.where(bearing, q / np.maximum(np.abs(B[:, k]), np.finfo(float).tiny), np.inf)
-        touching |= reach <= reach.min()
+        if alone:
+            touching[reach.argmin()] = True
+        else:
+            touching |= reach <= reach.min()
     return touching

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
-from drumlin.contact import Contact, Problem, equilibrated, matrix_on, solve
+from drumlin.contact import Contact, Problem, equilibrated, matrix_on, settle, solve
 from drumlin.errors import NoAnswer
 
 LARGEST = 1e3  # friction coefficient up to which a limit is looked for
@@ -176,7 +176,7 @@ def first_singular(sliding: Sliding) -> float:
 
 def _reached(sliding: Sliding, friction: float, start: Bools, most: int = 30) -> Contact | None:
     try:
-        found = solve(sliding.at(friction), start, most)
+        found = settle(sliding.at(friction), start, most)
     except NoAnswer:
         return None
     return found if found.regular else None
