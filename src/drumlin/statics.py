@@ -1,5 +1,6 @@
 """Resultants of a pressure distribution: integrals of piecewise polynomials over an arc."""
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -41,12 +42,17 @@ def slopes(order: int, xi: Floats) -> Floats:
     return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), xi) for row in np.eye(order + 1)])
 
 
+@cache
+def _at_gauss(order: int) -> Floats:
+    return shape(order, GAUSS)
+
+
 def gauss_points(theta: Floats, values: Floats, order: int) -> tuple[Floats, Floats, Floats]:
     """Angles, values and weights (pieces, points) of a Gauss rule on every piece of a piecewise polynomial."""
     ends = theta[::order]
     half = 0.5 * np.diff(ends)[:, None]
     pieces = np.arange(len(ends) - 1)[:, None] * order + np.arange(order + 1)
-    return ends[:-1, None] + half * (1 + GAUSS), values[pieces] @ shape(order, GAUSS), half * WEIGHTS
+    return ends[:-1, None] + half * (1 + GAUSS), values[pieces] @ _at_gauss(order), half * WEIGHTS
 
 
 def integrate(theta: Floats, values: Floats, order: int) -> float:

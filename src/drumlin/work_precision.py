@@ -195,8 +195,8 @@ def measure(brake: Brake, method: Method, truth: Response, unit: Callable[[], ob
     row |= timing(partial(solved, brake, method), unit, first)._asdict()
     if found.further is not None:
         try:
-            loops = max(1, math.ceil(LEAST_SAMPLE / max(_spent(found.further), 1e-6)))
-            row["further"] = median(_spent(found.further, loops) for _ in range(REPEATS))
+            again = timing(found.further, unit, _spent(found.further))
+            row |= {"further": again.seconds, "further_ratio": again.ratio}
         except DrumlinError as error:
             row["note"] = f"further load case: {_said(error)}"
     return row | {"memory": memory(brake, method), "status": "converged"}
@@ -239,13 +239,22 @@ def process_seconds(brake_file: Path, *options: str, repeats: int = REPEATS) -> 
     return median(samples)
 
 
-def peer_row(brake: Brake, method: Method, truth: Response, repeats: int = REPEATS) -> dict[str, Any]:
-    """The row of a peer, by drumlin.peers; times are those that it states, medians of the repeats."""
+def peer_row(
+    brake: Brake, method: Method, truth: Response, unit: Callable[[], object], repeats: int = REPEATS
+) -> dict[str, Any]:
+    """The row of a peer, by drumlin.peers; times are those that it states, medians of the repeats, ratios to the unit
+    that is timed before each; option `even`: on a mesh that is graded nowhere."""
     solve_by = importlib.import_module(PEERS[method.family]).solve  # only where peers are asked for
     row: dict[str, Any] = dict(method.case)
+    options = dict(method.options)
+    if options.pop("even", False):
+        options["mesher"] = partial(even_mesh, elements=options["elements"], kind=options.get("kind", DEFAULT_KIND))
     start = time.perf_counter()
+    answers, beside = [], []
     try:
-        answers = [solve_by(brake, **method.options) for _ in range(repeats)]
+        for _ in range(repeats):
+            beside.append(median(_spent(unit) for _ in range(REPEATS)))
+            answers.append(solve_by(brake, **options))
     except DrumlinError as error:
         return row | {"seconds": time.perf_counter() - start, "status": _said(error)}
     samples = [answer.seconds for answer in answers]
@@ -255,6 +264,8 @@ def peer_row(brake: Brake, method: Method, truth: Response, repeats: int = REPEA
         "lower": lower,
         "upper": upper,
         "repeats": repeats,
+        "ratio": median(answer.seconds / pace for answer, pace in zip(answers, beside, strict=True)),
+        "further_ratio": median(answer.further_seconds / pace for answer, pace in zip(answers, beside, strict=True)),
         "process": median(answer.process_seconds for answer in answers),
         "further": median(answer.further_seconds for answer in answers),
         "unknowns": answers[0].unknowns,
@@ -266,6 +277,8 @@ def peer_row(brake: Brake, method: Method, truth: Response, repeats: int = REPEA
 def enough(rows: Iterable[Mapping[str, Any]], key: str, target: float, floors: Mapping[str, float]) -> list[Any]:
     """The rows whose error `key` is at most `target`, fastest first; of equally fast ones the most exact is first.
 
+    Times are compared as ratios to the unit beside them.
+
     A mesh counts only where every finer one of its series is below the target as well: an error that passes through
     zero is luck. Nothing is claimed below the floor of the reference.
     """
@@ -275,8 +288,8 @@ def enough(rows: Iterable[Mapping[str, Any]], key: str, target: float, floors: M
     for members in series(rows).values():
         above = [k for k, row in enumerate(members) if row[key] > target]
         found += members[above[-1] + 1 if above else 0 :]
-    found.sort(key=lambda row: row["seconds"])
-    ties = [row for row in found if row["seconds"] <= ALIKE * found[0]["seconds"]]
+    found.sort(key=lambda row: row["ratio"])
+    ties = [row for row in found if row["ratio"] <= ALIKE * found[0]["ratio"]]
     return sorted(ties, key=lambda row: row[key]) + found[len(ties) :]
 
 
@@ -299,4 +312,4 @@ def series_name(row: Mapping[str, Any]) -> str:
         return "lifted" if row.get("lift") else "as published"
     if "penalty" in row:
         return f"{row.get('kind', DEFAULT_KIND)}, {row['penalty']:g} E/t"
-    return str(row.get("kind", DEFAULT_KIND))
+    return str(row.get("kind", DEFAULT_KIND)) + (", even" if row["family"] in PEERS and row.get("even") else "")

@@ -233,9 +233,10 @@ def _answers(
     found = answer_of(scene, brake, group, penalty, first)
     size = unit_force(brake, group)
     soft = [scene.bodies[i].coupling.M / contact_stiffness(brake.shoes[i], penalty) for i in group]
-    change = size * found.tangent(scipy.linalg.block_diag(*soft) @ found.p)  # by the penalty's compliance
     begins = np.cumsum([0, *(len(M) for M in soft)])
     parts = [slice(a, b) for a, b in pairwise(begins)]
+    opened = np.concatenate([M @ found.p[part] for M, part in zip(soft, parts, strict=True)])
+    change = size * found.tangent(opened)  # by the penalty's compliance
     answers = {}
     for k, i in enumerate(group):
         p, turn = size * found.p[parts[k]], size * float(found.y[k])

@@ -65,7 +65,7 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
         axes.errorbar(
             seconds, error, xerr=spread, color=COLORS[family], marker=MARKERS.get(name.split(",")[0], "o"),
             ms=9 if family == "law" else 4.5, lw=1.0 if light else 1.5, alpha=0.75 if light else 1.0,
-            ls="" if family == "law" else "-", elinewidth=0.8,
+            ls="" if family == "law" else ":" if name.endswith("even") else "-", elinewidth=0.8,
         )  # fmt: skip
     axes.set_xscale("log")
     axes.set_yscale("log")
