@@ -82,11 +82,19 @@ def rewritten(path, change):
     mesh.write(path, file_format="gmsh22", binary=False)
 
 
+def top(mesh):
+    """A node inside the contact line."""
+    return mesh.cells_dict["line3"][
+        np.flatnonzero(mesh.cell_data_dict["gmsh:physical"]["line3"] == mesh.field_data["contact"][0])[5], 0
+    ]
+
+
 REFUSED = {
     "missing group": (lambda m: m.field_data.pop("contact"), "named groups missing or empty: contact"),
     "missing subdomain": (lambda m: m.field_data.pop("lining"), "named groups missing or empty: lining"),
     "not finite": (lambda m: m.points.__setitem__((3, 0), np.nan), "not finite"),
     "wrong radius": (lambda m: m.points.__imul__(1.2), "off the drum's radius"),
+    "bump": (lambda m: m.points.__setitem__(top(m), 0.995 * m.points[top(m)]), "steeper than 0.1 against the drum"),
     "wrong place": (lambda m: m.points.__setitem__((slice(None), slice(0, 2)), m.points[:, 1::-1]), "lining's arc"),
 }
 
@@ -101,6 +109,18 @@ def test_a_mesh_that_does_not_fit_is_refused_in_one_line(written, brake, case):
     assert words in str(refusal.value)
     assert path.name in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("name", ["double_shoe_left.msh", "web_shoe.msh"])  # formats 2.2 and 4.1
+def test_a_node_number_that_would_fill_the_memory_is_refused(tmp_path, brake, name):
+    text = (ROOT / "meshes" / name).read_text()
+    start = text.index("\n", text.index("$Nodes\n") + 7) + 1
+    if name.startswith("web"):
+        start = text.index("\n", start) + 1
+    end = text.index(" " if name.startswith("double") else "\n", start)
+    (tmp_path / name).write_text(f"{text[:start]}999999999999{text[end:]}")
+    with pytest.raises(BadInput, match="numbers a node 999999999999; must be up to 10000000"):
+        read_mesh(tmp_path / name, brake.shoes[0], brake.drum.radius)
 
 
 def test_files_that_are_no_mesh_are_refused(tmp_path, brake):

@@ -449,7 +449,8 @@ def unsound(brake: Any, response: Response) -> str:
         return ""
     for i, shoe in enumerate(response.shoes):
         by_pressure = abs(contact_resultant(brake, i, shoe).moment)
-        if abs(by_pressure - shoe.torque) > 0.02 * shoe.torque + 1e-300:
+        # A mesh may lie off the drum by 1 % of its radius, and as much longer and with as much more lever is its lining.
+        if abs(by_pressure - shoe.torque) > 0.03 * shoe.torque + 1e-300:
             return f"torque {shoe.torque:g} N m, of its pressure {by_pressure:g} N m"
     return ""
 

@@ -20,6 +20,8 @@ ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a use
 APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
 LARGEST = 1e6  # drum's radii that a mesh may reach: beyond it not even the checks are sure
 BENT = 0.5  # of an edge's length, by which its middle node may lie off its middle: half a circle
+OFF = 0.01  # of the drum's radius, by which the contact may lie off it: the pressure is that on the drum's circle
+STEEP = 0.1  # slope against the drum at which an edge of the contact is no part of a round lining
 UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
 
 
@@ -134,14 +136,21 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     facets = mesh.boundaries["contact"]
     if not np.isin(mesh.f2t[0, facets], mesh.subdomains["lining"]).all():
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
-    nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
-    xy = mesh.p[:, nodes]
-    off = float(np.abs(np.hypot(*xy) - radius).max())
-    if off > shoe.lining.thickness:
+    basis = skfem.Basis(mesh, kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1)))
+    line = basis.doflocs[:, edge_nodes(basis, facets)]
+    r = np.hypot(*line)
+    off = float(np.abs(r - radius).max())
+    if off > OFF * radius:
         raise BadInput(
             f"{fault}: the group contact lies up to {mm(off)} off the drum's radius {mm(radius)}; "
-            f"must be within the lining's thickness (coordinates are read in {shoe.mesh_unit})"
+            f"must be within {mm(OFF * radius)} of it (coordinates are read in {shoe.mesh_unit})"
         )
+    steep = (np.abs(np.diff(r, axis=0)) > STEEP * np.hypot(*np.diff(line, axis=1))).any(axis=0)
+    if steep.any():
+        where = _some(mesh, mesh.f2t[0, facets[steep]], shoe)
+        raise BadInput(f"{fault}: {where} with an edge of the contact that is steeper than {STEEP:g} against the drum")
+    nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
+    xy = mesh.p[:, nodes]
     middle = sum(shoe.arc) / 2
     phi = middle + np.angle(np.exp(-1j * middle) * (xy[0] + 1j * xy[1]))
     arc = (float(phi.min()), float(phi.max()))

@@ -27,6 +27,7 @@ from drumlin.files import replacing
 
 FORMATS = (".msh", ".inp", ".vtu")
 GROUPS = ("lining", "backing", "shoe", "contact", "hinge", "actuation")
+LARGEST_NUMBER = 10_000_000  # of a node in an .msh file: its reader makes an array of that length
 SCALE = {"m": 1.0, "mm": 1e-3}
 
 
@@ -91,6 +92,8 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
     fault = f"{key} = '{path}'"
     if not path.is_file():
         raise BadInput(f"{fault}: no such file")
+    if path.suffix.lower() == ".msh":
+        _check_numbers(path, fault)
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             raw = read_inp(path) if path.suffix.lower() == ".inp" else meshio.read(path)
@@ -103,6 +106,31 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
     cell, cells, points = _plane_cells(raw, points, fault)
     mesh = _with_groups(raw, cell, *_mesh(cell, cells, points, fault), cells, fault)
     return check(mesh, shoe, radius, fault)
+
+
+def _check_numbers(path: Path, fault: str) -> None:
+    """Refuse node numbers in a text .msh (2.2, 4.1) that would take all memory; what else is wrong is found later."""
+    numbers = np.zeros(0)
+    with contextlib.suppress(ValueError, IndexError, MemoryError, DeprecationWarning), path.open("rb") as file:
+        version, binary = file.read(256).split()[1:3]
+        file.seek(0)
+        if binary != b"0" or not any(line.strip() == b"$Nodes" for line in iter(file.readline, b"")):
+            return
+        blocks = int(file.readline().split()[0])
+        if version.startswith(b"2"):
+            numbers = _numbers(file, 4 * blocks)[::4]
+        else:
+            for _ in range(blocks):
+                count = int(file.readline().split()[3])
+                numbers = np.append(numbers, _numbers(file, count))
+                _numbers(file, 3 * count)
+    if numbers.size and numbers.max() > LARGEST_NUMBER:
+        raise BadInput(f"{fault}: numbers a node {numbers.max():.0f}; must be up to {LARGEST_NUMBER}")
+
+
+def _numbers(file: Any, count: int) -> Floats:
+    """The next `count` numbers of a file, or what there is of them."""
+    return np.fromfile(file, count=max(count, 0), sep=" ")
 
 
 def _plane_points(raw: Any, fault: str) -> Floats:
