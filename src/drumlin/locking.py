@@ -89,17 +89,35 @@ def limit(sliding: Sliding, most: float = LARGEST) -> Limit:
     return Limit(np.inf, False, found, mu, steps)
 
 
-def followed(
-    problem_at: Callable[[float], Problem], friction: float, reason: str, *, law: float, brake: str
+def answer(
+    problem_at: Callable[[float], Problem],
+    friction: float,
+    start: Bools | None = None,
+    *,
+    law: Callable[[], float],
+    brake: str,
 ) -> Contact:
-    """The answer at a friction coefficient followed from mu = 0, for where no guess of the contact set leads to it.
+    """The answer at a friction coefficient: the stable one that settles at once from the contact set `start`, else the
+    one that is followed from mu = 0, which is unique there.
 
-    problem_at: the problem at a friction coefficient, linear in it; law: mu_lock of the rigid shoe; brake: what there
-    is an equilibrium of, in words. Raises NoAnswer with both limits where the answer ends before that friction, and
-    with the `reason` where friction is not to blame.
+    Not the one that wider gaps lead to: beyond the limit that may stand apart, on a few nodes that another mesh lacks.
+
+    problem_at: the problem at a friction coefficient, linear in it; law: mu_lock of the rigid shoe, for the refusal;
+    brake: what there is an equilibrium of, in words. Raises NoAnswer with both limits where the answer ends before that
+    friction, and with another reason where friction is not to blame.
     """
     if friction == 0:
-        raise NoAnswer(reason)
+        found = solve(problem_at(0.0), start)
+        if not found.regular:
+            raise NoAnswer("no stable equilibrium without friction")
+        return found
+    try:
+        found = settle(problem_at(friction), start)
+        if found.regular:
+            return found
+        reason = "self-locking, no stable equilibrium"
+    except NoAnswer as error:
+        reason = str(error)
     try:
         end = limit(Sliding.through(problem_at(0.0), problem_at(1.0)), friction)
     except NoAnswer:
@@ -108,7 +126,7 @@ def followed(
         return end.last
     raise NoAnswer(
         f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "
-        f"mu_lock = {end.friction:.4g} (sine law: {law:.4g})"
+        f"mu_lock = {end.friction:.4g} (sine law: {law():.4g})"
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake import Brake
-from drumlin.contact import solve
+from drumlin.contact import settle
 from drumlin.fem.model import at_friction, groups_of, unit_force
 from drumlin.fem.scene import Scene
 from drumlin.locking import LARGEST, Limit, Sliding, limit
@@ -39,7 +39,7 @@ def torques(scene: Scene, brake: Brake, frictions: Sequence[float], penalty: flo
         levers = [scene.bodies[i].coupling.lever for i in group]
         active = None
         for row, mu in zip(values, frictions, strict=True):
-            found = solve(problems.at(mu), active)
+            found = settle(problems.at(mu), active)
             active = found.active
             parts = np.split(found.p, np.cumsum([len(lever) for lever in levers])[:-1])
             row[group] = [mu * size * float(lever @ p) for lever, p in zip(levers, parts, strict=True)]

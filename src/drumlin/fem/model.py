@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import scipy.linalg
 
-from drumlin import contact, misfit
+from drumlin import contact, locking, misfit
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
@@ -34,7 +34,6 @@ from drumlin.fem.scene import (
 )
 from drumlin.fem.whole import Refined, refine, whole
 from drumlin.laws import locking_friction
-from drumlin.locking import followed
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
 from drumlin.statics import cross
 
@@ -205,17 +204,13 @@ def answer_of(
     for i in group:
         body, shoe = scene.bodies[i], brake.shoes[i]
         _check_reach(shoe, body.line.xy, gap_of(body, brake, shoe), actuation(body, shoe)[1])
-    try:
-        found = contact.solve(contact_problem(scene, brake, group, penalty), first)
-        if found.regular:
-            return found
-        reason = "self-locking, no stable equilibrium"
-    except NoAnswer as error:
-        reason = str(error)
-    law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     at = partial(at_friction, scene, brake, group, penalty)
+
+    def law() -> float:
+        return min(locking_friction(brake, brake.shoes[i]) for i in group)
+
     try:
-        return followed(at, brake.friction, reason, law=law, brake="elastic as it is")
+        return locking.answer(at, brake.friction, first, law=law, brake="elastic as it is")
     except NoAnswer as error:
         raise NoAnswer(f"{names_of(brake, group)}: {error}") from error
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.linalg
 
-from drumlin import contact
+from drumlin import contact, locking
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import Beam, Brake
 from drumlin.errors import BadInput, NoAnswer
@@ -26,7 +26,6 @@ from drumlin.foundation.post import Post, post, shoe_angles, trapezoid
 from drumlin.foundation.ring import drag_flexibility, flexibility
 from drumlin.laws import locking_friction
 from drumlin.laws.hinged import no_contact, pressing_moment
-from drumlin.locking import followed
 from drumlin.merit import with_merits
 from drumlin.response import Deformation, Response, ShoeResponse, shoe_balance, untouched, worst
 from drumlin.statics import Resultant
@@ -203,25 +202,19 @@ def _found(
 ) -> contact.Contact:
     said = ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
     begin = None if start is None else np.concatenate([start[i] for i in group])
+
+    def at(friction: float) -> contact.Problem:
+        if friction == brake.friction:
+            return parts.problem
+        return system(brake.model_copy(update={"friction": friction}), group, sections, names).problem
+
+    def law() -> float:
+        return min(locking_friction(brake, brake.shoes[i]) for i in group)
+
     try:
-        found = contact.solve(parts.problem, begin)
-        reason = "" if found.regular else "self-locking, no stable equilibrium"
+        found = locking.answer(at, brake.friction, begin, law=law, brake="on the foundation")
     except NoAnswer as error:
-        reason = str(error)
-    if reason:
-        law = min(locking_friction(brake, brake.shoes[i]) for i in group)
-        try:
-            found = followed(
-                lambda friction: (
-                    system(brake.model_copy(update={"friction": friction}), group, sections, names).problem
-                ),
-                brake.friction,
-                reason,
-                law=law,
-                brake="on the foundation",
-            )
-        except NoAnswer as error:
-            raise NoAnswer(f"{said}: {error}") from error
+        raise NoAnswer(f"{said}: {error}") from error
     turn = float(np.abs(found.y).max())
     if turn > LARGEST_TURN:
         raise NoAnswer(
