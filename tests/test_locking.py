@@ -116,11 +116,21 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
     assert found.others == 0
     assume(found.unstable == found.lost == 0)  # the study shows where they are not
     assert found.same == 7
-    if way == "opposed":
-        assert math.isinf(end.friction)
-    elif end.friction < 5:
-        with pytest.raises(NoAnswer, match="self-locking"):
-            respond(scene, vary(brake, {"friction": 1.05 * end.friction}))
+    if end.friction < 5:  # even of those whose friction opposes the rigid shoe, one in a hundred
+        for beyond in (1.0001, 1.05, 2, 3):
+            with pytest.raises(NoAnswer, match="self-locking"):
+                respond(scene, vary(brake, {"friction": beyond * end.friction}))
+
+
+def test_beyond_the_limit_an_answer_that_stands_apart_is_refused():
+    """Twice and three times beyond the limit of this brake contact on its lining's end alone is in equilibrium."""
+    brake = random_brake(37, "locking")
+    scene = prepare(brake, elements=16)
+    problems = sliding(scene, brake, [0])
+    end = locking.limit(problems).friction
+    assert contact.settle(problems.at(2 * end)).regular
+    with pytest.raises(NoAnswer, match=f"up to mu_lock = {end:.4g}"):
+        respond(scene, vary(brake, {"friction": 2 * end}))
 
 
 def test_below_the_first_singular_set_every_load_has_one_answer(brake):

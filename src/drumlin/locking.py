@@ -97,10 +97,11 @@ def answer(
     law: Callable[[], float],
     brake: str,
 ) -> Contact:
-    """The answer at a friction coefficient: the stable one that settles at once from the contact set `start`, else the
-    one that is followed from mu = 0, which is unique there.
+    """The answer at a friction coefficient: the stable one that settles at once from the contact set `start`, up to the
+    limit of the rigid shoe; else the one that is followed from mu = 0, which is unique there.
 
-    Not the one that wider gaps lead to: beyond the limit that may stand apart, on a few nodes that another mesh lacks.
+    Not any stable one, nor the one that wider gaps lead to: beyond the limit some stand apart, reached by no friction
+    that grows from 0, on a few nodes that another mesh lacks.
 
     problem_at: the problem at a friction coefficient, linear in it; law: mu_lock of the rigid shoe, for the refusal;
     brake: what there is an equilibrium of, in words. Raises NoAnswer with both limits where the answer ends before that
@@ -113,7 +114,7 @@ def answer(
         return found
     try:
         found = settle(problem_at(friction), start)
-        if found.regular:
+        if found.regular and friction < law():
             return found
         reason = "self-locking, no stable equilibrium"
     except NoAnswer as error:

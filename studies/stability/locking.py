@@ -330,7 +330,8 @@ def _uniqueness(result: Result) -> Section:
                 f"Of the {len(opposed)} shoes whose friction opposes {never} never lock up to μ = {NEVER:g}. {turning} brakes do "
                 "not lock at a pole but turn back at finite pressure, where the contact set changes: below that two "
                 f"answers stand side by side. Beyond the limits, up to three times, {sum(beyond)} stable answers were "
-                "found from the same starts. With nine nodes all contact sets can be tried: below the first singular one "
+                "found from the same starts, which no friction that grows from 0 leads to: drumlin refuses there. With nine "
+                "nodes all contact sets can be tried: below the first singular one "
                 "every load and clearance has just one answer. It lies well below the limit of the load at hand."
             ),
             Table(differing, UNIQUE, "The brakes on which starts disagree.")
