@@ -204,6 +204,13 @@ def test_every_case_is_right_or_refused_with_the_physical_reason(module, result)
     assert any(row["pointwise"] in ("cycles", "does not end") for row in result.rows)
 
 
+def test_random_brakes_are_answered_below_their_limit_alone(result):
+    beyond = [row for row in result.locked.unique if row["answered"] is not None]
+    assert beyond
+    assert sum(row["answered"] for row in beyond) == 0
+    assert all(row["same"] > row["starts"] / 2 for row in result.locked.unique)
+
+
 def test_the_page_holds_the_maps_the_worst_and_the_refusals(module, result, tmp_path):
     text = module.report(result, tmp_path).read_text()
     for words in ("fewest digits", "Refusals", "mu_lock", "pointwise", "penalty costs nothing", "0 faults"):

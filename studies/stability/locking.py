@@ -10,9 +10,10 @@ import numpy as np
 from drumlin.brake import Brake
 from drumlin.brakefile import read_brake, vary
 from drumlin.compare import Column
+from drumlin.errors import NoAnswer
 from drumlin.fem.locking import limits, sliding, torques
-from drumlin.fem.model import PENALTY
-from drumlin.fem.scene import prepare
+from drumlin.fem.model import PENALTY, respond
+from drumlin.fem.scene import Scene, prepare
 from drumlin.fem.sensitivity import against_differences
 from drumlin.journal import Journal
 from drumlin.laws import locking_friction, sine
@@ -29,6 +30,7 @@ LARGEST = 1.0  # friction coefficient up to which a shoe that never locks is ask
 FAR = 3.0  # friction coefficient up to which the limit of the double-shoe brake is looked for
 NEVER = 100.0  # and that of a random brake
 STARTS = 5  # random contact sets
+BEYOND = (1 + 1e-6, 1.01, 1.1, 1.5, 2.0, 3.0)  # parts of the limit at which there should be no answer
 SMALL = 4  # elements of the brakes on which all contact sets are tried
 SEED = 7
 
@@ -149,20 +151,29 @@ def _unique(seed: int, way: str) -> Row:
         total["difference"] = max(total["difference"], found.difference)
         if found.same < found.starts:
             disagreeing.append(fraction)
-    beyond = None
+    beyond = answered = None
     if end.friction <= 10:
-        answer = end.last
-        tried = [agreement(problems.at(end.friction * x), answer, starts, 0.0) for x in (1 + 1e-6, 1.01, 1.1, 1.5, 3.0)]
-        beyond = sum(found.others for found in tried)
+        mu_beyond = [end.friction * x for x in BEYOND]
+        beyond = sum(agreement(problems.at(mu), end.last, starts, 0.0).others for mu in mu_beyond)
+        answered = sum(_answers(scene, vary(brake, {"friction": mu})) for mu in mu_beyond)
     small = prepare(brake, elements=SMALL)
     any_set = first_singular(sliding(small, brake, [0]))
     shoe = brake.shoes[0]
     return {
         "brake": seed, "way": way, "mu_lock": None if math.isinf(end.friction) else end.friction, "bounded": end.bounded,
-        "law": locking_friction(brake, shoe), "top": top, "disagreeing": disagreeing, "beyond": beyond,
+        "law": locking_friction(brake, shoe), "top": top, "disagreeing": disagreeing, "beyond": beyond, "answered": answered,
         "any_set": None if math.isinf(any_set) else any_set, "clearance": _clearance(brake),
         "shoe": "elastic" if shoe.body else "rigid", "t_over_R": shoe.lining.thickness / brake.drum.radius, **total,
     }  # fmt: skip
+
+
+def _answers(scene: Scene, brake: Brake) -> bool:
+    """Whether drumlin itself gives a number, the contact as stiff as that whose limit was followed."""
+    try:
+        respond(scene, brake, penalty=math.inf)
+    except NoAnswer:
+        return False
+    return True
 
 
 def _clearance(brake: Brake) -> str:
@@ -311,7 +322,7 @@ def _uniqueness(result: Result) -> Section:
     agreed = [row for row in rows if not row["disagreeing"]]
     never = sum(row["mu_lock"] is None for row in opposed)
     turning = sum(row["bounded"] for row in rows)
-    beyond = [row["beyond"] for row in rows if row["beyond"] is not None]
+    beyond = [row for row in rows if row["beyond"] is not None]
     differing = [row for row in shown if row["disagreeing"]]
     return Section(
         "Is the answer unique?",
@@ -324,15 +335,18 @@ def _uniqueness(result: Result) -> Section:
                 f"contact sets: {starts} starts. {sum(row['same'] for row in rows)} end at the answer followed from μ = 0, "
                 f"on {len(agreed)} brakes all of them; {sum(row['others'] for row in rows)} at another that is stable as "
                 f"well, {sum(row['unstable'] for row in rows)} at an unstable one, {sum(row['lost'] for row in rows)} "
-                "nowhere. drumlin keeps a stable answer and follows it from μ = 0 where the first guess leads to none."
+                "nowhere. drumlin keeps the stable answer that its first guess leads to; where that leads to none, and beyond "
+                "the limit of the rigid shoe, it follows the answer from μ = 0."
             ),
             Text(
                 f"Of the {len(opposed)} shoes whose friction opposes {never} never lock up to μ = {NEVER:g}. {turning} brakes do "
                 "not lock at a pole but turn back at finite pressure, where the contact set changes: below that two "
-                f"answers stand side by side. Beyond the limits, up to three times, {sum(beyond)} stable answers were "
-                "found from the same starts, which no friction that grows from 0 leads to: drumlin refuses there. With nine "
-                "nodes all contact sets can be tried: below the first singular one "
-                "every load and clearance has just one answer. It lies well below the limit of the load at hand."
+                f"answers stand side by side. Beyond the limits, up to {BEYOND[-1]:g} times, {sum(row['beyond'] for row in beyond)} "
+                "stable answers were found from the same starts, which no friction that grows from 0 "
+                f"leads to. Asked there, {len(beyond)} brakes at {len(BEYOND)} frictions each, drumlin gives "
+                f"{sum(row['answered'] for row in beyond)} numbers and refuses the rest. With nine nodes all contact sets can "
+                "be tried: below the first singular one every load and clearance has just one answer. It lies well below "
+                "the limit of the load at hand."
             ),
             Table(differing, UNIQUE, "The brakes on which starts disagree.")
             if differing
