@@ -1,6 +1,7 @@
 """The command line as a person meets it: answers, refusals, exit statuses, what it loads and how fast."""
 
 import json
+import re
 import subprocess
 import sys
 import time
@@ -10,6 +11,7 @@ import pytest
 
 from conftest import ROOT, STUDY
 from drumlin.brakefile import read_brake
+from drumlin.cli import _print_table
 from drumlin.fem.model import solve
 
 DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
@@ -99,6 +101,28 @@ def test_a_refused_run_leaves_an_earlier_result_whole(tmp_path):
     assert (tmp_path / "r.json").read_text() == "earlier"
 
 
+def test_on_a_narrow_terminal_columns_are_left_out_by_name_and_no_number_is_cut(monkeypatch, capsys):
+    table = [
+        {"shoe": "[left]", "model": "fem", "torque": 321.43, "peak_pressure": 0.8391e6, "reaction": 4227.5,
+         "contact": "125.0 to 249.7", "self_energising": "yes", "pressure_error": 0.268, "status": "converged"},
+        {"shoe": "all", "model": "sine", "status": "failed: " + "self-locking, no equilibrium " * 3},
+    ]  # fmt: skip
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    for columns, left_out in ((66, ["self-energising", "contact arcs [deg]"]), (160, [])):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        _print_table(table)
+        lines = re.sub(r"\x1b\[\d*m", "", capsys.readouterr().out).splitlines()
+        assert max(map(len, lines[:-1])) <= columns
+        text = "\n".join(lines)
+        assert "[left]" in text and "321.43" in text and "26.8" in text and "converged" in text and "…" not in text
+        assert ("125.0 to 249.7" in text) is not bool(left_out)
+        assert (lines[-1] == f"not shown here, the terminal is too narrow: {', '.join(left_out)}") is bool(left_out)
+
+
+def test_help_keeps_the_units_of_columns():
+    assert "theta [deg]" in drumlin("check", "--help").stdout  # not taken for markup
+
+
 def test_help_answers_in_under_half_a_second():
     seconds = []
     for _ in range(5):
@@ -129,6 +153,9 @@ def test_solving_loads_neither_pyvista_nor_matplotlib(tmp_path):
 def test_compare_view_mesh_and_cost(tmp_path):
     done = drumlin("compare", STUDY / "brake.toml", "--output", tmp_path / "report", "--elements", 30)
     assert done.returncode == 0, done.stderr
+    for unit in ("[N m]", "[%]", "[MPa]", "[N]", "[deg]", "[ms]"):
+        assert unit in done.stdout.split("converged")[0], unit
+    assert "…" not in done.stdout and "not shown here" not in done.stdout
     assert {"index.html", "results.csv", "results.json", "pressure.svg", "fields.vtu"} <= {
         path.name for path in (tmp_path / "report").iterdir()
     }

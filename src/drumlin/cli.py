@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -29,6 +30,8 @@ BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake
 Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
 Kind = Annotated[str | None, typer.Option(metavar="quad2|quad1|tri2|tri1", help="kind of the parametric mesh")]
 Penalty = Annotated[str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")]
+ALIKE = ("case", "rotation")  # columns that are the same in all rows of one brake
+LEAST = (*ALIKE, "self_energising", "contact", "reaction_error", "reaction", "peak_error", "peak_pressure", "seconds")
 OPTIONS = {  # model -> its own options
     "fem": ("elements", "kind", "penalty", "tolerance"),
     "foundation": ("sections", "lift"),
@@ -103,6 +106,7 @@ def compare(
     folder = output or Path("reports") / brake_file.stem
     with _busy("comparing the models"):
         result = write_comparison(brake, brake_file.read_text(), folder, _options(elements, kind=kind, penalty=penalty))
+    print(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
     _print_table(result.table)
     for line in result.notes:
         print(line)
@@ -169,7 +173,7 @@ def _progress(words: str) -> Iterator[Callable[[int, int], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    columns = TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
     with Progress(*columns, console=Console(stderr=True)) as progress:
         task = progress.add_task(words, total=None)
         yield lambda finished, of: progress.update(task, completed=finished, total=of)
@@ -456,7 +460,8 @@ def reference(
 def check(
     brake_file: BrakeFile,
     result: Annotated[
-        Path, typer.Argument(metavar="RESULT.csv", help="columns 'shoe', 'theta [deg]', 'p [MPa]'; other units as well")
+        Path,
+        typer.Argument(metavar="RESULT.csv", help=r"columns 'shoe', 'theta \[deg]', 'p \[MPa]'; other units as well"),
     ],
     known: Annotated[
         Path | None,
@@ -499,14 +504,17 @@ class _busy:
     def __enter__(self) -> Callable[[str], None]:
         if sys.stderr.isatty():
             from rich.console import Console
+            from rich.text import Text
 
-            self._status = Console(stderr=True).status(self._words)
+            self._status = Console(stderr=True).status(Text(self._words))
             self._status.start()
         return self._say
 
     def _say(self, words: str) -> None:
         if self._status is not None:
-            self._status.update(words)
+            from rich.text import Text
+
+            self._status.update(Text(words))
 
     def __exit__(self, *_: object) -> None:
         if self._status is not None:
@@ -555,18 +563,32 @@ def _merit_text(merit: "Merit | FlatMerit") -> str:
 
 
 def _print_table(table: list[dict[str, Any]]) -> None:
+    """Rows for people. No number is cut: on a narrow terminal the columns that matter least are left out, by name."""
     from rich.console import Console
     from rich.table import Table
 
     from drumlin.compare import COLUMNS
 
-    shown = [c for c in COLUMNS if c.key != "case" and any(row.get(c.key) is not None for row in table)]
+    console = Console(width=None if sys.stdout.isatty() else 200, markup=False)
+    shown = [c for c in COLUMNS if any(row.get(c.key) is not None for row in table)]
+    cells = {c.key: [c.text(row) for row in table] for c in shown}
+    heads = {c.key: fill(c.heading, 9, break_long_words=False) + (f"\n[{c.unit}]" if c.unit else "") for c in shown}
+    widths = {key: max(map(len, (*heads[key].split("\n"), *cells[key]))) for key in cells}
+    widths["status"] = 10  # it is folded
+    cut = []
+    for key in LEAST:
+        if key in ALIKE or sum(widths[c.key] + 2 for c in shown) > console.width:
+            cut += [c.title for c in shown if c.key == key and key not in ALIKE]
+            shown = [c for c in shown if c.key != key]
     grid = Table(box=None, pad_edge=False, header_style="bold")
-    for column in shown:
-        grid.add_column(column.title, justify="left" if column.key in {"shoe", "model", "status"} else "right")
-    for row in table:
-        grid.add_row(*(column.text(row) for column in shown))
-    Console(width=None if sys.stdout.isatty() else 200).print(grid)
+    for c in shown:
+        left = c.key in {"shoe", "model", "status"}
+        grid.add_column(heads[c.key], justify="left" if left else "right", no_wrap=c.key != "status", overflow="fold")
+    for row in zip(*(cells[c.key] for c in shown), strict=True):
+        grid.add_row(*row)
+    console.print(grid)
+    if cut:
+        print(f"not shown here, the terminal is too narrow: {', '.join(cut)}")
 
 
 def main() -> None:
