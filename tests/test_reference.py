@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from conftest import ROOT, STUDY
 from drumlin.brakefile import read_brake, vary
-from drumlin.check import check, lines, read_curves, within
+from drumlin.check import check, curves_text, lines, read_curves, within
 from drumlin.cli import app
 from drumlin.errors import BadInput
 from drumlin.fem.model import solve
@@ -149,9 +149,18 @@ def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake
         responses(vary(brake, {"shoe[0].mesh": str(Path("s.msh"))}))
 
 
+def test_pressures_that_solve_writes_are_read_by_check(brake, tmp_path):
+    path, response = tmp_path / "p.csv", solve(brake, elements=20)
+    path.write_text(curves_text(response))
+    for shoe, curve in zip(response.shoes, read_curves(path, brake).values(), strict=True):
+        assert curve.theta == pytest.approx(shoe.theta, abs=1e-10)
+        assert curve.p == pytest.approx(shoe.pressure, rel=1e-10)
+
+
 def test_commands(tmp_path):
     brake_file, path = STUDY.parent / "laws" / "short_block.toml", tmp_path / "p.csv"
-    path.write_text(table(solve(read_brake(brake_file), elements=80)))
+    made = CliRunner().invoke(app, ["solve", str(brake_file), "--elements", "80", "--pressure", str(path)])
+    assert made.exit_code == 0 and path.read_text().startswith("shoe,theta [deg],p [MPa]\n")
     done = CliRunner().invoke(app, ["check", str(brake_file), str(path)])
     assert done.exit_code == 0 and "laws_short_block.json" in done.output
     assert done.output.splitlines()[-1] == "within 0.01 of the reference"

@@ -1,6 +1,7 @@
 """Somebody's p(theta), a table in a CSV file, against reference values."""
 
 import csv
+import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,6 +13,7 @@ from drumlin.arrays import Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput
 from drumlin.reference import LARGEST_FILE, Reference, ShoeReference
+from drumlin.response import Response
 from drumlin.units import to_si
 
 QUANTITIES = {"theta": "rad", "p": "Pa"}
@@ -42,6 +44,17 @@ class Verdict(NamedTuple):
     torque_error: float
     floor: float
     torque_floor: float
+
+
+def curves_text(response: Response, flat: bool = False) -> str:
+    """The pressures of a response as a CSV table that `read_curves` takes, at its own nodes; `flat`: over places x."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["shoe", "x [mm]" if flat else "theta [deg]", "p [MPa]"])
+    for shoe in response.shoes:
+        places, p = shoe.theta * 1e3 if flat else np.degrees(shoe.theta), shoe.pressure * 1e-6
+        table.writerows([shoe.name, f"{x:.12g}", f"{y:.12g}"] for x, y in zip(places, p, strict=True))
+    return text.getvalue()
 
 
 def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:

@@ -55,6 +55,9 @@ def solve(
     brake_file: BrakeFile,
     model: Annotated[str, typer.Option(help="which model answers")] = "fem",
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write the response as JSON")] = None,
+    pressure: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="write the pressures as CSV, a table that check takes")
+    ] = None,
     elements: Elements = None,
     kind: Kind = None,
     penalty: Penalty = None,
@@ -68,7 +71,7 @@ def solve(
 ) -> None:
     """Solve a brake by one model."""
     from drumlin.files import write_text
-    from drumlin.flat import read_any
+    from drumlin.flat import FlatBrake, read_any
     from drumlin.models import pick
 
     brake = read_any(brake_file)
@@ -83,6 +86,10 @@ def solve(
         response = chosen.solve(brake, **options)
     if json_file is not None:
         write_text(json_file, json.dumps(response.as_dict(), indent=1, allow_nan=False) + "\n")
+    if pressure is not None:
+        from drumlin.check import curves_text
+
+        write_text(pressure, curves_text(response, isinstance(brake, FlatBrake)))
     _print_response(brake, response)
 
 
