@@ -22,6 +22,11 @@ def read(tmp_path, text):
     return read_brake(path)
 
 
+@pytest.mark.parametrize("name", ["links", "Backe 2 (auf)", "левая", "左", "a-b_c.d+e"])
+def test_names_of_many_kinds_are_taken(tmp_path, name):
+    assert read(tmp_path, TEXT.replace('name = "left"', f'name = "{name}"')).shoes[1].name == name
+
+
 def test_the_study_brake_has_the_source_geometry(brake):
     """Simscape defaults: pin 125 mm at 15 deg from the axis, line of force at 100 mm, lining 5 to 130 deg."""
     assert brake.drum.radius == pytest.approx(0.150, rel=1e-15)
@@ -63,6 +68,12 @@ REFUSED = [
     ('{ radius = "125 mm", angle = "-75 deg" }', '{ radius = "-1 mm", angle = "0 deg" }', ["hinge", "negative"]),
     ('{ radius = "125 mm", angle = "-75 deg" }', "3", ["shoe[0].hinge = 3"]),
     ('name = "left"', 'name = "right"', ["names must differ"]),
+    ('name = "left"', 'name = "Right"', ["names must differ"]),  # on some machines the same file
+    ('name = "left"', 'name = "../left"', ["shoe[1].name = '../left'", "letters, digits"]),
+    ('name = "left"', 'name = "$left"', ["shoe[1].name", "letters, digits"]),
+    ('name = "left"', 'name = "all"', ["shoe[1].name = 'all'", "not 'all'"]),
+    ('title = "internal', 'title = "$x_$ internal', ["title = '$x_$", "without $"]),
+    ('title = "internal', 'title = "two\\nlines, internal', ["title", "one line"]),
     ('side = "internal"', 'side = "inner"', ["side = 'inner'", "'internal' or 'external'"]),
     ("[drum]", "[drum", ["not TOML"]),
     ("[drum]", "[[drum]]", ["drum"]),

@@ -1,6 +1,7 @@
 """The command line as a person meets it: answers, refusals, exit statuses, what it loads and how fast."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -117,6 +118,20 @@ def test_on_a_narrow_terminal_columns_are_left_out_by_name_and_no_number_is_cut(
         assert "[left]" in text and "321.43" in text and "26.8" in text and "converged" in text and "…" not in text
         assert ("125.0 to 249.7" in text) is not bool(left_out)
         assert (lines[-1] == f"not shown here, the terminal is too narrow: {', '.join(left_out)}") is bool(left_out)
+
+
+def test_a_terminal_without_greek_letters_is_no_fault(tmp_path):
+    text = (STUDY / "brake.toml").read_text().replace('name = "left"', 'name = "λ"')
+    (tmp_path / "b.toml").write_text(text, encoding="utf-8")
+    plain = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    for command in ("solve", "sensitivity"):
+        words = [*DRUMLIN, command, str(tmp_path / "b.toml")]
+        done = subprocess.run(words, capture_output=True, text=True, env=plain, check=False)
+        assert done.returncode == 0 and "shoe '?'" in done.stdout and not done.stderr
+    missing = subprocess.run(
+        [*DRUMLIN, "solve", str(tmp_path / "µ.toml")], capture_output=True, text=True, env=plain, check=False
+    )
+    assert missing.returncode == 2 and missing.stderr.count("\n") == 1
 
 
 def test_help_keeps_the_units_of_columns():

@@ -32,6 +32,8 @@ from drumlin.parts import (
     Point,
     Rows,
     Thickness,
+    Title,
+    check_names,
     number_or_table,
     table,
     value_at,
@@ -363,7 +365,7 @@ class Shoe(Part):
 class Brake(Part):
     """A brake: friction coefficient, sense of rotation, drum and shoes."""
 
-    title: Name
+    title: Title
     rotation: Literal["counter-clockwise", "clockwise"]
     friction: Annotated[float, Field(ge=0, le=1e6, strict=True)]
     drum: Drum
@@ -381,9 +383,7 @@ class Brake(Part):
 
     @model_validator(mode="after")
     def _geometry(self) -> Self:
-        names = [shoe.name for shoe in self.shoes]
-        if len(set(names)) < len(names):
-            raise ValueError(f"shoe.name = {names}: names must differ")
+        check_names([shoe.name for shoe in self.shoes])
         _check_thickness("drum.ring", self.drum.ring, self.drum.radius)
         _check_round(self.drum)
         for i, shoe in enumerate(self.shoes):

@@ -5,6 +5,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from io import TextIOWrapper
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Annotated, Any
@@ -600,6 +601,9 @@ def _print_table(table: list[dict[str, Any]]) -> None:
 
 def main() -> None:
     """Run the command line; a DrumlinError becomes one line and its exit status."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal that knows no θ or µ shows a ? there
     try:
         app()
     except DrumlinError as error:

@@ -14,7 +14,7 @@ from drumlin.arrays import Floats
 from drumlin.brake import Actuation, Brake
 from drumlin.brakefile import brake_from, read_toml, validated
 from drumlin.errors import BadInput
-from drumlin.parts import Length, Name, Part, Place, Thickness
+from drumlin.parts import Length, Name, Part, Place, Thickness, Title, check_names
 from drumlin.units import mm
 
 
@@ -80,7 +80,7 @@ class FlatShoe(Part):
 class FlatBrake(Part):
     """A brake on a plane: friction coefficient, sliding plane and shoes."""
 
-    title: Name
+    title: Title
     friction: Annotated[float, Field(ge=0, le=1e6, strict=True)]
     plane: Plane
     shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
@@ -97,9 +97,7 @@ class FlatBrake(Part):
 
     @model_validator(mode="after")
     def _names(self) -> Self:
-        names = [shoe.name for shoe in self.shoes]
-        if len(set(names)) < len(names):
-            raise ValueError(f"shoe.name = {names}: names must differ")
+        check_names([shoe.name for shoe in self.shoes])
         return self
 
 

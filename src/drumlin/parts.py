@@ -5,13 +5,15 @@ Every number is SI. Where a brake file is read the validation's context asks for
 
 import difflib
 import math
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from typing import Annotated, Any, get_args, get_origin
 
 import numpy as np
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -39,13 +41,34 @@ def _quantity(si: str) -> BeforeValidator:
     return BeforeValidator(partial(read, si=si))
 
 
+def _one_line(text: str) -> str:
+    """It heads pages and figures, where $ would begin a formula."""
+    if not text.isprintable() or "$" in text:
+        raise ValueError("must be one line of printable characters, without $")
+    return text
+
+
+def _name(text: str) -> str:
+    """Files are named after it, and lines in figures; "all" is the whole brake."""
+    if not re.fullmatch(r"\w([\w .+()-]*[\w+)])?", text) or text == "all":
+        raise ValueError("must be letters, digits, spaces and . _ + - ( ), a letter or digit at both ends; not 'all'")
+    return text
+
+
+def check_names(names: Sequence[str]) -> None:
+    """Raises ValueError where files of two shoes would have the same name."""
+    if len({name.replace(" ", "_").casefold() for name in names}) < len(names):
+        raise ValueError(f"shoe.name = {list(names)}: names must differ, not in case or spaces alone")
+
+
 Length = Annotated[float, _quantity("m")]
 Thickness = Annotated[float, Field(gt=0), _quantity("m")]
 Angle = Annotated[float, _quantity("rad")]
 Force = Annotated[float, _quantity("N")]
 Modulus = Annotated[float, Field(gt=0), _quantity("Pa")]
 BendingStiffness = Annotated[float, Field(gt=0), _quantity("N m^2")]
-Name = Annotated[str, Field(min_length=1, max_length=80)]
+Title = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_one_line)]
+Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_name)]
 
 
 class Part(BaseModel):

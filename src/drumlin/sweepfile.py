@@ -23,7 +23,7 @@ from drumlin.fem.scene import MOST_ELEMENTS
 from drumlin.flat import AnyBrake, FlatBrake, read_any
 from drumlin.foundation.model import lifted
 from drumlin.models import MODELS
-from drumlin.parts import Name, Part
+from drumlin.parts import Part, Title
 from drumlin.sweep import Case
 from drumlin.units import to_si
 
@@ -106,7 +106,7 @@ OPTIONS: Mapping[str, type[Part]] = {"fem": FemOptions, "foundation": Foundation
 class SweepFile(Part):
     """A sweep file as it is written."""
 
-    title: Name | None = None
+    title: Title | None = None
     brake: str | dict[str, Any]
     combine: Literal["grid", "zip", "random"] = "grid"
     cases: Annotated[int, Field(ge=1, le=MOST_CASES)] | None = None
