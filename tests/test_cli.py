@@ -202,6 +202,18 @@ def test_meshes_of_every_kind_are_written_and_solved(tmp_path, suffix):
     ]
     assert torques[0] == torques[1]
     assert "torque" in torques[0]
+    again = drumlin("mesh", tmp_path / "filed.toml", "--output", tmp_path, "--name", "brake", "--format", suffix)
+    assert again.returncode == 2 and "must not be written over" in again.stderr
+
+
+def test_no_output_is_written_over_a_brake_file(tmp_path):
+    path = tmp_path / "b.toml"
+    text = (STUDY / "brake.toml").read_text()
+    path.write_text(text)
+    for command, option in (("solve", "--json"), ("solve", "--pressure"), ("sensitivity", "--json")):
+        done = drumlin(command, path, option, path)
+        assert done.returncode == 2 and "must not be a .toml file" in done.stderr
+    assert path.read_text() == text
 
 
 def test_an_unknown_study_is_refused_by_name():

@@ -229,6 +229,8 @@ def mesh(
         scene = prepare(brake, **_options(elements, kind=kind))
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
             path = output / f"{name or brake_file.stem}_{shoe.name}.{suffix}"
+            if shoe.mesh and path.resolve() == shoe.mesh.resolve():
+                raise BadInput(f"{path}: is the mesh that the brake file reads; must not be written over")
             write_mesh(path, body.mesh, shoe)
             print(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
 

@@ -13,8 +13,10 @@ from drumlin.errors import BadInput
 def replacing(path: Path) -> Iterator[Path]:
     """A temporary path beside `path`, with its suffix, that becomes `path` if the block ends well.
 
-    Raises BadInput where the folder cannot be made or written.
+    Raises BadInput where the folder cannot be made or written, and for a .toml file: brake files are written by hand.
     """
+    if path.suffix.lower() == ".toml":
+        raise BadInput(f"{path}: must not be a .toml file: nothing is written over brake and sweep files")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
