@@ -332,7 +332,7 @@ def test_a_damaged_file_is_solved_or_refused_in_one_line(tmp_path, brake, suffix
             assert max(response.balance.force, response.balance.moment) < 1e-8
             solved += 1
         except DrumlinError as refusal:
-            assert "\n" not in str(refusal)
+            assert "\n" not in str(refusal) and "SystemExit" not in str(refusal)
             refused += 1
     assert solved + refused == 60
     assert refused > 10

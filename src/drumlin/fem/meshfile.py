@@ -94,12 +94,14 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
         raise BadInput(f"{fault}: no such file")
     if path.suffix.lower() == ".msh":
         _check_numbers(path, fault)
+    said = io.StringIO()
     try:
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             raw = read_inp(path) if path.suffix.lower() == ".inp" else meshio.read(path)
     except (Exception, SystemExit) as error:  # meshio's readers fail in their own many ways
-        reason = " ".join(str(error).split())[:120]
-        raise BadInput(f"{fault}: is not a mesh that can be read ({type(error).__name__}: {reason})") from error
+        gave_up = isinstance(error, SystemExit)
+        reason = said.getvalue().removeprefix("Error: ") if gave_up else f"{type(error).__name__}: {error}"
+        raise BadInput(f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:120]})") from error
     points = _plane_points(raw, fault) * SCALE[shoe.mesh_unit]
     if shoe.mesh_frame == "brake":
         points = shoe.frame.to_shoe(points)
