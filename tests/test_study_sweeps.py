@@ -1,5 +1,10 @@
 """The study of sweeps on its short setting."""
 
+import os
+
+import pytest
+
+from drumlin import throughput
 from drumlin.studies import load
 
 
@@ -14,3 +19,14 @@ def test_throughput_and_kill(tmp_path):
     text = module.report(result, tmp_path).read_text()
     assert "the very same" in text and "DIFFERENT" not in text
     assert (tmp_path / "loads.csv").read_text().count("\n") == 61
+
+
+def test_what_dask_puts_into_the_environment_does_not_outlive_it(monkeypatch):
+    monkeypatch.setenv("KEPT", "1")
+    before = dict(os.environ)
+    with pytest.raises(RuntimeError), throughput._environment({"MALLOC_TRIM_THRESHOLD_": "1"}):
+        assert os.environ["MALLOC_TRIM_THRESHOLD_"] == "1"
+        os.environ["OMP_NUM_THREADS"] = "77"
+        del os.environ["KEPT"]
+        raise RuntimeError
+    assert dict(os.environ) == before

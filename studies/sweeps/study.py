@@ -19,11 +19,17 @@ from drumlin.report import figures
 from drumlin.report.page import Figure, Section, Source, Table, Text, write_page
 from drumlin.sweep import Case, Row, run, table, write_table
 from drumlin.sweepfile import Sweep, read_sweep
-from drumlin.throughput import Kill, Throughput, dask, killed, processes
+from drumlin.throughput import KEEP, Kill, Throughput, dask, dask_keeping, killed, processes
 
 HERE = Path(__file__).parent
 SHARED, OWN = "loads: bodies shared", "tolerances: bodies of their own"
 WORKERS = (1, 2)
+MEMORY = (
+    "Dask starts its workers with MALLOC_TRIM_THRESHOLD_=65536: memory that they free returns to the system at once and is "
+    "asked for again by the next matrix. Workers that keep memory were started with "
+    + " and ".join(f"{name}={value}" for name, value in KEEP.items())
+    + " in the environment."
+)
 FINE = 160  # elements along each lining that meshes are judged against
 
 
@@ -43,7 +49,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     """Measure the throughput of both sweeps by all workers, judge coarser meshes, kill a run; `short`: few cases."""
     start = time.perf_counter()
     with_dask = not short and importlib.util.find_spec("distributed") is not None
-    ways = [processes, dask] if with_dask else [processes]
+    ways = [processes, dask, dask_keeping] if with_dask else [processes]
     counts = {SHARED: 60 if short else 1000, OWN: 4 if short else 150}
     sweeps: dict[str, Sweep] = {}
     measured: dict[str, list[Throughput]] = {}
@@ -142,7 +148,7 @@ def torque_rows(result: Result) -> list[Row]:
 
 def pictures(result: Result) -> tuple[Picture, Picture]:
     """Throughput as bars, and the distribution of the torque."""
-    colors = {"processes": "#0b6e99", "Dask workers": "#d19a1b"}
+    colors = {"processes": "#0b6e99", "Dask workers": "#d19a1b", "Dask workers that keep memory": "#2a9d5c"}
     with mpl.rc_context(figures.STYLE):
         bars = Picture(figsize=(9.6, 3.4), layout="constrained")
         for axes, (name, those) in zip(bars.subplots(1, 2), result.measured.items(), strict=True):
@@ -212,6 +218,7 @@ def sections(result: Result, rows: list[Row], folder: Path) -> list[Section]:
                     "stiffness or geometry makes new bodies, here two a case, and these then are nearly all of the cost."
                 ),
                 Table(rows, THROUGHPUT, "One measurement each. With one process the sweep runs in drumlin's own."),
+                *([Text(MEMORY)] if any(one.by != "processes" for those in result.measured.values() for one in those) else []),
                 Text(f"All workers gave {'the very same' if result.same else 'DIFFERENT'} rows, to the last digit."),
                 Table(result.meshes, MESHES, "Where every case needs bodies of its own, a coarser mesh pays."),
             ],
