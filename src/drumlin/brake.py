@@ -5,7 +5,7 @@ numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surf
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, Self
@@ -380,6 +380,10 @@ class Brake(Part):
     def motion(self) -> str:
         """What moves, in words."""
         return f"drum turns {self.rotation}"
+
+    def names(self, group: Sequence[int]) -> str:
+        """The shoes of a group as a refusal names them."""
+        return ", ".join(f"shoe {self.shoes[i].name!r}" for i in group)
 
     @model_validator(mode="after")
     def _geometry(self) -> Self:

@@ -1,7 +1,6 @@
 """Somebody's p(theta), a table in a CSV file, against reference values."""
 
 import csv
-import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake import Brake, Shoe
+from drumlin.compare import as_csv
 from drumlin.errors import BadInput
 from drumlin.reference import LARGEST_FILE, Reference, ShoeReference
 from drumlin.response import Response
@@ -48,13 +48,14 @@ class Verdict(NamedTuple):
 
 def curves_text(response: Response, flat: bool = False) -> str:
     """The pressures of a response as a CSV table that `read_curves` takes, at its own nodes; `flat`: over places x."""
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(["shoe", "x [mm]" if flat else "theta [deg]", "p [MPa]"])
-    for shoe in response.shoes:
-        places, p = shoe.theta * 1e3 if flat else np.degrees(shoe.theta), shoe.pressure * 1e-6
-        table.writerows([shoe.name, f"{x:.12g}", f"{y:.12g}"] for x, y in zip(places, p, strict=True))
-    return text.getvalue()
+    place, per_unit = ("x [mm]", 1e3) if flat else ("theta [deg]", math.degrees(1))
+    return as_csv(
+        [
+            {"shoe": shoe.name, place: f"{x:.12g}", "p [MPa]": f"{p:.12g}"}
+            for shoe in response.shoes
+            for x, p in zip(shoe.theta * per_unit, shoe.pressure * 1e-6, strict=True)
+        ]
+    )
 
 
 def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:

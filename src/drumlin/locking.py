@@ -66,9 +66,7 @@ def limit(sliding: Sliding, most: float = LARGEST) -> Limit:
 
     Raises NoAnswer where there is no answer at mu = 0.
     """
-    found, mu, steps = solve(sliding.at(0.0)), 0.0, 0
-    if not found.regular:
-        raise NoAnswer("no stable equilibrium without friction")
+    found, mu, steps = _without_friction(sliding.still), 0.0, 0
     reach, critical, of = STEP, np.inf, np.zeros(0, dtype=bool)
     while mu < most:
         steps += 1
@@ -89,12 +87,19 @@ def limit(sliding: Sliding, most: float = LARGEST) -> Limit:
     return Limit(np.inf, False, found, mu, steps)
 
 
+def _without_friction(still: Problem, start: Bools | None = None) -> Contact:
+    found = solve(still, start)
+    if not found.regular:
+        raise NoAnswer("no stable equilibrium without friction")
+    return found
+
+
 def answer(
     problem_at: Callable[[float], Problem],
     friction: float,
     start: Bools | None = None,
     *,
-    law: Callable[[], float],
+    law: float,
     brake: str,
 ) -> Contact:
     """The answer at a friction coefficient: the stable one that settles at once from the contact set `start`, up to the
@@ -103,18 +108,15 @@ def answer(
     Not any stable one, nor the one that wider gaps lead to: beyond the limit some stand apart, reached by no friction
     that grows from 0, on a few nodes that another mesh lacks.
 
-    problem_at: the problem at a friction coefficient, linear in it; law: mu_lock of the rigid shoe, for the refusal;
-    brake: what there is an equilibrium of, in words. Raises NoAnswer with both limits where the answer ends before that
-    friction, and with another reason where friction is not to blame.
+    problem_at: the problem at a friction coefficient, linear in it; law: mu_lock of the rigid shoe; brake: what
+    there is an equilibrium of, in words. Raises NoAnswer with both limits where the answer ends before that friction,
+    and with another reason where friction is not to blame.
     """
     if friction == 0:
-        found = solve(problem_at(0.0), start)
-        if not found.regular:
-            raise NoAnswer("no stable equilibrium without friction")
-        return found
+        return _without_friction(problem_at(0.0), start)
     try:
         found = settle(problem_at(friction), start)
-        if found.regular and friction < law():
+        if found.regular and friction < law:
             return found
         reason = "self-locking, no stable equilibrium"
     except NoAnswer as error:
@@ -127,7 +129,7 @@ def answer(
         return end.last
     raise NoAnswer(
         f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "
-        f"mu_lock = {end.friction:.4g} (sine law: {law():.4g})"
+        f"mu_lock = {end.friction:.4g} (sine law: {law:.4g})"
     )
 
 

@@ -205,19 +205,11 @@ def answer_of(
         body, shoe = scene.bodies[i], brake.shoes[i]
         _check_reach(shoe, body.line.xy, gap_of(body, brake, shoe), actuation(body, shoe)[1])
     at = partial(at_friction, scene, brake, group, penalty)
-
-    def law() -> float:
-        return min(locking_friction(brake, brake.shoes[i]) for i in group)
-
+    law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     try:
         return locking.answer(at, brake.friction, first, law=law, brake="elastic as it is")
     except NoAnswer as error:
-        raise NoAnswer(f"{names_of(brake, group)}: {error}") from error
-
-
-def names_of(brake: Brake, group: list[int]) -> str:
-    """The shoes of a group as a refusal names them."""
-    return ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
+        raise NoAnswer(f"{brake.names(group)}: {error}") from error
 
 
 def _answers(
@@ -242,7 +234,7 @@ def _answers(
     try:
         refined = refined_group(scene, brake, group, penalty, found.active)
     except NoAnswer as error:
-        raise NoAnswer(f"{names_of(brake, group)}: lost digits, {TOO_FAR}; refined: {error}") from error
+        raise NoAnswer(f"{brake.names(group)}: lost digits, {TOO_FAR}; refined: {error}") from error
     for k, i in enumerate(group):
         p, turn = size * refined.p[k], size * float(refined.turns[k])
         steps, reaction = found.steps + refined.sets, size * refined.reactions[k]
@@ -252,7 +244,7 @@ def _answers(
     left = _imbalance(answers)
     if refined.correction > LARGEST_CORRECTION or not left < LARGEST_IMBALANCE:
         raise NoAnswer(
-            f"{names_of(brake, group)}: lost digits, even refined the pressures are certain only to "
+            f"{brake.names(group)}: lost digits, even refined the pressures are certain only to "
             f"{refined.correction:.1e} and balance to {left:.1e}; {TOO_FAR}"
         )
     return answers

@@ -200,7 +200,7 @@ def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
 def _found(
     brake: Brake, group: list[int], parts: System, sections: int, names: frozenset[str], start: list[Bools] | None
 ) -> contact.Contact:
-    said = ", ".join(f"shoe {brake.shoes[i].name!r}" for i in group)
+    said = brake.names(group)
     begin = None if start is None else np.concatenate([start[i] for i in group])
 
     def at(friction: float) -> contact.Problem:
@@ -208,9 +208,7 @@ def _found(
             return parts.problem
         return system(brake.model_copy(update={"friction": friction}), group, sections, names).problem
 
-    def law() -> float:
-        return min(locking_friction(brake, brake.shoes[i]) for i in group)
-
+    law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     try:
         found = locking.answer(at, brake.friction, begin, law=law, brake="on the foundation")
     except NoAnswer as error:
