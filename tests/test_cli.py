@@ -12,8 +12,8 @@ import pytest
 
 from conftest import ROOT, STUDY
 from drumlin.brakefile import read_brake
-from drumlin.cli import _print_table
 from drumlin.fem.model import solve
+from drumlin.terminal import print_table
 
 DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
 
@@ -111,7 +111,7 @@ def test_on_a_narrow_terminal_columns_are_left_out_by_name_and_no_number_is_cut(
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
     for columns, left_out in ((66, ["self-energising", "contact arcs [deg]"]), (160, [])):
         monkeypatch.setenv("COLUMNS", str(columns))
-        _print_table(table)
+        print_table(table)
         lines = re.sub(r"\x1b\[\d*m", "", capsys.readouterr().out).splitlines()
         assert max(map(len, lines[:-1])) <= columns
         text = "\n".join(lines)

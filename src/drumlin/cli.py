@@ -1,24 +1,17 @@
-"""The command line. Exit status: 0 an answer, 2 bad input, 3 no answer; one plain line in the last two cases."""
+"""The command line. Exit status: 0 an answer, 2 bad input, 3 no answer; one plain line in the last two cases.
 
-import json
-import math
+A function is a command, which reads, calls and prints; most of its lines are its options.
+"""
+
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
-from textwrap import fill
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from drumlin.errors import BadInput, DrumlinError, NoAnswer
-
-if TYPE_CHECKING:
-    from rich.status import Status
-
-    from drumlin.flat import AnyBrake
-    from drumlin.response import FlatMerit, Merit, Response
+from drumlin.terminal import busy, print_response, print_table, progress
 
 app = typer.Typer(
     add_completion=False,
@@ -31,8 +24,6 @@ BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake
 Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
 Kind = Annotated[str | None, typer.Option(metavar="quad2|quad1|tri2|tri1", help="kind of the parametric mesh")]
 Penalty = Annotated[str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")]
-ALIKE = ("case", "rotation")  # columns that are the same in all rows of one brake
-LEAST = (*ALIKE, "self_energising", "contact", "reaction_error", "reaction", "peak_error", "peak_pressure", "seconds")
 OPTIONS = {  # model -> its own options
     "fem": ("elements", "kind", "penalty", "tolerance"),
     "foundation": ("sections", "lift"),
@@ -71,7 +62,7 @@ def solve(
     ] = None,
 ) -> None:
     """Solve a brake by one model."""
-    from drumlin.files import write_text
+    from drumlin.files import write_json, write_text
     from drumlin.flat import FlatBrake, read_any
     from drumlin.models import pick
 
@@ -83,15 +74,15 @@ def solve(
         if model != owner and set(names) & set(options):
             *some, last = (f"--{name}" for name in names)
             raise BadInput(f"{', '.join(some)} and {last} belong to --model {owner}, not to {model!r}")
-    with _busy(f"solving by {model}"):
+    with busy(f"solving by {model}"):
         response = chosen.solve(brake, **options)
     if json_file is not None:
-        write_text(json_file, json.dumps(response.as_dict(), indent=1, allow_nan=False) + "\n")
+        write_json(json_file, response.as_dict())
     if pressure is not None:
         from drumlin.check import curves_text
 
         write_text(pressure, curves_text(response, isinstance(brake, FlatBrake)))
-    _print_response(brake, response)
+    print_response(brake, response)
 
 
 @app.command()
@@ -112,10 +103,10 @@ def compare(
             f"{brake_file}: plane: compare takes brakes on a drum; solve this one by --model linear or short"
         )
     folder = output or Path("reports") / brake_file.stem
-    with _busy("comparing the models"):
+    with busy("comparing the models"):
         result = write_comparison(brake, brake_file.read_text(), folder, _options(elements, kind=kind, penalty=penalty))
     print(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
-    _print_table(result.table)
+    print_table(result.table)
     for line in result.notes:
         print(line)
     print(f"report: {result.page}")
@@ -130,7 +121,7 @@ def study(
     """Run a study from studies/ and write its report into reports/NAME."""
     from drumlin.studies import run
 
-    with _busy(f"study {name}") as say:
+    with busy(f"study {name}") as say:
         page = run(name, output, short=short, say=say)
     print(f"report: {page}")
 
@@ -157,7 +148,7 @@ def sweep(
     check_output(table_file)
     with Journal(table_file.with_name(table_file.name + ".journal"), source_stamp()) as journal:
         try:
-            with crew(jobs, scheduler) as (executor, workers), _progress(made.title) as done:
+            with crew(jobs, scheduler) as (executor, workers), progress(made.title) as done:
                 rows = run(made.cases, executor=executor, workers=workers, journal=journal, done=done)
         except KeyboardInterrupt:
             print(f"drumlin: stopped; {len(journal)} finished cases are kept in {journal.path}", file=sys.stderr)
@@ -170,21 +161,6 @@ def sweep(
     print(f"table: {table_file}")
     if failed.total() == len(rows):
         raise NoAnswer("sweep: no case has an answer; the table says why")
-
-
-@contextmanager
-def _progress(words: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar with the time left, on a terminal; to be told how many cases have finished, and of how many."""
-    if not sys.stderr.isatty():
-        yield lambda finished, of: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task(words, total=None)
-        yield lambda finished, of: progress.update(task, completed=finished, total=of)
 
 
 @app.command()
@@ -203,7 +179,7 @@ def view(
     picture = output or brake_file.with_suffix(".png").name
     if Path(picture).suffix not in {".png", ".svg"}:
         raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
-    with _busy("drawing"):
+    with busy("drawing"):
         save(draw(brake, **_options(elements, kind=kind)), Path(picture))
     print(f"picture: {picture}")
 
@@ -225,7 +201,7 @@ def mesh(
     from drumlin.fem.scene import prepare
 
     brake = read_brake(brake_file)
-    with _busy("meshing"):
+    with busy("meshing"):
         scene = prepare(brake, **_options(elements, kind=kind))
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
             path = output / f"{name or brake_file.stem}_{shoe.name}.{suffix}"
@@ -250,7 +226,7 @@ def export(
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
     brake = read_brake(brake_file)
-    with _busy("writing"):
+    with busy("writing"):
         paths, apart = calculix.export(brake, output, brake_file.stem, **_options(elements, kind=kind))
     for path in paths:
         print(path)
@@ -278,24 +254,21 @@ def hold(
     from drumlin.fem.holding import as_dict, full_slip_rotation
     from drumlin.fem.holding import hold as turn
     from drumlin.fem.scene import prepare
-    from drumlin.files import write_text
-    from drumlin.units import to_si
+    from drumlin.files import write_json
+    from drumlin.units import quantity
 
     brake = read_brake(brake_file)
     if not 1 <= steps <= 10_000:
         raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
     options = _options(elements, kind=kind, penalty=penalty)
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
-    try:
-        end = None if rotation is None else to_si(rotation, "rad", unit_required=True)
-    except ValueError as error:
-        raise BadInput(f"--rotation = {rotation!r}: {error}") from error
-    with _busy("holding") as say:
+    end = None if rotation is None else quantity("--rotation", rotation, "rad")
+    with busy("holding") as say:
         scene = prepare(brake, **options)
         end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
         states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
     if json_file is not None:
-        write_text(json_file, json.dumps(as_dict(states), indent=1, allow_nan=False) + "\n")
+        write_json(json_file, as_dict(states))
     print(f"{'rotation [deg]':>15}{'moment [N m]':>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
     for at in states:
         print(f"{np.degrees(at.rotation):15.6f}{at.torque:15.4f}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
@@ -314,15 +287,15 @@ def sensitivity(
     from drumlin.fem.scene import prepare
     from drumlin.fem.sensitivity import as_text
     from drumlin.fem.sensitivity import sensitivity as slopes
-    from drumlin.files import write_text
+    from drumlin.files import write_json
 
     brake = read_brake(brake_file)
     options = _options(elements, kind=kind, penalty=penalty)
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
-    with _busy("sensitivity"):
+    with busy("sensitivity"):
         found = slopes(prepare(brake, **options), brake, **stiffness)
     if json_file is not None:
-        write_text(json_file, json.dumps(found.as_dict(), indent=1, allow_nan=False) + "\n")
+        write_json(json_file, found.as_dict())
     print(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
     for line in as_text(found, brake):
         print(line)
@@ -354,7 +327,7 @@ def wear(
 ) -> None:
     """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe law."""
     from drumlin.brakefile import read_brake, vary
-    from drumlin.files import write_text
+    from drumlin.files import write_json
     from drumlin.rig import Rig, fem_rig, foundation_rig
     from drumlin.run_in import COEFFICIENT, as_dict, report_lines, run_in, target
     from drumlin.run_in import unit_distance as unit_of
@@ -382,7 +355,7 @@ def wear(
             return quantity(key, text, "m")
         return number * unit_of(rig, law)
 
-    with _busy("running in") as say:
+    with busy("running in") as say:
         if model == "fem":
             from drumlin.fem.scene import prepare
 
@@ -408,7 +381,7 @@ def wear(
         states = run_in(rig, law, **options)
     goal = target(rig, law, options.get("torque"))
     if json_file is not None:
-        write_text(json_file, json.dumps(as_dict(rig, states, goal, law), indent=1, allow_nan=False) + "\n")
+        write_json(json_file, as_dict(rig, states, goal, law))
     for line in report_lines(rig, states, goal, law):
         print(line)
 
@@ -434,7 +407,7 @@ def cost(
         for line in table(brake):
             print(line, flush=True)
         return
-    with _busy("measuring"):
+    with busy("measuring"):
         lines = measure(brake, **options)
     for line in lines:
         print(line)
@@ -453,7 +426,7 @@ def reference(
     from drumlin.reference import reference as make
 
     brake, path = read_brake(brake_file), output or Path(f"{brake_file.stem}.reference.json")
-    with _busy("two fine meshes"):
+    with busy("two fine meshes"):
         found = make(brake, brake_file.read_text(), f"drumlin reference {brake_file.as_posix()}")
     write_values(as_dict(found), path)
     print(f"torque {found.torque.value:.10g} N m, uncertainty {found.torque.uncertainty:.1e}")
@@ -494,7 +467,7 @@ def check(
     values = Path("reports") / "reference" / "values"
     path = known or stored(text, brake_file.parent, values, REPOSITORY / values)
     if path is None:
-        with _busy("no stored reference: two fine meshes"):
+        with busy("no stored reference: two fine meshes"):
             found = make(brake, text, f"drumlin reference {brake_file.as_posix()}")
         print("reference: made anew")
     else:
@@ -502,103 +475,6 @@ def check(
         print(f"reference: {path}")
     for line in lines(compare_with(brake, found, curves), tolerance):
         print(line)
-
-
-class _busy:
-    """A spinner on a terminal while a block runs; `say` changes its words. Silent where no one watches."""
-
-    def __init__(self, words: str) -> None:
-        self._words = words
-        self._status: Status | None = None
-
-    def __enter__(self) -> Callable[[str], None]:
-        if sys.stderr.isatty():
-            from rich.console import Console
-            from rich.text import Text
-
-            self._status = Console(stderr=True).status(Text(self._words))
-            self._status.start()
-        return self._say
-
-    def _say(self, words: str) -> None:
-        if self._status is not None:
-            from rich.text import Text
-
-            self._status.update(Text(words))
-
-    def __exit__(self, *_: object) -> None:
-        if self._status is not None:
-            self._status.stop()
-
-
-def _print_response(brake: "AnyBrake", response: "Response") -> None:
-    from drumlin.compare import arcs_text
-    from drumlin.response import FlatMerit
-
-    print(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
-    forces = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]
-    print(f"braking force {sum(forces):.6g} N" if forces else f"torque {response.torque:.6g} N m")
-    for shoe, merit in zip(response.shoes, response.merits, strict=True):
-        x, y = shoe.hinge_reaction
-        effect, unit = f"torque {shoe.torque:.6g} N m", "deg"
-        if isinstance(merit, FlatMerit):
-            effect, unit = f"braking force {merit.braking_force:.6g} N", "mm"
-        touching = f"contact {arcs_text(shoe, unit)} {unit}" if shoe.contact_arcs else "no contact"
-        print(
-            f"  shoe {shoe.name!r}: {effect}"
-            f"{', self-energising' if shoe.self_energising else ''}; normal force {shoe.normal_force:.6g} N; "
-            f"peak pressure {shoe.peak_pressure * 1e-6:.4g} MPa; hinge reaction ({x:.6g}, {y:.6g}) N; "
-            f"{touching}"
-        )
-        print(f"    {_merit_text(merit)}")
-    spent = ", ".join(f"{phase} {seconds * 1e3:.1f}" for phase, seconds in response.seconds.items())
-    if spent:
-        print(f"  {response.iterations} active-set steps; balance: force {response.balance.force:.1e}, "
-              f"moment {response.balance.moment:.1e}; ms: {spent}")  # fmt: skip
-    if response.error is not None:
-        print(f"  estimated error: p {response.error['pressure']:.1e} (L2, worst shoe), "
-              f"torque {response.error['torque']:.1e}")  # fmt: skip
-    for line in response.notes:
-        print(f"  {line}")
-    for line in response.left_out:
-        print(f"  left out: {line}")
-
-
-def _merit_text(merit: "Merit | FlatMerit") -> str:
-    """Figures of merit for people: names as in the JSON, the angle in degrees; without those that are None."""
-    values = {key: value for key, value in merit._asdict().items() if value is not None}
-    angle = values.pop("resultant_angle", None)
-    said = [] if angle is None else [f"resultant at {math.degrees(angle):.4g} deg"]
-    return ", ".join(said + [f"{key} {value:.5g}" for key, value in values.items()])
-
-
-def _print_table(table: list[dict[str, Any]]) -> None:
-    """Rows for people. No number is cut: on a narrow terminal the columns that matter least are left out, by name."""
-    from rich.console import Console
-    from rich.table import Table
-
-    from drumlin.compare import COLUMNS
-
-    console = Console(width=None if sys.stdout.isatty() else 200, markup=False)
-    shown = [c for c in COLUMNS if any(row.get(c.key) is not None for row in table)]
-    cells = {c.key: [c.text(row) for row in table] for c in shown}
-    heads = {c.key: fill(c.heading, 9, break_long_words=False) + (f"\n[{c.unit}]" if c.unit else "") for c in shown}
-    widths = {key: max(map(len, (*heads[key].split("\n"), *cells[key]))) for key in cells}
-    widths["status"] = 10  # it is folded
-    cut = []
-    for key in LEAST:
-        if key in ALIKE or sum(widths[c.key] + 2 for c in shown) > console.width:
-            cut += [c.title for c in shown if c.key == key and key not in ALIKE]
-            shown = [c for c in shown if c.key != key]
-    grid = Table(box=None, pad_edge=False, header_style="bold")
-    for c in shown:
-        left = c.key in {"shoe", "model", "status"}
-        grid.add_column(heads[c.key], justify="left" if left else "right", no_wrap=c.key != "status", overflow="fold")
-    for row in zip(*(cells[c.key] for c in shown), strict=True):
-        grid.add_row(*row)
-    console.print(grid)
-    if cut:
-        print(f"not shown here, the terminal is too narrow: {', '.join(cut)}")
 
 
 def main() -> None:

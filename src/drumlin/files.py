@@ -1,5 +1,6 @@
 """Writing so that a stopped run leaves earlier results whole: a temporary name, then a rename."""
 
+import json
 import os
 import tempfile
 from collections.abc import Iterator
@@ -36,3 +37,8 @@ def write_text(path: Path, text: str) -> None:
     """Write a text file whole or not at all."""
     with replacing(path) as partial:
         partial.write_text(text, encoding="utf-8", errors="replace")  # a path of undecodable bytes
+
+
+def write_json(path: Path, data: object) -> None:
+    """Write a JSON file whole or not at all. Raises ValueError for numbers that are not finite."""
+    write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
