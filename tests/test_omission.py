@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from conftest import ROOT, STUDY
-from drumlin.brake import Ring
 from drumlin.brakefile import read_brake, vary
 from drumlin.compare import pressure_distance
+from drumlin.components import Ring
 from drumlin.errors import BadInput
 from drumlin.fem import omission
 from drumlin.fem.adapt import adapt

@@ -11,8 +11,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from drumlin.arrays import Floats
-from drumlin.brake import Actuation, Brake
+from drumlin.brake import Brake
 from drumlin.brakefile import brake_from, read_toml, validated
+from drumlin.components import Actuation
 from drumlin.errors import BadInput
 from drumlin.parts import Length, Name, Part, Place, Thickness, Title, check_names
 from drumlin.units import mm

@@ -12,8 +12,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import STEP, Brake, Drum, Lining, Shoe
+from drumlin.brake import Brake, Shoe
 from drumlin.brakefile import vary
+from drumlin.components import STEP, Drum, Lining
 from drumlin.parts import Point
 from drumlin.response import Response
 

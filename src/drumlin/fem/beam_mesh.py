@@ -12,7 +12,8 @@ import skfem
 
 from drumlin.arrays import Floats
 from drumlin.beam import Axis, axis_of
-from drumlin.brake import Beam, Section, Shoe
+from drumlin.brake import Shoe
+from drumlin.components import Beam, Section
 from drumlin.fem.division import MOST_LAYERS, MOST_THIN, Division, layers_behind, overhang
 from drumlin.units import mm
 

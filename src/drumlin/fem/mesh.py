@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import skfem
 
-from drumlin.brake import Beam, Shoe
+from drumlin.brake import Shoe
+from drumlin.components import Beam
 from drumlin.errors import BadInput
 from drumlin.fem.beam_mesh import beam_mesh
 from drumlin.fem.division import MOST_LAYERS, MOST_THIN, Division, divide, layers_behind, overhang

@@ -13,8 +13,9 @@ import numpy as np
 import skfem
 
 from drumlin.arrays import Floats
-from drumlin.brake import Beam, Body, Brake, Shoe
+from drumlin.brake import Brake, Shoe
 from drumlin.compare import pressure_distance
+from drumlin.components import Beam, Body
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import scene as scenes
 from drumlin.fem.adapt import Respond, adapt

@@ -20,7 +20,8 @@ import scipy.linalg
 import skfem
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Ring, Section, Shoe
+from drumlin.brake import Brake, Shoe
+from drumlin.components import Ring, Section
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.division import FACE_SIZE, graded, lining_angles, lining_layers
 from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, edge_points

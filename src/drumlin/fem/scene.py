@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Beam, Brake, Misfit, Shoe
+from drumlin.brake import Brake, Shoe
+from drumlin.components import Beam, Misfit
 from drumlin.errors import BadInput
 from drumlin.fem import beam_mesh
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie

@@ -22,7 +22,8 @@ import numpy as np
 
 from drumlin.arrays import Floats, Ints
 from drumlin.beam import axis_of
-from drumlin.brake import Backing, Beam, Body, Brake, Lining, Ring, Section, Shoe
+from drumlin.brake import Brake, Shoe
+from drumlin.components import Backing, Beam, Body, Lining, Ring, Section
 from drumlin.errors import BadInput
 from drumlin.fem import scene as scenes
 from drumlin.fem.interface import edge_points

@@ -19,7 +19,8 @@ import scipy.linalg
 
 from drumlin import contact, locking
 from drumlin.arrays import Bools, Floats
-from drumlin.brake import Beam, Brake
+from drumlin.brake import Brake
+from drumlin.components import Beam
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.flat import AnyBrake, FlatBrake
 from drumlin.foundation.post import Post, post, shoe_angles, trapezoid

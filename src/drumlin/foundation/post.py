@@ -13,7 +13,8 @@ import numpy as np
 from drumlin import misfit
 from drumlin.arrays import Floats, Ints
 from drumlin.beam import Axis, axis_of
-from drumlin.brake import Beam, Brake, Shoe
+from drumlin.brake import Brake, Shoe
+from drumlin.components import Beam
 
 
 class Post(NamedTuple):

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import Ring
+from drumlin.components import Ring
 
 SHEAR = 6 / 5  # shear factor of a rectangular section
 

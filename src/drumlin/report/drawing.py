@@ -14,7 +14,8 @@ from matplotlib.path import Path as Outline
 
 from drumlin.arrays import Floats
 from drumlin.beam import axis_of
-from drumlin.brake import Actuation, Beam, Body, Brake, Shoe
+from drumlin.brake import Brake, Shoe
+from drumlin.components import Actuation, Beam, Body
 from drumlin.flat import AnyBrake, FlatBrake, FlatShoe
 from drumlin.parts import Point
 
