@@ -127,8 +127,9 @@ def test_files_that_are_no_mesh_are_refused(tmp_path, brake):
     shoe = brake.shoes[0]
     for name, content in {"a.msh": "nonsense", "b.xyz": "nonsense", "c.msh": "", "d.vtu": "<VTKFile>"}.items():
         (tmp_path / name).write_text(content)
-        with pytest.raises(BadInput, match="not a mesh"):
+        with pytest.raises(BadInput, match="not a mesh") as refusal:
             read_mesh(tmp_path / name, shoe, brake.drum.radius)
+        assert "(Error" not in str(refusal.value)
     with pytest.raises(BadInput, match="no such file"):
         read_mesh(tmp_path / "none.msh", shoe, brake.drum.radius)
 

@@ -100,7 +100,7 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
             raw = read_inp(path) if path.suffix.lower() == ".inp" else meshio.read(path)
     except (Exception, SystemExit) as error:  # meshio's readers fail in their own many ways
         gave_up = isinstance(error, SystemExit)
-        reason = said.getvalue().removeprefix("Error: ") if gave_up else f"{type(error).__name__}: {error}"
+        reason = said.getvalue().strip().removeprefix("Error: ") if gave_up else f"{type(error).__name__}: {error}"
         raise BadInput(f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:120]})") from error
     points = _plane_points(raw, fault) * SCALE[shoe.mesh_unit]
     if shoe.mesh_frame == "brake":
