@@ -228,6 +228,6 @@ class Convergence:
 
 def converge(brake: Brake, elements: Sequence[int]) -> Convergence:
     """Solve a brake on several meshes, coarse to fine, with exact contact."""
-    from drumlin.fem.model import solve  # noqa: PLC0415  (finite elements load only where they are used)
+    from drumlin.fem.solve import solve  # noqa: PLC0415  (finite elements load only where they are used)
 
     return Convergence(tuple(elements), tuple(solve(brake, elements=n, penalty=math.inf) for n in elements))

@@ -23,10 +23,10 @@ class Model(NamedTuple):
 
 
 def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
-    from drumlin.fem import model
+    from drumlin.fem.solve import solve
     from drumlin.wear import worn_in as worn
 
-    return with_merits(brake, (worn.solve if worn_in else model.solve)(brake, **options))
+    return with_merits(brake, (worn.solve if worn_in else solve)(brake, **options))
 
 
 def _fem_why_not(brake: AnyBrake) -> str | None:

@@ -10,7 +10,7 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import FlatShoe
-from drumlin.response.resultants import Resultant, cross, resultant
+from drumlin.response.resultants import Resultant, contact_arcs, cross, resultant
 
 EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
@@ -194,6 +194,55 @@ def untouched(shoe: Shoe | FlatShoe, hinge_reaction: Floats) -> ShoeResponse:
     )
 
 
+def pressed_shoe(
+    shoe: Shoe,
+    radius: float,
+    theta: Floats,
+    pressure: Floats,
+    *,
+    order: int,
+    torque: float,
+    normal_force: float,
+    self_energising: bool,
+    hinge_reaction: Floats,
+    turn: float | None = None,
+    located: bool = True,
+    **more: Any,
+) -> ShoeResponse:
+    """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
+
+    radius: of the drum [m]; located: the ends of the contact are located within their elements; more: other
+    attributes of ShoeResponse.
+    """
+    forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
+    theta, pressure = theta[forward], pressure[forward]
+    return ShoeResponse(
+        name=shoe.name,
+        torque=torque,
+        normal_force=normal_force,
+        self_energising=self_energising,
+        peak_pressure=nodal_peak(theta, pressure, edge_zone(shoe, radius)),
+        hinge_reaction=hinge_reaction,
+        contact_arcs=contact_arcs(theta, pressure, order, located=located),
+        theta=theta,
+        pressure=pressure,
+        order=order,
+        turn=turn,
+        **more,
+    )
+
+
+def edge_zone(shoe: Shoe, radius: float) -> float:
+    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep."""
+    return shoe.lining.thickness / (2 * radius)
+
+
+def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:
+    """The largest nodal pressure [Pa] more than `zone` [rad] from the lining's ends; of all nodes where none is."""
+    inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
+    return float(pressure[inside if inside.any() else ~inside].max())
+
+
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
     """What the drum does to shoe `index`: the integrals of the response's own p(theta), or what its law lumps."""
     if response.lumped is not None:
@@ -206,7 +255,7 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
         radius=brake.drum.radius,
         width=shoe.lining.width,
         sign=shoe.sign,
-        drag=brake.friction * brake.spin,
+        drag=brake.drag,
     )
 
 
