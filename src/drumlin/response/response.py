@@ -11,6 +11,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import FlatShoe
 from drumlin.response.resultants import Resultant, contact_arcs, cross, resultant
+from drumlin.response.show import as_html, as_text, plot
 
 EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
@@ -130,7 +131,7 @@ class FlatMerit(NamedTuple):
     sensitivity_at_fixed_shape: float | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Response:
     """What a model answers for a brake.
 
@@ -156,6 +157,16 @@ class Response:
     def torque(self) -> float:
         """Torque of all shoes on the drum [N m], >= 0, against the rotation."""
         return math.fsum(shoe.torque for shoe in self.shoes)
+
+    def __repr__(self) -> str:
+        return as_text(self)
+
+    def _repr_html_(self) -> str:
+        return as_html(self)
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw p(theta) of every shoe, in MPa over degrees, into matplotlib `axes`, or new ones; returns them."""
+        return plot(self, axes)
 
     def as_dict(self) -> dict[str, Any]:
         """The response as plain data for JSON (units as in the attributes: N m, N, Pa, rad, s)."""
