@@ -63,5 +63,5 @@ def test_compare_and_sweep_are_functions_whatever_was_imported_before(root):
 
     brake = drumlin.read_brake(root / BRAKE)
     assert set(drumlin.compare(brake, models=["sine", "uniform"]).responses) == {"sine", "uniform"}
-    with pytest.raises(drumlin.BadInput, match="nowhere.toml"):
+    with pytest.raises(drumlin.BadInput, match=r"nowhere\.toml"):
         drumlin.sweep("nowhere.toml")
