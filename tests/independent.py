@@ -17,8 +17,8 @@ from scipy.sparse.linalg import splu, spsolve
 from skfem.helpers import dot
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
-from drumlin.brake import Brake
-from drumlin.brakefile import read_brake
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import read_brake
 
 STUDIES = Path(__file__).resolve().parents[1] / "studies"
 SINE_LAW = 435.2162  # N m, the main and the flexible brake by the sine law: 2 kN times the published .2176081 m

@@ -9,9 +9,9 @@ import independent
 from drumlin.errors import BadInput
 from drumlin.fem.model import solve
 from drumlin.journal import Journal
-from drumlin.reference import Pair
 from drumlin.studies import load
-from drumlin.work_precision import ERRORS, Method, enough, floor, measure, series, timing
+from drumlin.verification.reference import Pair
+from drumlin.verification.work_precision import ERRORS, Method, enough, floor, measure, series, timing
 
 MAIN = "double_shoe/brake"
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import pair
-from drumlin import contact
-from drumlin.brakefile import vary
+from drumlin.brake.file import vary
+from drumlin.contact import active_set
+from drumlin.fem.assembly import prepare
 from drumlin.fem.ring import couple_ring
-from drumlin.fem.scene import prepare
-from drumlin.statics import cross, integrate, resultant
+from drumlin.response.resultants import cross, integrate, resultant
 
 
 @pytest.fixture(scope="module", params=[3, 10, 80])
@@ -21,7 +21,7 @@ def body(request, brake):
 @pytest.fixture(scope="module")
 def brake():
     from conftest import STUDY
-    from drumlin.brakefile import read_brake
+    from drumlin.brake.file import read_brake
 
     return read_brake(STUDY / "brake.toml")
 
@@ -78,7 +78,7 @@ def test_patch_test_on_the_arc(sign):
             for angles, depth, way in ((circle(inside), 5, -1), (circle(outside) + 0.01, 6, 1))
         ]
         both = pair.Pair.of(*rings[::sign], sign=sign)
-        found = contact.solve(both.normal(np.full(len(both.angle), -interference)))
+        found = active_set.solve(both.normal(np.full(len(both.angle), -interference)))
         spreads.append(np.ptp(found.p) / exact)
         means.append(abs(found.p.mean() / exact - 1))
         mine, other = rings[::sign]

@@ -9,13 +9,22 @@ from typer.testing import CliRunner
 
 import independent
 from conftest import ROOT, STUDY
-from drumlin.brakefile import read_brake, vary
-from drumlin.check import check, curves_text, lines, read_curves, within
-from drumlin.cli import app
+from drumlin.brake.file import read_brake, vary
+from drumlin.cli.main import app
 from drumlin.errors import BadInput
 from drumlin.fem.model import solve
 from drumlin.laws import sine
-from drumlin.reference import FIRST, Refinement, as_dict, read_reference, reference, responses, stored, write_values
+from drumlin.verification.check import check, curves_text, lines, read_curves, within
+from drumlin.verification.reference import (
+    FIRST,
+    Refinement,
+    as_dict,
+    read_reference,
+    reference,
+    responses,
+    stored,
+    write_values,
+)
 
 VALUES = ROOT / "reports" / "reference" / "values"
 

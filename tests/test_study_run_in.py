@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 import independent
 from conftest import ROOT, STUDY
-from drumlin.brakefile import read_brake
-from drumlin.cli import app, main
+from drumlin.brake.file import read_brake
+from drumlin.cli.main import app, main
 from drumlin.studies import load
 
 
