@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Actuation
+from drumlin.brake.components import Actuation, Friction
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Length, Name, Part, Place, Thickness, Title, check_names
 from drumlin.brake.file import brake_from, read_toml, validated
@@ -82,7 +82,7 @@ class FlatBrake(Part):
     """A brake on a plane: friction coefficient, sliding plane and shoes."""
 
     title: Title
-    friction: Annotated[float, Field(ge=0, le=1e6, strict=True)]
+    friction: Friction
     plane: Plane
     shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
 

@@ -10,6 +10,7 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import FlatShoe
+from drumlin.errors import NoAnswer
 from drumlin.response.resultants import Resultant, contact_arcs, cross, resultant
 from drumlin.response.show import as_html, as_text, plot
 
@@ -153,6 +154,14 @@ class Response:
     bearing_load: Floats | None = None
     error: Mapping[str, float] | None = None
 
+    def __post_init__(self) -> None:
+        for shoe in self.shoes:
+            numbers = [shoe.torque, shoe.normal_force, shoe.peak_pressure, *shoe.hinge_reaction, *shoe.pressure]
+            if not np.isfinite(numbers).all():
+                raise NoAnswer(
+                    f"shoe {shoe.name!r}: the answer is not finite, sizes or forces are beyond the arithmetic"
+                )
+
     @property
     def torque(self) -> float:
         """Torque of all shoes on the drum [N m], >= 0, against the rotation."""
@@ -249,9 +258,9 @@ def edge_zone(shoe: Shoe, radius: float) -> float:
 
 
 def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:
-    """The largest nodal pressure [Pa] more than `zone` [rad] from the lining's ends; of all nodes where none is."""
+    """The largest nodal pressure [Pa] more than `zone` [rad] from the lining's ends; of all where none presses there."""
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
-    return float(pressure[inside if inside.any() else ~inside].max())
+    return float(pressure[inside if pressure[inside].any() else slice(None)].max())
 
 
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
