@@ -258,7 +258,7 @@ def edge_zone(shoe: Shoe, radius: float) -> float:
 
 
 def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:
-    """The largest nodal pressure [Pa] more than `zone` [rad] from the lining's ends; of all where none presses there."""
+    """Largest nodal pressure [Pa] more than `zone` [rad] from the lining's ends; of all where none presses there."""
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
 
