@@ -44,6 +44,7 @@ class Result:
     same: bool
     meshes: list[Row]
     kills: list[Kill]
+    killed_cases: int
     killed_same: bool
     sweeps: dict[str, Sweep]
     seconds: float
@@ -69,7 +70,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     with tempfile.TemporaryDirectory() as folder:
         kills, rows = killed(cases, Path(folder) / "journal", 1 if short else 5, seed=1, say=say)
     expected = run(cases) if short else measured[SHARED][0].rows
-    return Result(measured, same, meshes, kills, rows == expected, sweeps, time.perf_counter() - start)
+    return Result(measured, same, meshes, kills, len(cases), rows == expected, sweeps, time.perf_counter() - start)
 
 
 def report(result: Result, folder: Path) -> Path:
@@ -89,7 +90,6 @@ def report(result: Result, folder: Path) -> Path:
         rates=rows,
         torques=[{"sweep": name} | torque_spread(those[0].rows) for name, those in result.measured.items()],
         kills=[{"run": i + 1} | kill._asdict() for i, kill in enumerate(result.kills)],
-        cases=len(result.sweeps[SHARED].cases),
         with_dask=any(one.by != "processes" for those in result.measured.values() for one in those),
         keep=" and ".join(f"{name}={value}" for name, value in KEEP.items()),
         signal=int(signal.SIGKILL),
