@@ -15,7 +15,7 @@ from drumlin import foundation
 from drumlin.brake.file import read_brake
 from drumlin.comparison import COLUMNS, Comparison, as_csv, run
 from drumlin.fem.assembly import prepare
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.comparison import draw_fields, panels, results_json

@@ -21,7 +21,8 @@ from drumlin.comparison import run as timed
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene
 from drumlin.fem.deflection import beam_deflection, rim_displacement
-from drumlin.fem.model import respond, solve
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.response.merit import with_merits
 from drumlin.response.norms import relative
