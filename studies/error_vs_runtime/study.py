@@ -25,7 +25,7 @@ from drumlin.report.page import Figure, Section, Source, Table, Text, versions, 
 from drumlin.report.work_figure import work_precision
 from drumlin.verification.reference import REFINEMENTS, Pair, Refinement, as_dict, reference, responses, write_values
 from drumlin.verification.work_precision import (
-    PEERS,
+    PEER_FAMILIES,
     REPEATS,
     Method,
     enough,
@@ -163,7 +163,7 @@ def _reference(name: str, path: Path, brake: Brake, pair: Callable[[], Pair]) ->
 
 
 def _row(brake: Brake, method: Method, pair: Callable[[], Pair], unit: Callable[[], object]) -> dict[str, Any]:
-    if method.family in PEERS:
+    if method.family in PEER_FAMILIES:
         return peer_row(brake, method, pair().value, unit, 1 if method.family == "CalculiX" else REPEATS)
     return measure(brake, method, pair().value, unit)
 
@@ -185,7 +185,7 @@ def brake_rows(result: Result, name: str) -> list[dict[str, Any]]:
 def offered(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
     """The rows among which one is recommended: not the peers, nor the penalties that are there to be compared, which
     cost what the exact contact on the same mesh costs, or more."""
-    return [row for row in rows if row["family"] not in (*PEERS, "weak penalty", "pointwise penalty")]
+    return [row for row in rows if row["family"] not in (*PEER_FAMILIES, "weak penalty", "pointwise penalty")]
 
 
 NAMES = {"torque_error": "torque", "pressure_error": "p (L2)"}
@@ -442,7 +442,7 @@ def peer_lines(name: str, rows: Sequence[Mapping[str, Any]], floors: Mapping[str
                     f"{name}, both on {other['method']}: {peer} takes {other['ratio'] / same[0]['ratio']:.2g} times as long cold, "
                     f"{other['further_ratio'] / same[0]['further_ratio']:.2g} times for a further load case."
                 )
-    even = [r for r in rows if r["family"] in PEERS and r.get("even") and r["status"] == "converged"]
+    even = [r for r in rows if r["family"] in PEER_FAMILIES and r.get("even") and r["status"] == "converged"]
     if even and own:
         last = max(even, key=lambda r: r["elements"])
         lines.append(
@@ -458,7 +458,7 @@ def _missed(times: float, aim: float | None) -> str:
 
 def peers_sections(result: Result) -> list[Section]:
     """Other solvers on the same brakes; empty where none was tried."""
-    rows = [row for row in result.rows if row["family"] in PEERS]
+    rows = [row for row in result.rows if row["family"] in PEER_FAMILIES]
     if not rows:
         return []
     names = dict.fromkeys(row["brake"] for row in rows)
