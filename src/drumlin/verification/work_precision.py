@@ -312,3 +312,13 @@ def series_name(row: Mapping[str, Any]) -> str:
     if "penalty" in row:
         return f"{row.get('kind', DEFAULT_KIND)}, {row['penalty']:g} E/t"
     return str(row.get("kind", DEFAULT_KIND)) + (", even" if row["family"] in PEER_FAMILIES and row.get("even") else "")
+
+
+def unit_seconds(rows: Iterable[Mapping[str, Any]]) -> float:
+    """Seconds of the unit, from the rows' times and ratios; the median."""
+    return median(row["seconds"] / row["ratio"] for row in rows if "ratio" in row)
+
+
+def spread(rows: Iterable[Mapping[str, Any]]) -> float:
+    """The interquartile range of the repeats over their median; the median of the rows with REPEATS or more."""
+    return median((row["upper"] - row["lower"]) / row["seconds"] for row in rows if row.get("repeats", 0) >= REPEATS)
