@@ -13,7 +13,7 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import as_csv
 from drumlin.fem.assembly import ELEMENTS
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.journal import Journal
 from drumlin.report.figures import save

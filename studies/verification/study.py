@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
 from drumlin.fem.mesh.arc import KINDS
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.page import fill

@@ -12,7 +12,7 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
 from drumlin.comparison import Convergence
 from drumlin.errors import NoAnswer
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response, ShoeResponse
