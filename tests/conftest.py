@@ -1,6 +1,10 @@
 """The brakes that the tests share, and what becomes of tests that are skipped."""
 
+import os
 from collections.abc import Generator
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is loaded: the dense systems are many and small
+
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +30,11 @@ def brake() -> Brake:
 @pytest.fixture(scope="session")
 def flexible() -> Brake:
     return read_brake(STUDY / "flexible.toml")
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    return ROOT
 
 
 # A test that is skipped for want of a program is noted, so that another run, which has the program, can make it up.

@@ -7,7 +7,7 @@ import pytest
 
 import independent
 from drumlin.errors import BadInput
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.journal import Journal
 from drumlin.studies import load
 from drumlin.verification import work_precision

@@ -13,8 +13,9 @@ from drumlin.contact.active_set import Problem
 from drumlin.contact.self_locking import Sliding
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import prepare
+from drumlin.fem.group import ShoeGroup
 from drumlin.fem.model import respond
-from drumlin.fem.self_locking import limits, sliding, torques
+from drumlin.fem.self_locking import limits, torques
 from drumlin.laws import locking_friction
 from drumlin.verification.random_brake import random_brake
 
@@ -56,7 +57,7 @@ def test_the_eigenvalue_is_exact_where_halving_was_not(brake):
         changed = vary(brake, changes)
         scene = prepare(changed, elements=20)
         group, end = min(limits(scene, changed, 3.0).items(), key=lambda item: item[1].friction)
-        problems = sliding(scene, changed, list(group))
+        problems = ShoeGroup(scene, changed, group).sliding
         near = [
             active_set.solve(problems.at(end.friction * (1 - gap)), end.last.active).p.max() * gap
             for gap in (1e-7, 1e-9)
@@ -110,7 +111,7 @@ def test_torque_has_a_simple_pole_at_the_limit(brake):
 def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(seed, way):
     brake = random_brake(seed, way)
     scene = prepare(brake, elements=10)
-    problems = sliding(scene, brake, [0])
+    problems = ShoeGroup(scene, brake, (0,)).sliding
     end, rng = self_locking.limit(problems, 20.0), np.random.default_rng(seed)
     n = len(problems.still.q)
     starts = [np.ones(n, bool), np.zeros(n, bool), *(rng.random(n) < 0.5 for _ in range(5))]
@@ -128,7 +129,7 @@ def test_beyond_the_limit_an_answer_that_stands_apart_is_refused():
     """Twice and three times beyond the limit of this brake contact on its lining's end alone is in equilibrium."""
     brake = random_brake(37, "locking")
     scene = prepare(brake, elements=16)
-    problems = sliding(scene, brake, [0])
+    problems = ShoeGroup(scene, brake, (0,)).sliding
     end = self_locking.limit(problems).friction
     assert active_set.settle(problems.at(2 * end)).regular
     with pytest.raises(NoAnswer, match=f"up to mu_lock = {end:.4g}"):
@@ -137,7 +138,7 @@ def test_beyond_the_limit_an_answer_that_stands_apart_is_refused():
 
 def test_below_the_first_singular_set_every_load_has_one_answer(brake):
     one = vary(brake, {"shoe": [brake.model_dump(by_alias=True)["shoe"][1]]})
-    problems = sliding(prepare(one, elements=2), one, [0])
+    problems = ShoeGroup(prepare(one, elements=2), one, (0,)).sliding
     first, n = self_locking.first_singular(problems), len(problems.still.q)
     assert 0 < first <= self_locking.limit(problems).friction
     rng = np.random.default_rng(0)

@@ -12,7 +12,7 @@ from conftest import ROOT, STUDY
 from drumlin.brake.file import read_brake, vary
 from drumlin.cli.main import app
 from drumlin.errors import BadInput
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.verification.check import check, curves_text, lines, read_curves, within
 from drumlin.verification.reference import (
