@@ -28,7 +28,8 @@ class Surface(NamedTuple):
     """The lining of shoe `shoe` among the unknowns of its setup.
 
     `part`: its unknowns in all, `local`: in its interface, number `interface`; `rows`: its rows of that one's C;
-    `theta` (n,) [rad] and `forward`: the slice that makes it grow; `order` of the interpolation; `approach` (n, k): closing of the gap
+    `theta` (n,) [rad] and `forward`: the slice that makes it grow; `order` of the interpolation; `approach` (n, k):
+    closing of the gap
     per unit of each rigid motion.
     """
 
