@@ -67,7 +67,8 @@ def _near(angle: float, shoe: Shoe) -> float:
 
 
 def _over(a: float, b: float) -> float | None:
-    return a / b if b else None
+    """a / b; None where that is no number, or too large for one."""
+    return a / b if b and math.isfinite(a / b) else None
 
 
 def barecki_shoe_factor(mu: Values, angle: Values, psi: Values, delta: Values, gamma: Values, sense: int) -> Floats:

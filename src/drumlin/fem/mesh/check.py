@@ -32,8 +32,9 @@ def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
     mesh = _check_groups(mesh, shoe, fault)
     _check_nodes(mesh, shoe, radius, fault)
     _check_elements(mesh, shoe, fault)
-    _check_boundaries(mesh, shoe, fault)
+    _check_boundaries(mesh, fault)
     _check_contact(mesh, shoe, radius, fault)
+    _check_ends(mesh, shoe, fault)
     return mesh
 
 
@@ -123,21 +124,13 @@ def _side(mesh: Any, facets: Ints, elements: Ints) -> Floats:
     return np.sign((b - a)[0] * to[1] - (b - a)[1] * to[0])
 
 
-def _check_boundaries(mesh: Any, shoe: Shoe, fault: str) -> None:
+def _check_boundaries(mesh: Any, fault: str) -> None:
     outer = mesh.boundary_facets()
     for name, facets in mesh.boundaries.items():
         inside = len(np.setdiff1d(facets, outer))
         if inside:
             raise BadInput(f"{fault}: {inside} of the {len(facets)} edges of the group {name} are not on the boundary")
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
-    if "actuation" in nodes:
-        pin = np.array([shoe.hinge.radius, 0.0])
-        away = {name: math.dist(pin, mesh.p[:, nodes[name]].mean(axis=1)) for name in ("hinge", "actuation")}
-        if away["hinge"] > away["actuation"]:
-            raise BadInput(
-                f"{fault}: the group hinge lies {mm(away['hinge'])} from the pin, the group actuation "
-                f"{mm(away['actuation'])}; must be the nearer one (are they swapped?)"
-            )
     if len(np.intersect1d(nodes["contact"], nodes["hinge"])):
         raise BadInput(f"{fault}: the groups contact and hinge share a node; must lie apart")
 
@@ -181,3 +174,15 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     steps = steps[:, np.argsort(steps[0])]
     if not (np.array_equal(steps[0], np.arange(len(phi) - 1)) and np.array_equal(steps[1], steps[0] + 1)):
         raise BadInput(f"{fault}: the group contact must be one line without gaps or turns, one edge after the other")
+
+
+def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:
+    nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
+    if "actuation" in nodes:
+        pin = np.array([shoe.hinge.radius, 0.0])
+        away = {name: math.dist(pin, mesh.p[:, nodes[name]].mean(axis=1)) for name in ("hinge", "actuation")}
+        if away["hinge"] > away["actuation"]:
+            raise BadInput(
+                f"{fault}: the group hinge lies {mm(away['hinge'])} from the pin, the group actuation "
+                f"{mm(away['actuation'])}; must be the nearer one (are they swapped?)"
+            )
