@@ -137,7 +137,7 @@ def test_shoes_that_lie_in_each_other_are_said():
 
 
 def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
-    """p/E: 5 % is beyond small strains; more than the lining's thickness is no answer."""
+    """p/E: 5 % is beyond small strains; ten times the lining's thickness is no answer."""
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     small = drumlin.solve(brake, elements=20)
     E = 300e6
@@ -145,8 +145,8 @@ def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
     assert not any("strained" in note for note in small.notes)
     said = drumlin.solve(vary(brake, {"shoe.actuation.force": 2000 * 0.06 / strain}), elements=20)
     assert any(note.startswith("warning: shoe 'left': the lining is strained by up to 6 %") for note in said.notes)
-    with pytest.raises(NoAnswer, match=r"pressed in by 1\.1 times its thickness"):
-        drumlin.solve(vary(brake, {"shoe.actuation.force": 2000 * 1.1 / strain}), elements=20)
+    with pytest.raises(NoAnswer, match="pressed in by 11 times its thickness"):
+        drumlin.solve(vary(brake, {"shoe.actuation.force": 2000 * 11 / strain}), elements=20)
 
 
 def _meshed(tmp_path, change):

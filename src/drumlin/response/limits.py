@@ -9,15 +9,15 @@ from drumlin.brake.units import deg
 from drumlin.errors import NoAnswer
 
 LARGE_STRAIN = 0.05  # of the lining, p/E; small displacements are off by about as much
-LARGEST_STRAIN = 1.0  # beyond it the lining would be pressed in by more than its thickness
+LARGEST_STRAIN = 10.0  # beyond it no scaled load is meant: the force or its unit is wrong
 
 
 def check_strain(shoe: Shoe, peak: float) -> None:
-    """Raise NoAnswer where the peak pressure [Pa] presses the lining in by more than its thickness."""
+    """Raise NoAnswer where the peak pressure [Pa] would press the lining in by many times its thickness."""
     if peak > LARGEST_STRAIN * shoe.lining.material.E:
         raise NoAnswer(
             f"shoe {shoe.name!r}: the lining would be pressed in by {peak / shoe.lining.material.E:.3g} times its "
-            f"thickness; small displacements hold up to {LARGE_STRAIN:g}"
+            f"thickness; must be at most {LARGEST_STRAIN:g}, and small displacements are good up to {LARGE_STRAIN:g}"
         )
 
 

@@ -233,7 +233,7 @@ def pressed_shoe(
     """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
 
     radius: of the drum [m]; located: the ends of the contact are located within their elements; more: other
-    attributes of ShoeResponse. Raises NoAnswer where the lining would be pressed in by more than its thickness.
+    attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
