@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from conftest import ROOT, STUDY
-from drumlin.brakefile import read_brake, vary
-from drumlin.compare import pressure_distance
-from drumlin.components import Ring
+from drumlin.brake.components import Ring
+from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput
 from drumlin.fem import omission
 from drumlin.fem.adapt import adapt
+from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond, solve
 from drumlin.fem.omission import change, predict, scene_without, simplified
-from drumlin.fem.scene import prepare
-from drumlin.fem.sketch import ring_modes, sketcher
-from drumlin.left_out import omissions
+from drumlin.fem.reduced import ring_modes, sketcher
+from drumlin.response.norms import pressure_distance
+from drumlin.verification.omission_table import omissions
 
 BRAKE = read_brake(STUDY / "brake.toml")
 POST = read_brake(STUDY.parent / "post_brake" / "brake.toml")

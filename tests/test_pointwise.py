@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from drumlin.brakefile import read_brake, vary
+from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem import model, pointwise
+from drumlin.fem import model
+from drumlin.verification import pointwise
 
 BRAKE = Path(__file__).parents[1] / "studies" / "double_shoe" / "brake.toml"
 

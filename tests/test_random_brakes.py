@@ -12,10 +12,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from drumlin.brakefile import brake_from
+from drumlin.brake.file import brake_from
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.assembly import prepare
 from drumlin.fem.model import answer_of, contact_problem, respond
-from drumlin.fem.scene import prepare
 
 UNIQUE = 0.6  # friction up to which any start must lead to the same answer
 ROTATIONS = ("counter-clockwise", "clockwise")

@@ -7,15 +7,15 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from drumlin import contact
+from drumlin.contact import active_set
 from drumlin.errors import NoAnswer
-from drumlin.extremes import Case, cases
+from drumlin.fem.assembly import materials_of, prepare
 from drumlin.fem.body import stiffness
 from drumlin.fem.model import REFINED, contact_problem, refined_group, respond
-from drumlin.fem.scene import materials_of, prepare
-from drumlin.fem.trial import trial
 from drumlin.journal import Journal
 from drumlin.studies import load
+from drumlin.verification.extreme_cases import Case, cases
+from drumlin.verification.trial import trial
 
 
 def solved(case):
@@ -126,14 +126,14 @@ def test_wide_gaps_on_tiny_compressions_keep_their_digits():
 
 def test_a_contact_set_of_one_node_carries_the_moment_exactly():
     A = np.diag([1e-16, 2e-16, 1e-16])
-    problem = contact.Problem(
+    problem = active_set.Problem(
         A,
         np.array([5e-5, 4.9e-5, 6e-5]),
         -np.array([[1e-6], [1e-6], [1e-6]]),
         np.full((1, 3), 0.7e-6),
         np.array([3e-5]),
     )
-    found = contact.solve(problem)
+    found = active_set.solve(problem)
     assert found.active.tolist() == [False, True, False]
     assert 0.7e-6 * found.p[1] == pytest.approx(3e-5, rel=1e-15)
 
@@ -146,7 +146,7 @@ def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix()
     column, row = 1 / np.abs(d[:, None] * B).max(), 1 / np.abs(C * d).max()
     matrix = np.block([[d[:, None] * A * d, d[:, None] * B * column], [row * C * d, np.zeros((1, 1))]])
     exact = np.linalg.cond(matrix, 1)
-    assert contact.condition(problem, everywhere(scene)) == pytest.approx(exact, rel=0.5)
+    assert active_set.condition(problem, everywhere(scene)) == pytest.approx(exact, rel=0.5)
 
 
 def test_a_stiff_penalty_costs_nothing_and_a_soft_one_errs_in_proportion():

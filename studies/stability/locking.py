@@ -7,20 +7,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brake import Brake
-from drumlin.brakefile import read_brake, vary
-from drumlin.compare import Column
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import read_brake, vary
+from drumlin.comparison import Column
+from drumlin.contact.self_locking import agreement, first_singular, limit
 from drumlin.errors import NoAnswer
-from drumlin.fem.locking import limits, sliding, torques
+from drumlin.fem.assembly import Scene, prepare
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.scene import Scene, prepare
+from drumlin.fem.self_locking import limits, sliding, torques
 from drumlin.fem.sensitivity import against_differences
 from drumlin.journal import Journal
 from drumlin.laws import locking_friction, sine
-from drumlin.locking import agreement, first_singular, limit
-from drumlin.random_brake import random_brake
 from drumlin.report import figures, locking_figures
 from drumlin.report.page import Figure, Section, Table, Text
+from drumlin.verification.random_brake import random_brake
 
 FILE = Path(__file__).parents[1] / "double_shoe" / "brake.toml"
 THICKNESSES = (8e-3, 3e-3, 1e-3)

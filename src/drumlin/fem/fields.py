@@ -10,13 +10,13 @@ import skfem
 from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Frame, Shoe
+from drumlin.brake.drum_brake import Brake, Frame, Shoe
+from drumlin.brake.fields import Material
 from drumlin.errors import BadInput
-from drumlin.fem.mesh import kind_of
-from drumlin.fem.scene import Body, Scene, actuation, materials_of
+from drumlin.fem.assembly import Body, Scene, actuation, materials_of
+from drumlin.fem.mesh.arc import kind_of
 from drumlin.files import replacing
-from drumlin.parts import Material
-from drumlin.response import Response, ShoeResponse
+from drumlin.response.response import Response, ShoeResponse
 
 
 @dataclass(frozen=True)

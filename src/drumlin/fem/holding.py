@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from drumlin import contact, stickslip
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Shoe
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.contact import active_set, stick_slip
+from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
 from drumlin.fem.model import PENALTY, contact_problem, respond, turns_towards, unit_force
-from drumlin.fem.scene import Body, Scene, actuation, contact_stiffness
-from drumlin.stickslip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
 
 HALVINGS = 8  # of an increment that does not settle
 
@@ -127,9 +127,9 @@ def _path(
     size = unit_force(brake, group)
     n = len(lever)
     rest = History(np.zeros(n), np.zeros(n))
-    normal = contact.Problem(problem.A_wp, problem.q_w, problem.B_w, problem.C_p, problem.h)
-    touching = contact.solve(normal).active
-    increment = stickslip.solve(problem, brake.friction, rest, np.where(touching, STICK, OPEN))
+    normal = active_set.Problem(problem.A_wp, problem.q_w, problem.B_w, problem.C_p, problem.h)
+    touching = active_set.solve(normal).active
+    increment = stick_slip.solve(problem, brake.friction, rest, np.where(touching, STICK, OPEN))
     done, spent, reached = [], [], 0.0
     energy = _slip_work(problem, increment, rest)
     for rotation in rotations:
@@ -154,7 +154,7 @@ def turned(
         step = end if pieces == 1 else reached + (end - reached) / pieces
         moved = problem._replace(q_s=problem.q_s + lever * step)
         try:
-            increment = stickslip.solve(moved, friction, increment.history, increment.state)
+            increment = stick_slip.solve(moved, friction, increment.history, increment.state)
         except NoAnswer:
             if pieces >= 2**HALVINGS:
                 raise
@@ -190,7 +190,7 @@ def _state(
             forward = slice(None, None, shoe.frame.sense)
             found[i] = (shoe.frame.theta(body.line.phi)[forward], p[forward], t[forward], state[forward])
     order = sorted(found)
-    arcs = [stickslip.zones(found[i][0], found[i][3]) for i in order]
+    arcs = [stick_slip.zones(found[i][0], found[i][3]) for i in order]
     return Hold(
         rotation=rotation,
         torque=torque,

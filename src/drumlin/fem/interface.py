@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.statics import GAUSS, WEIGHTS, shape, slopes
+from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
 

@@ -12,14 +12,12 @@ from itertools import pairwise
 import numpy as np
 import scipy.linalg
 
-from drumlin import contact, locking, misfit
 from drumlin.arrays import Bools, Floats
-from drumlin.brake import Brake, Shoe
+from drumlin.brake import clearance
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.contact import active_set, self_locking
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.ends import contact_arcs
-from drumlin.fem.mesh import DEFAULT_KIND
-from drumlin.fem.omission import adapt_without
-from drumlin.fem.scene import (
+from drumlin.fem.assembly import (
     ELEMENTS,
     Body,
     Kept,
@@ -32,10 +30,12 @@ from drumlin.fem.scene import (
     prepare,
     shape_of,
 )
-from drumlin.fem.whole import Refined, refine, whole
+from drumlin.fem.mesh.arc import DEFAULT_KIND
+from drumlin.fem.omission import adapt_without
+from drumlin.fem.refinement import Refined, refine, whole
 from drumlin.laws import locking_friction
-from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
-from drumlin.statics import cross
+from drumlin.response.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
+from drumlin.response.resultants import contact_arcs, cross
 
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
@@ -143,10 +143,10 @@ def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
     """Gap [m] of the unloaded lining at the points xy (2, ...) [m] of its mesh, at the angles phi (...) there."""
     theta, radius = shoe.frame.theta(phi), brake.drum.radius
     off = shoe.sign * (radius - np.hypot(*xy))
-    return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + misfit.clearance(brake, shoe, theta)  # 0.0: not round-off
+    return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + clearance.gap(brake, shoe, theta)  # 0.0: not round-off
 
 
-def contact_problem(scene: Scene, brake: Brake, group: list[int], penalty: float = math.inf) -> contact.Problem:
+def contact_problem(scene: Scene, brake: Brake, group: list[int], penalty: float = math.inf) -> active_set.Problem:
     """Full slip of a group of shoes, the drum dragging their linings by mu p, as one complementarity problem.
 
     The weighted gap  w = M (g + p/eps) - N u + N_ring u_ring  closes as the lining moves by u, elastically and with
@@ -162,7 +162,7 @@ def contact_problem(scene: Scene, brake: Brake, group: list[int], penalty: float
         drag = brake.friction * brake.spin
         pressed = np.hstack([scene.ring.pressed[i] for i in group])
         A += pressed.T @ (pressed + drag * np.hstack([scene.ring.dragged[i] for i in group]))
-    return contact.Problem(
+    return active_set.Problem(
         A=A,
         q=np.concatenate([part.q for part in parts]),
         B=scipy.linalg.block_diag(*(part.B for part in parts)),
@@ -176,7 +176,7 @@ def unit_force(brake: Brake, group: list[int]) -> float:
     return max(abs(brake.shoes[i].actuation.force) for i in group)
 
 
-def _shoe_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float, size: float) -> contact.Problem:
+def _shoe_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float, size: float) -> active_set.Problem:
     drag = brake.friction * brake.spin * shoe.frame.sense
     load, moment = actuation(body, shoe)
     share = abs(shoe.actuation.force) / size
@@ -185,7 +185,7 @@ def _shoe_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float, size: fl
     A, C = -body.closing_pressed, -approach
     if body.closing_dragged is not None:
         A, C = A - drag * body.closing_dragged, C + drag * (T @ body.turned)
-    return contact.Problem(
+    return active_set.Problem(
         A=A + M / contact_stiffness(shoe, penalty),
         q=M @ (gap_of(body, brake, shoe) / size) - share * (body.closing_loaded @ load),
         B=-approach[:, None],
@@ -196,7 +196,7 @@ def _shoe_problem(body: Body, brake: Brake, shoe: Shoe, penalty: float, size: fl
 
 def answer_of(
     scene: Scene, brake: Brake, group: list[int], penalty: float, first: Bools | None = None
-) -> contact.Contact:
+) -> active_set.Contact:
     """The contact of a group of shoes per newton of `unit_force`, from the contact set `first` where there is one.
 
     Raises NoAnswer as `respond` does.
@@ -207,7 +207,7 @@ def answer_of(
     at = partial(at_friction, scene, brake, group, penalty)
     law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     try:
-        return locking.answer(at, brake.friction, first, law=law, brake="elastic as it is")
+        return self_locking.answer(at, brake.friction, first, law=law, brake="elastic as it is")
     except NoAnswer as error:
         raise NoAnswer(f"{brake.names(group)}: {error}") from error
 
@@ -367,7 +367,7 @@ def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
         )
 
 
-def at_friction(scene: Scene, brake: Brake, group: list[int], penalty: float, friction: float) -> contact.Problem:
+def at_friction(scene: Scene, brake: Brake, group: list[int], penalty: float, friction: float) -> active_set.Problem:
     """The contact problem of a group of shoes at another friction coefficient."""
     return contact_problem(scene, brake.model_copy(update={"friction": friction}), group, penalty)
 

@@ -20,15 +20,15 @@ import scipy.linalg
 import scipy.sparse as sp
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake, Shoe
-from drumlin.brakefile import vary
-from drumlin.contact import Problem, adjoint
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.file import vary
+from drumlin.contact.active_set import Problem, adjoint
+from drumlin.contact.self_locking import Sliding
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness, materials_of, prepare
 from drumlin.fem.body import FRAME, stiffness
 from drumlin.fem.model import PENALTY, answer_of, at_friction, check_penalty, groups_of, solve, unit_force
-from drumlin.fem.scene import Body, Scene, actuation, contact_stiffness, materials_of, prepare
 from drumlin.laws import sine
-from drumlin.locking import Sliding
 
 PERCENT_PER_MM = 0.1  # in 1/m
 

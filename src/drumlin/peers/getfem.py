@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake
+from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.assembly import ELEMENTS, Mesher, materials_of, pin_of
 from drumlin.fem.interface import edge_nodes
-from drumlin.fem.mesh import DEFAULT_KIND
+from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import LARGEST_IMBALANCE, gap_at
-from drumlin.fem.scene import ELEMENTS, Mesher, materials_of, pin_of
 from drumlin.peers.peer import (
     Forces,
     Loaded,
@@ -34,7 +34,7 @@ from drumlin.peers.peer import (
     shoe_response,
     untouched_response,
 )
-from drumlin.response import Balance, ShoeResponse
+from drumlin.response.response import Balance, ShoeResponse
 from drumlin.studies import REPOSITORY
 
 SCRIPT = REPOSITORY / "studies" / "error_vs_runtime" / "getfem_brake.py"

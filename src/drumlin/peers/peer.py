@@ -13,13 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake, Shoe
+from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.ends import contact_arcs
-from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.scene import ELEMENTS, Assembled, Mesher, actuation, assemble, pin_of, shape_of
-from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
-from drumlin.statics import cross
+from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, actuation, assemble, pin_of, shape_of
+from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
+from drumlin.response.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
+from drumlin.response.resultants import contact_arcs, cross
 
 NOTHING = 1e-3  # of the peak pressure: what a peer leaves where its lining does not touch
 
