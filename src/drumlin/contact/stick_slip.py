@@ -24,7 +24,6 @@ at hand balance to the true one, one node changing at a time (Lemke 1965; Eaves 
 input: nothing changes it but the caller, who commits what has converged.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -91,17 +90,16 @@ def solve(problem: Problem, mu: float, history: History, start: Ints) -> Increme
     Raises NoAnswer where neither Newton's method nor a path from these states or from wide gaps leads to an answer.
     """
     system, scales = _system(problem, mu, history)
-    steps = 0
-    for states in (_newton, _followed, _closed):
+    for way in (_newton, _followed, _closed):
         try:
-            for state, point in states(system, start):
-                steps += 1
-        except NoAnswer:
+            state, point, steps = way(system, start)
+        except NoAnswer as error:
+            reason = str(error)
             continue
         (p, t), (w, slip) = np.split(scales * point.z, 2), np.split(point.v / scales, 2)
         s = slip + history.s + problem.Q @ (t - history.t)
         return Increment(p, t, s, w, point.y, state, steps)
-    raise NoAnswer(f"not converged: stick and slip do not settle in {steps} steps")
+    raise NoAnswer(reason)
 
 
 class _System(NamedTuple):
@@ -177,22 +175,21 @@ class _Piece:
 BEYOND = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
 
 
-def _newton(system: _System, start: Ints) -> Iterator[tuple[Ints, _Point]]:
-    """States and points of Newton's method, the last one the answer. Raises NoAnswer where it cycles."""
+def _newton(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
+    """States, point and steps of Newton's method. Raises NoAnswer where it cycles."""
     state, fewest, patience = start, 3 * len(start), PATIENCE
-    for _ in range(MOST_STEPS):
+    for step in range(1, MOST_STEPS + 1):
         piece = _Piece(system, state)
         point = piece.at(system.q, system.h)
-        yield state, point
         outside = piece.margins(point) < -_slack(system, piece, point)
         wrong = int(np.count_nonzero(outside))
         if not wrong:
-            return
+            return state, point, step
         fewest, patience = (wrong, PATIENCE) if wrong < fewest else (fewest, patience - 1)
         if patience < 0:
             break
         state = _wanted(system, state, point, outside)
-    raise NoAnswer("not converged")
+    raise NoAnswer("not converged: stick and slip do not settle")
 
 
 def _wanted(system: _System, state: Ints, point: _Point, outside: Bools) -> Ints:
@@ -215,12 +212,12 @@ def _slack(system: _System, piece: _Piece, point: _Point) -> Floats:
     return SLACK * np.array([np.where(opened, of_v, of_z), np.where(sticks, of_z, of_v)])
 
 
-def _followed(system: _System, start: Ints) -> Iterator[tuple[Ints, _Point]]:
+def _followed(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
     """The path from a load that the states `start` (n,) balance."""
     return _path(system, start, wide=False)
 
 
-def _closed(system: _System, start: Ints) -> Iterator[tuple[Ints, _Point]]:
+def _closed(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
     """The path from gaps so wide that only the nodes touch that the actuation closes first, slipping."""
     n = len(start)
     state = np.full(n, OPEN)
@@ -234,8 +231,8 @@ def _closed(system: _System, start: Ints) -> Iterator[tuple[Ints, _Point]]:
     return _path(system, state, wide=True)
 
 
-def _path(system: _System, state: Ints, *, wide: bool) -> Iterator[tuple[Ints, _Point]]:
-    """States and points on the path of answers to q + r e, h + r f from r = 1 to r = 0, the last one the answer.
+def _path(system: _System, state: Ints, *, wide: bool) -> tuple[Ints, _Point, int]:
+    """States, point and steps at r = 0 of the path of answers to q + r e, h + r f that comes from r = 1.
 
     e and f are what the states at r = 1 need to hold, with a margin; with `wide` the open nodes have one anyway.
     Between two changes of a state all is linear in r; each change is of one node, and the next piece begins where
@@ -244,19 +241,18 @@ def _path(system: _System, state: Ints, *, wide: bool) -> Iterator[tuple[Ints, _
     state, r, way, node, edge = state.copy(), 1.0, -1.0, -1, 0
     piece = _Piece(system, state)
     e, f = _lift(system, piece, wide)
-    for _ in range(MOST_PASSES * len(state)):
+    for passed in range(1, MOST_PASSES * len(state) + 1):
         point, slope = piece.at(system.q, system.h), piece.at(e, f)
-        yield state, point
         value, change = piece.margins(point), piece.margins(slope)
         if node >= 0:
             way = float(np.sign(change[edge, node]))  # the node that has changed leaves the edge
         falls = way * change < 0
         reach = np.full(falls.shape, np.inf)
         reach[falls] = np.maximum(value + r * change, 0.0)[falls] / np.abs(change[falls])
-        edge, node = np.unravel_index(int(reach.argmin()), reach.shape)
+        edge, node = divmod(int(reach.argmin()), len(state))
         step = reach[edge, node]
         if way < 0 and step >= r:
-            return
+            return state, point, passed
         if not np.isfinite(step):
             break
         r += way * step
@@ -266,7 +262,7 @@ def _path(system: _System, state: Ints, *, wide: bool) -> Iterator[tuple[Ints, _
         state[node] = (FORWARD if slip > 0 else BACKWARD) if before == OPEN else BEYOND[before, edge]
         edge = int(BEYOND[state[node], 1] == before) if before != OPEN else 0
         piece = _Piece(system, state)
-    raise NoAnswer("not converged: the path goes on for ever")
+    raise NoAnswer("not converged: stick and slip do not settle, nor does a path lead to where they do")
 
 
 def _lift(system: _System, piece: _Piece, wide: bool) -> tuple[Floats, Floats]:

@@ -3,20 +3,25 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.contact import active_set, stick_slip
+from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
-from drumlin.fem.model import PENALTY, contact_problem, respond, turns_towards, unit_force
+from drumlin.fem.model import PENALTY, answer_of, contact_problem, respond, turns_towards, unit_force
 
 HALVINGS = 8  # of an increment that does not settle
+OTHER_WAY: dict[str, Any] = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
+# Full slip is looked for from the rotation FIRST [rad] on, in increments by which the moment would reach that of the
+# sliding drum, but between OVER and FASTEST times the rotation so far.
+FIRST, OVER, FASTEST, MOST_INCREMENTS = 1e-7, 0.25, 30.0, 100
+MARGIN = 1.1  # beyond it, for other increments come to full slip a little later
 
 
 @dataclass(frozen=True)
@@ -93,6 +98,24 @@ def _tangential(body: Body, shoe: Shoe, size: float, penalty: float) -> tuple[Fl
     )
 
 
+class _Group(NamedTuple):
+    """Shoes that meet the drum together, and their stick-slip problem per newton of `size` at rest of the drum.
+
+    `lever` (n,): q_s grows by it per radian of the drum in the sense of the brake's rotation.
+    """
+
+    shoes: list[int]
+    problem: Problem
+    lever: Floats
+    size: float
+    friction: float
+    rest: Increment
+
+    def torque(self, at: Increment) -> float:
+        """The moment that holds the drum [N m], positive against the sense of the brake's rotation."""
+        return float(self.size**2 * (self.lever @ at.t))
+
+
 def hold(
     scene: Scene,
     brake: Brake,
@@ -103,42 +126,56 @@ def hold(
 ) -> list[Hold]:
     """Turn the drum through `rotations` [rad], positive in the sense of the brake's rotation, after the force is on.
 
-    The force is applied at rest of the drum, then each rotation is one increment, halved where stick and slip do
-    not settle. Raises NoAnswer: a shoe that does not touch, no equilibrium, not converged.
+    The force is applied at rest of the drum, then each rotation is one increment. Raises NoAnswer: a shoe that does
+    not touch, self-locking with its limit, no equilibrium, not converged.
     """
-    if brake.friction == 0 or scene.brake.friction == 0:
-        raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
-    groups = [[i] for i in range(len(brake.shoes))] if scene.ring is None else [list(range(len(brake.shoes)))]
-    for i, shoe in enumerate(brake.shoes):
-        if not turns_towards(scene.bodies[i], shoe):
-            raise NoAnswer(f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it")
     paths = []
-    for group in groups:
-        say(f"holding: {', '.join(brake.shoes[i].name for i in group)}")
+    for group in _groups(scene, brake, penalty):
+        say(f"holding: {brake.names(group.shoes)}")
         paths.append((group, *_path(scene, brake, group, rotations, penalty)))
     return [_state(scene, brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
 
 
+def _groups(scene: Scene, brake: Brake, penalty: float) -> Iterator[_Group]:
+    """The groups of shoes, the force on and the drum at rest. Raises NoAnswer and BadInput as `hold` does."""
+    if brake.friction == 0 or scene.brake.friction == 0:
+        raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
+    for i, shoe in enumerate(brake.shoes):
+        if not turns_towards(scene.bodies[i], shoe):
+            raise NoAnswer(f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it")
+    still = brake.model_copy(update={"friction": 0.0})
+    for shoes in [[i] for i in range(len(brake.shoes))] if scene.ring is None else [list(range(len(brake.shoes)))]:
+        problem, lever = holding_problem(scene, brake, shoes, penalty)
+        touching = answer_of(scene, still, shoes, penalty).active
+        unloaded = History(np.zeros(len(lever)), np.zeros(len(lever)))
+        try:
+            rest = stick_slip.solve(problem, brake.friction, unloaded, np.where(touching, STICK, OPEN))
+        except NoAnswer as error:
+            raise NoAnswer(f"{brake.names(shoes)}: {error}") from error
+        size = unit_force(brake, shoes)
+        yield _Group(shoes, problem, lever * (brake.spin / size), size, brake.friction, rest)
+
+
 def _path(
-    scene: Scene, brake: Brake, group: list[int], rotations: Floats, penalty: float
+    scene: Scene, brake: Brake, group: _Group, rotations: Floats, penalty: float
 ) -> tuple[list[Increment], list[float]]:
-    """Increments at the rotations, and the energy [J per newton squared] dissipated up to each."""
-    problem, lever = holding_problem(scene, brake, group, penalty)
-    size = unit_force(brake, group)
-    n = len(lever)
-    rest = History(np.zeros(n), np.zeros(n))
-    normal = active_set.Problem(problem.A_wp, problem.q_w, problem.B_w, problem.C_p, problem.h)
-    touching = active_set.solve(normal).active
-    increment = stick_slip.solve(problem, brake.friction, rest, np.where(touching, STICK, OPEN))
-    done, spent, reached = [], [], 0.0
-    energy = _slip_work(problem, increment, rest)
+    """Increments at the rotations, and the energy [J] dissipated up to each."""
+    n = len(group.lever)
+    increment, reached = group.rest, 0.0
+    energy = _slip_work(group.problem, increment, History(np.zeros(n), np.zeros(n)))
+    done, spent = [], []
     for rotation in rotations:
-        for step in turned(problem, lever * (brake.spin / size), brake.friction, increment, reached, float(rotation)):
-            energy += _slip_work(problem, step, increment.history)
-            increment = step
+        try:
+            for step in turned(group.problem, group.lever, group.friction, increment, reached, float(rotation)):
+                energy += _slip_work(group.problem, step, increment.history)
+                increment = step
+        except NoAnswer as error:
+            way = brake if rotation > reached else brake.model_copy(update={"rotation": OTHER_WAY[brake.rotation]})
+            answer_of(scene, way, group.shoes, penalty)  # raises where the drum locks that way
+            raise NoAnswer(f"{brake.names(group.shoes)}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         done.append(increment)
-        spent.append(energy * size**2)
+        spent.append(energy * group.size**2)
     return done, spent
 
 
@@ -173,20 +210,19 @@ def _slip_work(problem: Problem, after: Increment, before: History) -> float:
 
 
 def _state(
-    scene: Scene, brake: Brake, paths: list[tuple[list[int], list[Increment], list[float]]], k: int, rotation: float
+    scene: Scene, brake: Brake, paths: list[tuple[_Group, list[Increment], list[float]]], k: int, rotation: float
 ) -> Hold:
     found: dict[int, tuple[Floats, Floats, Floats, Ints]] = {}
     torque = dissipated = 0.0
     for group, increments, spent in paths:
-        start = 0
+        start, size = 0, group.size
         dissipated += spent[k]
-        for i in group:
+        torque += group.torque(increments[k])
+        for i in group.shoes:
             body, shoe = scene.bodies[i], brake.shoes[i]
             part = slice(start, start + len(body.line.nodes))
             start = part.stop
-            size = unit_force(brake, group)
             p, t, state = size * increments[k].p[part], size * increments[k].t[part], increments[k].state[part]
-            torque += brake.spin * float(body.coupling.lever @ t)
             forward = slice(None, None, shoe.frame.sense)
             found[i] = (shoe.frame.theta(body.line.phi)[forward], p[forward], t[forward], state[forward])
     order = sorted(found)
@@ -206,18 +242,37 @@ def _state(
 
 
 def full_slip_rotation(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> float:
-    """A rotation of the drum [rad] after which every touching node slips, found by doubling. Raises NoAnswer."""
-    rotation = 1e-7
-    target = respond(scene, brake, penalty=penalty).torque
-    while rotation < 0.2:
+    """A rotation of the drum [rad] after which every touching node slips, at the moment of the sliding drum.
+
+    Raises NoAnswer: self-locking with its limit, a shoe that does not touch, not converged.
+    """
+    shoes = respond(scene, brake, penalty=penalty).shoes
+    ends = []
+    for group in _groups(scene, brake, penalty):
+        target = sum(shoes[i].torque for i in group.shoes)
         try:
-            states = hold(scene, brake, rotation * np.linspace(0.25, 1, 4), penalty=penalty)
-        except NoAnswer:
-            break
-        if states[-1].sticking == 0 and math.isclose(states[-1].torque, target, rel_tol=1e-6):
-            return rotation
-        rotation *= 2
-    raise NoAnswer("the drum does not come to slip everywhere within small rotations")
+            ends.append(_slipping(group, target, FORWARD if brake.spin > 0 else BACKWARD))
+        except NoAnswer as error:
+            raise NoAnswer(f"{brake.names(group.shoes)}: {error}") from error
+    return MARGIN * max(ends)
+
+
+def _slipping(group: _Group, target: float, way: int) -> float:
+    """A rotation [rad] after which all touching nodes slip one way, the moment at its target [N m]."""
+    increment, reached, step = group.rest, 0.0, FIRST
+    for _ in range(MOST_INCREMENTS):
+        before = group.torque(increment)
+        *_, increment = turned(group.problem, group.lever, group.friction, increment, reached, reached + step)
+        torque, reached = group.torque(increment), reached + step
+        if np.isin(increment.state, [OPEN, way]).all() and math.isclose(torque, target, rel_tol=1e-6):
+            return reached
+        lacking = (target - torque) / (torque - before) if torque > before else math.inf
+        step = min(max(step * lacking, OVER * reached), FASTEST * reached)
+    sticking = np.count_nonzero(increment.state == STICK)
+    raise NoAnswer(
+        f"not converged: after a rotation of {reached:.3g} rad {sticking} of {len(increment.state)} nodes still stick, "
+        f"at {torque:.5g} of the sliding drum's {target:.5g} N m"
+    )
 
 
 def as_dict(states: list[Hold]) -> list[dict[str, Any]]:
