@@ -5,18 +5,36 @@ hinge by rows of the unknown turn, contact as a stiff layer at the quadrature po
 contact set is iterated pointwise.
 """
 
+from dataclasses import dataclass, fields
+
 import numpy as np
 import scipy.sparse as sp
 import skfem
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import splu, spsolve
 from skfem.helpers import dot
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
 from drumlin.brake.drum_brake import Brake
 
 
-def solve(brake: Brake, index: int, elements: int, penalty: float) -> tuple[float, np.ndarray, np.ndarray]:
-    """Torque [N m], and angles [rad] with pressures [Pa] at the quadrature points, of one shoe with an arc body."""
+@dataclass
+class Shoe:
+    """Stiffness K and force f of one shoe with an arc body, ties of its unknowns (the turn about the pin last), and
+    its lining: facets' basis, points x, outward normals n and tangents e (2, ...) there, stiffness eps of the layer.
+    """
+
+    K: sp.spmatrix
+    f: np.ndarray
+    ties: sp.spmatrix
+    surface: skfem.FacetBasis
+    x: np.ndarray
+    n: np.ndarray
+    e: np.ndarray
+    eps: float
+
+
+def assembled(brake: Brake, index: int, elements: int, penalty: float) -> Shoe:
+    """One shoe with an arc body, ready for contact."""
     shoe = brake.shoes[index]
     R, side = brake.drum.radius, shoe.sign
     lining, body = shoe.lining, shoe.body
@@ -78,8 +96,15 @@ def solve(brake: Brake, index: int, elements: int, penalty: float) -> tuple[floa
     radius = np.hypot(*x)
     n = side * x / radius
     e = np.array([-x[1], x[0]]) / radius
-    drag = brake.friction * brake.spin
     eps = penalty * lining.material.E / t * lining.width
+    return Shoe(K, f, ties, surface, x, n, e, eps)
+
+
+def solve(brake: Brake, index: int, elements: int, penalty: float) -> tuple[float, np.ndarray, np.ndarray]:
+    """Torque [N m], and angles [rad] with pressures [Pa] at the quadrature points, of the sliding drum's shoe."""
+    shoe = assembled(brake, index, elements, penalty)
+    K, f, ties, surface, x, n, e, eps = (getattr(shoe, field.name) for field in fields(shoe))
+    width, drag = brake.shoes[index].lining.width, brake.friction * brake.spin
     form = skfem.BilinearForm(lambda u, v, q: q["on"] * eps * dot(u, q["n"]) * (dot(v, q["n"]) - drag * dot(v, q["e"])))
     on = np.ones(x.shape[1:])
     for _ in range(60):
@@ -91,10 +116,68 @@ def solve(brake: Brake, index: int, elements: int, penalty: float) -> tuple[floa
         on = (closing > 0).astype(float)
     else:
         raise AssertionError("the pointwise contact set did not settle")
-    p = eps / lining.width * np.maximum(closing, 0)
-    torque = abs(drag) * lining.width * float((p * radius * surface.dx).sum())
+    p = eps / width * np.maximum(closing, 0)
+    torque = abs(drag) * width * float((p * np.hypot(*x) * surface.dx).sum())
     order = np.argsort(np.arctan2(*(x[::-1])).ravel())
     return torque, np.arctan2(*(x[::-1])).ravel()[order], p.ravel()[order]
+
+
+def hold(brake: Brake, index: int, rotations: np.ndarray, elements: int, penalty: float) -> np.ndarray:
+    """Torque [N m] of one shoe as the drum is turned through `rotations` [rad] from rest, the force on before.
+
+    Layers normal and tangential at the quadrature points, the tractions bounded by mu times the pressure of the
+    iteration before, until it no longer changes: each time the displacements of the lining and the turn minimise a
+    convex energy (Panagiotopoulos 1975). No states are chosen and there are no multipliers.
+    """
+    shoe, mu = assembled(brake, index, elements, penalty), brake.friction
+    K, f = (shoe.ties.T @ shoe.K @ shoe.ties).tocsc(), shoe.ties.T @ shoe.f
+    lining = np.zeros(len(shoe.f))
+    lining[shoe.surface.get_dofs(facets=shoe.surface.find).flatten()] = 1.0
+    kept = np.flatnonzero(shoe.ties.T @ lining != 0)
+    kept = np.union1d(kept, [len(f) - 1])
+    inner = np.setdiff1d(np.arange(len(f)), kept)
+    into = np.column_stack([K[np.ix_(inner, kept)].toarray(), f[inner]])
+    through = splu(K[np.ix_(inner, inner)].tocsc()).solve(into)
+    K_c = K[np.ix_(kept, kept)].toarray() - into[:, :-1].T @ through[:, :-1]
+    f_c = f[kept] - into[:, :-1].T @ through[:, -1]
+    moved = [np.asarray(shoe.surface.interpolate(column)) for column in shoe.ties[:, kept].T.toarray()]
+    N, T = (np.array([(u * to).sum(axis=0).ravel() for u in moved]).T for to in (shoe.n, shoe.e))
+    weight, radius = shoe.surface.dx.ravel() * shoe.eps, np.hypot(*shoe.x).ravel()
+
+    x = np.linalg.solve(K_c + (N.T * weight) @ N, f_c)  # a first guess: pressed without friction
+    elastic, at, p, torques = np.zeros(len(radius)), 0.0, np.zeros(len(radius)), []
+    for rotation in rotations:
+        turned = elastic + radius * brake.spin * (rotation - at) + (T @ x if torques else 0.0)
+
+        def energy(x, bound, turned=turned):
+            """Energy, its slope, its second slope, and p and t per eps; convex, for the bound (q,) of t is given."""
+            p, trial = np.maximum(N @ x, 0.0), turned - T @ x
+            t = np.clip(trial, -bound, bound)
+            value = 0.5 * x @ K_c @ x - f_c @ x + weight @ (0.5 * p**2 + t * (trial - 0.5 * t))
+            slope = K_c @ x - f_c + N.T @ (weight * p) - T.T @ (weight * t)
+            second = K_c + (N.T * (weight * (p > 0))) @ N + (T.T * (weight * (np.abs(trial) < bound))) @ T
+            return value, slope, second, p, t
+
+        for _ in range(400):
+            bound = mu * p
+            for _ in range(100):
+                value, slope, second, p, t = energy(x, bound)
+                step = np.linalg.solve(second, slope)
+                if np.abs(step).max() < 1e-10 * np.abs(x).max():
+                    break
+                share = 1.0
+                while energy(x - share * step, bound)[0] > value - 1e-4 * share * (slope @ step) and share > 1e-6:
+                    share *= 0.5
+                x = x - share * step
+            else:
+                raise AssertionError("no minimum of the energy found")
+            if np.abs(mu * p - bound).max() < 1e-6 * bound.max():
+                break
+        else:
+            raise AssertionError("the bound of the traction did not settle")
+        elastic, at = t, rotation
+        torques.append(brake.spin * float((weight * t) @ radius))
+    return np.array(torques)
 
 
 def mesh_facets(where: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
-from drumlin.fem.model import PENALTY, answer_of, contact_problem, respond, turns_towards, unit_force
+from drumlin.fem.model import PENALTY, answer_of, contact_problem, gap_of, respond, turns_towards, unit_force
 
 HALVINGS = 8  # of an increment that does not settle
 OTHER_WAY: dict[str, Any] = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
@@ -101,7 +101,8 @@ def _tangential(body: Body, shoe: Shoe, size: float, penalty: float) -> tuple[Fl
 class _Group(NamedTuple):
     """Shoes that meet the drum together, and their stick-slip problem per newton of `size` at rest of the drum.
 
-    `lever` (n,): q_s grows by it per radian of the drum in the sense of the brake's rotation.
+    `lever` (n,): q_s grows by it per radian of the drum in the sense of the brake's rotation. `rest`: the force on,
+    the drum at rest; `spent`: what that has dissipated [J per newton squared].
     """
 
     shoes: list[int]
@@ -110,6 +111,7 @@ class _Group(NamedTuple):
     size: float
     friction: float
     rest: Increment
+    spent: float
 
     def torque(self, at: Increment) -> float:
         """The moment that holds the drum [N m], positive against the sense of the brake's rotation."""
@@ -126,17 +128,19 @@ def hold(
 ) -> list[Hold]:
     """Turn the drum through `rotations` [rad], positive in the sense of the brake's rotation, after the force is on.
 
-    The force is applied at rest of the drum, then each rotation is one increment. Raises NoAnswer: a shoe that does
-    not touch, self-locking with its limit, no equilibrium, not converged.
+    The force comes on while the drum rests, in as many increments as there are rotations where there is a gap to
+    close: how far it closes under little force decides where the lining sticks. Then each rotation is one increment.
+    The energy converges by the first order of the increment; the moment hardly needs it where the drum is not turned
+    back. Raises NoAnswer: a shoe that does not touch, self-locking with its limit, no equilibrium, not converged.
     """
     paths = []
-    for group in _groups(scene, brake, penalty):
+    for group in _groups(scene, brake, len(rotations), penalty):
         say(f"holding: {brake.names(group.shoes)}")
         paths.append((group, *_path(scene, brake, group, rotations, penalty)))
     return [_state(scene, brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
 
 
-def _groups(scene: Scene, brake: Brake, penalty: float) -> Iterator[_Group]:
+def _groups(scene: Scene, brake: Brake, increments: int, penalty: float) -> Iterator[_Group]:
     """The groups of shoes, the force on and the drum at rest. Raises NoAnswer and BadInput as `hold` does."""
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
@@ -146,23 +150,38 @@ def _groups(scene: Scene, brake: Brake, penalty: float) -> Iterator[_Group]:
     still = brake.model_copy(update={"friction": 0.0})
     for shoes in [[i] for i in range(len(brake.shoes))] if scene.ring is None else [list(range(len(brake.shoes)))]:
         problem, lever = holding_problem(scene, brake, shoes, penalty)
-        touching = answer_of(scene, still, shoes, penalty).active
-        unloaded = History(np.zeros(len(lever)), np.zeros(len(lever)))
-        try:
-            rest = stick_slip.solve(problem, brake.friction, unloaded, np.where(touching, STICK, OPEN))
-        except NoAnswer as error:
-            raise NoAnswer(f"{brake.names(shoes)}: {error}") from error
         size = unit_force(brake, shoes)
-        yield _Group(shoes, problem, lever * (brake.spin / size), size, brake.friction, rest)
+        bodies = [(scene.bodies[i], brake.shoes[i]) for i in shoes]
+        gap = np.concatenate([body.coupling.M @ (gap_of(body, brake, shoe) / size) for body, shoe in bodies])
+        start = np.where(answer_of(scene, still, shoes, penalty).active, STICK, OPEN)
+        try:
+            rest, spent = _pressed(problem, gap, brake.friction, start, increments)
+        except NoAnswer as error:
+            answer_of(scene, brake, shoes, penalty)  # raises where the brake locks itself
+            raise NoAnswer(f"{brake.names(shoes)}: {error}, the drum at rest") from error
+        yield _Group(shoes, problem, lever * (brake.spin / size), size, brake.friction, rest, spent)
+
+
+def _pressed(problem: Problem, gap: Floats, friction: float, state: Ints, increments: int) -> tuple[Increment, float]:
+    """The increment in which the force is fully on, and what the slip on the way has dissipated.
+
+    gap (n,): weighted, without force. Where it is none everywhere all grows with the force, and one increment is
+    exact; else they grow like cubes, for most happens under little force.
+    """
+    history, energy = History(np.zeros(len(gap)), np.zeros(len(gap))), 0.0
+    for share in np.linspace(0, 1, max(increments, 1) + 1)[1:] ** 3 if gap.any() else np.ones(1):
+        part = problem._replace(q_w=gap + share * (problem.q_w - gap), q_s=share * problem.q_s, h=share * problem.h)
+        increment = stick_slip.solve(part, friction, history, state)
+        energy += _slip_work(problem, increment, history)
+        history, state = increment.history, increment.state
+    return increment, energy
 
 
 def _path(
     scene: Scene, brake: Brake, group: _Group, rotations: Floats, penalty: float
 ) -> tuple[list[Increment], list[float]]:
     """Increments at the rotations, and the energy [J] dissipated up to each."""
-    n = len(group.lever)
-    increment, reached = group.rest, 0.0
-    energy = _slip_work(group.problem, increment, History(np.zeros(n), np.zeros(n)))
+    increment, reached, energy = group.rest, 0.0, group.spent
     done, spent = [], []
     for rotation in rotations:
         try:
@@ -241,14 +260,15 @@ def _state(
     )
 
 
-def full_slip_rotation(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> float:
+def full_slip_rotation(scene: Scene, brake: Brake, *, increments: int = 20, penalty: float = PENALTY) -> float:
     """A rotation of the drum [rad] after which every touching node slips, at the moment of the sliding drum.
 
-    Raises NoAnswer: self-locking with its limit, a shoe that does not touch, not converged.
+    increments: in which the force comes on, see `hold`. Raises NoAnswer: self-locking with its limit, a shoe that does
+    not touch, not converged.
     """
     shoes = respond(scene, brake, penalty=penalty).shoes
     ends = []
-    for group in _groups(scene, brake, penalty):
+    for group in _groups(scene, brake, increments, penalty):
         target = sum(shoes[i].torque for i in group.shoes)
         try:
             ends.append(_slipping(group, target, FORWARD if brake.spin > 0 else BACKWARD))
@@ -258,14 +278,22 @@ def full_slip_rotation(scene: Scene, brake: Brake, *, penalty: float = PENALTY) 
 
 
 def _slipping(group: _Group, target: float, way: int) -> float:
-    """A rotation [rad] after which all touching nodes slip one way, the moment at its target [N m]."""
+    """A rotation [rad] after which all touching nodes slip one way: that is an answer of the sliding drum.
+
+    Raises NoAnswer also where it is another one than that with the moment `target` [N m].
+    """
     increment, reached, step = group.rest, 0.0, FIRST
     for _ in range(MOST_INCREMENTS):
         before = group.torque(increment)
         *_, increment = turned(group.problem, group.lever, group.friction, increment, reached, reached + step)
         torque, reached = group.torque(increment), reached + step
-        if np.isin(increment.state, [OPEN, way]).all() and math.isclose(torque, target, rel_tol=1e-6):
-            return reached
+        if np.isin(increment.state, [OPEN, way]).all():
+            if math.isclose(torque, target, rel_tol=1e-6):
+                return reached
+            raise NoAnswer(
+                f"more than one answer: held it comes to slip everywhere at {torque:.5g} N m, "
+                f"at once it slides at {target:.5g} N m"
+            )
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
         step = min(max(step * lacking, OVER * reached), FASTEST * reached)
     sticking = np.count_nonzero(increment.state == STICK)
