@@ -36,7 +36,7 @@ from drumlin.errors import NoAnswer
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
 MOST_STEPS = 60  # of Newton's method; an increment of a brake needs some five
 PATIENCE = 6  # steps in which the wrong nodes do not become fewer
-MOST_PASSES = 12  # changes of each node while an answer is followed
+MOST_PASSES = 6  # changes of each node while an answer is followed
 WIDER = 0.01  # by this part of the largest gap, slip or pressure the first states of a followed answer hold at least
 GOLDEN = 0.6180339887498949
 SLACK = 1e-10

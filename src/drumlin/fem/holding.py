@@ -16,7 +16,7 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
 from drumlin.fem.model import PENALTY, answer_of, contact_problem, gap_of, respond, turns_towards, unit_force
 
-HALVINGS = 8  # of an increment that does not settle
+HALVINGS = 4  # of an increment that does not settle
 OTHER_WAY: dict[str, Any] = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
 # Full slip is looked for from the rotation FIRST [rad] on, in increments by which the moment would reach that of the
 # sliding drum, but between OVER and FASTEST times the rotation so far.
@@ -203,7 +203,7 @@ def turned(
 ) -> Iterator[Increment]:
     """The increments from a converged one at the rotation `start` to `end` [rad], q_s growing by lever (n,) a radian.
 
-    One, where its states settle; else halves of it. Raises NoAnswer where 2^-8 of it does not settle.
+    One, where its states settle; else halves of it. Raises NoAnswer where 2^-4 of it does not settle.
     """
     reached, pieces = start, 1
     while reached != end or start == end:
