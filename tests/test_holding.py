@@ -13,6 +13,7 @@ from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import prepare
+from drumlin.fem.group import grouped
 from drumlin.fem.holding import full_slip_rotation, hold, holding_problem
 from drumlin.fem.model import respond
 from drumlin.fem.self_locking import limits
@@ -73,7 +74,7 @@ def test_every_increment_obeys_contact_and_friction():
     kinds = set()
     for seed in range(6):
         brake, scene = any_brake(seed)
-        problem, lever = holding_problem(scene, brake, [0], 1e6)
+        problem, lever = holding_problem(grouped(scene, brake, [0], 1e6)[0])
         end, mu = full_slip_rotation(scene, brake), brake.friction
         turn = lever * (brake.spin / brake.shoes[0].actuation.force)
         nothing = np.zeros(len(lever))

@@ -2,19 +2,20 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.drum_brake import Brake
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
-from drumlin.fem.model import PENALTY, answer_of, contact_problem, gap_of, respond, turns_towards, unit_force
+from drumlin.fem.assembly import Scene, actuation
+from drumlin.fem.group import ShoeGroup, grouped, turns_towards
+from drumlin.fem.model import PENALTY, respond
 
 HALVINGS = 4  # of an increment that does not settle
 OTHER_WAY: dict[str, Any] = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
@@ -52,21 +53,18 @@ class Hold:
         return sum(int((state == STICK).sum()) for state in self.state) / touching if touching else 0.0
 
 
-def holding_problem(scene: Scene, brake: Brake, group: list[int], penalty: float) -> tuple[Problem, Floats]:
+def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
     """The stick-slip problem of a group of shoes at rest of the drum, per newton; and the lever (n,) [m^3].
 
     The lever is the weighted slip per rotation of the drum: rotating it by Omega adds lever Omega to q_s.
     Tractions and slips count along e_theta of the brake.
     """
-    still = brake.model_copy(update={"friction": 0.0})
-    normal = contact_problem(scene, still, group, penalty)
-    size = unit_force(brake, group)
-    shoes = [_tangential(scene.bodies[i], brake.shoes[i], size, penalty) for i in group]
+    normal = group.at_friction(0.0)
+    shoes = [_tangential(group, k) for k in range(len(group.members))]
     A_wt, A_sp, A_st, B_s, C_t, Q = (scipy.linalg.block_diag(*(shoe[k] for shoe in shoes)) for k in range(6))
     q_s, lever = (np.concatenate([shoe[k] for shoe in shoes]) for k in (6, 7))
-    if scene.ring is not None:
-        pressed = np.hstack([scene.ring.pressed[i] for i in group])
-        dragged = np.hstack([scene.ring.dragged[i] for i in group])
+    if group.ring is not None:
+        pressed, dragged = group.ring
         A_wt, A_sp, A_st = A_wt + pressed.T @ dragged, A_sp - dragged.T @ pressed, A_st - dragged.T @ dragged
     problem = Problem(
         A_wp=normal.A, A_wt=A_wt, A_sp=A_sp, A_st=A_st, B_w=normal.B, B_s=B_s, C_p=normal.C, C_t=C_t,
@@ -75,17 +73,18 @@ def holding_problem(scene: Scene, brake: Brake, group: list[int], penalty: float
     return problem, lever
 
 
-def _tangential(body: Body, shoe: Shoe, size: float, penalty: float) -> tuple[Floats, ...]:
-    """A_wt, A_sp, A_st, B_s, C_t, Q, q_s and lever of one shoe."""
+def _tangential(group: ShoeGroup, k: int) -> tuple[Floats, ...]:
+    """A_wt, A_sp, A_st, B_s, C_t, Q, q_s and lever of shoe `k` of a group."""
+    body, shoe = group.bodies[k], group.shoes[k]
     sense, coupling, condensed = shoe.frame.sense, body.coupling, body.condensed
     n = len(body.line.nodes)
     T = sense * coupling.T  # along e_theta of the brake
     Y = condensed.half(np.hstack([-coupling.N.T, T.T, condensed.load_c]))
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation(body, shoe)
-    share = abs(shoe.actuation.force) / size
+    share = abs(shoe.actuation.force) / group.unit_force
     turning = T @ body.turned
-    compliance = coupling.M / contact_stiffness(shoe, penalty)
+    compliance = coupling.M / group.stiffnesses[k]
     return (
         pressed.T @ dragged,  # -N u under T^T t
         -dragged.T @ pressed,
@@ -98,24 +97,26 @@ def _tangential(body: Body, shoe: Shoe, size: float, penalty: float) -> tuple[Fl
     )
 
 
-class _Group(NamedTuple):
-    """Shoes that meet the drum together, and their stick-slip problem per newton of `size` at rest of the drum.
+class _Held(NamedTuple):
+    """A group of shoes and its stick-slip problem at rest of the drum, per newton.
 
     `lever` (n,): q_s grows by it per radian of the drum in the sense of the brake's rotation. `rest`: the force on,
     the drum at rest; `spent`: what that has dissipated [J per newton squared].
     """
 
-    shoes: list[int]
+    group: ShoeGroup
     problem: Problem
     lever: Floats
-    size: float
-    friction: float
     rest: Increment
     spent: float
 
     def torque(self, at: Increment) -> float:
         """The moment that holds the drum [N m], positive against the sense of the brake's rotation."""
-        return float(self.size**2 * (self.lever @ at.t))
+        return float(self.group.unit_force**2 * (self.lever @ at.t))
+
+    def turned(self, increment: Increment, start: float, end: float) -> Iterator[Increment]:
+        """The increments from one at the rotation `start` to `end` [rad]."""
+        return turned(self.problem, self.lever, self.group.brake.friction, increment, start, end)
 
 
 def hold(
@@ -134,32 +135,30 @@ def hold(
     back. Raises NoAnswer: a shoe that does not touch, self-locking with its limit, no equilibrium, not converged.
     """
     paths = []
-    for group in _groups(scene, brake, len(rotations), penalty):
-        say(f"holding: {brake.names(group.shoes)}")
-        paths.append((group, *_path(scene, brake, group, rotations, penalty)))
-    return [_state(scene, brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
+    for held in _held(scene, brake, len(rotations), penalty):
+        say(f"holding: {held.group.names}")
+        paths.append((held, *_path(held, rotations)))
+    return [_state(brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
 
 
-def _groups(scene: Scene, brake: Brake, increments: int, penalty: float) -> Iterator[_Group]:
+def _held(scene: Scene, brake: Brake, increments: int, penalty: float) -> Iterator[_Held]:
     """The groups of shoes, the force on and the drum at rest. Raises NoAnswer and BadInput as `hold` does."""
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
     for i, shoe in enumerate(brake.shoes):
         if not turns_towards(scene.bodies[i], shoe):
             raise NoAnswer(f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it")
-    still = brake.model_copy(update={"friction": 0.0})
-    for shoes in [[i] for i in range(len(brake.shoes))] if scene.ring is None else [list(range(len(brake.shoes)))]:
-        problem, lever = holding_problem(scene, brake, shoes, penalty)
-        size = unit_force(brake, shoes)
-        bodies = [(scene.bodies[i], brake.shoes[i]) for i in shoes]
-        gap = np.concatenate([body.coupling.M @ (gap_of(body, brake, shoe) / size) for body, shoe in bodies])
-        start = np.where(answer_of(scene, still, shoes, penalty).active, STICK, OPEN)
+    for group in grouped(scene, brake, list(range(len(brake.shoes))), penalty):
+        problem, lever = holding_problem(group)
+        still = replace(group, brake=brake.model_copy(update={"friction": 0.0}))
+        start = np.where(still.answer().active, STICK, OPEN)
+        gap = group.masses @ (np.concatenate(group.gaps) / group.unit_force)
         try:
             rest, spent = _pressed(problem, gap, brake.friction, start, increments)
         except NoAnswer as error:
-            answer_of(scene, brake, shoes, penalty)  # raises where the brake locks itself
-            raise NoAnswer(f"{brake.names(shoes)}: {error}, the drum at rest") from error
-        yield _Group(shoes, problem, lever * (brake.spin / size), size, brake.friction, rest, spent)
+            group.answer()  # raises where the brake locks itself
+            raise NoAnswer(f"{group.names}: {error}, the drum at rest") from error
+        yield _Held(group, problem, lever * (brake.spin / group.unit_force), rest, spent)
 
 
 def _pressed(problem: Problem, gap: Floats, friction: float, state: Ints, increments: int) -> tuple[Increment, float]:
@@ -177,24 +176,23 @@ def _pressed(problem: Problem, gap: Floats, friction: float, state: Ints, increm
     return increment, energy
 
 
-def _path(
-    scene: Scene, brake: Brake, group: _Group, rotations: Floats, penalty: float
-) -> tuple[list[Increment], list[float]]:
+def _path(held: _Held, rotations: Floats) -> tuple[list[Increment], list[float]]:
     """Increments at the rotations, and the energy [J] dissipated up to each."""
-    increment, reached, energy = group.rest, 0.0, group.spent
+    group, brake = held.group, held.group.brake
+    increment, reached, energy = held.rest, 0.0, held.spent
     done, spent = [], []
     for rotation in rotations:
         try:
-            for step in turned(group.problem, group.lever, group.friction, increment, reached, float(rotation)):
-                energy += _slip_work(group.problem, step, increment.history)
+            for step in held.turned(increment, reached, float(rotation)):
+                energy += _slip_work(held.problem, step, increment.history)
                 increment = step
         except NoAnswer as error:
             way = brake if rotation > reached else brake.model_copy(update={"rotation": OTHER_WAY[brake.rotation]})
-            answer_of(scene, way, group.shoes, penalty)  # raises where the drum locks that way
-            raise NoAnswer(f"{brake.names(group.shoes)}: {error}, turned by {rotation:.3g} rad") from error
+            replace(group, brake=way).answer()  # raises where the drum locks that way
+            raise NoAnswer(f"{group.names}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         done.append(increment)
-        spent.append(energy * group.size**2)
+        spent.append(energy * group.unit_force**2)
     return done, spent
 
 
@@ -228,19 +226,14 @@ def _slip_work(problem: Problem, after: Increment, before: History) -> float:
     return float(after.t @ slip)
 
 
-def _state(
-    scene: Scene, brake: Brake, paths: list[tuple[_Group, list[Increment], list[float]]], k: int, rotation: float
-) -> Hold:
+def _state(brake: Brake, paths: list[tuple[_Held, list[Increment], list[float]]], k: int, rotation: float) -> Hold:
     found: dict[int, tuple[Floats, Floats, Floats, Ints]] = {}
     torque = dissipated = 0.0
-    for group, increments, spent in paths:
-        start, size = 0, group.size
+    for held, increments, spent in paths:
         dissipated += spent[k]
-        torque += group.torque(increments[k])
-        for i in group.shoes:
-            body, shoe = scene.bodies[i], brake.shoes[i]
-            part = slice(start, start + len(body.line.nodes))
-            start = part.stop
+        torque += held.torque(increments[k])
+        group, size = held.group, held.group.unit_force
+        for i, body, shoe, part in zip(group.members, group.bodies, group.shoes, group.parts, strict=True):
             p, t, state = size * increments[k].p[part], size * increments[k].t[part], increments[k].state[part]
             forward = slice(None, None, shoe.frame.sense)
             found[i] = (shoe.frame.theta(body.line.phi)[forward], p[forward], t[forward], state[forward])
@@ -268,25 +261,25 @@ def full_slip_rotation(scene: Scene, brake: Brake, *, increments: int = 20, pena
     """
     shoes = respond(scene, brake, penalty=penalty).shoes
     ends = []
-    for group in _groups(scene, brake, increments, penalty):
-        target = sum(shoes[i].torque for i in group.shoes)
+    for held in _held(scene, brake, increments, penalty):
+        target = sum(shoes[i].torque for i in held.group.members)
         try:
-            ends.append(_slipping(group, target, FORWARD if brake.spin > 0 else BACKWARD))
+            ends.append(_slipping(held, target, FORWARD if brake.spin > 0 else BACKWARD))
         except NoAnswer as error:
-            raise NoAnswer(f"{brake.names(group.shoes)}: {error}") from error
+            raise NoAnswer(f"{held.group.names}: {error}") from error
     return MARGIN * max(ends)
 
 
-def _slipping(group: _Group, target: float, way: int) -> float:
+def _slipping(held: _Held, target: float, way: int) -> float:
     """A rotation [rad] after which all touching nodes slip one way: that is an answer of the sliding drum.
 
     Raises NoAnswer also where it is another one than that with the moment `target` [N m].
     """
-    increment, reached, step = group.rest, 0.0, FIRST
+    increment, reached, step = held.rest, 0.0, FIRST
     for _ in range(MOST_INCREMENTS):
-        before = group.torque(increment)
-        *_, increment = turned(group.problem, group.lever, group.friction, increment, reached, reached + step)
-        torque, reached = group.torque(increment), reached + step
+        before = held.torque(increment)
+        *_, increment = held.turned(increment, reached, reached + step)
+        torque, reached = held.torque(increment), reached + step
         if np.isin(increment.state, [OPEN, way]).all():
             if math.isclose(torque, target, rel_tol=1e-6):
                 return reached
