@@ -265,7 +265,7 @@ def hold(
     end = None if rotation is None else quantity("--rotation", rotation, "rad")
     with busy("holding") as say:
         scene = prepare(brake, **options)
-        end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
+        end = full_slip_rotation(scene, brake, increments=steps + 1, **stiffness) if end is None else end
         states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
     if json_file is not None:
         write_json(json_file, as_dict(states))
