@@ -1,0 +1,1 @@
+"""What judges drumlin from outside: a second solver that shares nothing with its finite elements but the brake."""
