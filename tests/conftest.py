@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from drumlin.brake import Brake
-from drumlin.brakefile import read_brake
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import read_brake
 
 ROOT = Path(__file__).resolve().parents[1]
 STUDY = ROOT / "studies" / "double_shoe"

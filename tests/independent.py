@@ -12,7 +12,7 @@ from scipy.sparse.linalg import spsolve
 from skfem.helpers import dot
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
-from drumlin.brake import Brake
+from drumlin.brake.drum_brake import Brake
 
 
 def solve(brake: Brake, index: int, elements: int, penalty: float) -> tuple[float, np.ndarray, np.ndarray]:

@@ -6,15 +6,15 @@ import time
 import numpy as np
 import pytest
 
-from drumlin.brakefile import vary
-from drumlin.compare import pressure_distance
+from drumlin.brake.file import vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import estimate
-from drumlin.fem.division import apart, refine
-from drumlin.fem.mesh import shoe_mesh
-from drumlin.fem.meshfile import write_mesh
-from drumlin.fem.model import solve
-from drumlin.reference import Refinement, fine_response
+from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.mesh.file import write_mesh
+from drumlin.fem.mesh.grading import apart, refine
+from drumlin.fem.solve import solve
+from drumlin.response.norms import pressure_distance
+from drumlin.verification.reference import Refinement, fine_response
 
 CLEARANCE = {"shoe.lining.clearance": 1e-4}  # partial contact: open at the hinge, and in the middle of one lining
 

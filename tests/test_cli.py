@@ -11,11 +11,11 @@ from statistics import median
 import pytest
 
 from conftest import ROOT, STUDY
-from drumlin.brakefile import read_brake
-from drumlin.fem.model import solve
-from drumlin.terminal import print_table
+from drumlin.brake.file import read_brake
+from drumlin.cli.terminal import print_table
+from drumlin.fem.solve import solve
 
-DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
+DRUMLIN = [sys.executable, "-c", "from drumlin.cli.main import main; main()"]
 
 
 def drumlin(*words, cwd=ROOT):
@@ -154,7 +154,7 @@ def test_help_answers_in_under_half_a_second():
 def test_solving_loads_neither_pyvista_nor_matplotlib(tmp_path):
     code = (
         "import sys; sys.argv = ['drumlin', 'solve', sys.argv[1], '--json', sys.argv[2], '--elements', '10']\n"
-        "from drumlin.cli import main\n"
+        "from drumlin.cli.main import main\n"
         "try: main()\n"
         "except SystemExit as end: assert not end.code\n"
         "assert 'skfem' in sys.modules\n"

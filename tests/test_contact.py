@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin import contact
-from drumlin.contact import Problem
+from drumlin.contact import active_set
+from drumlin.contact.active_set import Problem
 from drumlin.errors import NoAnswer
 
 
@@ -27,7 +27,7 @@ def test_pressure_against_penetration_of_one_spring_is_a_ramp():
     """w = q + p/k: open for q > 0, p = -k q for q < 0."""
     k = 7.0
     for q in (-2.0, -1e-9, 0.0, 1e-9, 3.0):
-        found = contact.solve(free([[1 / k]], [q]))
+        found = active_set.solve(free([[1 / k]], [q]))
         assert found.p[0] == pytest.approx(max(-k * q, 0.0), rel=1e-12)
         assert found.w[0] == pytest.approx(max(q, 0.0), rel=1e-12)
 
@@ -38,7 +38,7 @@ def test_random_p_matrices_are_solved_from_any_start_with_one_answer(n, seed, sk
     problem = free(p_matrix(rng, n, skew), rng.normal(size=n))
     scale = np.abs(problem.q).max()
     answers = [
-        contact.solve(problem, start) for start in (None, np.zeros(n, bool), np.ones(n, bool), rng.random(n) < 0.5)
+        active_set.solve(problem, start) for start in (None, np.zeros(n, bool), np.ones(n, bool), rng.random(n) < 0.5)
     ]
     for found in answers:
         w = problem.q + problem.A @ found.p
@@ -51,10 +51,10 @@ def test_random_p_matrices_are_solved_from_any_start_with_one_answer(n, seed, sk
 def test_murtys_cycle_is_resolved():
     """The classic 3 x 3 P-matrix on which the plain active-set iteration goes round for ever (Murty 1974)."""
     A = np.array([[1.0, 2.0, 0.0], [0.0, 1.0, 2.0], [2.0, 0.0, 1.0]])
-    found = contact.solve(free(A, -np.ones(3)))
+    found = active_set.solve(free(A, -np.ones(3)))
     assert found.p == pytest.approx(np.full(3, 1 / 3), rel=1e-12)
     for start in range(8):
-        again = contact.solve(free(A, [-1.0, -1.5, 2.0]), np.array([start & 1, start & 2, start & 4], bool))
+        again = active_set.solve(free(A, [-1.0, -1.5, 2.0]), np.array([start & 1, start & 2, start & 4], bool))
         w = np.array([-1.0, -1.5, 2.0]) + A @ again.p
         assert w.min() > -1e-12 and abs(again.p @ w) < 1e-12
 
@@ -63,7 +63,7 @@ def test_a_free_motion_is_found_with_its_equilibrium():
     """Two springs under a rigid beam of length 2 hinged at its end, load 3 at its tip: known lever statics."""
     k, x = 10.0, np.array([1.0, 2.0])
     problem = Problem(np.eye(2) / k, np.zeros(2), -x[:, None], -x[None], np.array([-6.0]))
-    found = contact.solve(problem)
+    found = active_set.solve(problem)
     turn = 6.0 / (k * (x @ x))
     assert found.y == pytest.approx([turn], rel=1e-12)
     assert found.p == pytest.approx(k * turn * x, rel=1e-12)
@@ -74,7 +74,7 @@ def test_a_gap_closes_before_pressure_rises():
     """The same beam with the inner spring standing back too far to touch: the outer one carries all."""
     x = np.array([1.0, 2.0])
     problem = Problem(np.eye(2) / 10, np.array([5.0, 0.1]), -x[:, None], -x[None], np.array([-6.0]))
-    found = contact.solve(problem)
+    found = active_set.solve(problem)
     assert found.p == pytest.approx([0, 3], rel=1e-12)
     assert found.y == pytest.approx([(0.1 + 0.3) / 2], rel=1e-12)
 
@@ -82,7 +82,7 @@ def test_a_gap_closes_before_pressure_rises():
 def test_a_load_that_no_pressure_balances_is_refused():
     x = np.array([1.0, 2.0])
     with pytest.raises(NoAnswer, match="no equilibrium"):
-        contact.solve(Problem(np.eye(2), np.zeros(2), -x[:, None], -x[None], np.array([6.0])))
+        active_set.solve(Problem(np.eye(2), np.zeros(2), -x[:, None], -x[None], np.array([6.0])))
 
 
 def test_beyond_locking_the_determinant_has_changed_its_sign():
@@ -91,19 +91,19 @@ def test_beyond_locking_the_determinant_has_changed_its_sign():
     def problem(mu):
         return Problem(np.array([[1.0]]), np.zeros(1), np.array([[-1.0]]), np.array([[mu - 1.0]]), np.array([mu - 1.0]))
 
-    assert contact.solve(problem(0.9)).regular
-    assert not contact.solve(problem(1.1)).regular
+    assert active_set.solve(problem(0.9)).regular
+    assert not active_set.solve(problem(1.1)).regular
     with pytest.raises(NoAnswer):
-        contact.solve(problem(1.0))
+        active_set.solve(problem(1.0))
 
 
 @given(st.integers(2, 12), st.integers(0, 1000))
 def test_the_tangent_agrees_with_differences(n, seed):
     rng = np.random.default_rng(seed)
     A, q, dq = p_matrix(rng, n, 0.3), rng.normal(size=n), rng.normal(size=n)
-    found = contact.solve(free(A, q))
+    found = active_set.solve(free(A, q))
     step = 1e-7
-    moved = contact.solve(free(A, q + step * dq))
+    moved = active_set.solve(free(A, q + step * dq))
     if np.array_equal(found.active, moved.active):  # else the set changed within the step
         change = (moved.p - found.p) / step
         assert found.tangent(dq) == pytest.approx(change, abs=1e-4 * max(1.0, np.abs(change).max()))
@@ -115,11 +115,11 @@ def test_releasing_nodes_from_a_factorised_set_equals_factorising_the_smaller_se
     problem = Problem(
         p_matrix(rng, n, 0.3), rng.normal(size=n), rng.normal(size=(n, 1)), rng.normal(size=(1, n)), rng.normal(size=1)
     )
-    base = contact._Equations(problem, np.ones(n, bool))
+    base = active_set._Equations(problem, np.ones(n, bool))
     smaller = np.ones(n, bool)
     smaller[rng.choice(n, n // 10, replace=False)] = False
-    direct = contact._Equations(problem, smaller)
-    released = contact._Released(base, smaller)
+    direct = active_set._Equations(problem, smaller)
+    released = active_set._Released(base, smaller)
     for a, b in zip(direct.solve(problem.q, problem.h), released.solve(problem.q, problem.h), strict=True):
         assert b == pytest.approx(a, rel=1e-6, abs=1e-8 * np.abs(a).max())
     assert released.sign == direct.sign
@@ -128,8 +128,8 @@ def test_releasing_nodes_from_a_factorised_set_equals_factorising_the_smaller_se
 def test_scaling_of_pressures_and_gaps_does_not_change_the_answer():
     rng = np.random.default_rng(3)
     A, q = p_matrix(rng, 15, 0.4), rng.normal(size=15)
-    plain = contact.solve(free(A, q))
-    scaled = contact.solve(free(A * 1e-21, q * 1e-12))
+    plain = active_set.solve(free(A, q))
+    scaled = active_set.solve(free(A * 1e-21, q * 1e-12))
     assert scaled.p * 1e-9 == pytest.approx(plain.p, rel=1e-10, abs=1e-12 * plain.p.max())
     assert scaled.steps == plain.steps
 
@@ -138,7 +138,7 @@ def test_scaling_of_pressures_and_gaps_does_not_change_the_answer():
 def test_the_guess_from_coarser_problems_is_the_contact_set_within_a_node(n):
     """A smooth obstacle on springs: p = max(-q, 0); the guess may take in one node more at either end."""
     q = np.cos(np.linspace(0, 7, n))
-    guess, true = contact.coarse_start(free(np.eye(n), q)), q < 0
+    guess, true = active_set.coarse_start(free(np.eye(n), q)), q < 0
     wider = true.copy()
     for shift in (1, 2):
         wider[shift:] |= true[:-shift]
@@ -151,8 +151,8 @@ def test_a_small_contact_far_away_is_found_in_few_steps():
     """A hinged lever of springs whose far end alone touches, with its gap growing all the way to the pin."""
     x = np.linspace(1, 2, 161)
     problem = Problem(np.eye(161) * 1e-4, (2 - x) * 10, -x[:, None], -x[None], np.array([-0.5]))
-    assert np.count_nonzero(contact.solve(problem).p) < 8
-    assert contact.solve(problem).steps <= 5
+    assert np.count_nonzero(active_set.solve(problem).p) < 8
+    assert active_set.solve(problem).steps <= 5
 
 
 @given(st.integers(2, 25), st.integers(0, 10_000), st.floats(0, 0.5), st.booleans())
@@ -162,16 +162,16 @@ def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, ske
     A, x = p_matrix(rng, n, skew), rng.uniform(0.2, 1.0, n)
     motion = (-x[:, None], -x[None], np.array([-1.0])) if hinged else free(A, x)[2:]
     problem = Problem(A, rng.normal(size=n), *motion)
-    active, steps = contact.narrowed(problem)
-    found = contact.settle(problem, active)
+    active, steps = active_set.narrowed(problem)
+    found = active_set.settle(problem, active)
     assert found.steps == 1
     assert steps <= 10 * n
     w = problem.q + A @ found.p + problem.B @ found.y
     assert w.min() >= -1e-9 * max(np.abs(problem.q).max(), np.abs(w).max())
-    assert found.p == pytest.approx(contact.solve(problem).p, rel=1e-7, abs=1e-9 * found.p.max(initial=1.0))
+    assert found.p == pytest.approx(active_set.solve(problem).p, rel=1e-7, abs=1e-9 * found.p.max(initial=1.0))
 
 
 def test_followed_from_wider_gaps_a_contact_without_answer_never_arrives():
     """A spring that softens as it is pressed, w = -1 - p: no pressure closes it."""
     with pytest.raises(NoAnswer, match="never reaches"):
-        contact.narrowed(free([[-1.0]], [-1.0]))
+        active_set.narrowed(free([[-1.0]], [-1.0]))

@@ -7,7 +7,7 @@ import pytest
 from drumlin.errors import BadInput
 from drumlin.journal import Journal
 from drumlin.studies import load
-from drumlin.work_precision import ERRORS, Method, enough, floor, measure, series, timing
+from drumlin.verification.work_precision import ERRORS, Method, enough, floor, measure, series, timing
 
 MAIN = "double_shoe/brake"
 

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from drumlin.brakefile import vary
+from drumlin.brake.file import vary
+from drumlin.fem.assembly import prepare
 from drumlin.fem.interface import couple, radial
-from drumlin.fem.scene import prepare
-from drumlin.statics import cross, integrate, resultant
+from drumlin.response.resultants import cross, integrate, resultant
 
 
 @pytest.fixture(scope="module", params=[3, 10, 80])
@@ -19,7 +19,7 @@ def body(request, brake):
 @pytest.fixture(scope="module")
 def brake():
     from conftest import STUDY
-    from drumlin.brakefile import read_brake
+    from drumlin.brake.file import read_brake
 
     return read_brake(STUDY / "brake.toml")
 

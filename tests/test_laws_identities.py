@@ -10,17 +10,17 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from drumlin.brake import Brake
-from drumlin.brakefile import vary
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS, Layout, pivoted
 from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout, flat_balance
 from drumlin.laws.hinged import layout
 from drumlin.laws.shapes import pivot_radius
 from drumlin.laws.simscape import DoubleShoe
-from drumlin.merit import barecki_shoe_factor, double_delta, sensitivity
 from drumlin.models import MODELS
-from drumlin.response import ShoeResponse, shoe_balance
+from drumlin.response.merit import barecki_shoe_factor, double_delta, sensitivity
+from drumlin.response.response import ShoeResponse, shoe_balance
 from law_brakes import hinged, pad
 
 settings.register_profile("laws", deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow])

@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from drumlin.brakefile import vary
-from drumlin.cli import main
+from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.cli.main import main
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.flat import FlatBrake, read_any
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS, pick
 from law_brakes import hinged

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from drumlin.brake import Brake
-from drumlin.flat import read_any
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.plane_brake import read_any
 from drumlin.report.drawing import draw_brake
 
 STUDIES = Path(__file__).parent.parent / "studies"

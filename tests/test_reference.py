@@ -8,13 +8,22 @@ import pytest
 from typer.testing import CliRunner
 
 from conftest import ROOT, STUDY
-from drumlin.brakefile import read_brake, vary
-from drumlin.check import check, curves_text, lines, read_curves, within
-from drumlin.cli import app
+from drumlin.brake.file import read_brake, vary
+from drumlin.cli.main import app
 from drumlin.errors import BadInput
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.laws import sine
-from drumlin.reference import FIRST, Refinement, as_dict, read_reference, reference, responses, stored, write_values
+from drumlin.verification.check import check, curves_text, lines, read_curves, within
+from drumlin.verification.reference import (
+    FIRST,
+    Refinement,
+    as_dict,
+    read_reference,
+    reference,
+    responses,
+    stored,
+    write_values,
+)
 
 VALUES = ROOT / "reports" / "reference" / "values"
 LIMIT = 447.592884  # N m, main brake: Richardson's limit of even halvings, by 320 elements; known to 9e-6

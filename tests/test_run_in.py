@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from conftest import ROOT
-from drumlin.brakefile import read_brake, vary
-from drumlin.compare import pressure_distance
+from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond
-from drumlin.fem.scene import prepare
 from drumlin.laws import hinged, pivoted
-from drumlin.rig import fem_rig, foundation_rig
-from drumlin.run_in import COEFFICIENT, checks, distance, life, run_in, target, unit_distance, worn
-from drumlin.wear import Law, ripple, run_on
+from drumlin.response.norms import pressure_distance
+from drumlin.wear.archard import Law, ripple, run_on
+from drumlin.wear.linings import fem_rig, foundation_rig
+from drumlin.wear.run_in import COEFFICIENT, checks, distance, life, run_in, target, unit_distance, worn
 
 LAW = Law(COEFFICIENT)
 

@@ -54,7 +54,7 @@ def test_a_second_run_computes_no_case_again(result, module, journal, monkeypatc
     kept = len(journal)
     assert kept > 300
     monkeypatch.setattr(module, "healing", lambda *_, **__: pytest.fail("computed again"))
-    monkeypatch.setattr("drumlin.sweep.solved", lambda *_, **__: pytest.fail("computed again"))
+    monkeypatch.setattr("drumlin.sweeps.cases.solved", lambda *_, **__: pytest.fail("computed again"))
     again = module.study(short=True, journal=journal)
     assert len(journal) == kept
     assert again.rows == result.rows

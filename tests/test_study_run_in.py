@@ -9,7 +9,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from conftest import ROOT
-from drumlin.cli import app, main
+from drumlin.cli.main import app, main
 from drumlin.studies import load
 
 

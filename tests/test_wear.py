@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin import contact
+from drumlin.contact import active_set
 from drumlin.errors import BadInput
 from drumlin.fem.interface import ContactLine, couple, radial
-from drumlin.wear import Law, Rub, at, explicit, ripple, run, run_on
+from drumlin.wear.archard import Law, Rub, at, explicit, ripple, run, run_on
 
 K, RADIUS, WIDTH, PIN, FORCE, MU = 4e10, 0.15, 0.04, 0.125, 250.0, 0.25
 LAW = Law(1e-13)
@@ -26,7 +26,7 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
     coupling = couple(ContactLine(np.arange(len(phi)), xy, phi, pieces), WIDTH, radial(1))
     turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
     approach = coupling.N @ turned
-    problem = contact.Problem(
+    problem = active_set.Problem(
         A=coupling.M / K,
         q=coupling.M @ gap(phi),
         B=-approach[:, None],

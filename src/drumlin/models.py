@@ -4,13 +4,13 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
-from drumlin.brake import Brake
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
-from drumlin.flat import AnyBrake, FlatBrake
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, flat, hinged, pivoted
-from drumlin.merit import with_merits
-from drumlin.response import Response
+from drumlin.response.merit import with_merits
+from drumlin.response.response import Response
 
 
 class Model(NamedTuple):
@@ -23,20 +23,21 @@ class Model(NamedTuple):
 
 
 def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
-    from drumlin.fem import model, worn
+    from drumlin.fem.solve import solve
+    from drumlin.wear import worn_in as worn
 
-    return with_merits(brake, (worn.solve if worn_in else model.solve)(brake, **options))
+    return with_merits(brake, (worn.solve if worn_in else solve)(brake, **options))
 
 
 def _fem_why_not(brake: AnyBrake) -> str | None:
-    from drumlin.fem import scene
+    from drumlin.fem import assembly
 
     if isinstance(brake, FlatBrake):
         return "its shoes press on a plane, not on a drum"
     for shoe in brake.shoes:
         if shoe.pivot is not None:
             return f"shoe {shoe.name!r}: a shoe on a pivot of a lever is not meshed"
-    return scene.why_not(brake)
+    return assembly.why_not(brake)
 
 
 def _short_why_not(brake: AnyBrake) -> str | None:

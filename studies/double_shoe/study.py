@@ -8,17 +8,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brake import Brake
-from drumlin.brakefile import read_brake, vary
-from drumlin.compare import COLUMNS, Column, Comparison, Convergence, as_csv, compare, converge, relative
-from drumlin.fem.cost import Cost, cost
-from drumlin.fem.model import solve
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import read_brake, vary
+from drumlin.comparison import COLUMNS, Column, Comparison, Convergence, as_csv, compare, converge
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.laws import sine
 from drumlin.report import figures
 from drumlin.report.comparison import field_picture, panels, results_json
 from drumlin.report.page import Figure, Section, Source, Table, Text, write_page
-from drumlin.response import ShoeResponse
+from drumlin.response.norms import relative
+from drumlin.response.response import ShoeResponse
+from drumlin.verification.cost import Cost, cost
 
 HERE = Path(__file__).parent
 ROTATIONS = ("counter-clockwise", "clockwise")

@@ -5,16 +5,16 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from drumlin.brake import Brake
-from drumlin.brakefile import read_brake, vary
-from drumlin.compare import as_csv
-from drumlin.fem.scene import ELEMENTS
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import read_brake, vary
+from drumlin.comparison import as_csv
+from drumlin.fem.assembly import ELEMENTS
 from drumlin.files import write_text
 from drumlin.journal import Journal
-from drumlin.left_out import COLUMNS, omissions
 from drumlin.report.figures import save
 from drumlin.report.left_out_figure import predictions
 from drumlin.report.page import Figure, Section, Table, Text
+from drumlin.verification.omission_table import COLUMNS, omissions
 
 STUDIES = Path(__file__).parents[1]
 IRON, STEEL, LAYER = {"E": 1.2e11, "nu": 0.25}, {"E": 2.1e11, "nu": 0.3}, {"E": 1e10, "nu": 0.3}

@@ -10,21 +10,30 @@ from typing import Any, NamedTuple
 
 from studies.error_vs_runtime import left_out
 
-from drumlin.brake import Brake
-from drumlin.brakefile import read_brake
-from drumlin.compare import Column, as_csv
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import read_brake
+from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.comparison import Column, as_csv
 from drumlin.errors import DrumlinError
-from drumlin.fem.mesh import KINDS
-from drumlin.fem.model import solve
+from drumlin.fem.mesh.arc import KINDS
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
-from drumlin.flat import FlatBrake, read_any
 from drumlin.journal import Journal
 from drumlin.models import applicable, refusals
-from drumlin.reference import REFINEMENTS, Pair, Refinement, as_dict, reference, responses, write_values
 from drumlin.report.figures import save
 from drumlin.report.page import Figure, Section, Source, Table, Text, versions, write_page
 from drumlin.report.work_figure import work_precision
-from drumlin.work_precision import PEERS, REPEATS, Method, enough, floor, measure, peer_row, process_seconds
+from drumlin.verification.reference import REFINEMENTS, Pair, Refinement, as_dict, reference, responses, write_values
+from drumlin.verification.work_precision import (
+    PEERS,
+    REPEATS,
+    Method,
+    enough,
+    floor,
+    measure,
+    peer_row,
+    process_seconds,
+)
 
 STUDIES = Path(__file__).parents[1]
 UNIT = STUDIES / "double_shoe" / "brake.toml"

@@ -9,21 +9,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brake import Brake
-from drumlin.brakefile import vary
-from drumlin.compare import Column, as_csv
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import AnyBrake, read_any
+from drumlin.brake.units import to_si
+from drumlin.comparison import Column, as_csv
 from drumlin.errors import NoAnswer
 from drumlin.files import write_text
-from drumlin.flat import AnyBrake, read_any
 from drumlin.laws import LAWS, locking_friction
 from drumlin.laws.shapes import equivalent_friction
 from drumlin.laws.simscape import DoubleShoe
-from drumlin.merit import barecki_shoe_factor, rated
 from drumlin.models import MODELS
 from drumlin.report import figures, law_figures
 from drumlin.report.page import Figure, Section, Source, Table, Text, versions, write_page
-from drumlin.response import FlatMerit, Merit, Response
-from drumlin.units import to_si
+from drumlin.response.merit import barecki_shoe_factor, rated
+from drumlin.response.response import FlatMerit, Merit, Response
 
 HERE = Path(__file__).parent
 LAW_NAMES = tuple(name for name in MODELS if name != "fem")

@@ -8,23 +8,23 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin import misfit, sweep
 from drumlin.arrays import Floats
-from drumlin.brake import Brake
-from drumlin.brakefile import read_brake, vary
-from drumlin.compare import Column, as_csv, relative
+from drumlin.brake import clearance
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import read_brake, vary
+from drumlin.comparison import Column, as_csv
+from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond
-from drumlin.fem.scene import prepare
-from drumlin.fem.worn import worn_in
 from drumlin.files import write_text
 from drumlin.journal import Journal
 from drumlin.laws import sine
 from drumlin.report import figures, misfit_figures
 from drumlin.report.page import Figure, Section, Table, Text, write_page
-from drumlin.response import Response
-from drumlin.run_in import COEFFICIENT
-from drumlin.sweep import Case, Row
-from drumlin.tolerances import (
+from drumlin.response.norms import relative
+from drumlin.response.response import Response
+from drumlin.sweeps import cases as sweep
+from drumlin.sweeps.cases import Case, Row
+from drumlin.sweeps.tolerances import (
     PERCENTILES,
     Shares,
     Tolerance,
@@ -37,7 +37,9 @@ from drumlin.tolerances import (
     spread,
     within,
 )
-from drumlin.workers import crew
+from drumlin.sweeps.workers import crew
+from drumlin.wear.run_in import COEFFICIENT
+from drumlin.wear.worn_in import worn_in
 
 BRAKE = Path(__file__).parents[1] / "double_shoe" / "brake.toml"
 MISFIT = "shoe.lining.misfit"
@@ -88,7 +90,7 @@ def study(
         turns[state] = {}
         for order, name in ((1, "run-out"), (2, "oval"), (3, "three lobes"), (5, "five lobes")):
             lobed = vary(stood, {"drum.out_of_round": [{"order": order, "amplitude": LOBES}]})
-            responses = misfit.one_turn(lobed, lambda turned: respond(scene, turned), angles.tolist())
+            responses = clearance.one_turn(lobed, lambda turned: respond(scene, turned), angles.tolist())
             turns[state][name] = np.array([response.torque for response in responses])
     tolerances = assumed(brake)
     deviates = draw(tolerances, n, SEED)
@@ -210,7 +212,7 @@ def modulus(brake: Brake) -> float:
 def single_rows(brake: Brake, law: Response, solve: Callable[[Brake], Response]) -> list[dict[str, Any]]:
     """One misfit at a time, against the lining that fits and against the law."""
     fits = solve(brake)
-    growth = misfit.thermal_growth(brake.drum.radius, 11e-6, 100.0)
+    growth = clearance.thermal_growth(brake.drum.radius, 11e-6, 100.0)
 
     def stepped(depth: float) -> dict[str, Any]:
         return {

@@ -11,21 +11,24 @@ import numpy as np
 
 from drumlin import foundation
 from drumlin.arrays import Floats
-from drumlin.beam import axis_of
-from drumlin.brake import Brake
-from drumlin.brakefile import read_brake, vary
-from drumlin.compare import COLUMNS, Column, Comparison, as_csv, relative, run
+from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import read_brake, vary
+from drumlin.comparison import COLUMNS, Column, Comparison, as_csv, run
 from drumlin.errors import NoAnswer
-from drumlin.fem import post
-from drumlin.fem.model import respond, solve
-from drumlin.fem.scene import Scene, prepare
+from drumlin.fem.assembly import Scene, prepare
+from drumlin.fem.deflection import beam_deflection, rim_displacement
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.laws import sine
 from drumlin.report import figures, post_figures
 from drumlin.report.comparison import field_picture, panels, results_json
 from drumlin.report.page import Figure, Section, Source, Table, Text, write_page
 from drumlin.report.post_figures import Curve, Map
-from drumlin.response import Merit, Response
+from drumlin.response.norms import relative
+from drumlin.response.response import Merit, Response
+from drumlin.wear.worn_in import worn_in_foundation
 
 HERE = Path(__file__).parent
 ALL = ("all",)
@@ -138,7 +141,7 @@ def clearance_rows(brake: Brake, scene: Scene) -> list[dict[str, Any]]:
         "new lining, radius 1 mm smaller": radius_gap(brake, -1e-3),
         "set 1 mm towards the loaded end": gaps(brake, lambda theta: 1e-3 * (np.sin(theta) - np.sin(theta).min())),
         "set 1 mm towards the hinge": gaps(brake, lambda theta: 1e-3 * (np.sin(theta).max() - np.sin(theta))),
-        "worn in": foundation.worn_in(brake, lift=ALL),
+        "worn in": worn_in_foundation(brake, lift=ALL),
     }
     nominal, rows = sine(brake), []
     for case, varied in cases.items():
@@ -161,7 +164,7 @@ def clearance_rows(brake: Brake, scene: Scene) -> list[dict[str, Any]]:
 
 def merits_of(brake: Brake, response: Response) -> tuple[Any, ...]:
     """Figures of merit of a response that came without."""
-    from drumlin.merit import with_merits  # noqa: PLC0415
+    from drumlin.response.merit import with_merits  # noqa: PLC0415
 
     return with_merits(brake, response).merits
 
@@ -408,7 +411,7 @@ def beams(result: Result) -> list[tuple[str, dict[str, Curve]]]:
     brake, responses = result.comparison.brake, result.comparison.responses
     made = []
     for i, shoe in enumerate(brake.shoes):
-        x, w = post.beam_deflection(result.scene, brake, respond(result.scene, brake), i)
+        x, w = beam_deflection(result.scene, brake, respond(result.scene, brake), i)
         models: dict[str, Curve] = {"fem": (x, (w - w[-1] * x / x[-1]) * 1e3)}
         for name in ("foundation", "lifted"):
             deformation = responses[name].shoes[i].deformation
@@ -428,7 +431,7 @@ def rims(result: Result) -> list[tuple[str, dict[str, Curve]]]:
         "lifted both shoes": (turn, foundation.rim(brake, responses["lifted"], turn, ALL).sum(axis=0) * 1e3)
     }
     fem = respond(result.scene, brake)
-    theta, z = post.rim_displacement(result.scene, brake, fem)
+    theta, z = rim_displacement(result.scene, brake, fem)
     whole["fem both shoes"] = (np.append(theta, theta[0]), np.append(z, z[0]) * 1e3)
     return [("as printed: each with its twin opposite", printed), ("both shoes on one rim", whole)]
 

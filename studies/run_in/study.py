@@ -10,22 +10,23 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin import foundation
-from drumlin.brake import Brake
-from drumlin.brakefile import read_brake, vary
-from drumlin.compare import Column, as_csv, relative
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import read_brake, vary
+from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.comparison import Column, as_csv
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.assembly import Scene, prepare, why_not
 from drumlin.fem.fields import fields
 from drumlin.fem.model import respond
-from drumlin.fem.scene import Scene, prepare, why_not
 from drumlin.files import write_text
-from drumlin.flat import FlatBrake, read_any
 from drumlin.laws import hinged, pivoted
 from drumlin.report import figures, wear_figures
 from drumlin.report.page import Figure, Section, Table, Text, write_page
 from drumlin.report.wear_figures import Frame, Series
-from drumlin.rig import Rig, fem_rig, foundation_rig
-from drumlin.run_in import COEFFICIENT, Target, checks, distance, life, norm, run_in, target, unit_distance, worn
-from drumlin.wear import TOLERANCE, Law, State, at, explicit, ripple, run_on
+from drumlin.response.norms import relative
+from drumlin.wear.archard import TOLERANCE, Law, State, at, explicit, ripple, run_on
+from drumlin.wear.linings import Rig, fem_rig, foundation_rig
+from drumlin.wear.run_in import COEFFICIENT, Target, checks, distance, life, norm, run_in, target, unit_distance, worn
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

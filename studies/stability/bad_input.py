@@ -25,13 +25,13 @@ from typing import Any, NamedTuple
 import meshio
 import numpy as np
 
-from drumlin.compare import Column
+from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.comparison import Column
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.flat import FlatBrake, read_any
 from drumlin.journal import Journal
 from drumlin.models import MODELS, applicable
 from drumlin.report.page import Section, Source, Table, Text
-from drumlin.response import Response, contact_resultant
+from drumlin.response.response import Response, contact_resultant
 
 ROOT = Path(__file__).parents[2]
 LONGEST = 10.0  # s an input may take
@@ -191,9 +191,9 @@ def _quoted(text: str) -> str:
 @cache
 def mesh_files() -> dict[str, bytes]:
     """Small sound meshes of the double-shoe brake's right shoe, by suffix, and the brake file that names them."""
-    from drumlin.brakefile import brake_from  # noqa: PLC0415
-    from drumlin.fem.meshfile import FORMATS, write_mesh  # noqa: PLC0415
-    from drumlin.fem.scene import prepare  # noqa: PLC0415
+    from drumlin.brake.file import brake_from  # noqa: PLC0415
+    from drumlin.fem.assembly import prepare  # noqa: PLC0415
+    from drumlin.fem.mesh.file import FORMATS, write_mesh  # noqa: PLC0415
 
     data = tomllib.loads((ROOT / "studies/double_shoe/brake.toml").read_text())
     data["shoe"] = data["shoe"][:1]

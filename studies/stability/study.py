@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 
 from studies.stability import bad_input, locking
 
-from drumlin.compare import Column, as_csv
-from drumlin.extremes import cases
-from drumlin.fem.trial import ANSWERS, DIGITS, FAULTS, OUTCOMES, REFUSALS, RESIDUAL, trial
+from drumlin.comparison import Column, as_csv
 from drumlin.files import write_text
 from drumlin.journal import Journal
 from drumlin.report import figures, stability_figures
 from drumlin.report.page import Figure, Section, Table, Text, write_page
+from drumlin.verification.extreme_cases import cases
+from drumlin.verification.trial import ANSWERS, DIGITS, FAULTS, OUTCOMES, REFUSALS, RESIDUAL, trial
 
 WORKERS = 2
 INPUTS = 5000  # bad ones

@@ -13,13 +13,13 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure as Picture
 
-from drumlin.compare import Column
+from drumlin.comparison import Column
 from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.page import Figure, Section, Source, Table, Text, write_page
-from drumlin.sweep import Case, Row, run, table, write_table
-from drumlin.sweepfile import Sweep, read_sweep
-from drumlin.throughput import KEEP, Kill, Throughput, dask, dask_keeping, killed, processes
+from drumlin.sweeps.cases import Case, Row, run, table, write_table
+from drumlin.sweeps.file import Sweep, read_sweep
+from drumlin.verification.throughput import KEEP, Kill, Throughput, dask, dask_keeping, killed, processes
 
 HERE = Path(__file__).parent
 SHARED, OWN = "loads: bodies shared", "tolerances: bodies of their own"

@@ -6,16 +6,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.brake import Brake
-from drumlin.brakefile import read_brake, vary
-from drumlin.compare import Column, as_csv, pressure_distance, relative
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import read_brake, vary
+from drumlin.comparison import Column, as_csv
 from drumlin.errors import NoAnswer
-from drumlin.fem.mesh import KINDS
-from drumlin.fem.model import solve
+from drumlin.fem.mesh.arc import KINDS
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.page import Figure, Section, Table, Text, write_page
-from drumlin.response import Response
+from drumlin.response.norms import pressure_distance, relative
+from drumlin.response.response import Response
 
 BRAKE = Path(__file__).parents[1] / "double_shoe" / "brake.toml"
 CASES: dict[str, dict[str, Any]] = {

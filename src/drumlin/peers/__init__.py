@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from drumlin.brake import Brake
+from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput
 from drumlin.peers.peer import Peer, PeerMissing
 

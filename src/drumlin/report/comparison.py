@@ -5,14 +5,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.brake import Brake
-from drumlin.compare import COLUMNS, Comparison, as_csv, compare
+from drumlin.brake.drum_brake import Brake
+from drumlin.comparison import COLUMNS, Comparison, as_csv, compare
 from drumlin.errors import NoAnswer
 from drumlin.files import write_text
 from drumlin.models import refusals
 from drumlin.report import figures
 from drumlin.report.page import Figure, Section, Source, Table, Text, versions, write_page
-from drumlin.response import Response
+from drumlin.response.response import Response
 
 
 class Written(NamedTuple):
@@ -37,8 +37,8 @@ def panels(comparison: Comparison) -> list[tuple[str, dict[str, Any]]]:
 
 def field_picture(brake: Brake, response: Response, folder: Path, name: str, **options: Any) -> Figure | Text:
     """Write name.vtu and, where off-screen rendering works, name.png; the figure, or a line that says why not."""
+    from drumlin.fem.assembly import prepare  # noqa: PLC0415
     from drumlin.fem.fields import fields, ring_fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
-    from drumlin.fem.scene import prepare  # noqa: PLC0415
     from drumlin.report.render import render  # noqa: PLC0415
 
     scene = prepare(brake, **options)

@@ -7,12 +7,12 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.flat import AnyBrake
+from drumlin.brake.plane_brake import AnyBrake
 from drumlin.laws.shapes import SHORT, Layout, equivalent_friction
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.drawing import draw_brake
 from drumlin.report.figures import STYLE, color_of, name_of
-from drumlin.response import ShoeResponse
+from drumlin.response.response import ShoeResponse
 
 HIGHEST = 4.0  # of eta and S in a figure; both grow without bound towards locking
 

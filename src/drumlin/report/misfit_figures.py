@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
 from drumlin.report.figures import COLORS, STYLE, smooth
-from drumlin.response import ShoeResponse
-from drumlin.tolerances import Shares, spread
+from drumlin.response.response import ShoeResponse
+from drumlin.sweeps.tolerances import Shares, spread
 
 NEW, WORN, LAW = "#0b6e99", "#2a9d5c", COLORS["sine"]
 LEVELS = (-40, -30, -20, -15, -10, -5, 0, 5, 10, 20, 30, 50, 75, 100, 150, 200, 300, 500, 700, 1000)  # of a map [%]

@@ -14,7 +14,7 @@ from typing import Any
 import jinja2
 
 import drumlin
-from drumlin.compare import Column
+from drumlin.comparison import Column
 from drumlin.files import write_text
 
 _MEDIA = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}

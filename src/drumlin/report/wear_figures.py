@@ -14,13 +14,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake
+from drumlin.brake.drum_brake import Brake
 from drumlin.fem.fields import Fields
 from drumlin.files import replacing
 from drumlin.report.figures import COLORS, STYLE
-from drumlin.rig import Rig, Surface
-from drumlin.run_in import Target
-from drumlin.wear import State, at
+from drumlin.wear.archard import State, at
+from drumlin.wear.linings import Rig, Surface
+from drumlin.wear.run_in import Target
 
 NEW, LATE, LAW = COLORS["fem"], "#1d2733", COLORS["sine"]
 DISTANCE = "sliding distance s k K"

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.report.figures import STYLE
-from drumlin.work_precision import series
+from drumlin.verification.work_precision import series
 
 COLORS = {
     "law": "#c8553d",

@@ -1,1 +1,4 @@
-"""What judges drumlin from outside: a second solver that shares nothing with its finite elements but the brake."""
+"""Verification: reference values, error against run time, extreme and random brakes, independent discretisations.
+
+Stands on everything that computes; nothing that computes stands on it.
+"""

@@ -16,11 +16,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin import misfit
 from drumlin.arrays import Bools, Floats, Ints
-from drumlin.beam import axis_of
-from drumlin.brake import Brake, Shoe
-from drumlin.components import Beam
+from drumlin.brake import Brake, Shoe, clearance
+from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.components import Beam
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.verification import lagrange
 from drumlin.verification.lagrange import Compliance, Nodes
@@ -273,7 +272,7 @@ def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
         compliance=compliance.of,
         loaded=compliance.loaded[:, 0],
         turned=np.stack([-arm[:, 1], arm[:, 0]], axis=1).ravel(),
-        gap=misfit.clearance(brake, shoe, theta),
+        gap=clearance.gap(brake, shoe, theta),
         degree=body.degree,
         unknowns=2 * len(nodes.xy),
     )
@@ -526,7 +525,7 @@ def _least(shape: Outline) -> float:
 
 def _points(shoe: Shoe, before: ShoeSolution | None) -> list[float]:
     """Angles within the lining at which p is not smooth."""
-    theta = misfit.kinks(shoe.lining) + ([] if before is None else before.arcs.ravel().tolist())
+    theta = clearance.kinks(shoe.lining) + ([] if before is None else before.arcs.ravel().tolist())
     slack = 1e-9 * (shoe.lining.end - shoe.lining.start)
     return [angle for angle in theta if shoe.lining.start + slack < angle < shoe.lining.end - slack]
 
