@@ -16,7 +16,7 @@ from skfem.quadrature import get_quadrature_tri
 
 from drumlin.arrays import Bools, Floats, Ints
 from drumlin.errors import NoAnswer
-from drumlin.verification.triangulation import Layer, Map, Triangles, edges_of
+from drumlin.verification.triangles.triangulation import Layer, Map, Triangles, edges_of
 
 LEAF = 8  # triangles of which a part is not halved any more
 
@@ -36,10 +36,7 @@ def reference_nodes(degree: int) -> Floats:
     edges = [np.stack([1 - x, x, zero], 1), np.stack([zero, 1 - x, x], 1), np.stack([x, zero, 1 - x], 1)]
     full = lobatto(degree)
     inside = [
-        (full[i], full[j], full[k])
-        for i in range(1, degree)
-        for j in range(1, degree - i)
-        for k in [degree - i - j]
+        (full[i], full[j], full[k]) for i in range(1, degree) for j in range(1, degree - i) for k in [degree - i - j]
     ]
     inner = np.array(inside).reshape(-1, 3)
     return np.concatenate([np.eye(3), *edges, inner / inner.sum(axis=1, keepdims=True)])
@@ -60,7 +57,7 @@ def _polynomials(degree: int, x: Floats, y: Floats) -> tuple[Floats, Floats, Flo
 
 @cache
 def shape_functions(degree: int) -> tuple[Floats, Floats, Floats]:
-    """Shape functions (n, q) and slopes (n, 2, q) at the points of a rule of degree 2 `degree`, and its weights (q,)."""
+    """Shape functions (n, q) and slopes (n, 2, q) at the points of a rule of twice the degree, and its weights (q,)."""
     nodes = reference_nodes(degree)
     X, W = get_quadrature_tri(2 * degree)
     at_nodes, _, _ = _polynomials(degree, nodes[:, 1], nodes[:, 2])
@@ -114,7 +111,9 @@ def stiffness(mesh: Triangles, nodes: Nodes, layers: list[Layer], degree: int) -
             raise AssertionError("a triangle is turned over")
         inverse = np.stack([J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]], -1).reshape(J.shape)
         G = np.einsum("ndq,mqdc->mncq", slopes, inverse / det[..., None, None])  # d psi_n / d x_c
-        E, nu, width = (np.array([getattr(one, key) for one in layers])[mesh.layer[part]] for key in ("E", "nu", "width"))
+        E, nu, width = (
+            np.array([getattr(one, key) for one in layers])[mesh.layer[part]] for key in ("E", "nu", "width")
+        )
         mu, lam = width * E / (2 * (1 + nu)), width * E * nu / (1 - nu**2)  # of plane stress
         H = np.einsum("mncq,mq,mkdq->mnckd", G, np.abs(det) * weights, G, optimize=True)
         K = lam[:, None, None, None, None] * H + mu[:, None, None, None, None] * H.transpose(0, 1, 4, 3, 2)

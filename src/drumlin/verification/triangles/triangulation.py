@@ -7,6 +7,7 @@ is no longer than its distance from the nearest of the points asks.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -40,7 +41,8 @@ class Triangles:
     def surface(self) -> tuple[Ints, Ints]:
         """Triangles and their edges (0: first to second corner, 1, 2) on d = 0."""
         on = self.at[:, :, 1] == 0
-        return np.nonzero(on & np.roll(on, -1, axis=1))
+        tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
+        return tri, edge
 
     def surface_spans(self) -> Floats:
         """(k, 2): s at both ends of each edge on d = 0, the smaller first."""
@@ -55,8 +57,8 @@ def start(s: Floats, d: Sequence[Floats], layers: Sequence[Layer], period: float
     """
     depths = np.unique(np.concatenate(d))
     count = len(s) - (period is not None)
-    i, j = np.meshgrid(np.arange(len(s) - 1), np.arange(len(depths) - 1), indexing="ij")
-    i, j = i.ravel(), j.ravel()
+    i = np.repeat(np.arange(len(s) - 1), len(depths) - 1)
+    j = np.tile(np.arange(len(depths) - 1), len(s) - 1)
     layer = np.floor(0.5 * (depths[j] + depths[j + 1])).astype(int)
     middle = 0.5 * (s[i] + s[i + 1])
     ends = np.array([[one.start, one.end] for one in layers])
@@ -80,8 +82,8 @@ def start(s: Floats, d: Sequence[Floats], layers: Sequence[Layer], period: float
     )
 
 
-def _numbered(mesh: Triangles) -> tuple[Ints, Ints]:
-    """The edges (k, 2) of the triangles by their ends, and the edge numbers (m, 3)."""
+def edges_of(mesh: Triangles) -> tuple[Ints, Ints]:
+    """The edges (k, 2) by the numbers of their ends, the smaller first, and those (m, 3) of each triangle."""
     pairs = np.sort(np.stack([mesh.vertices, np.roll(mesh.vertices, -1, axis=1)], axis=2), axis=2)
     flat = pairs.reshape(-1, 2)
     size = int(mesh.vertices.max()) + 1
@@ -89,14 +91,9 @@ def _numbered(mesh: Triangles) -> tuple[Ints, Ints]:
     return flat[first], number.reshape(-1, 3)
 
 
-def edges_of(mesh: Triangles) -> tuple[Ints, Ints]:
-    """The edges (k, 2) by the numbers of their ends, the smaller first, and those (m, 3) of each triangle."""
-    return _numbered(mesh)
-
-
 def bisect(mesh: Triangles, marked: Bools) -> Triangles:
     """The marked (m,) triangles halved, and others as far as they must be."""
-    edges, of = _numbered(mesh)
+    edges, of = edges_of(mesh)
     halved = np.zeros(len(edges), dtype=bool)
     halved[of[marked, 0]] = True
     while True:
@@ -119,16 +116,16 @@ def bisect(mesh: Triangles, marked: Bools) -> Triangles:
     return Triangles(*(np.concatenate([part[k] for part in parts]) for k in range(3)))
 
 
-def graded(mesh: Triangles, place: Map, points: Floats, smallest: Floats, steep: float, longest: float) -> Triangles:
+def graded(mesh: Triangles, place: Map, points: Floats, smallest: Floats, steep: float) -> Triangles:
     """Halved until no triangle is longer than `steep` times its centre's distance from each of the points (k, 2) [m].
 
-    Those nearer to a point than `smallest` (k,) [m] may be as long as that; none is longer than `longest` [m].
+    Those nearer to a point than `smallest` (k,) [m] may be as long as that.
     """
     for _ in range(MOST_ROUNDS):
         corners = place(mesh.at[..., 0], mesh.at[..., 1])
         size = np.hypot(*np.moveaxis(corners - np.roll(corners, -1, axis=1), 2, 0)).max(axis=1)
         centre = corners.mean(axis=1)
-        allowed = np.full(len(size), longest)
+        allowed = np.full(len(size), np.inf)
         for point, least in zip(points, smallest, strict=True):
             np.minimum(allowed, np.maximum(steep * np.hypot(*(centre - point).T), least), out=allowed)
         marked = size > allowed
@@ -156,7 +153,7 @@ def spaced(breaks: Floats, size: Callable[[float], float]) -> Floats:
     """Points from the first to the last of the growing `breaks`, all of them among them, with steps of about
     size(x)."""
     points = [np.array(breaks[:1])]
-    for a, b in zip(breaks[:-1], breaks[1:], strict=True):
+    for a, b in pairwise(breaks.tolist()):
         x = np.linspace(a, b, 400)
         density = np.array([1 / size(float(one)) for one in x])
         count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
