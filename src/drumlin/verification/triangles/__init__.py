@@ -8,7 +8,7 @@ meshes of growing degree and grading gives each value, and how far the last step
 """
 
 from drumlin.verification.triangles.outline import Level
-from drumlin.verification.triangles.sequence import LEVELS, sequence, solve
+from drumlin.verification.triangles.levels import LEVELS, sequence, solve
 from drumlin.verification.triangles.solution import ShoeSolution
 
 __all__ = ["LEVELS", "Level", "ShoeSolution", "sequence", "solve"]

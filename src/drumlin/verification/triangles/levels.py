@@ -21,7 +21,7 @@ NARROWEST = 1e-4  # contact to whose width triangles are made
 
 FINDING, PASSES = Level(3, 8, 1.4, 1.0), 6  # the contact's ends, found again and again
 SAME = 2e-3  # of an arc, by which its ends still move when they are found
-LEVELS = (Level(3, 10, 1.2, 1.0), Level(4, 13, 1.0, 0.8), Level(5, 15, 1.0, 0.8))
+LEVELS = (Level(3, 10, 1.2, 1.0), Level(4, 13, 0.7, 0.8), Level(5, 15, 0.7, 0.8))
 
 
 def pressed(brake: Brake) -> list[int]:
