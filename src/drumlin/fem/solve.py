@@ -8,6 +8,7 @@ from drumlin.fem.assembly import ELEMENTS, Kept, prepare
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.omission import adapt_without
+from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
 
@@ -28,7 +29,7 @@ def solve(
     """
     if tolerance is None:
         scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind, kept=kept)
-        return respond(scene, brake, penalty=penalty)
+        return with_merits(brake, respond(scene, brake, penalty=penalty))
     if elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
-    return adapt_without(brake, tolerance, partial(respond, penalty=penalty), kind)
+    return with_merits(brake, adapt_without(brake, tolerance, partial(respond, penalty=penalty), kind))

@@ -9,6 +9,7 @@ import importlib.metadata
 import json
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -264,6 +265,37 @@ def read_reference(path: Path) -> Reference:
         raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
     except (ValueError, LookupError, TypeError, AttributeError) as error:
         raise BadInput(f"{path}: holds no reference values in the form of `drumlin reference`") from error
+
+
+def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
+    """A row a shoe of reference values as plain data: what is known of it, and which of six digits of its torque and
+    four of p away from the edges it is short of."""
+    rows = []
+    for shoe in values["shoes"]:
+        peak, (start, end), edge = shoe["peak_pressure"]["value"], shoe["lining"], shoe["edge"]
+        away = [
+            u
+            for angle, u in zip(shoe["theta"], shoe["pressure_uncertainty"], strict=True)
+            if start + edge < angle < end - edge
+        ]
+        torque = shoe["torque"]["uncertainty"] / shoe["torque"]["value"]
+        pressure = max(away) / peak
+        short = [f"six digits of torque ({torque:.0e})"] * (torque > 1e-6)
+        short += [f"four digits of p ({pressure:.0e})"] * (pressure > 1e-4)
+        arcs = [f"{math.degrees(a):.3f} to {math.degrees(b):.3f}" for a, b in shoe["contact_arcs"]["value"]]
+        rows.append(
+            {
+                "brake": name,
+                "shoe": shoe["name"],
+                "torque": shoe["torque"]["value"],
+                "torque_uncertainty": torque,
+                "reaction": ", ".join(f"{x:.7g}" for x in shoe["hinge_reaction"]["value"]),
+                "contact": ", ".join(arcs),
+                "pressure": pressure,
+                "digits": "; ".join(short) or "nothing",
+            }
+        )
+    return rows
 
 
 def _sure_from(data: dict[str, Any]) -> Sure:

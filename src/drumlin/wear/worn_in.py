@@ -22,6 +22,7 @@ from drumlin.foundation.post import shoe_angles
 from drumlin.laws import hinged, sine
 from drumlin.laws.shapes import SINE
 from drumlin.response import Response
+from drumlin.response.merit import with_merits
 
 FITTING = {"shoe.lining.clearance": 0.0, "shoe.lining.misfit": {}}
 ROUND: dict[str, Any] = {"drum.out_of_round": []}
@@ -30,7 +31,7 @@ ROUND: dict[str, Any] = {"drum.out_of_round": []}
 def solve(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
     """The response of a brake of finite elements with linings that are worn in; `options` of `prepare`."""
     scene = prepare(brake, **options)
-    return respond(scene, worn_in(scene, brake), penalty=penalty)
+    return with_merits(brake, respond(scene, worn_in(scene, brake), penalty=penalty))
 
 
 def worn_in(scene: Scene, brake: Brake) -> Brake:
