@@ -54,7 +54,7 @@ NAMES = {
 
 def save(figure: Figure, path: Path) -> Path:
     """Write a figure whole or not at all; the ending says the format. Returns `path`."""
-    with replacing(path) as partial:
+    with mpl.rc_context(STYLE), replacing(path) as partial:  # names inside an SVG are given as it is written
         figure.savefig(partial, dpi=160, metadata={"Date": None} if path.suffix == ".svg" else None)
     return path
 
