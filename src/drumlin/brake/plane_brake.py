@@ -14,7 +14,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.components import Actuation
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Length, Name, Part, Place, Thickness, Title, check_names
-from drumlin.brake.file import brake_from, read_toml, validated
+from drumlin.brake.file import brake_from, read_toml, toml_data, validated
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput
 
@@ -105,12 +105,13 @@ class FlatBrake(Part):
 AnyBrake = Brake | FlatBrake
 
 
-def read_any(path: Path) -> AnyBrake:
+def read_any(path: Path, text: str | None = None) -> AnyBrake:
     """The brake of either kind described by the TOML file `path`: with [plane] a flat one, else on a drum.
 
-    Raises BadInput with one line that names the key, the value and what is allowed.
+    `text`: what the file holds, if known. Raises BadInput with one line that names the key, the value and what is
+    allowed.
     """
-    data = read_toml(path)
+    data = read_toml(path) if text is None else toml_data(text, path)
     try:
         if "plane" in data:
             return validated(FlatBrake, data, unit_required=True)
