@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from conftest import ROOT, STUDY
 from drumlin.brake.file import read_brake, vary
-from drumlin.cli.main import app
+from drumlin.cli.commands import app
 from drumlin.errors import BadInput
 from drumlin.fem.model import solve
 from drumlin.laws import sine

@@ -9,7 +9,8 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from conftest import ROOT
-from drumlin.cli.main import app, main
+from drumlin.cli.commands import app
+from drumlin.cli.main import main
 from drumlin.studies import load
 
 
