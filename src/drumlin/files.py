@@ -20,7 +20,7 @@ from pathlib import Path
 
 from drumlin.errors import BadInput, DrumlinError, file_fault
 
-PATIENCE = 8.0  # s without a byte, after which a pipe is given up
+PATIENCE = 5.0  # s without a byte, after which a pipe is given up
 LONGEST_SUFFIX = 16
 
 _inputs: ContextVar[set[tuple[int, int]] | None] = ContextVar("inputs", default=None)
