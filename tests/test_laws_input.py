@@ -30,7 +30,7 @@ FILES = {
     "laws/bhandari_12_8.toml": ON_DRUM,
     "post_brake/brake.toml": ON_DRUM | {"foundation"},
 }
-NOT_BRAKES = {"examples.toml", "text.toml"}  # the study's own data
+NOT_BRAKES = {"examples.toml"}  # the study's own data
 
 
 @pytest.mark.parametrize(("file", "expected"), FILES.items())

@@ -8,6 +8,7 @@ leaves out at most n a/(mu R) of the torque.
 """
 
 from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,7 +17,8 @@ from drumlin.brake.components import STEP, Drum, Lining
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Point
 from drumlin.brake.file import vary
-from drumlin.response.response import Response
+
+T = TypeVar("T")
 
 
 def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
@@ -80,9 +82,29 @@ def thermal_growth(R: float, expansion: float, warming: float) -> float:
     return expansion * warming * R
 
 
-def one_turn(brake: Brake, solve: Callable[[Brake], Response], angles: Sequence[float]) -> list[Response]:
+def one_turn(brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float]) -> list[T]:
     """The responses as the drum stands at each of the angles [rad], with steady forces and without inertia.
 
     solve: any model, such as `respond` on one scene: the bodies stay. Raises what it raises.
     """
     return [solve(vary(brake, {"drum.angle": angle})) for angle in angles]
+
+
+def ground_to(brake: Brake, mismatch: float) -> dict[str, float]:
+    """Changes (of `vary`): every lining ground to a radius that is greater than the drum's by the mismatch [m]."""
+    return {f"shoe[{i}].lining.misfit.radius": brake.drum.radius + mismatch for i in range(len(brake.shoes))}
+
+
+def set_off(brake: Brake, size: float) -> dict[str, float]:
+    """Changes: every lining's circle moved by `size` [m] along the radius of its hinge, away from the drum's centre."""
+    slopes = [along_hinge(brake, i, "lining.misfit.offset") for i in range(len(brake.shoes))]
+    return {key: size * slope for part in slopes for key, slope in part.items()}
+
+
+def along_hinge(brake: Brake, index: int, key: str) -> dict[str, float]:
+    """How the point `key` of shoe `index` moves along the radius of its hinge: what 1 m adds to its coordinates."""
+    hinge = brake.shoes[index].hinge
+    return {
+        f"shoe[{index}].{key}.x": hinge.x / hinge.radius,
+        f"shoe[{index}].{key}.y": hinge.y / hinge.radius,
+    }

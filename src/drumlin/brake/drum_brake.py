@@ -18,7 +18,7 @@ from pydantic import (
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.components import STEP, Actuation, AnyBody, Backing, Beam, Body, Drum, Lining, Ring
+from drumlin.brake.components import STEP, Actuation, AnyBody, Backing, Beam, Body, Drum, Friction, Lining, Ring
 from drumlin.brake.fields import Name, Part, Place, Title, check_names
 from drumlin.brake.units import deg, mm
 
@@ -107,7 +107,7 @@ class Brake(Part):
 
     title: Title
     rotation: Literal["counter-clockwise", "clockwise"]
-    friction: Annotated[float, Field(ge=0, le=1e6, strict=True)]
+    friction: Friction
     drum: Drum
     shoes: Annotated[tuple[Shoe, ...], Field(alias="shoe", min_length=1)]
 
@@ -115,6 +115,15 @@ class Brake(Part):
     def spin(self) -> int:
         """Sense of the drum's rotation s: +1 counter-clockwise, -1 clockwise."""
         return 1 if self.rotation == "counter-clockwise" else -1
+
+    @property
+    def drag(self) -> float:
+        """Friction on the lining per pressure along e_theta at full slip: mu s."""
+        return self.friction * self.spin
+
+    def drag_on(self, shoe: Shoe) -> float:
+        """The same along growing angles of the shoe's own frame."""
+        return self.drag * shoe.frame.sense
 
     @property
     def motion(self) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Actuation
+from drumlin.brake.components import Actuation, Friction
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Length, Name, Part, Place, Thickness, Title, check_names
 from drumlin.brake.file import brake_from, read_toml, toml_data, validated
@@ -82,7 +82,7 @@ class FlatBrake(Part):
     """A brake on a plane: friction coefficient, sliding plane and shoes."""
 
     title: Title
-    friction: Annotated[float, Field(ge=0, le=1e6, strict=True)]
+    friction: Friction
     plane: Plane
     shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
 
@@ -105,12 +105,24 @@ class FlatBrake(Part):
 AnyBrake = Brake | FlatBrake
 
 
-def read_any(path: Path, text: str | None = None) -> AnyBrake:
-    """The brake of either kind described by the TOML file `path`: with [plane] a flat one, else on a drum.
+def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
+    """The brake described by a TOML file: with [plane] one on a plane, else one on a drum.
 
-    `text`: what the file holds, if known. Raises BadInput with one line that names the key, the value and what is
-    allowed.
+    Parameters
+    ----------
+    path : path of the file, every quantity in it with its unit
+    text : what the file holds, if known
+
+    Returns
+    -------
+    the brake as frozen, validated data in SI units
+
+    Raises
+    ------
+    BadInput
+        for a file that cannot be read or is no brake: one line that names the key, the value and what is allowed
     """
+    path = Path(path)
     data = read_toml(path) if text is None else toml_data(text, path)
     try:
         if "plane" in data:

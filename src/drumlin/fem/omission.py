@@ -205,7 +205,7 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond, kind: str) -
         "pressure": found.error["pressure"] + SAFETY * largest.pressure,
         "torque": found.error["torque"] + SAFETY * largest.shoes,
     }
-    if max(error.values()) > tolerance:
+    if not max(error.values()) <= tolerance:
         return adapt(brake, tolerance, respond, kind)
     lines = [
         f"{' and '.join(names)}: taken as rigid, predicted to change torque by at most {predicted.shoes:.1e}, "

@@ -25,9 +25,15 @@ B = TypeVar("B", bound=Brake | FlatBrake)
 
 
 def double_delta(brake: Brake, shoe: Shoe) -> int:
-    """dD of the UWA notes, eq. 6: +1 for an external shoe whose lining the drum drags away from the hinge
-    and for an internal shoe whose lining it drags towards the hinge, else -1."""
-    return -shoe.sign * brake.spin * shoe.frame.sense
+    """dD of the UWA notes, eq. 6: +1 where a moment that drags as the drum turns and one that presses have one sense.
+
+    That is an external shoe whose lining the drum drags away from the hinge, an internal one whose lining it drags
+    towards the hinge; else it is -1. A lining that begins beyond half a turn from its hinge is pressed by the other
+    sense, which the actuation's moment tells.
+    """
+    M = shoe.actuation.moment_about(shoe.hinge)
+    beyond = shoe.arc[1] > math.pi and M * -shoe.sign * shoe.frame.sense < 0
+    return shoe.sign * brake.spin * shoe.frame.sense * (1 if beyond else -1)
 
 
 def merit(brake: Brake, index: int, response: ShoeResponse) -> Merit:

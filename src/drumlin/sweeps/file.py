@@ -13,7 +13,6 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from pydantic import Field
-from scipy.special import ndtr, ndtri
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
@@ -285,6 +284,13 @@ def _range(said: str, ends: list[float], span: Range) -> _Spec:
 
 def _law(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Callable[[Floats], list[float]]:
     """The inverse of a distribution's cumulative one: u (n,) in (0, 1) -> values."""
+    frozen = _frozen(said, law, unit, nominal)
+    return lambda u: frozen.ppf(u).tolist()
+
+
+def _frozen(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Any:
+    """A distribution as scipy.stats has it."""
+    from scipy import stats  # noqa: PLC0415  (0.5 s)
 
     def middle(name: str, given: float | str | None) -> float:
         """What is given, or else the brake file's own value."""
@@ -305,29 +311,24 @@ def _law(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Cal
             low, high = ((end(*pair) - mean) / deviation for pair in (("from", law.start), ("to", law.to)))
             if not low < high:
                 raise BadInput(f"{said}.to = {law.to!r}: must be greater than from = {law.start!r}")
-            # In the upper tail 1 - u has no digits left: there it is the lower one of the mirror image.
-            a, b, sign = (low, high, 1.0) if low + high < 0 else (-high, -low, -1.0)
-            return lambda u: (mean + sign * deviation * ndtri(ndtr(a) + u * (ndtr(b) - ndtr(a)))).tolist()
+            return stats.truncnorm(low, high, mean, deviation)
         if law.distribution == "lognormal":
             if not mean > 0:
                 raise BadInput(f"{said}.mean = {law.mean!r}: must be greater than 0")
             spread = math.sqrt(math.log1p((deviation / mean) ** 2))
             median = mean * math.exp(-(spread**2) / 2)
-            return lambda u: (median * np.exp(spread * ndtri(u))).tolist()
-        return lambda u: (mean + deviation * ndtri(u)).tolist()
+            return stats.lognorm(spread, scale=median)
+        return stats.norm(mean, deviation)
     assert isinstance(law, Uniform)
     a, b = end("from", law.start), end("to", law.to)
     if not a < b:
         raise BadInput(f"{said}.to = {law.to!r}: must be greater than from = {law.start!r}")
     if not isinstance(law, Triangular):
-        return lambda u: (a + u * (b - a)).tolist()
+        return stats.uniform(a, b - a)
     c = middle("mode", law.mode)
     if not a <= c <= b:
         raise BadInput(f"{said}.mode = {c:g}: must be from {a:g} to {b:g}")
-    rise = (c - a) / (b - a)
-    return lambda u: np.where(
-        u < rise, a + np.sqrt(u * (b - a) * (c - a)), b - np.sqrt((1 - u) * (b - a) * (b - c))
-    ).tolist()
+    return stats.triang((c - a) / (b - a), a, b - a)
 
 
 def _deviation(said: str, given: float | str, mean: float, unit: str) -> float:

@@ -9,6 +9,7 @@ import importlib.metadata
 import json
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -18,15 +19,16 @@ import numpy as np
 
 import drumlin
 from drumlin.arrays import Bools, Floats
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.drum_brake import Brake
 from drumlin.brake.units import LARGEST
 from drumlin.errors import BadInput
 from drumlin.fem.adapt import scene_refined
 from drumlin.fem.mesh.grading import fine
-from drumlin.fem.model import respond, solve
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
 from drumlin.files import read_text, write_text
 from drumlin.response.norms import pressure_distance
-from drumlin.response.response import Response, ShoeResponse, contact_resultant
+from drumlin.response.response import Response, ShoeResponse, contact_resultant, edge_zone
 from drumlin.texts import check_digits
 
 FORMAT = "drumlin reference values, 1"
@@ -89,11 +91,6 @@ def responses(brake: Brake, refinements: tuple[Refinement, Refinement] = REFINEM
     first = fine_response(brake, solve(brake, elements=40), FIRST)
     value, other = (fine_response(brake, first, refinement) for refinement in refinements)
     return Pair(value, other)
-
-
-def edge_zone(shoe: Shoe, radius: float) -> float:
-    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep."""
-    return shoe.lining.thickness / (2 * radius)
 
 
 def peak_away(response: ShoeResponse, edge: float, points: int = 2001) -> float:
@@ -268,6 +265,37 @@ def read_reference(path: Path) -> Reference:
         )
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError, OverflowError) as error:
         raise BadInput(f"{path}: holds no reference values in the form of `drumlin reference`") from error
+
+
+def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
+    """A row a shoe of reference values as plain data: what is known of it, and which of six digits of its torque and
+    four of p away from the edges it is short of."""
+    rows = []
+    for shoe in values["shoes"]:
+        peak, (start, end), edge = shoe["peak_pressure"]["value"], shoe["lining"], shoe["edge"]
+        away = [
+            u
+            for angle, u in zip(shoe["theta"], shoe["pressure_uncertainty"], strict=True)
+            if start + edge < angle < end - edge
+        ]
+        torque = shoe["torque"]["uncertainty"] / shoe["torque"]["value"]
+        pressure = max(away) / peak
+        short = [f"six digits of torque ({torque:.0e})"] * (torque > 1e-6)
+        short += [f"four digits of p ({pressure:.0e})"] * (pressure > 1e-4)
+        arcs = [f"{math.degrees(a):.3f} to {math.degrees(b):.3f}" for a, b in shoe["contact_arcs"]["value"]]
+        rows.append(
+            {
+                "brake": name,
+                "shoe": shoe["name"],
+                "torque": shoe["torque"]["value"],
+                "torque_uncertainty": torque,
+                "reaction": ", ".join(f"{x:.7g}" for x in shoe["hinge_reaction"]["value"]),
+                "contact": ", ".join(arcs),
+                "pressure": pressure,
+                "digits": "; ".join(short) or "nothing",
+            }
+        )
+    return rows
 
 
 def _refused(word: str) -> float:

@@ -5,7 +5,6 @@ Its errors are those of its response against a reference; its time is the proces
 a unit of work that is measured at once, so that ratios hold where the machine's pace changes.
 """
 
-import importlib
 import math
 import multiprocessing
 import subprocess
@@ -20,19 +19,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drumlin import peers
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.errors import BadInput, DrumlinError
 from drumlin.fem.assembly import Scene, prepare
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.mesh.grading import Division, lining_layers
-from drumlin.fem.model import respond, solve
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance, relative, vector_distance
-from drumlin.response.response import Response
+from drumlin.response.response import Response, edge_zone
 from drumlin.verification import pointwise
 from drumlin.verification.cost import peak_memory
-from drumlin.verification.reference import Pair, edge_zone, peak_away
+from drumlin.verification.reference import Pair, peak_away
 
 REPEATS = 5  # at least
 LEAST_SECONDS = 0.1  # of a measurement, all repeats together
@@ -44,7 +45,7 @@ ERRORS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
 
 
 class Method(NamedTuple):
-    """A way to solve a brake. `family`: one of FAMILIES; `options`: its own, plain data."""
+    """A way to solve a brake. `family`: of FAMILIES or PEER_FAMILIES; `options`: its own, plain data."""
 
     family: str
     name: str
@@ -114,7 +115,7 @@ FAMILIES: Mapping[str, Callable[..., Solved]] = {
     "weak penalty": _mesh,
     "pointwise penalty": _pointwise,
 }
-PEERS = {"GetFEM": "drumlin.peers.getfem", "CalculiX": "drumlin.peers.calculix"}
+PEER_FAMILIES = {written: name for name, written in peers.PEERS.items()}
 
 
 def solved(brake: Brake, method: Method) -> Solved:
@@ -244,7 +245,6 @@ def peer_row(
 ) -> dict[str, Any]:
     """The row of a peer, by drumlin.peers; times are those that it states, medians of the repeats, ratios to the unit
     that is timed before each; option `even`: on a mesh that is graded nowhere."""
-    solve_by = importlib.import_module(PEERS[method.family]).solve  # only where peers are asked for
     row: dict[str, Any] = dict(method.case)
     options = dict(method.options)
     if options.pop("even", False):
@@ -254,7 +254,7 @@ def peer_row(
     try:
         for _ in range(repeats):
             beside.append(median(_spent(unit) for _ in range(REPEATS)))
-            answers.append(solve_by(brake, **options))
+            answers.append(peers.solve(PEER_FAMILIES[method.family], brake, **options))
     except DrumlinError as error:
         return row | {"seconds": time.perf_counter() - start, "status": _said(error)}
     samples = [answer.seconds for answer in answers]
@@ -312,4 +312,14 @@ def series_name(row: Mapping[str, Any]) -> str:
         return "lifted" if row.get("lift") else "as published"
     if "penalty" in row:
         return f"{row.get('kind', DEFAULT_KIND)}, {row['penalty']:g} E/t"
-    return str(row.get("kind", DEFAULT_KIND)) + (", even" if row["family"] in PEERS and row.get("even") else "")
+    return str(row.get("kind", DEFAULT_KIND)) + (", even" if row["family"] in PEER_FAMILIES and row.get("even") else "")
+
+
+def unit_seconds(rows: Iterable[Mapping[str, Any]]) -> float:
+    """Seconds of the unit, from the rows' times and ratios; the median."""
+    return median(row["seconds"] / row["ratio"] for row in rows if "ratio" in row)
+
+
+def spread(rows: Iterable[Mapping[str, Any]]) -> float:
+    """The interquartile range of the repeats over their median; the median of the rows with REPEATS or more."""
+    return median((row["upper"] - row["lower"]) / row["seconds"] for row in rows if row.get("repeats", 0) >= REPEATS)

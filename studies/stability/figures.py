@@ -1,4 +1,4 @@
-"""Figures of the study `stability`: outcomes and digits over the knobs, digits against condition, soft penalties."""
+"""Outcomes and digits over the knobs, digits against condition, soft penalties; limits of self-locking, torque up to them."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from drumlin.report.figures import STYLE
+from drumlin.report.figures import STYLE, color_of
 
 COLORS = {  # outcomes: answers blue to green, refusals warm, faults black
     "answer": "#0b6e99",
@@ -27,6 +27,8 @@ COLORS = {  # outcomes: answers blue to green, refusals warm, faults black
 LEVELS = [0, 4, 6, 8, 10, 12, 14, 16]
 DIGITS = ListedColormap(["#c8553d", "#e3a33b", "#efe3b0", "#cfe3d4", "#8fc4b7", "#3f93a8", "#0b5a80"])
 REFUSED = "#e6e6e6"
+
+SHADES = ("#0b6e99", "#2a9d5c", "#d19a1b")
 
 Row = Mapping[str, Any]
 
@@ -127,6 +129,56 @@ def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
         axes.set_xlabel("penalty, multiple of E/t of the lining [-]")
         axes.set_ylabel("|torque / torque of exact contact − 1| [-]")
         axes.legend()
+    return figure
+
+
+def limits(panels: Sequence[tuple[str, Mapping[str, Sequence[Row]]]], law: float) -> Figure:
+    """mu_lock over the factor on the stiffness of each panel's part: (part, {name: rows})."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2 * len(panels), 3.6), layout="constrained")
+        grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)
+        for axes, (part, curves) in zip(grid.flat, panels, strict=True):
+            for (name, rows), color in zip(curves.items(), SHADES, strict=False):
+                x, y = ([row[key] for row in rows] for key in ("factor", "mu_lock"))
+                axes.semilogx(x, y, marker="o", ms=3, lw=1.6, color=color, label=name)
+            axes.axhline(law, color=color_of("sine"), ls="--", lw=1.4, label="sine law")
+            axes.set_title(f"Stiffness of the {part}")
+            axes.set_xlabel(f"modulus of the {part}, times its own [-]")
+            axes.legend()
+        grid[0, 0].set_ylabel("limit of self-locking μ [-]")
+    return figure
+
+
+def poles(rows: Sequence[Row]) -> Figure:
+    """Torque over friction with both limits, and torque times the distance from the limit over that distance.
+
+    rows: `name`, `mu`, `torque` [N m], `mu_lock`, `law_mu`, `law_torque` [N m], `law`.
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10.4, 3.8), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        highest = 6e3
+        for row, color in zip(rows, SHADES, strict=False):
+            mu, T, end = np.array(row["mu"]), np.array(row["torque"]), row["mu_lock"]
+            left.plot(mu, T * 1e-3, color=color, lw=1.8, label=f"finite elements, {row['name']}")
+            left.axvline(end, color=color, lw=1, ls=":")
+            right.loglog(1 - mu / end, T * (end - mu), color=color, lw=1.8, label=row["name"])
+        row = rows[0]
+        left.plot(
+            row["law_mu"], np.array(row["law_torque"]) * 1e-3, color=color_of("sine"), ls="--", lw=1.6, label="sine law"
+        )
+        left.axvline(row["law"], color=color_of("sine"), lw=1, ls=":")
+        left.set_ylim(0, highest * 1e-3)
+        left.set_xlim(0, 1.08 * max(row["mu_lock"] for row in rows))
+        left.set_title("Torque towards the limits (dotted)")
+        left.set_xlabel("friction coefficient μ [-]")
+        left.set_ylabel("torque T [kN m]")
+        left.legend(loc="upper left", fontsize=8.5)
+        right.invert_xaxis()
+        right.set_title("Torque times distance from its limit")
+        right.set_xlabel("distance from the limit 1 − μ/μ_lock [-]")
+        right.set_ylabel("T (μ_lock − μ) [N m]")
+        right.legend()
     return figure
 
 
