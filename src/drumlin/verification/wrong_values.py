@@ -70,8 +70,8 @@ WORDS = (
 QUANTITIES = (
     "0 mm", "-1 mm", "1e30 m", "1e-31 m", "1e308 mm", "150 mm", "nan mm", "inf m", "1 furlong", "1 mm mm", "1 m^9",
     "5 s", "1e-9 m", "90 deg", "360 deg", "-1e9 deg", "1e5 deg", "3 rad", "2 kN", "-2 kN", "0 N", "1e29 N", "1e-29 N",
-    "300 MPa", "1 Pa", "1e30 Pa", "1/2 m", "9" * 100_000 + " mm", "1e9999 mm", "1 " + "m" * 5000, "1 m/(s*", "  8   mm ",
-    "8mm",
+    "300 MPa", "1 Pa", "1e30 Pa", "1/2 m", "9" * 100_000 + " mm", "1e9999 mm", "1 " + "m" * 5000, "1 m/(s*",
+    "  8   mm ", "8mm",
 )  # fmt: skip
 NUMBERS = (0, 1, -1, 0.3, 1e-320, 1e308, 5e5, math.nan, math.inf, -math.inf, 10**30, 10**310, -(10**18), 2**63, 1e-9)
 PATHS = (
