@@ -31,14 +31,14 @@ class Series(NamedTuple):
 
 def pressures(one: Run, curves: Sequence[float]) -> Figure:
     """p(theta) over the sliding distance [1/(k K)]: curves at some, and all as a picture; a row a lining."""
-    rig, states = one.rig, one.states
+    setup, states = one.setup, one.states
     with mpl.rc_context(STYLE):
-        rows = len(rig.surfaces)
+        rows = len(setup.surfaces)
         figure = Figure(figsize=(10.6, 3.5 * rows), layout="constrained")
         grid = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.0, 1.0))
-        top = 1.15 * peak(rig, states[0])
+        top = 1.15 * peak(setup, states[0])
         shades = mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, len(curves)))
-        for (left, right), surface in zip(grid, rig.surfaces, strict=True):
+        for (left, right), surface in zip(grid, setup.surfaces, strict=True):
             theta = np.degrees(surface.angles)
             for s, shade in zip(curves, shades, strict=True):
                 p = surface.along(at(states, s * one.unit).pressure)
@@ -121,14 +121,14 @@ def lines(
 
 def profiles(one: Run, curves: Sequence[float]) -> Figure:
     """Worn depth over the angle at some distances, and the arcs in contact over the distance; a column a lining."""
-    rig, states, unit = one.rig, one.states, one.unit
+    setup, states, unit = one.setup, one.states, one.unit
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.2 * len(rig.surfaces), 5.6), layout="constrained")
-        grid = figure.subplots(2, len(rig.surfaces), squeeze=False, sharey="row", sharex="col")
+        figure = Figure(figsize=(5.2 * len(setup.surfaces), 5.6), layout="constrained")
+        grid = figure.subplots(2, len(setup.surfaces), squeeze=False, sharey="row", sharex="col")
         shades = mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, len(curves)))
         end = states[-1].s / unit
         levels = np.geomspace(end * 1e-4, end, 200)
-        for column, surface in zip(grid.T, rig.surfaces, strict=True):
+        for column, surface in zip(grid.T, setup.surfaces, strict=True):
             theta = np.degrees(surface.angles)
             for s, shade in zip(curves, shades, strict=True):
                 depth = surface.along(at(states, s * unit).depth)

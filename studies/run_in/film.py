@@ -17,16 +17,16 @@ from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 from drumlin.files import replacing
 from drumlin.report.figures import STYLE
 from drumlin.verification.run_in_limits import Frame, Run
-from drumlin.wear.linings import Rig
+from drumlin.wear.linings import WearSetup
 from drumlin.wear.run_in import peak
 
 
 def film(one: Run, frames: Sequence[Frame], path: Path) -> Path:
     """A GIF of the deformed shoes with their stress, the pressure on the drum and over theta, while they run in."""
-    top = 1.15 * peak(one.rig, frames[0].state)
+    top = 1.15 * peak(one.setup, frames[0].state)
     stress = float(np.percentile(np.concatenate([f.von_mises for f in frames[0].fields]), 99)) * 1e-6
     move = max(float(np.abs(f.displacement).max()) for f in frames[0].fields)
-    scale = float(f"{0.06 * one.rig.brake.drum.radius / move:.1g}")
+    scale = float(f"{0.06 * one.setup.brake.drum.radius / move:.1g}")
     pictures = []
     for number in range(len(frames)):
         figure = _frame(one, frames, number, (top, stress, scale))
@@ -43,14 +43,14 @@ def film(one: Run, frames: Sequence[Frame], path: Path) -> Path:
 
 
 def _frame(one: Run, frames: Sequence[Frame], number: int, scales: tuple[float, float, float]) -> Figure:
-    rig, goal, unit = one.rig, one.goal, one.unit
+    setup, goal, unit = one.setup, one.goal, one.unit
     state, top = frames[number].state, scales[0]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 5.4), layout="constrained")
         left, right = np.asarray(figure.subfigures(1, 2, width_ratios=(1.0, 0.95)), dtype=object)
-        _shoes(left.subplots(), rig, frames[number], frames[0].turns, scales)
-        panels = right.subplots(len(rig.surfaces) + 1, 1)
-        for axes, surface in zip(panels, rig.surfaces, strict=False):
+        _shoes(left.subplots(), setup, frames[number], frames[0].turns, scales)
+        panels = right.subplots(len(setup.surfaces) + 1, 1)
+        for axes, surface in zip(panels, setup.surfaces, strict=False):
             theta, p = np.degrees(surface.angles), surface.along(state.pressure) * 1e-6
             axes.fill_between(theta, np.minimum(p, top * 1e-6), color=NEW, alpha=0.25, lw=0)
             axes.plot(theta, p, color=NEW, lw=1.6)
@@ -68,15 +68,19 @@ def _frame(one: Run, frames: Sequence[Frame], number: int, scales: tuple[float, 
         axes.set_xlabel(DISTANCE)
         said = "new" if number == 0 else f"s k K = {state.s / unit:.3g}"
         left.suptitle(
-            f"{rig.brake.title}: {said}\ndeepest wear {state.depth.max() * 1e3:.3f} mm", fontsize=11, fontweight="bold"
+            f"{setup.brake.title}: {said}\ndeepest wear {state.depth.max() * 1e3:.3f} mm",
+            fontsize=11,
+            fontweight="bold",
         )
     return figure
 
 
-def _shoes(axes: Axes, rig: Rig, frame: Frame, first: Sequence[float], scales: tuple[float, float, float]) -> None:
+def _shoes(
+    axes: Axes, setup: WearSetup, frame: Frame, first: Sequence[float], scales: tuple[float, float, float]
+) -> None:
     """The shoes deformed, without the turn beyond `first` that takes up the wear: it would leave the picture."""
     top, stress, scale = scales
-    brake = rig.brake
+    brake = setup.brake
     radius = brake.drum.radius
     for fields, shoe, turn, start in zip(frame.fields, brake.shoes, frame.turns, first, strict=True):
         arm = fields.points - shoe.hinge.xy
@@ -87,7 +91,7 @@ def _shoes(axes: Axes, rig: Rig, frame: Frame, first: Sequence[float], scales: t
         axes.tripcolor(
             x * 1e3, y * 1e3, corners, fields.von_mises * 1e-6, shading="gouraud", cmap="viridis", vmin=0, vmax=stress
         )
-    for surface in rig.surfaces:
+    for surface in setup.surfaces:
         theta, p = surface.angles, np.minimum(surface.along(frame.state.pressure), top)
         spread = np.linspace(theta[0], theta[-1], 70)
         tall = np.interp(spread, theta, p) / top * 0.3 * radius

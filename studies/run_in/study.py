@@ -20,7 +20,7 @@ from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.verification import run_in_limits as limits
 from drumlin.verification.run_in_limits import Board, Frame, Reversals, Run
-from drumlin.wear.linings import fem_rig
+from drumlin.wear.linings import fem_setup
 from drumlin.wear.run_in import distance
 
 HERE = Path(__file__).parent
@@ -71,18 +71,18 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("the main brake")
     brake = read_brake(MAIN)
     scene = prepare(brake, elements=elements)
-    rig = fem_rig(scene, brake)
-    main = limits.settle("stiff shoes", rig)
+    setup = fem_setup(scene, brake)
+    main = limits.settle("stiff shoes", setup)
     soft = read_brake(FLEXIBLE)
-    flexible = limits.settle("flexible shoes", fem_rig(prepare(soft, elements=elements), soft))
+    flexible = limits.settle("flexible shoes", fem_setup(prepare(soft, elements=elements), soft))
     say("linings from soft to stiff")
     ratios = [limits.ratio_row(brake, ratio, elements) for ratio in (RATIOS[1::2] if short else RATIOS)]
     say("half the step, twice the way")
     halves = [limits.half_row(one) for one in (main, flexible)]
     say("exponents")
-    exponents = [limits.exponent_row(rig, m) for m in ((2.0,) if short else EXPONENTS)]
+    exponents = [limits.exponent_row(setup, m) for m in ((2.0,) if short else EXPONENTS)]
     say("held torque")
-    held = limits.settle("held torque", rig, torque=main.goal.torque)
+    held = limits.settle("held torque", setup, torque=main.goal.torque)
     reversals = []
     for every in REVERSALS[:1] if short else REVERSALS:
         say(f"reversed every {every:g}")
@@ -154,14 +154,14 @@ def draw(result: Result, least: Run, reversal: Reversals, folder: Path) -> None:
         for ending in ("svg", "png"):
             drawing.save(figures.pressures(one, CURVES[key]), folder / f"pressure_{key}.{ending}")
     marks = [float(f"{least.distances()[-1] * part:.1g}") for part in OPEN_CURVES]
-    far = [one for one in result.runs if abs(distance(one.rig, one.states[0], one.goal).torque) > FAR]
+    far = [one for one in result.runs if abs(distance(one.setup, one.states[0], one.goal).torque) > FAR]
     made = {
         "profiles": figures.profiles(least, marks),
         "pressure_open": figures.pressures(least, [0.0, *marks]),
         "torque": figures.torques(far or [main]),
         "held": figures.held(result.held),
         "reversal": figures.reversal(main, reversal),
-        "checkerboard": figures.checkerboard(main.rig.surfaces[0], result.boards),
+        "checkerboard": figures.checkerboard(main.setup.surfaces[0], result.boards),
     }
     for name, figure in made.items():
         drawing.save(figure, folder / f"{name}.svg")

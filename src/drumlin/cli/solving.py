@@ -184,8 +184,8 @@ def wear(
     from drumlin.brake.file import read_brake, vary
     from drumlin.brake.units import quantity
     from drumlin.files import check_outputs, write_json
-    from drumlin.wear.archard import Law
-    from drumlin.wear.linings import Rig, fem_rig, foundation_rig
+    from drumlin.wear.archard import WearLaw
+    from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
     from drumlin.wear.run_in import COEFFICIENT, as_dict, report_lines, run_in, target
     from drumlin.wear.run_in import unit_distance as unit_of
 
@@ -199,17 +199,17 @@ def wear(
     }
     if solving if model == "fem" else (meshing or guided):
         raise BadInput("--elements, --kind and --guided belong to --model fem, --sections and --lift to foundation")
-    law = Law(COEFFICIENT if coefficient is None else quantity("--coefficient", coefficient, "1/Pa"), exponent)
+    law = WearLaw(COEFFICIENT if coefficient is None else quantity("--coefficient", coefficient, "1/Pa"), exponent)
     options: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
     if torque is not None:
         options["torque"] = quantity("--torque", torque, "N m")
 
-    def length(key: str, text: str, rig: Rig) -> float:
+    def length(key: str, text: str, setup: WearSetup) -> float:
         try:
             number = float(text)
         except ValueError:
             return quantity(key, text, "m")
-        return number * unit_of(rig, law)
+        return number * unit_of(setup, law)
 
     with busy("running in") as say:
         if model == "fem":
@@ -217,26 +217,26 @@ def wear(
 
             scene = prepare(brake, **meshing)
 
-            def rig_of(turning: Any) -> Rig:
-                return fem_rig(scene, turning, guide="radius" if guided else "hinge")
+            def setup_of(turning: Any) -> WearSetup:
+                return fem_setup(scene, turning, guide="radius" if guided else "hinge")
         else:
 
-            def rig_of(turning: Any) -> Rig:
-                return foundation_rig(turning, **solving)
+            def setup_of(turning: Any) -> WearSetup:
+                return foundation_setup(turning, **solving)
 
-        rig = rig_of(brake)
+        setup = setup_of(brake)
         if reverse is not None:
             other = "clockwise" if brake.spin > 0 else "counter-clockwise"
             options |= {
-                "backward": rig_of(vary(brake, {"rotation": other})),
-                "reverse": length("--reverse", reverse, rig),
+                "backward": setup_of(vary(brake, {"rotation": other})),
+                "reverse": length("--reverse", reverse, setup),
             }
         if distance is not None:
-            options["distance"] = length("--distance", distance, rig)
+            options["distance"] = length("--distance", distance, setup)
         say("wearing")
-        states = run_in(rig, law, **options)
-    goal = target(rig, law, options.get("torque"))
+        states = run_in(setup, law, **options)
+    goal = target(setup, law, options.get("torque"))
     if json_file is not None:
-        write_json(json_file, as_dict(rig, states, goal, law))
-    for line in report_lines(rig, states, goal, law):
+        write_json(json_file, as_dict(setup, states, goal, law))
+    for line in report_lines(setup, states, goal, law):
         tell(line)

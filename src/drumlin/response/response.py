@@ -11,6 +11,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import FlatShoe
 from drumlin.errors import NoAnswer
+from drumlin.response.limits import check_strain
 from drumlin.response.resultants import Resultant, contact_arcs, cross, resultant
 from drumlin.response.show import as_html, as_text, plot
 
@@ -232,16 +233,18 @@ def pressed_shoe(
     """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
 
     radius: of the drum [m]; located: the ends of the contact are located within their elements; more: other
-    attributes of ShoeResponse.
+    attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
+    peak = nodal_peak(theta, pressure, edge_zone(shoe, radius))
+    check_strain(shoe, peak)
     return ShoeResponse(
         name=shoe.name,
         torque=torque,
         normal_force=normal_force,
         self_energising=self_energising,
-        peak_pressure=nodal_peak(theta, pressure, edge_zone(shoe, radius)),
+        peak_pressure=peak,
         hinge_reaction=hinge_reaction,
         contact_arcs=contact_arcs(theta, pressure, order, located=located),
         theta=theta,

@@ -25,11 +25,11 @@ from drumlin.fem.fields import Fields, fields
 from drumlin.fem.model import respond
 from drumlin.laws import hinged, pivoted
 from drumlin.response.norms import relative
-from drumlin.wear.archard import TOLERANCE, Law, State, at, explicit, ripple, run_on
-from drumlin.wear.linings import Rig, fem_rig, foundation_rig
+from drumlin.wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
+from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
 from drumlin.wear.run_in import COEFFICIENT, Target, checks, distance, life, norm, run_in, target, unit_distance, worn
 
-ARCHARD = Law(COEFFICIENT)
+ARCHARD = WearLaw(COEFFICIENT)
 WITHIN = 0.01  # of the law: what "away from the law" means in the tables
 AT_LAW = "at the law"
 PRESSURE, TORQUE = 0.01, 0.001  # what must hold after run-in
@@ -37,11 +37,11 @@ PRESSURE, TORQUE = 0.01, 0.001  # what must hold after run-in
 
 @dataclass(frozen=True)
 class Run:
-    """A brake run in: its rig, its states, where it tends to, and 1/(k K) [m]."""
+    """A brake run in: its setup, its states, where it tends to, and 1/(k K) [m]."""
 
     name: str
-    rig: Rig
-    states: list[State]
+    setup: WearSetup
+    states: list[WearState]
     goal: Target
     unit: float
 
@@ -49,15 +49,15 @@ class Run:
         """The sliding distances of the states [1/(k K)]."""
         return [state.s / self.unit for state in self.states]
 
-    def ripple(self, state: State) -> float:
+    def ripple(self, state: WearState) -> float:
         """The worst lining's checkerboard."""
-        return max(ripple(surface.along(state.pressure)) for surface in self.rig.surfaces)
+        return max(ripple(surface.along(state.pressure)) for surface in self.setup.surfaces)
 
 
-def settle(name: str, rig: Rig, law: Law = ARCHARD, **options: Any) -> Run:
-    """Run in a rig until it is settled."""
-    states = run_in(rig, law, **options)
-    return Run(name, rig, states, target(rig, law, options.get("torque")), unit_distance(rig, law))
+def settle(name: str, setup: WearSetup, law: WearLaw = ARCHARD, **options: Any) -> Run:
+    """Run in a setup until it is settled."""
+    states = run_in(setup, law, **options)
+    return Run(name, setup, states, target(setup, law, options.get("torque")), unit_distance(setup, law))
 
 
 def ways(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
@@ -84,11 +84,11 @@ def turned_back(brake: Brake) -> Brake:
     return vary(brake, {"rotation": "clockwise" if brake.spin > 0 else "counter-clockwise"})
 
 
-def rig_of(model: str, brake: Brake, elements: int) -> Rig:
-    """The rig of a brake by one of the models of `ways`."""
+def setup_of(model: str, brake: Brake, elements: int) -> WearSetup:
+    """The setup of a brake by one of the models of `ways`."""
     if model.startswith("foundation"):
-        return foundation_rig(brake, lift=("all",) if "lifted" in model else ())
-    return fem_rig(prepare(brake, elements=elements), brake, guide="radius" if model == "guided" else "hinge")
+        return foundation_setup(brake, lift=("all",) if "lifted" in model else ())
+    return fem_setup(prepare(brake, elements=elements), brake, guide="radius" if model == "guided" else "hinge")
 
 
 def law_of(model: str, brake: Brake) -> tuple[str, float]:
@@ -106,8 +106,8 @@ def brake_row(name: str, model: str, brake: Brake, elements: int) -> tuple[dict[
     row: dict[str, Any] = {"brake": name, "model": model}
     begin = time.perf_counter()
     try:
-        rig = rig_of(model, brake, elements)
-        one = settle(f"{name}, {model}", rig)
+        setup = setup_of(model, brake, elements)
+        one = settle(f"{name}, {model}", setup)
         row["law"], torque = law_of(model, brake)
     except NoAnswer as error:
         return {**row, "status": f"failed: {error}"}, None
@@ -119,16 +119,16 @@ def brake_row(name: str, model: str, brake: Brake, elements: int) -> tuple[dict[
 
 def run_row(one: Run) -> dict[str, Any]:
     """What a run says of a brake: new, worn in, how long it took, its balances."""
-    rig, states, goal, unit = one.rig, one.states, one.goal, one.unit
-    new, end = distance(rig, states[0], goal), distance(rig, states[-1], goal)
-    spent = life(rig, states, goal, ARCHARD, within=WITHIN)
-    close = life(rig, states, goal, ARCHARD, within=TORQUE)
-    balance = checks(rig, states, ARCHARD)
+    setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
+    new, end = distance(setup, states[0], goal), distance(setup, states[-1], goal)
+    spent = life(setup, states, goal, ARCHARD, within=WITHIN)
+    close = life(setup, states, goal, ARCHARD, within=TORQUE)
+    balance = checks(setup, states, ARCHARD)
     holds = end.pressure <= PRESSURE and abs(end.torque) <= TORQUE
     return {
         "new_pressure": new.pressure,
         "new_torque": new.torque,
-        "least_torque": min(distance(rig, state, goal).torque for state in states),
+        "least_torque": min(distance(setup, state, goal).torque for state in states),
         "pressure_distance": spent.pressure * spent.distance / unit,
         "torque_distance": spent.torque * spent.distance / unit,
         "close_distance": close.torque * close.distance / unit,
@@ -150,22 +150,22 @@ def ratio_row(brake: Brake, ratio: float, elements: int) -> dict[str, Any]:
     body = brake.shoes[0].body
     assert body is not None and body.material is not None  # elastic shoes, whose modulus is known
     changed = vary(brake, {"shoe.lining.material.E": ratio * body.material.E})
-    return {"ratio": ratio, **run_row(settle("", fem_rig(prepare(changed, elements=elements), changed)))}
+    return {"ratio": ratio, **run_row(settle("", fem_setup(prepare(changed, elements=elements), changed)))}
 
 
 def half_row(one: Run) -> dict[str, Any]:
     """A run against the same with every step halved, and ten times as far."""
     s = [state.s for state in one.states]
     middles = [(a + b) / 2 for a, b in pairwise(s)]
-    halved = run_on(one.rig.rubs, ARCHARD, sorted([*s[1:], *middles]))[::2]
-    area = np.concatenate([rub.area for rub in one.rig.rubs])
+    halved = run_on(one.setup.interfaces, ARCHARD, sorted([*s[1:], *middles]))[::2]
+    area = np.concatenate([interface.area for interface in one.setup.interfaces])
 
     def size(p: Floats) -> float:
         return math.sqrt(float(area @ p**2))
 
     pairs = list(zip(one.states, halved, strict=True))
-    long = run_in(one.rig, ARCHARD, distance=10 * s[-1])
-    after = distance(one.rig, long[-1], one.goal)
+    long = run_in(one.setup, ARCHARD, distance=10 * s[-1])
+    after = distance(one.setup, long[-1], one.goal)
     return {
         "brake": one.name,
         "asked": TOLERANCE,
@@ -177,18 +177,18 @@ def half_row(one: Run) -> dict[str, Any]:
     }
 
 
-def exponent_row(rig: Rig, m: float) -> dict[str, Any]:
+def exponent_row(setup: WearSetup, m: float) -> dict[str, Any]:
     """A hinged brake under another exponent of the pressure: the law is then sin^(1/m)."""
-    law = Law(COEFFICIENT, m)
-    states, goal = run_in(rig, law), target(rig, law)
-    end = distance(rig, states[-1], goal)
+    law = WearLaw(COEFFICIENT, m)
+    states, goal = run_in(setup, law), target(setup, law)
+    end = distance(setup, states[-1], goal)
     return {
         "exponent": m,
         "goal": goal.torque,
-        "sine": relative(goal.torque, hinged.sine(rig.brake).torque),
+        "sine": relative(goal.torque, hinged.sine(setup.brake).torque),
         "end_pressure": end.pressure,
         "end_torque": end.torque,
-        "volume": checks(rig, states, law).volume,
+        "volume": checks(setup, states, law).volume,
         "steps": len(states) - 1,
     }
 
@@ -201,7 +201,7 @@ class Reversals:
     """
 
     every: float
-    states: list[State]
+    states: list[WearState]
     far: list[float]
     mean: float
 
@@ -214,15 +214,15 @@ class Reversals:
 
 def reversed_run(scene: Scene, brake: Brake, every: float, turns: int) -> Reversals:
     """A brake worn over `turns` reversals, one every so often [1/(k K)]."""
-    rigs = {True: fem_rig(scene, brake), False: fem_rig(scene, turned_back(brake))}
-    goals = {sense: target(rig) for sense, rig in rigs.items()}
-    size = every * unit_distance(rigs[True], ARCHARD)
-    states = run_in(rigs[True], ARCHARD, backward=rigs[False], reverse=size, distance=turns * size, tolerance=5e-3)
-    far = [distance(rigs[state.forward], state, goals[state.forward]).pressure for state in states]
+    setups = {True: fem_setup(scene, brake), False: fem_setup(scene, turned_back(brake))}
+    goals = {sense: target(setup) for sense, setup in setups.items()}
+    size = every * unit_distance(setups[True], ARCHARD)
+    states = run_in(setups[True], ARCHARD, backward=setups[False], reverse=size, distance=turns * size, tolerance=5e-3)
+    far = [distance(setups[state.forward], state, goals[state.forward]).pressure for state in states]
     turned = [state for state, after in pairwise(states) if state.forward != after.forward] + states[-1:]
     worn_off = turned[-1].depth - turned[-3].depth
     law = ARCHARD.coefficient * size * (goals[True].pressure + goals[False].pressure)
-    mean = max(norm(s, s.along(worn_off - law)) / norm(s, s.along(law)) for s in rigs[True].surfaces)
+    mean = max(norm(s, s.along(worn_off - law)) / norm(s, s.along(law)) for s in setups[True].surfaces)
     return Reversals(every, states, far, mean)
 
 
@@ -231,13 +231,13 @@ class Board:
     """Where equal steps ended: what they were, the state, its checkerboard."""
 
     title: str
-    state: State
+    state: WearState
     ripple: float
 
 
 def step_rows(one: Run, end: float, steps: Sequence[float]) -> tuple[list[dict[str, Any]], list[Board]]:
     """Implicit and explicit steps of equal size up to `end`, in 1/(k K): checkerboard, contact, torque."""
-    exact = at(run_in(one.rig, ARCHARD, distance=end * one.unit, tolerance=1e-4), end * one.unit)
+    exact = at(run_in(one.setup, ARCHARD, distance=end * one.unit, tolerance=1e-4), end * one.unit)
     rows, boards = list[dict[str, Any]](), list[Board]()
     for way, size, run in _ways_to_step(one, end, steps):
         row: dict[str, Any] = {"way": way, "step": size}
@@ -257,12 +257,12 @@ def step_rows(one: Run, end: float, steps: Sequence[float]) -> tuple[list[dict[s
 
 def _ways_to_step(
     one: Run, end: float, steps: Sequence[float]
-) -> Iterator[tuple[str, float, Callable[[], list[State]]]]:
+) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
     for size in steps:
         count, ds = round(end / size), size * one.unit
         stations = [(i + 1) * size * one.unit for i in range(count)]
-        yield "implicit", size, partial(run_on, one.rig.rubs, ARCHARD, stations)
-        yield "explicit", size, partial(explicit, one.rig.rubs, ARCHARD, ds, count)
+        yield "implicit", size, partial(run_on, one.setup.interfaces, ARCHARD, stations)
+        yield "explicit", size, partial(explicit, one.setup.interfaces, ARCHARD, ds, count)
 
 
 def least_touching(runs: Iterable[Run]) -> Run:
@@ -274,7 +274,7 @@ def least_touching(runs: Iterable[Run]) -> Run:
 class Frame:
     """A moment of a run: its state, and of each shoe the fields and the turn about its pin [rad]."""
 
-    state: State
+    state: WearState
     fields: Sequence[Fields]
     turns: Sequence[float]
 
@@ -285,7 +285,7 @@ def frames(scene: Scene, one: Run, count: int) -> list[Frame]:
     found = []
     for s in [0.0, *np.geomspace(3e-4 * end, end, count - 1)]:
         state = at(one.states, s)
-        brake = worn(one.rig, state)
+        brake = worn(one.setup, state)
         response = respond(scene, brake, penalty=math.inf)
         shown = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
         found.append(Frame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))

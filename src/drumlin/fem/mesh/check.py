@@ -23,6 +23,7 @@ MOST_PAIRS = 1000  # nodes in one place that are counted
 LARGEST = 1e6  # drum's radii that a mesh may reach: beyond it not even the checks are sure
 BENT = 0.5  # of an edge's length, by which its middle node may lie off its middle: half a circle
 OFF = 0.01  # of the drum's radius, by which the contact may lie off it: the pressure is that on the drum's circle
+DEEP = 0.1  # of the lining's thickness, by which its mesh may lie in the drum without the file's saying so
 STEEP = 0.1  # slope against the drum at which an edge of the contact is no part of a round lining
 UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
 
@@ -34,6 +35,7 @@ def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
     _check_elements(mesh, shoe, fault)
     _check_boundaries(mesh, fault)
     _check_contact(mesh, shoe, radius, fault)
+    _check_ends(mesh, shoe, fault)
     return mesh
 
 
@@ -150,6 +152,12 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             f"{fault}: the group contact lies up to {mm(off)} off the drum's radius {mm(radius)}; "
             f"must be within {mm(OFF * radius)} of it (coordinates are read in {shoe.mesh_unit})"
         )
+    deep = float((shoe.sign * (r - radius)).max())
+    if deep > DEEP * shoe.lining.thickness and not shoe.mesh_interference:
+        raise BadInput(
+            f"{fault}: the group contact lies up to {mm(deep)} in the drum, over {DEEP:g} of the lining's thickness "
+            f"of {mm(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
+        )
     steep = (np.abs(np.diff(r, axis=0)) > STEEP * np.hypot(*np.diff(line, axis=1))).any(axis=0)
     if steep.any():
         where = _some(mesh, mesh.f2t[0, facets[steep]], shoe)
@@ -170,3 +178,15 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     steps = steps[:, np.argsort(steps[0])]
     if not (np.array_equal(steps[0], np.arange(len(phi) - 1)) and np.array_equal(steps[1], steps[0] + 1)):
         raise BadInput(f"{fault}: the group contact must be one line without gaps or turns, one edge after the other")
+
+
+def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:
+    nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
+    if "actuation" in nodes:
+        pin = np.array([shoe.hinge.radius, 0.0])
+        away = {name: math.dist(pin, mesh.p[:, nodes[name]].mean(axis=1)) for name in ("hinge", "actuation")}
+        if away["hinge"] > away["actuation"]:
+            raise BadInput(
+                f"{fault}: the group hinge lies {mm(away['hinge'])} from the pin, the group actuation "
+                f"{mm(away['actuation'])}; must be the nearer one (are they swapped?)"
+            )
