@@ -201,7 +201,8 @@ def test_a_foreign_study_is_run_by_its_path_only(tmp_path):
 
 def test_a_current_folder_that_is_gone(tmp_path):
     gone = tmp_path / "gone"
-    command = f"mkdir -p {gone} && cd {gone} && rmdir {gone} && exec {sys.executable} -c 'from drumlin.cli.main import main; main()'"
+    python = f"{sys.executable} -c 'from drumlin.cli.main import main; main()'"
+    command = f"mkdir -p {gone} && cd {gone} && rmdir {gone} && exec {python}"
     for words, status in ((f"solve {BRAKE} --elements 6", 0), ("solve b.toml", 2), (f"view {BRAKE}", 2)):
         done = subprocess.run(
             ["/bin/sh", "-c", f"{command} {words}"],

@@ -94,10 +94,10 @@ def check(
     path = known or stored(text, brake_file.parent, values, REPOSITORY / values)
     if path is None:
         with busy("no stored reference: two fine meshes"):
-            found = make(brake, text, f"drumlin reference {brake_file.as_posix()}")
-        tell("reference: made anew")
+            found, said = make(brake, text, f"drumlin reference {brake_file.as_posix()}"), "made anew"
     else:
-        found = read_reference(path)
-        tell(f"reference: {path}")
-    for line in lines(compare_with(brake, found, curves), tolerance):
+        found, said = read_reference(path), str(path)
+    verdicts = compare_with(brake, found, curves)
+    tell(f"reference: {said}")
+    for line in lines(verdicts, tolerance):
         tell(line)

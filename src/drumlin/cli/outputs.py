@@ -67,11 +67,13 @@ def export(
 ) -> None:
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
     from drumlin.brake.file import read_brake
+    from drumlin.files import check_folder
     from drumlin.peers import calculix
 
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
     brake = read_brake(brake_file)
+    check_folder(output)
     with busy("writing"):
         paths, apart = calculix.export(brake, output, brake_file.stem, **fem_options(elements, kind=kind))
     for path in paths:
