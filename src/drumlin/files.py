@@ -1,5 +1,6 @@
 """Writing so that a stopped run leaves earlier results whole: a temporary name, then a rename."""
 
+import hashlib
 import json
 import os
 import tempfile
@@ -42,3 +43,12 @@ def write_text(path: Path, text: str) -> None:
 def write_json(path: Path, data: object) -> None:
     """Write a JSON file whole or not at all. Raises ValueError for numbers that are not finite."""
     write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
+
+
+def content_digest(path: Path) -> str:
+    """A digest of what is in a file; of one that cannot be read "none"."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()[:16]
+    except (OSError, ValueError):  # ValueError: a NUL in the path
+        return "none"

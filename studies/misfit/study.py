@@ -37,7 +37,7 @@ from drumlin.sweeps.tolerances import (
     spread,
     within,
 )
-from drumlin.sweeps.workers import crew
+from drumlin.sweeps.workers import executor
 from drumlin.wear.run_in import COEFFICIENT
 from drumlin.wear.worn_in import worn_in
 
@@ -94,11 +94,11 @@ def study(
             turns[state][name] = np.array([response.torque for response in responses])
     tolerances = assumed(brake)
     deviates = draw(tolerances, n, SEED)
-    with crew(1 if short else None) as (executor, workers):
+    with executor(1 if short else None) as (pool, workers):
 
         def solve(what: str, several: Sequence[Case]) -> list[Row]:
             return sweep.run(
-                several, executor=executor, workers=workers, journal=journal,
+                several, executor=pool, workers=workers, journal=journal,
                 done=lambda finished, of: say(f"{what}: {finished} of {of}"),
             )  # fmt: skip
 

@@ -12,6 +12,7 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Part, unit_in
 from drumlin.errors import BadInput
 
+DEEPEST = 50  # tables and lists in one another; a brake file has four
 LARGEST_FILE = 1_000_000  # bytes; a brake file has a few thousand
 
 
@@ -69,11 +70,24 @@ def read_toml(path: Path) -> dict[str, Any]:
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; not a brake file")
-        return tomllib.loads(path.read_bytes().decode())
+        data = tomllib.loads(path.read_bytes().decode())
+        _check_size(data)
     except OSError as error:
         raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # of a path with a NUL, of decoding, and of TOML
         raise BadInput(f"{path}: is not TOML ({error})") from error
+    return data
+
+
+def _check_size(data: Any, depth: int = 0) -> None:
+    """Raise ValueError for numbers and nesting beyond what TOML's parsers must know and Python can handle."""
+    if depth > DEEPEST:
+        raise ValueError(f"nested deeper than {DEEPEST}")
+    if isinstance(data, int) and not -(2**63) <= data < 2**63:
+        raise ValueError("an integer beyond 64 bits")
+    if isinstance(data, dict | list):
+        for item in data.values() if isinstance(data, dict) else data:
+            _check_size(item, depth + 1)
 
 
 def read_brake(path: Path) -> Brake:
@@ -121,7 +135,7 @@ def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
     found: list[Part] = [brake]
     *path, last = _steps(key)
     for step in path:
-        if step.isdigit():
+        if _is_number(step):
             found = found[int(step) : int(step) + 1]
             continue
         below = [getattr(part, _name(part, step, key)) for part in found]
@@ -155,10 +169,14 @@ def _steps(key: str) -> list[str]:
     return key.replace("[", ".").replace("]", "").split(".")
 
 
+def _is_number(step: str) -> bool:
+    return step.isascii() and step.isdigit() and len(step) < 9
+
+
 def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
     head, *rest = steps
     if isinstance(data, list | tuple):
-        if head.isdigit() and int(head) < len(data):
+        if _is_number(head) and int(head) < len(data):
             targets, rest_of = [data[int(head)]], rest
         else:
             targets, rest_of = list(data), steps

@@ -141,19 +141,24 @@ def sweep(
     from drumlin.journal import Journal, source_stamp
     from drumlin.sweeps.cases import check_output, run, table, write_table
     from drumlin.sweeps.file import read_sweep
-    from drumlin.sweeps.workers import crew
+    from drumlin.sweeps.workers import executor
 
     made = read_sweep(sweep_file)
     table_file = output or Path(sweep_file.with_suffix(".csv").name)
     check_output(table_file)
     with Journal(table_file.with_name(table_file.name + ".journal"), source_stamp()) as journal:
+        kept = f"finished cases are kept in {journal.path}; the same command goes on"
+        for line in journal.notes:
+            _note(line)
         try:
-            with crew(jobs, scheduler) as (executor, workers), progress(made.title) as done:
-                rows = run(made.cases, executor=executor, workers=workers, journal=journal, done=done)
+            with executor(jobs, scheduler, _note) as (pool, workers), progress(made.title) as done:
+                rows = run(made.cases, executor=pool, workers=workers, journal=journal, done=done, say=_note)
+        except NoAnswer as error:
+            raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
         except KeyboardInterrupt:
-            print(f"drumlin: stopped; {len(journal)} finished cases are kept in {journal.path}", file=sys.stderr)
+            _note(f"stopped; {len(journal)} {kept}")
             sys.exit(130)
-    write_table(table(made.cases, rows), table_file)
+    write_table(table(made.cases, rows, sweep_file.parent.resolve()), table_file)
     failed = Counter(row["status"].removeprefix("failed: ") for row in rows if row["status"] != "solved")
     print(f"{len(rows)} cases: {len(rows) - failed.total()} solved, {failed.total()} failed")
     for reason, count in failed.most_common(3):
@@ -475,6 +480,11 @@ def check(
         print(f"reference: {path}")
     for line in lines(compare_with(brake, found, curves), tolerance):
         print(line)
+
+
+def _note(words: str) -> None:
+    """A line beside the output."""
+    print(f"drumlin: {words}", file=sys.stderr)
 
 
 def main() -> None:

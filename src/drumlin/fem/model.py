@@ -20,7 +20,7 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import (
     ELEMENTS,
     Body,
-    Kept,
+    Cache,
     Scene,
     actuation,
     clock,
@@ -57,16 +57,16 @@ def solve(
     kind: str = DEFAULT_KIND,
     tolerance: float | None = None,
     penalty: float = PENALTY,
-    kept: Kept | None = None,
+    cache: Cache | None = None,
 ) -> Response:
     """Mesh, condense and solve a brake: prepare, then respond; with a `tolerance` on meshes adapted to it.
 
     tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the mesh and
     of what is left out for it. Raises NoAnswer where it is not reached, BadInput where `elements` are given too.
-    kept: bodies of earlier solves, see `prepare`.
+    cache: bodies of earlier solves, see `prepare`.
     """
     if tolerance is None:
-        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind, kept=kept)
+        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind, cache=cache)
         return respond(scene, brake, penalty=penalty)
     if elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")

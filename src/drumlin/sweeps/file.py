@@ -13,7 +13,6 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from pydantic import Field
-from scipy.special import ndtr, ndtri
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
@@ -23,9 +22,10 @@ from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
 from drumlin.brake.units import to_si
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import MOST_ELEMENTS
+from drumlin.files import content_digest
 from drumlin.foundation.model import lifted
 from drumlin.models import MODELS
-from drumlin.sweeps.cases import Case
+from drumlin.sweeps.cases import Case, mesh_files, names_mesh
 
 MOST_CASES = 1_000_000  # a million rows fill some 2 GB
 
@@ -131,20 +131,20 @@ def read_sweep(path: Path) -> Sweep:
     """
     data = read_toml(path)
     try:
-        return sweep_from(data, path.parent)
+        return sweep_from(data, path.parent.resolve())
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 
 
 def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
-    """A sweep from nested data as a sweep file has it; `base`: folder that relative paths start from.
+    """A sweep from nested data as a sweep file has it; `base`: folder that the paths of brake and meshes start from.
 
     Raises BadInput with one line.
     """
     file = validated(SweepFile, data)
     brake = _base_brake(file.brake, base)
     models = _models(file.model, brake)
-    specs = {key: spec for name, value in file.vary.items() for key, spec in _specs(brake, name, value).items()}
+    specs = {key: spec for name, value in file.vary.items() for key, spec in _specs(brake, name, value, base).items()}
     random = file.combine == "random"
     drawn = [key for key, spec in specs.items() if random or spec.values is None]
     if drawn and file.cases is None:
@@ -169,6 +169,9 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
         if reason is not None:
             raise BadInput(f"model.{name}: does not apply to this brake: {reason}")
     cases = [Case(brake, change, name, options) for change in changes for name, options in models.items()]
+    for path in {path for change in [{}, *changes] for path in mesh_files(brake, change)}:
+        if content_digest(path) == "none":
+            raise BadInput(f"mesh = {str(path)!r}: cannot be read")
     return Sweep(file.title or brake.title, brake, {key: unit_of(brake, key) for key in specs}, cases)
 
 
@@ -205,7 +208,7 @@ class _Spec(NamedTuple):
     at: Callable[[Floats], list[Any]]
 
 
-def _specs(brake: AnyBrake, name: str, given: Any) -> dict[str, _Spec]:
+def _specs(brake: AnyBrake, name: str, given: Any, base: Path) -> dict[str, _Spec]:
     """What [vary] says under a name: by key, where each shoe draws its own."""
     said = f"vary.{name}" if name.isidentifier() else f'vary."{name}"'
     try:
@@ -216,6 +219,8 @@ def _specs(brake: AnyBrake, name: str, given: Any) -> dict[str, _Spec]:
         if not given:
             raise BadInput(f"{said}: the list is empty; needs at least one value")
         values = [_value(said, value, unit) for value in given]
+        if names_mesh(name):
+            values = [str(base / value) if isinstance(value, str) else value for value in values]
         return {name: _Spec(values, lambda u: [values[i] for i in (u * len(values)).astype(int)])}
     if not isinstance(given, dict):
         raise BadInput(
@@ -228,7 +233,7 @@ def _specs(brake: AnyBrake, name: str, given: Any) -> dict[str, _Spec]:
         ends = [_number(f"{said}.from", span.start, unit), _number(f"{said}.to", span.to, unit)]
         return {name: _range(said, ends, span)}
     kind = given["distribution"]
-    if kind not in DISTRIBUTIONS:
+    if not isinstance(kind, str) or kind not in DISTRIBUTIONS:
         raise BadInput(f"{said}.distribution = {kind!r}: unknown; allowed: {', '.join(DISTRIBUTIONS)}")
     law = _part(said, DISTRIBUTIONS[kind], given)
     if not law.each_shoe:
@@ -285,6 +290,7 @@ def _range(said: str, ends: list[float], span: Range) -> _Spec:
 
 def _law(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Callable[[Floats], list[float]]:
     """The inverse of a distribution's cumulative one: u (n,) in (0, 1) -> values."""
+    from scipy import stats  # noqa: PLC0415  (0.5 s)
 
     def middle(name: str, given: float | str | None) -> float:
         """What is given, or else the brake file's own value."""
@@ -305,29 +311,27 @@ def _law(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Cal
             low, high = ((end(*pair) - mean) / deviation for pair in (("from", law.start), ("to", law.to)))
             if not low < high:
                 raise BadInput(f"{said}.to = {law.to!r}: must be greater than from = {law.start!r}")
-            # In the upper tail 1 - u has no digits left: there it is the lower one of the mirror image.
-            a, b, sign = (low, high, 1.0) if low + high < 0 else (-high, -low, -1.0)
-            return lambda u: (mean + sign * deviation * ndtri(ndtr(a) + u * (ndtr(b) - ndtr(a)))).tolist()
+            return _values(stats.truncnorm(low, high, mean, deviation))
         if law.distribution == "lognormal":
             if not mean > 0:
                 raise BadInput(f"{said}.mean = {law.mean!r}: must be greater than 0")
             spread = math.sqrt(math.log1p((deviation / mean) ** 2))
-            median = mean * math.exp(-(spread**2) / 2)
-            return lambda u: (median * np.exp(spread * ndtri(u))).tolist()
-        return lambda u: (mean + deviation * ndtri(u)).tolist()
+            return _values(stats.lognorm(spread, scale=mean * math.exp(-(spread**2) / 2)))
+        return _values(stats.norm(mean, deviation))
     assert isinstance(law, Uniform)
     a, b = end("from", law.start), end("to", law.to)
     if not a < b:
         raise BadInput(f"{said}.to = {law.to!r}: must be greater than from = {law.start!r}")
     if not isinstance(law, Triangular):
-        return lambda u: (a + u * (b - a)).tolist()
+        return _values(stats.uniform(a, b - a))
     c = middle("mode", law.mode)
     if not a <= c <= b:
         raise BadInput(f"{said}.mode = {c:g}: must be from {a:g} to {b:g}")
-    rise = (c - a) / (b - a)
-    return lambda u: np.where(
-        u < rise, a + np.sqrt(u * (b - a) * (c - a)), b - np.sqrt((1 - u) * (b - a) * (b - c))
-    ).tolist()
+    return _values(stats.triang((c - a) / (b - a), a, b - a))
+
+
+def _values(distribution: Any) -> Callable[[Floats], list[float]]:
+    return lambda u: distribution.ppf(u).tolist()
 
 
 def _deviation(said: str, given: float | str, mean: float, unit: str) -> float:
