@@ -147,7 +147,7 @@ def test_a_file_that_is_no_journal_is_left_alone(tmp_path, name):
     (tmp_path / "notes").write_bytes(FOREIGN[name])
     with pytest.raises(BadInput, match="is no journal"):
         Journal(tmp_path / "notes", "a")
-    assert (tmp_path / "notes").read_bytes() == FOREIGN[name] and os.listdir(tmp_path) == ["notes"]
+    assert (tmp_path / "notes").read_bytes() == FOREIGN[name] and list(tmp_path.iterdir()) == [tmp_path / "notes"]
 
 
 def test_an_empty_file_and_a_torn_first_line_are_new_journals(tmp_path):

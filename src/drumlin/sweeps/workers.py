@@ -173,9 +173,14 @@ def _client(distributed: Any, address: str) -> Any:
     """A client of the scheduler at an address. Raises BadInput where none answers."""
     found: Future[Any] = Future()
 
+    class Client(distributed.Client):  # type: ignore[misc]
+        def __del__(self) -> None:
+            with suppress(Exception):  # one that was never connected
+                super().__del__()
+
     def connect() -> None:
         try:
-            found.set_result(distributed.Client(address, timeout=ANSWER, set_as_default=False))
+            found.set_result(Client(address, timeout=ANSWER, set_as_default=False))
         except BaseException as error:
             found.set_exception(error)
 
@@ -294,12 +299,11 @@ def call(work: bytes) -> Any:
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """Without what Dask logs: a lost cluster is said in a line here."""
-    before = {name: logging.getLogger(name).level for name in LOGGERS}
-    for name in LOGGERS:
-        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
-    try:
-        yield
-    finally:
-        for name, level in before.items():
-            logging.getLogger(name).setLevel(level)
+    """Without what Dask logs: a lost cluster is said in a line here, and its log ends where the block ends well."""
+    loggers = [logging.getLogger(name) for name in (*LOGGERS, *logging.root.manager.loggerDict)]
+    before = {logger: logger.level for logger in loggers if logger.name.split(".")[0] in LOGGERS}
+    for logger in before:
+        logger.setLevel(logging.CRITICAL + 1)
+    yield
+    for logger, level in before.items():
+        logger.setLevel(level)
