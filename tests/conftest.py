@@ -1,5 +1,9 @@
 """The brakes that the tests share."""
 
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is loaded: the dense systems are many and small
+
 from pathlib import Path
 
 import pytest
@@ -24,3 +28,8 @@ def brake() -> Brake:
 @pytest.fixture(scope="session")
 def flexible() -> Brake:
     return read_brake(STUDY / "flexible.toml")
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    return ROOT

@@ -12,7 +12,7 @@ from drumlin.fem.adapt import estimate
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.mesh.grading import apart, refine
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.reference import Refinement, fine_response
 

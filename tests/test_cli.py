@@ -13,7 +13,7 @@ import pytest
 from conftest import ROOT, STUDY
 from drumlin.brake.file import read_brake
 from drumlin.cli.terminal import print_table
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 
 DRUMLIN = [sys.executable, "-c", "from drumlin.cli.main import main; main()"]
 

@@ -1,12 +1,16 @@
 """The study of error against run time on its short setting, stopped in its middle and gone on with."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
+import independent
 from drumlin.errors import BadInput
+from drumlin.fem.model import solve
 from drumlin.journal import Journal
 from drumlin.studies import load
+from drumlin.verification.reference import Pair
 from drumlin.verification.work_precision import ERRORS, Method, enough, floor, measure, series, timing
 
 MAIN = "double_shoe/brake"
@@ -64,7 +68,8 @@ def test_a_stopped_run_goes_on_and_keeps_every_row(outcome):
 
 def test_finite_elements_know_more_than_laws_and_laws_are_faster(rows):
     fem, law = pick(rows, "graded mesh", kind="quad2", elements=40), pick(rows, "law", model="sine")
-    assert law["torque_error"] == pytest.approx(0.0277, abs=2e-4)  # as the main report has it
+    truth = independent.torque("double_shoe/brake")
+    assert law["torque_error"] == pytest.approx(abs(independent.SINE_LAW / truth - 1), abs=5e-5)
     for key in ERRORS:
         assert fem[key] < 0.1 * law[key]
     assert law["seconds"] < fem["seconds"] / 3
@@ -153,4 +158,14 @@ def test_times_are_medians_of_enough_repeats_beside_the_unit():
     assert found.lower <= found.seconds <= found.upper
     assert found.repeats >= 5
     assert 1 < found.ratio < 4
-    assert callable(floor)
+
+
+def test_the_floor_is_the_distance_of_both_references_whose_shoes_do_not_cancel(brake):
+    one = solve(brake, elements=10)
+    other = replace(one, shoes=tuple(replace(s, torque=s.torque + d) for s, d in zip(one.shoes, (1, -1), strict=True)))
+    assert other.torque == pytest.approx(one.torque, rel=1e-12)
+    assert floor(brake, Pair(one, other))["torque_error"] == pytest.approx(2 / one.torque, rel=1e-12)
+    peaks = replace(one, shoes=tuple(replace(s, pressure=1.01 * s.pressure) for s in one.shoes))
+    found = floor(brake, Pair(one, peaks))
+    assert [found[key] for key in ("pressure_error", "peak_error")] == pytest.approx([0.01, 0.01], rel=1e-9)
+    assert set(floor(brake, Pair(one, one)).values()) == {0.0}

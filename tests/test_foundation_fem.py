@@ -12,7 +12,8 @@ from drumlin.errors import BadInput
 from drumlin.fem.assembly import prepare
 from drumlin.fem.body import scalar_basis
 from drumlin.fem.deflection import beam_deflection, rim_displacement
-from drumlin.fem.model import respond, solve
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
 from drumlin.foundation.ring import flexibility
 from drumlin.laws import sine
 

@@ -12,7 +12,7 @@ from drumlin.errors import BadInput
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
 from drumlin.fem.mesh.grading import graded
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 
 
 @given(st.integers(1, 300), st.floats(1e-3, 2), st.floats(1e-3, 1))

@@ -16,7 +16,7 @@ from drumlin.fem.assembly import prepare
 from drumlin.fem.mesh.abaqus import read_inp
 from drumlin.fem.mesh.arc import KINDS, shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance
 

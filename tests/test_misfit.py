@@ -13,7 +13,8 @@ from drumlin.brake.fields import Point
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import prepare
-from drumlin.fem.model import respond, solve
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
 from drumlin.foundation import model as foundation
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance

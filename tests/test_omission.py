@@ -12,9 +12,10 @@ from drumlin.errors import BadInput
 from drumlin.fem import omission
 from drumlin.fem.adapt import adapt
 from drumlin.fem.assembly import prepare
-from drumlin.fem.model import respond, solve
+from drumlin.fem.model import respond
 from drumlin.fem.omission import change, predict, scene_without, simplified
 from drumlin.fem.reduced import ring_modes, sketcher
+from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.omission_table import omissions
 
@@ -176,11 +177,18 @@ def test_omissions_compose_and_their_words_are_checked():
 
 
 def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
-    from drumlin.fem.model import contact_problem
+    from drumlin.fem.group import ShoeGroup
 
     brake = vary(BRAKE, ringed("free"))
     scene, simple = scene_without(brake, ["drag"], lambda spec: prepare(spec, elements=16))
-    A = contact_problem(scene, simple, [0, 1]).A
+    A = ShoeGroup(
+        scene,
+        simple,
+        (
+            0,
+            1,
+        ),
+    ).problem.A
     assert np.abs(A - A.T).max() < 1e-12 * np.abs(A).max()
     response = respond(scene, simple)
     assert max(response.balance.force, response.balance.moment) < 1e-9

@@ -9,7 +9,7 @@ import pytest
 from drumlin import peers
 from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
 from drumlin.peers.deck import BEARING, Setting, deck, drum_angles
 from drumlin.peers.peer import loaded_shoes

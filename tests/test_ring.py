@@ -10,8 +10,9 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import prepare
 from drumlin.fem.fields import fields, ring_fields
-from drumlin.fem.model import respond, solve
+from drumlin.fem.model import respond
 from drumlin.fem.ring import ring_mesh
+from drumlin.fem.solve import solve
 
 BRAKE = read_brake(STUDY / "brake.toml")
 

@@ -11,7 +11,8 @@ from drumlin.contact import active_set
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import materials_of, prepare
 from drumlin.fem.body import stiffness
-from drumlin.fem.model import REFINED, contact_problem, refined_group, respond
+from drumlin.fem.group import ShoeGroup
+from drumlin.fem.model import REFINED, refined_group, respond
 from drumlin.journal import Journal
 from drumlin.studies import load
 from drumlin.verification.extreme_cases import Case, cases
@@ -74,7 +75,7 @@ def test_the_whole_system_gives_the_torque_of_the_condensed_bodies(ring):
     scene, brake, response = solved(Case(elements=20, **extra))
     group = list(range(len(brake.shoes)))
     p = [response.shoes[i].pressure[:: brake.shoes[i].frame.sense] for i in group]
-    refined = refined_group(scene, brake, group, 1e6, np.concatenate(p) > 0)
+    refined = refined_group(ShoeGroup(scene, brake, tuple(group), 1e6), np.concatenate(p) > 0)
     assert refined.torque * 2000 == pytest.approx(response.torque, rel=1e-10)
     assert np.abs(refined.p[0] * 2000 - p[0]).max() < 1e-9 * p[0].max()
     assert refined.correction < 1e-12
@@ -86,7 +87,7 @@ def test_the_whole_system_gives_the_torque_of_the_condensed_bodies(ring):
 def test_the_whole_system_finds_the_contact_set_itself():
     scene, brake, response = solved(Case(clearance="split", elements=24))
     wrong = everywhere(scene)
-    refined = refined_group(scene, brake, [0], 1e6, wrong)
+    refined = refined_group(ShoeGroup(scene, brake, (0,), 1e6), wrong)
     assert refined.sets > 1
     assert refined.torque * 2000 == pytest.approx(response.torque, rel=1e-9)
 
@@ -95,7 +96,8 @@ def test_a_torque_near_self_locking_has_a_bad_condition():
     scene, brake, _ = solved(Case(friction=0.3, elements=12))
     scene_, brake_, _ = solved(Case(friction=1.17, elements=12))
     mild, sharp = (
-        refined_group(s, b, [0], 1e6, everywhere(s)).condition for s, b in ((scene, brake), (scene_, brake_))
+        refined_group(ShoeGroup(s, b, (0,), 1e6), everywhere(s)).condition
+        for s, b in ((scene, brake), (scene_, brake_))
     )
     assert sharp > 10 * mild
 
@@ -140,7 +142,7 @@ def test_a_contact_set_of_one_node_carries_the_moment_exactly():
 
 def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix():
     scene, brake, _ = solved(Case(elements=10))
-    problem = contact_problem(scene, brake, [0])
+    problem = ShoeGroup(scene, brake, (0,)).problem
     A, _, B, C, _ = problem
     d = 1 / np.sqrt(np.diagonal(A))
     column, row = 1 / np.abs(d[:, None] * B).max(), 1 / np.abs(C * d).max()

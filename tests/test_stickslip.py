@@ -13,6 +13,7 @@ from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import prepare
+from drumlin.fem.group import ShoeGroup
 from drumlin.fem.holding import as_dict, full_slip_rotation, hold, holding_problem, turned
 from drumlin.fem.interface import ContactLine, couple
 from drumlin.fem.model import respond
@@ -95,7 +96,7 @@ def test_solving_twice_changes_nothing():
 @given(st.integers(0, 500))
 def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_differences(seed):
     """Open, stick and slip together: residuals vanish, and p, t move with the load as their linear equations say."""
-    problem, lever = holding_problem(SCENE, BRAKE, [seed % 2], 1e4)
+    problem, lever = holding_problem(ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4))
     rng = np.random.default_rng(seed)
     rotation = 10 ** rng.uniform(-5.5, -3.5)
     n = len(lever)

@@ -13,7 +13,7 @@ from drumlin.brake.file import read_brake, unit_of, vary
 from drumlin.errors import BadInput
 from drumlin.fem import assembly
 from drumlin.fem.assembly import Cache
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.journal import Journal
 from drumlin.sweeps.cases import Case, run, solved, table, write_table
 from drumlin.sweeps.file import read_sweep, sweep_from

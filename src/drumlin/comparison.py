@@ -197,7 +197,26 @@ class Comparison:
 def compare(
     brake: Brake, case: str = "", repeats: int = 1, models: Sequence[str] | None = None, **options: Any
 ) -> Comparison:
-    """Run all models that apply to a brake, or those of `models`; `options` go to the finite elements."""
+    """Solve a brake by all models that apply, side by side.
+
+    Parameters
+    ----------
+    brake : as `read_brake` gives it, on a drum
+    case : a name for the table; "": the brake's title
+    repeats : how often each model is timed
+    models : names of the models; None: all that apply
+    options : of the finite elements, as `solve` takes them
+
+    Returns
+    -------
+    the comparison: `responses` by model, `rows` of a table with the errors against the finite elements (fractions);
+    a model that has no answer is a row that says why
+
+    Raises
+    ------
+    BadInput
+        for an option out of range
+    """
     outcomes = [
         run(model.name, partial(model.solve, brake, **(options if model.name == "fem" else {})), repeats)
         for model in applicable(brake)
@@ -235,6 +254,6 @@ class Convergence:
 
 def converge(brake: Brake, elements: Sequence[int]) -> Convergence:
     """Solve a brake on several meshes, coarse to fine, with exact contact."""
-    from drumlin.fem.model import solve  # noqa: PLC0415  (finite elements load only where they are used)
+    from drumlin.fem.solve import solve  # noqa: PLC0415  (finite elements load only where they are used)
 
     return Convergence(tuple(elements), tuple(solve(brake, elements=n, penalty=math.inf) for n in elements))

@@ -11,7 +11,7 @@ import numpy as np
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import COLUMNS, Column, Comparison, Convergence, as_csv, compare, converge
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.laws import sine
 from drumlin.report import figures

@@ -16,7 +16,7 @@ from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.comparison import Column, as_csv
 from drumlin.errors import DrumlinError
 from drumlin.fem.mesh.arc import KINDS
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.journal import Journal
 from drumlin.models import applicable, refusals

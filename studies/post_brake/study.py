@@ -18,7 +18,8 @@ from drumlin.comparison import COLUMNS, Column, Comparison, as_csv, run
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, prepare
 from drumlin.fem.deflection import beam_deflection, rim_displacement
-from drumlin.fem.model import respond, solve
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.laws import sine
 from drumlin.report import figures, post_figures

@@ -13,8 +13,9 @@ from drumlin.comparison import Column
 from drumlin.contact.self_locking import agreement, first_singular, limit
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, prepare
+from drumlin.fem.group import ShoeGroup
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.self_locking import limits, sliding, torques
+from drumlin.fem.self_locking import limits, torques
 from drumlin.fem.sensitivity import against_differences
 from drumlin.journal import Journal
 from drumlin.laws import locking_friction, sine
@@ -136,7 +137,7 @@ def _unique(seed: int, way: str) -> Row:
     """One random brake: starts from all, no and random nodes at each fraction of its limit; beyond the limit."""
     brake = random_brake(seed, way)
     scene = prepare(brake, elements=16)
-    problems = sliding(scene, brake, [0])
+    problems = ShoeGroup(scene, brake, (0,)).sliding
     end, n, rng = limit(problems, NEVER), len(problems.still.q), np.random.default_rng([SEED, seed])
     starts = [np.ones(n, bool), np.zeros(n, bool), *(rng.random(n) < 0.5 for _ in range(STARTS))]
     top = min(end.friction, LARGEST)
@@ -157,7 +158,7 @@ def _unique(seed: int, way: str) -> Row:
         beyond = sum(agreement(problems.at(mu), end.last, starts, 0.0).others for mu in mu_beyond)
         answered = sum(_answers(scene, vary(brake, {"friction": mu})) for mu in mu_beyond)
     small = prepare(brake, elements=SMALL)
-    any_set = first_singular(sliding(small, brake, [0]))
+    any_set = first_singular(ShoeGroup(small, brake, (0,)).sliding)
     shoe = brake.shoes[0]
     return {
         "brake": seed, "way": way, "mu_lock": None if math.isinf(end.friction) else end.friction, "bounded": end.bounded,

@@ -11,7 +11,7 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import Column, as_csv
 from drumlin.errors import NoAnswer
 from drumlin.fem.mesh.arc import KINDS
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.page import Figure, Section, Table, Text, write_page

@@ -8,6 +8,7 @@ leaves out at most n a/(mu R) of the torque.
 """
 
 from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,7 +17,8 @@ from drumlin.brake.components import STEP, Drum, Lining
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Point
 from drumlin.brake.file import vary
-from drumlin.response.response import Response
+
+T = TypeVar("T")
 
 
 def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
@@ -80,7 +82,7 @@ def thermal_growth(R: float, expansion: float, warming: float) -> float:
     return expansion * warming * R
 
 
-def one_turn(brake: Brake, solve: Callable[[Brake], Response], angles: Sequence[float]) -> list[Response]:
+def one_turn(brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float]) -> list[T]:
     """The responses as the drum stands at each of the angles [rad], with steady forces and without inertia.
 
     solve: any model, such as `respond` on one scene: the bodies stay. Raises what it raises.

@@ -117,6 +117,15 @@ class Brake(Part):
         return 1 if self.rotation == "counter-clockwise" else -1
 
     @property
+    def drag(self) -> float:
+        """Friction on the lining per pressure along e_theta at full slip: mu s."""
+        return self.friction * self.spin
+
+    def drag_on(self, shoe: Shoe) -> float:
+        """The same along growing angles of the shoe's own frame."""
+        return self.drag * shoe.frame.sense
+
+    @property
     def motion(self) -> str:
         """What moves, in words."""
         return f"drum turns {self.rotation}"

@@ -105,11 +105,23 @@ class FlatBrake(Part):
 AnyBrake = Brake | FlatBrake
 
 
-def read_any(path: Path) -> AnyBrake:
-    """The brake of either kind described by the TOML file `path`: with [plane] a flat one, else on a drum.
+def read_any(path: Path | str) -> AnyBrake:
+    """The brake described by a TOML file: with [plane] one on a plane, else one on a drum.
 
-    Raises BadInput with one line that names the key, the value and what is allowed.
+    Parameters
+    ----------
+    path : path of the file, every quantity in it with its unit
+
+    Returns
+    -------
+    the brake as frozen, validated data in SI units
+
+    Raises
+    ------
+    BadInput
+        for a file that cannot be read or is no brake: one line that names the key, the value and what is allowed
     """
+    path = Path(path)
     data = read_toml(path)
     try:
         if "plane" in data:

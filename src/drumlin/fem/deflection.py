@@ -31,7 +31,7 @@ def rim_displacement(scene: Scene, brake: Brake, response: Response) -> tuple[Fl
         raise BadInput("drum.ring: is missing, a rigid drum has no displacement")
     p = [answer.pressure[:: shoe.frame.sense] for shoe, answer in zip(brake.shoes, response.shoes, strict=True)]
     nodes = ring.basis.get_dofs(ring.mesh.boundaries["contact"]).flatten()
-    x, u = ring.basis.doflocs[:, nodes], ring.displacement(p, brake.friction * brake.spin)[:, nodes]
+    x, u = ring.basis.doflocs[:, nodes], ring.displacement(p, brake.drag)[:, nodes]
     theta = np.arctan2(x[1], x[0])
     order = np.argsort(theta)
     return theta[order], -((x * u).sum(axis=0) / np.hypot(*x))[order]

@@ -29,8 +29,9 @@ from drumlin.arrays import Bools, Floats, Ints
 from drumlin.brake.drum_brake import Brake
 from drumlin.contact.active_set import SLACK
 from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import Scene, actuation, contact_stiffness, materials_of, pin_of
+from drumlin.fem.assembly import Scene, actuation, materials_of, pin_of
 from drumlin.fem.body import FRAME, stiffness
+from drumlin.fem.group import ShoeGroup
 from drumlin.fem.ring import rim_loads
 
 LONG = np.longdouble
@@ -84,45 +85,43 @@ class Whole:
         return self.pressures[0].start
 
 
-def whole(
-    scene: Scene, brake: Brake, group: list[int], penalty: float, gaps: dict[int, Floats], *, carried: bool = True
-) -> Whole:
-    """Assemble the whole system of a group of shoes, all nodes in contact; `gaps`: of the unloaded linings [m].
+def whole(group: ShoeGroup, *, carried: bool = True) -> Whole:
+    """Assemble the whole system of a group of shoes, all nodes in contact.
 
     carried: displacements are counted from where the turns carry the shoes; otherwise from where they were, which
     keeps more digits where the drum holds the lining and a soft shoe turns behind it.
     """
-    size = max(abs(brake.shoes[i].actuation.force) for i in group)
-    sections = [_shoe_block(scene, brake, i, size, carried) for i in group]
+    scene, brake, size, members = group.scene, group.brake, group.unit_force, group.members
+    sections = [_shoe_block(scene, brake, i, size, carried) for i in members]
     ring = _ring_block(scene, brake) if scene.ring is not None else None
     blocks = [part.K for part in sections] + ([ring.K] if ring else [])
     starts = np.cumsum([0, *(block.shape[0] for block in blocks)])
-    counts = [len(gaps[i]) for i in group]
+    counts = [len(gap) for gap in group.gaps]
     firsts = np.cumsum([starts[-1], *counts])
     total = int(firsts[-1])
-    rows: list[list[Any]] = [[None] * (len(blocks) + len(group)) for _ in range(len(blocks) + len(group))]
+    rows: list[list[Any]] = [[None] * (len(blocks) + len(members)) for _ in range(len(blocks) + len(members))]
     right = np.zeros(total, dtype=LONG)
     lever = np.zeros(total)
     for k, block in enumerate(blocks):
         rows[k][k] = block
-    for k, (i, part) in enumerate(zip(group, sections, strict=True)):
-        shoe, coupling = brake.shoes[i], scene.bodies[i].coupling
+    for k, (i, part) in enumerate(zip(members, sections, strict=True)):
+        coupling = group.bodies[k].coupling
         at = len(blocks) + k
         rows[k][at], rows[at][k] = part.pushed, -part.closed
-        rows[at][at] = sp.csr_matrix((coupling.M / contact_stiffness(shoe, penalty)).astype(LONG))
+        rows[at][at] = sp.csr_matrix((coupling.M / group.stiffnesses[k]).astype(LONG))
         if ring is not None:
             N, T = ring.coupled[i]
-            drag = brake.friction * brake.spin
-            rows[-len(group) - 1][at], rows[at][-len(group) - 1] = -(N - drag * T).T, N
+            drag = brake.drag
+            rows[-len(members) - 1][at], rows[at][-len(members) - 1] = -(N - drag * T).T, N
         right[starts[k] : starts[k + 1]] = part.load
-        right[firsts[k] : firsts[k + 1]] = -(coupling.M.astype(LONG) @ (gaps[i].astype(LONG) / size))
+        right[firsts[k] : firsts[k + 1]] = -(coupling.M.astype(LONG) @ (group.gaps[k].astype(LONG) / size))
         lever[firsts[k] : firsts[k + 1]] = brake.friction * coupling.lever
     matrix = _joined(rows, [*(b.shape[0] for b in blocks), *counts])
     return Whole(
         matrix=matrix,
         right=right,
         pressures=tuple(slice(int(a), int(b)) for a, b in pairwise(firsts)),
-        turns=starts[1 : len(group) + 1] - 1,
+        turns=starts[1 : len(members) + 1] - 1,
         held=tuple((int(at), part.held, part.held_load) for at, part in zip(starts, sections, strict=False)),
         lever=lever,
         scale=_scale(matrix, int(firsts[0])),
@@ -151,7 +150,7 @@ def _shoe_block(scene: Scene, brake: Brake, index: int, size: float, carried: bo
     share = LONG(abs(shoe.actuation.force)) / size
     load = share * (body.condensed.loads.astype(LONG) @ unit.astype(LONG))
     N, T = body.coupling.N.astype(LONG), body.coupling.T.astype(LONG)
-    drag = LONG(brake.friction * brake.spin * shoe.frame.sense)
+    drag = LONG(brake.drag_on(shoe))
     pushing = (N - drag * T).T
     x, y = (body.line.xy - pin_of(shoe)[:, None]).astype(LONG)
     turned = np.column_stack([-y, x]).ravel()

@@ -28,7 +28,7 @@ from drumlin.foundation.ring import drag_flexibility, flexibility
 from drumlin.laws import locking_friction
 from drumlin.laws.hinged import no_contact, pressing_moment
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Deformation, Response, ShoeResponse, shoe_balance, untouched, worst
+from drumlin.response.response import Deformation, Response, ShoeResponse, pressed_shoe, shoe_balance, untouched, worst
 from drumlin.response.resultants import Resultant
 
 SECTIONS = 360
@@ -230,42 +230,27 @@ def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
     w = turn * p.x + np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
     theta = shoe_angles(p.axis, shoe, p.theta)
-    forward = slice(None, None, p.axis.sense)
     contact_ = _resultant(brake, theta, N)
     helping = float(-p.drag * (p.dragged[0] @ N))  # against the resisting moments
-    zone = shoe.lining.thickness / (2 * R)
-    inside = (p.theta > p.theta[0] + zone) & (p.theta < p.theta[-1] - zone)
-    return ShoeResponse(
-        name=shoe.name,
+    return pressed_shoe(
+        shoe,
+        R,
+        theta,
+        pressure,
+        order=1,
         torque=abs(contact_.moment),
         normal_force=float(np.linalg.norm(contact_.normal)),
         self_energising=helping > 0,
-        peak_pressure=float(pressure[inside if inside.any() else ~inside].max()),
         hinge_reaction=-shoe.actuation.vector - contact_.force,
-        contact_arcs=contact_arcs(theta[forward], pressure[forward]),
-        theta=theta[forward],
-        pressure=pressure[forward],
-        order=1,
         turn=p.axis.sense * turn,
+        located=False,
         lumped=contact_,
-        deformation=Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[forward]),
+        deformation=Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[:: p.axis.sense]),
     )
-
-
-def contact_arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
-    """Arcs [rad] in which the interpolated pressure is positive: steps between nodes with p > 0 at either end."""
-    arcs: list[tuple[float, float]] = []
-    for i in range(len(p) - 1):
-        if p[i] > 0 or p[i + 1] > 0:
-            if arcs and arcs[-1][1] == theta[i]:
-                arcs[-1] = (arcs[-1][0], float(theta[i + 1]))
-            else:
-                arcs.append((float(theta[i]), float(theta[i + 1])))
-    return tuple(arcs)
 
 
 def _resultant(brake: Brake, theta: Floats, N: Floats) -> Resultant:
     """What the drum does to an external lining by the normal forces N at the brake's angles theta (n,)."""
     along = np.array([N @ np.cos(theta), N @ np.sin(theta)])
-    drag = brake.friction * brake.spin
+    drag = brake.drag
     return Resultant(along, drag * np.array([-along[1], along[0]]), drag * brake.drum.radius * float(N.sum()))

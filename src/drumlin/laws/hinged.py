@@ -146,7 +146,7 @@ def contact(brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0) -> Result
     """What the drum does to a shoe of this load [Pa], at `factor` times the brake's friction."""
     force = shoe.lining.width * brake.drum.radius
     along: Floats = force * np.array([load.cos, load.sin])
-    drag = factor * brake.friction * brake.spin
+    drag = factor * brake.drag
     return Resultant(
         normal=shoe.frame.to_brake(-shoe.sign * along),
         friction=shoe.frame.to_brake(drag * shoe.frame.sense * np.array([-along[1], along[0]])),

@@ -16,10 +16,10 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import end_loads, materials_of
+from drumlin.fem.group import gap_at
 from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.abaqus import NAMES
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.fem.model import gap_at
 from drumlin.peers.peer import Loaded
 
 MM = 1e3  # per m

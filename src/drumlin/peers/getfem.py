@@ -20,9 +20,10 @@ from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import ELEMENTS, Mesher, materials_of, pin_of
+from drumlin.fem.group import gap_at
 from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.model import LARGEST_IMBALANCE, gap_at
+from drumlin.fem.model import LARGEST_IMBALANCE
 from drumlin.peers.peer import (
     Forces,
     Loaded,
@@ -35,6 +36,7 @@ from drumlin.peers.peer import (
     untouched_response,
 )
 from drumlin.response.response import Balance, ShoeResponse
+from drumlin.response.resultants import angle_near
 from drumlin.studies import REPOSITORY
 
 SCRIPT = REPOSITORY / "studies" / "error_vs_runtime" / "getfem_brake.py"
@@ -145,7 +147,7 @@ def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> tuple[ShoeRe
     E, b = shoe.lining.material.E, shoe.lining.width
     x, y = np.array(found["xy"])
     middle = sum(shoe.arc) / 2
-    phi = middle + np.angle(np.exp(-1j * middle) * (x + 1j * y))
+    phi = angle_near(middle, np.array([x, y]))
     order = np.argsort(phi)
     size = E * R * b
 

@@ -10,7 +10,8 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import FlatShoe
-from drumlin.response.resultants import Resultant, cross, resultant
+from drumlin.response.resultants import Resultant, contact_arcs, cross, resultant
+from drumlin.response.show import as_html, as_text, plot
 
 EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
@@ -130,7 +131,7 @@ class FlatMerit(NamedTuple):
     sensitivity_at_fixed_shape: float | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Response:
     """What a model answers for a brake.
 
@@ -156,6 +157,16 @@ class Response:
     def torque(self) -> float:
         """Torque of all shoes on the drum [N m], >= 0, against the rotation."""
         return math.fsum(shoe.torque for shoe in self.shoes)
+
+    def __repr__(self) -> str:
+        return as_text(self)
+
+    def _repr_html_(self) -> str:
+        return as_html(self)
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw p(theta) of every shoe, in MPa over degrees, into matplotlib `axes`, or new ones; returns them."""
+        return plot(self, axes)
 
     def as_dict(self) -> dict[str, Any]:
         """The response as plain data for JSON (units as in the attributes: N m, N, Pa, rad, s)."""
@@ -194,6 +205,55 @@ def untouched(shoe: Shoe | FlatShoe, hinge_reaction: Floats) -> ShoeResponse:
     )
 
 
+def pressed_shoe(
+    shoe: Shoe,
+    radius: float,
+    theta: Floats,
+    pressure: Floats,
+    *,
+    order: int,
+    torque: float,
+    normal_force: float,
+    self_energising: bool,
+    hinge_reaction: Floats,
+    turn: float | None = None,
+    located: bool = True,
+    **more: Any,
+) -> ShoeResponse:
+    """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
+
+    radius: of the drum [m]; located: the ends of the contact are located within their elements; more: other
+    attributes of ShoeResponse.
+    """
+    forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
+    theta, pressure = theta[forward], pressure[forward]
+    return ShoeResponse(
+        name=shoe.name,
+        torque=torque,
+        normal_force=normal_force,
+        self_energising=self_energising,
+        peak_pressure=nodal_peak(theta, pressure, edge_zone(shoe, radius)),
+        hinge_reaction=hinge_reaction,
+        contact_arcs=contact_arcs(theta, pressure, order, located=located),
+        theta=theta,
+        pressure=pressure,
+        order=order,
+        turn=turn,
+        **more,
+    )
+
+
+def edge_zone(shoe: Shoe, radius: float) -> float:
+    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep."""
+    return shoe.lining.thickness / (2 * radius)
+
+
+def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:
+    """The largest nodal pressure [Pa] more than `zone` [rad] from the lining's ends; of all nodes where none is."""
+    inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
+    return float(pressure[inside if inside.any() else ~inside].max())
+
+
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
     """What the drum does to shoe `index`: the integrals of the response's own p(theta), or what its law lumps."""
     if response.lumped is not None:
@@ -206,7 +266,7 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
         radius=brake.drum.radius,
         width=shoe.lining.width,
         sign=shoe.sign,
-        drag=brake.friction * brake.spin,
+        drag=brake.drag,
     )
 
 

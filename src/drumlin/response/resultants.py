@@ -28,6 +28,11 @@ def cross(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
+def angle_near(middle: float, xy: Floats) -> Floats:
+    """Angles [rad] of the points xy (2, ...), within half a turn of `middle` [rad]."""
+    return np.asarray(middle + np.angle(np.exp(-1j * middle) * (xy[0] + 1j * xy[1])))
+
+
 def shape(order: int, xi: Floats) -> Floats:
     """Lagrange shape functions of degree `order` on nodes evenly spaced over [-1, 1]: (order + 1, len(xi))."""
     nodes = np.linspace(-1, 1, order + 1)
@@ -76,10 +81,13 @@ def resultant(
     return Resultant(-sign * along, drag * across, float(np.sum(load)) * drag * radius)
 
 
-def contact_arcs(theta: Floats, pressure: Floats, order: int) -> tuple[tuple[float, float], ...]:
+def contact_arcs(
+    theta: Floats, pressure: Floats, order: int, *, located: bool = True
+) -> tuple[tuple[float, float], ...]:
     """Arcs [rad] in which the lining is pressed; theta (n,) [rad], pressure (n,) [Pa], piecewise of degree `order`.
 
-    Nodes next to a pressed one belong to its arc; an end without pressure is then located within its step.
+    Nodes next to a pressed one belong to its arc; an end without pressure is then located within its step, unless
+    not `located`.
     """
     pressed = pressure > 0
     steps = pressed[:-1] | pressed[1:]
@@ -89,8 +97,13 @@ def contact_arcs(theta: Floats, pressure: Floats, order: int) -> tuple[tuple[flo
         if steps[i] and not (i and steps[i - 1]):
             start = i
         if steps[i] and not (i + 1 < last and steps[i + 1]):
-            first = _end(theta, pressure, start, order)
-            arcs.append((first, -_end(-theta[::-1], pressure[::-1], last - i - 1, order)))
+            ends = float(theta[start]), float(theta[i + 1])
+            if located:
+                ends = (
+                    _end(theta, pressure, start, order),
+                    -_end(-theta[::-1], pressure[::-1], last - i - 1, order),
+                )
+            arcs.append(ends)
     return tuple(arcs)
 
 

@@ -32,11 +32,11 @@ from drumlin.fem.assembly import (
     pin_of,
 )
 from drumlin.fem.body import FRAME
+from drumlin.fem.group import gap_at
 from drumlin.fem.interface import edge_points, radial
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.model import gap_at
-from drumlin.response.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
-from drumlin.response.resultants import cross
+from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, relative_balance, untouched, worst
+from drumlin.response.resultants import angle_near, cross
 
 PENALTY = 1e3
 """Default penalty factor alpha: eps = alpha E/t. A stiffer one locks the points, which are more than the nodes."""
@@ -91,7 +91,7 @@ def _shoe(
     brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: Seconds
 ) -> tuple[ShoeResponse, Balance, int]:
     parts = assemble(brake, shoe, mesher, seconds)
-    drag = brake.friction * brake.spin * shoe.frame.sense
+    drag = brake.drag_on(shoe)
     unit, moment = actuation(parts, shoe)
     force = abs(shoe.actuation.force)
     with clock(seconds, "contact"):
@@ -127,9 +127,7 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
     psi, x, ds = edge_points(line.xy[:, line.pieces], at, weights)
     normal, tangent = radial(shoe.sign)(x)
     radius = np.hypot(*x)
-    middle = sum(shoe.arc) / 2
-    z = np.exp(-1j * middle) * (x[0] + 1j * x[1])
-    phi = middle + np.angle(z)
+    phi = angle_near(sum(shoe.arc) / 2, x)
     unknowns = parts.ties.matrix.shape[1]
     first = unknowns - FRAME - 2 * len(line.nodes)
 
@@ -196,29 +194,18 @@ def _response(
     frame, by_angle = shoe.frame, np.argsort(points.phi)
     phi, q = points.phi[by_angle], p[by_angle]
     phi, q = np.concatenate([[shoe.arc[0]], phi, [shoe.arc[1]]]), np.concatenate([q[:1], q, q[-1:]])
-    forward = slice(None, None, frame.sense)
-    theta = frame.theta(phi)[forward]
-    zone = shoe.lining.thickness / (2 * float(points.radius.mean()))
-    inside = (phi > phi[0] + zone) & (phi < phi[-1] - zone)
     forces = points.weight * p
     normal = [float(forces @ np.cos(points.phi)), float(forces @ np.sin(points.phi))]
-    return ShoeResponse(
-        name=shoe.name,
+    return pressed_shoe(
+        shoe,
+        float(points.radius.mean()),
+        frame.theta(phi),
+        q,
+        order=1,
         torque=friction * float(forces @ points.radius),
         normal_force=float(np.linalg.norm(normal)),
         self_energising=assists,
-        peak_pressure=float(q[inside].max() if inside.any() else q.max()),
         hinge_reaction=reaction,
-        contact_arcs=_arcs(theta, q[forward]),
-        theta=theta,
-        pressure=q[forward],
-        order=1,
         turn=frame.sense * turn,
+        located=False,
     )
-
-
-def _arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
-    """Angles between which points touch."""
-    on = np.concatenate([[False], p > 0, [False]])
-    first, last = np.flatnonzero(on[1:] & ~on[:-1]), np.flatnonzero(on[:-1] & ~on[1:]) - 1
-    return tuple((float(theta[a]), float(theta[b])) for a, b in zip(first, last, strict=True))

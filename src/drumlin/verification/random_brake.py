@@ -8,7 +8,7 @@ import numpy as np
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import brake_from, vary
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, sine
 
 COARSE = 4  # elements of the mesh that shows whether a brake has an answer without friction

@@ -18,14 +18,15 @@ import numpy as np
 
 import drumlin
 from drumlin.arrays import Bools, Floats
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput
 from drumlin.fem.adapt import scene_refined
 from drumlin.fem.mesh.grading import fine
-from drumlin.fem.model import respond, solve
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.response.norms import pressure_distance
-from drumlin.response.response import Response, ShoeResponse, contact_resultant
+from drumlin.response.response import Response, ShoeResponse, contact_resultant, edge_zone
 
 FORMAT = "drumlin reference values, 1"
 DIGITS = 10  # significant digits in a file
@@ -87,11 +88,6 @@ def responses(brake: Brake, refinements: tuple[Refinement, Refinement] = REFINEM
     first = fine_response(brake, solve(brake, elements=40), FIRST)
     value, other = (fine_response(brake, first, refinement) for refinement in refinements)
     return Pair(value, other)
-
-
-def edge_zone(shoe: Shoe, radius: float) -> float:
-    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep."""
-    return shoe.lining.thickness / (2 * radius)
 
 
 def peak_away(response: ShoeResponse, edge: float, points: int = 2001) -> float:

@@ -17,7 +17,8 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.contact import active_set
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Scene, prepare
-from drumlin.fem.model import REFINED, contact_problem, refined_group, respond, turns_towards, unit_force
+from drumlin.fem.group import ShoeGroup, groups_of
+from drumlin.fem.model import REFINED, refined_group, respond
 from drumlin.fem.refinement import EPSILON
 from drumlin.response.response import Response
 from drumlin.verification import pointwise
@@ -103,9 +104,7 @@ def worth(scene: Scene, brake: Brake, response: Response, penalty: float) -> dic
     the digits that it leaves to double precision `allowed`; `digits` of the torque that agree with the refined whole
     system, at most 16 and at most what the refinement itself is sure of; `pressure_error`: in the maximum norm.
     """
-    touching = [i for i, shoe in enumerate(brake.shoes) if turns_towards(scene.bodies[i], shoe)]
-    groups = [[i] for i in touching] if scene.ring is None else [touching]
-    rows = [_worth(scene, brake, response, group, penalty) for group in groups]
+    rows = [_worth(response, group) for group in groups_of(scene, brake, penalty)]
     worst: dict[str, Any] = {key: max(row[key] for row in rows) for key in ("condition", "seconds_whole")}
     known = [row for row in rows if row["digits"] is not None]
     if len(known) < len(rows):
@@ -121,23 +120,22 @@ def worth(scene: Scene, brake: Brake, response: Response, penalty: float) -> dic
     }
 
 
-def _worth(scene: Scene, brake: Brake, response: Response, group: list[int], penalty: float) -> dict[str, Any]:
-    size = unit_force(brake, group)
-    p = np.concatenate([response.shoes[i].pressure[:: brake.shoes[i].frame.sense] for i in group]) / size
+def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
+    size, shoes = group.unit_force, [response.shoes[i] for i in group.members]
+    p = np.concatenate([r.pressure[:: s.frame.sense] for r, s in zip(shoes, group.shoes, strict=True)]) / size
     active = p > 0
-    problem = contact_problem(scene, brake, group, penalty)
     row: dict[str, Any] = {
-        "condition": active_set.condition(problem, active),
+        "condition": active_set.condition(group.problem, active),
         "digits": None,
         "whole": "",
     }
     start = time.perf_counter()
     try:
-        found = refined_group(scene, brake, group, penalty, active, OTHER_ORDER)
+        found = refined_group(group, active, OTHER_ORDER)
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start
-    torque = sum(response.shoes[i].torque for i in group) / size
+    torque = sum(shoe.torque for shoe in shoes) / size
     off = abs(torque - found.torque) / found.torque if found.torque else 0.0
     q = np.concatenate(found.p)
     return row | {

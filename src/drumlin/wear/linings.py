@@ -8,14 +8,13 @@ from collections.abc import Iterable, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-import scipy.linalg
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.contact import active_set
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Body, Scene
-from drumlin.fem.model import contact_problem, gap_of, turns_towards, unit_force
+from drumlin.fem.group import grouped, turns_towards
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment
@@ -98,28 +97,25 @@ def fem_rig(scene: Scene, brake: Brake, *, penalty: float = math.inf, guide: Gui
     ]
     touching = [i for i, presses in enumerate(pressing) if presses]
     rubs, surfaces = list[Rub](), list[Surface]()
-    for group in [[i] for i in touching] if scene.ring is None else [touching] if touching else []:
-        bodies = [scene.bodies[i] for i in group]
-        size = unit_force(brake, group)
-        problem = contact_problem(scene, brake, group, penalty)
+    for group in grouped(scene, brake, touching, penalty):
+        size, problem = group.unit_force, group.problem
         problem = problem._replace(q=size * problem.q, h=size * problem.h)  # newtons
         if special:
-            problem = _moving(problem, bodies[0], brake, brake.shoes[group[0]], motions[group[0]])
-        weight = scipy.linalg.block_diag(*(body.coupling.M for body in bodies))
-        gap = np.concatenate([gap_of(body, brake, brake.shoes[i]) for i, body in zip(group, bodies, strict=True)])
+            problem = _moving(problem, group.bodies[0], brake, group.shoes[0], motions[group.members[0]])
+        gap = np.concatenate(group.gaps)
         placed = [
-            (i, brake.shoes[i].frame.theta(body.line.phi), body.line.order, _approach(body, brake.shoes[i], motions[i]))
-            for i, body in zip(group, bodies, strict=True)
+            (i, shoe.frame.theta(body.line.phi), body.line.order, _approach(body, shoe, motions[i]))
+            for i, body, shoe in zip(group.members, group.bodies, group.shoes, strict=True)
         ]
         surfaces += _surfaces(brake, surfaces, len(rubs), placed)
         rubs.append(
             Rub(
                 problem=problem,
-                loaded=problem.q - weight @ gap,
-                weight=weight,
+                loaded=problem.q - group.masses @ gap,
+                weight=group.masses,
                 pressure=np.ones(len(gap)),
-                area=np.concatenate([body.coupling.area for body in bodies]),
-                torque=brake.friction * np.concatenate([body.coupling.lever for body in bodies]),
+                area=np.concatenate([body.coupling.area for body in group.bodies]),
+                torque=brake.friction * np.concatenate([body.coupling.lever for body in group.bodies]),
             )
         )
     return _rig(brake, "fem", rubs, surfaces)
@@ -175,7 +171,7 @@ def motions_of(body: Body, shoe: Shoe, guide: Guide) -> Motions:
 
 def _moving(problem: active_set.Problem, body: Body, brake: Brake, shoe: Shoe, motions: Motions) -> active_set.Problem:
     """The problem of a rigid shoe with these motions: C is what the contact does on them, against the actuation."""
-    drag = brake.friction * brake.spin * shoe.frame.sense
+    drag = brake.drag_on(shoe)
     approach = body.coupling.N @ motions.moved
     C = (drag * (body.coupling.T @ motions.moved) - approach).T
     return problem._replace(B=-approach, C=C, h=-motions.work)

@@ -17,6 +17,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
 from drumlin.wear import archard
 from drumlin.wear.archard import Law, State
@@ -219,9 +220,7 @@ def peak(rig: Rig, state: State) -> float:
     peaks = []
     for surface in rig.surfaces:
         theta, p = surface.angles, surface.along(state.pressure)
-        zone = rig.brake.shoes[surface.shoe].lining.thickness / (2 * rig.brake.drum.radius)
-        inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
-        peaks.append(float(p[inside if inside.any() else ~inside].max()))
+        peaks.append(nodal_peak(theta, p, edge_zone(rig.brake.shoes[surface.shoe], rig.brake.drum.radius)))
     return max(peaks)
 
 

@@ -15,12 +15,14 @@ from drumlin.arrays import Floats
 from drumlin.brake import Brake, vary
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Scene, prepare
-from drumlin.fem.model import PENALTY, contact_problem, groups_of, respond, unit_force
+from drumlin.fem.group import groups_of
+from drumlin.fem.model import PENALTY, respond
 from drumlin.foundation.model import SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import hinged, sine
 from drumlin.laws.shapes import SINE
 from drumlin.response import Response
+from drumlin.response.merit import with_merits
 
 FITTING = {"shoe.lining.clearance": 0.0, "shoe.lining.misfit": {}}
 ROUND: dict[str, Any] = {"drum.out_of_round": []}
@@ -29,7 +31,7 @@ ROUND: dict[str, Any] = {"drum.out_of_round": []}
 def solve(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
     """The response of a brake of finite elements with linings that are worn in; `options` of `prepare`."""
     scene = prepare(brake, **options)
-    return respond(scene, worn_in(scene, brake), penalty=penalty)
+    return with_merits(brake, respond(scene, worn_in(scene, brake), penalty=penalty))
 
 
 def worn_in(scene: Scene, brake: Brake) -> Brake:
@@ -44,18 +46,13 @@ def worn_in(scene: Scene, brake: Brake) -> Brake:
     law, fitting = sine(brake), vary(brake, FITTING)
     changes: dict[str, list[list[float]]] = {}
     round_ = vary(fitting, ROUND)
-    for group in groups_of(scene, brake):
-        size, problem = unit_force(round_, group), contact_problem(scene, round_, group)
-        bodies = [scene.bodies[i] for i in group]
-        angles = [brake.shoes[i].frame.theta(body.line.phi) for i, body in zip(group, bodies, strict=True)]
-        p = np.concatenate([law.shoes[i].pressure_at(theta) for i, theta in zip(group, angles, strict=True)])
-        M = scipy.linalg.block_diag(*(body.coupling.M for body in bodies))
+    for group in groups_of(scene, round_):
+        size, problem, M = group.unit_force, group.problem, group.masses
+        angles = [shoe.frame.theta(body.line.phi) for body, shoe in zip(group.bodies, group.shoes, strict=True)]
+        p = np.concatenate([law.shoes[i].pressure_at(theta) for i, theta in zip(group.members, angles, strict=True)])
         closed = scipy.linalg.solve(M, size * problem.q + problem.A @ p, assume_a="pos")
         closing = np.abs(scipy.linalg.solve(M, problem.B, assume_a="pos"))  # per turn
-        first = 0
-        for k, (i, theta) in enumerate(zip(group, angles, strict=True)):
-            part = slice(first, first + len(theta))
-            first = part.stop
+        for k, (i, theta, part) in enumerate(zip(group.members, angles, group.parts, strict=True)):
             rows = _clearance(theta, closed[part], closing[part, k])
             changes[f"shoe[{i}].lining.clearance"] = rows[:: brake.shoes[i].frame.sense].tolist()
     return vary(fitting, changes)
