@@ -16,7 +16,7 @@ from drumlin.sweeps.cases import run, table, write_table
 from drumlin.sweeps.file import read_sweep
 
 ROOT = Path(__file__).resolve().parents[1]
-SECONDS = 10
+SECONDS = 10  # of processor time
 LONGEST = 1000  # letters of a line
 FILES = [*sorted((ROOT / "studies" / "sweeps").glob("*.toml"))]
 MESHED = """
@@ -136,8 +136,8 @@ def fault(seed: int, folder: Path) -> str:
     def late(*_: object) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGALRM, late)
-    signal.alarm(SECONDS)
+    before = signal.signal(signal.SIGPROF, late)
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
         cases = read_sweep(path).cases[:3]
         quick = [case._replace(options={"elements": 6} if case.model == "fem" else case.options) for case in cases]
@@ -156,8 +156,8 @@ def fault(seed: int, folder: Path) -> str:
         frames = traceback.extract_tb(error.__traceback__)[-2:]
         return f"{type(error).__name__}: {error}"[:200] + f" at {[f'{f.filename[-30:]}:{f.lineno}' for f in frames]}"
     finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def main(count: int = 2000, first: int = 0) -> None:

@@ -159,20 +159,13 @@ def arcs_text(shoe: ShoeResponse, unit: str = "deg") -> str:
 
 
 def as_csv(table: Sequence[dict[str, Any]]) -> str:
-    """A table in SI units as CSV text; columns: every key that occurs.
-
-    Texts that a spreadsheet would take for a formula begin with an apostrophe: it shows them and runs nothing.
-    """
+    """A table in SI units as CSV text; columns: every key that occurs."""
     keys = list(dict.fromkeys(key for row in table for key in row))
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([_shown(key) for key in keys])
-    writer.writerows([[_shown(row.get(key, "")) for key in keys] for row in table])
+    writer = csv.DictWriter(text, keys, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(table)
     return text.getvalue()
-
-
-def _shown(cell: Any) -> Any:
-    return f"'{cell}" if isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r")) else cell
 
 
 @dataclass(frozen=True)

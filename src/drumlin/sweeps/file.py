@@ -6,6 +6,7 @@ depend on `seed` and the key alone: another key more, or more cases, leaves the 
 
 import hashlib
 import itertools
+import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -27,6 +28,7 @@ from drumlin.foundation.model import lifted
 from drumlin.models import MODELS
 from drumlin.sweeps.cases import Case, mesh_files, names_mesh
 
+DEEPEST = 50  # tables and lists in one another; a sweep file has some six
 MOST_CASES = 1_000_000  # a million rows fill some 2 GB
 
 
@@ -107,7 +109,7 @@ class SweepFile(Part):
     """A sweep file as it is written."""
 
     title: Title | None = None
-    brake: str | dict[str, Any]
+    brake: Annotated[str, Field(pattern=r"^[^\x00-\x1f]*$")] | dict[str, Any]
     combine: Literal["grid", "zip", "random"] = "grid"
     cases: Annotated[int, Field(ge=1, le=MOST_CASES)] | None = None
     seed: Annotated[int, Field(ge=0)] = 0
@@ -129,11 +131,25 @@ def read_sweep(path: Path) -> Sweep:
 
     Raises BadInput with one line that names the key, the value and what is allowed.
     """
-    data = read_toml(path)
+    try:
+        data = read_toml(path)
+        _check_size(data)
+    except ValueError as error:
+        raise BadInput(f"{path}: is not TOML ({error})") from error
     try:
         return sweep_from(data, path.parent.resolve())
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
+
+
+def _check_size(data: Any, depth: int = 0) -> None:
+    """Raise ValueError for integers and nesting beyond what TOML promises and what can be copied."""
+    if depth > DEEPEST:
+        raise ValueError(f"nested deeper than {DEEPEST}")
+    if isinstance(data, int) and not -(2**63) <= data < 2**63:
+        raise ValueError("an integer beyond 64 bits")
+    for item in data.values() if isinstance(data, dict) else data if isinstance(data, list) else ():
+        _check_size(item, depth + 1)
 
 
 def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
@@ -153,9 +169,8 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
         raise BadInput(f'cases = {file.cases}: only for distributions and combine = "random"; nothing is drawn here')
     listed = {key: spec.values for key, spec in specs.items() if key not in drawn and spec.values is not None}
     draws, repeats = {key: _draw(specs[key], key, file.seed, file.cases or 1) for key in drawn}, file.cases or 1
-    count = (
-        math.prod(map(len, listed.values())) if file.combine == "grid" else max(map(len, listed.values()), default=1)
-    )
+    lengths = [len(values) for values in listed.values()]
+    count = math.prod(lengths) if file.combine == "grid" else max(lengths, default=1)
     if count * repeats * len(models) > MOST_CASES:
         raise BadInput(f"vary: makes {count * repeats * len(models)} cases; allowed: {MOST_CASES}")
     changes = [
@@ -210,7 +225,7 @@ class _Spec(NamedTuple):
 
 def _specs(brake: AnyBrake, name: str, given: Any, base: Path) -> dict[str, _Spec]:
     """What [vary] says under a name: by key, where each shoe draws its own."""
-    said = f"vary.{name}" if name.isidentifier() else f'vary."{name}"'
+    said = f"vary.{name if name.isidentifier() else json.dumps(name, ensure_ascii=False)}"
     try:
         unit = unit_of(brake, name)
     except BadInput as error:
@@ -290,6 +305,12 @@ def _range(said: str, ends: list[float], span: Range) -> _Spec:
 
 def _law(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Callable[[Floats], list[float]]:
     """The inverse of a distribution's cumulative one: u (n,) in (0, 1) -> values."""
+    frozen = _frozen(said, law, unit, nominal)
+    return lambda u: frozen.ppf(u).tolist()
+
+
+def _frozen(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Any:
+    """A distribution as scipy.stats has it."""
     from scipy import stats  # noqa: PLC0415  (0.5 s)
 
     def middle(name: str, given: float | str | None) -> float:
@@ -311,27 +332,24 @@ def _law(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Cal
             low, high = ((end(*pair) - mean) / deviation for pair in (("from", law.start), ("to", law.to)))
             if not low < high:
                 raise BadInput(f"{said}.to = {law.to!r}: must be greater than from = {law.start!r}")
-            return _values(stats.truncnorm(low, high, mean, deviation))
+            return stats.truncnorm(low, high, mean, deviation)
         if law.distribution == "lognormal":
             if not mean > 0:
                 raise BadInput(f"{said}.mean = {law.mean!r}: must be greater than 0")
             spread = math.sqrt(math.log1p((deviation / mean) ** 2))
-            return _values(stats.lognorm(spread, scale=mean * math.exp(-(spread**2) / 2)))
-        return _values(stats.norm(mean, deviation))
+            median = mean * math.exp(-(spread**2) / 2)
+            return stats.lognorm(spread, scale=median)
+        return stats.norm(mean, deviation)
     assert isinstance(law, Uniform)
     a, b = end("from", law.start), end("to", law.to)
     if not a < b:
         raise BadInput(f"{said}.to = {law.to!r}: must be greater than from = {law.start!r}")
     if not isinstance(law, Triangular):
-        return _values(stats.uniform(a, b - a))
+        return stats.uniform(a, b - a)
     c = middle("mode", law.mode)
     if not a <= c <= b:
         raise BadInput(f"{said}.mode = {c:g}: must be from {a:g} to {b:g}")
-    return _values(stats.triang((c - a) / (b - a), a, b - a))
-
-
-def _values(distribution: Any) -> Callable[[Floats], list[float]]:
-    return lambda u: distribution.ppf(u).tolist()
+    return stats.triang((c - a) / (b - a), a, b - a)
 
 
 def _deviation(said: str, given: float | str, mean: float, unit: str) -> float:
