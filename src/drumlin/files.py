@@ -5,6 +5,7 @@ all: a temporary name beside it, then a rename. Links are followed, permissions 
 """
 
 import errno
+import hashlib
 import json
 import os
 import re
@@ -253,3 +254,12 @@ _FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")  # "-70 to 55.1" 
 def cell(value: object) -> object:
     """A cell of a table for a spreadsheet: a text that it would take for a formula is led by an apostrophe."""
     return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value
+
+
+def content_digest(path: Path) -> str:
+    """A digest of what is in a file; of one that cannot be read "none"."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()[:16]
+    except (OSError, ValueError):  # ValueError: a NUL in the path
+        return "none"

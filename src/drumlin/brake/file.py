@@ -133,7 +133,7 @@ def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
     found: list[Part] = [brake]
     *path, last = _steps(key)
     for step in path:
-        if step.isdigit():
+        if _is_number(step):
             found = found[int(step) : int(step) + 1]
             continue
         below = [getattr(part, _name(part, step, key)) for part in found]
@@ -167,10 +167,14 @@ def _steps(key: str) -> list[str]:
     return key.replace("[", ".").replace("]", "").split(".")
 
 
+def _is_number(step: str) -> bool:
+    return step.isascii() and step.isdigit() and len(step) < 9
+
+
 def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
     head, *rest = steps
     if isinstance(data, list | tuple):
-        if head.isdigit() and int(head) < len(data):
+        if _is_number(head) and int(head) < len(data):
             targets, rest_of = [data[int(head)]], rest
         else:
             targets, rest_of = list(data), steps

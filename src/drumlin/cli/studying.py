@@ -1,5 +1,6 @@
 """Commands that solve many brakes: studies and sweeps."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -7,6 +8,7 @@ import typer
 
 from drumlin.cli.terminal import busy, progress, tell
 from drumlin.errors import NoAnswer, Stopped
+from drumlin.texts import one_line
 
 
 def study(
@@ -37,20 +39,25 @@ def sweep(
     from drumlin.journal import Journal, source_stamp
     from drumlin.sweeps.cases import check_output, run, table, write_table
     from drumlin.sweeps.file import read_sweep
-    from drumlin.sweeps.workers import crew
+    from drumlin.sweeps.workers import executor
 
     made = read_sweep(sweep_file)
     table_file = output or Path(f"{sweep_file.stem}.csv")
     check_output(table_file)
     check_outputs(table_file)
     with Journal(table_file.with_name(table_file.name + ".journal"), source_stamp()) as journal:
+        kept = f"finished cases are kept in {journal.path}; the same command goes on"
+        for line in journal.notes:
+            _note(line)
         try:
-            with crew(jobs, scheduler) as (executor, workers), progress(made.title) as done:
-                rows = run(made.cases, executor=executor, workers=workers, journal=journal, done=done)
+            with executor(jobs, scheduler, _note) as (pool, workers), progress(made.title) as done:
+                rows = run(made.cases, executor=pool, workers=workers, journal=journal, done=done, say=_note)
+        except NoAnswer as error:
+            raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
         except (KeyboardInterrupt, Stopped) as stop:
-            stop.add_note(f"{len(journal)} finished cases are kept in {journal.path}")
+            stop.add_note(f"{len(journal)} {kept}")
             raise
-    write_table(table(made.cases, rows), table_file)
+    write_table(table(made.cases, rows, sweep_file.parent.resolve()), table_file)
     failed = Counter(row["status"].removeprefix("failed: ") for row in rows if row["status"] != "solved")
     tell(f"{len(rows)} cases: {len(rows) - failed.total()} solved, {failed.total()} failed")
     for reason, count in failed.most_common(3):
@@ -58,3 +65,8 @@ def sweep(
     tell(f"table: {table_file}")
     if failed.total() == len(rows):
         raise NoAnswer("sweep: no case has an answer; the table says why")
+
+
+def _note(words: str) -> None:
+    """A line beside the output."""
+    print(f"drumlin: {one_line(words)}", file=sys.stderr)
