@@ -7,9 +7,9 @@ import sys
 import threading
 
 import pytest
-from drumlin.cli.process import run
 
 from conftest import STUDY
+from drumlin.cli.process import run
 from drumlin.errors import BadInput, NoAnswer, Stopped, ended, line_and_status
 from drumlin.files import cell, check_folder, check_outputs, inputs_kept, read_bytes, read_text, replacing, write_text
 from drumlin.texts import MOST_DIGITS, check_digits, check_toml, one_line

@@ -1,14 +1,12 @@
 """Commands that solve many brakes: studies and sweeps."""
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from drumlin.cli.terminal import busy, progress, tell
+from drumlin.cli.terminal import busy, note, progress, tell
 from drumlin.errors import NoAnswer, Stopped
-from drumlin.texts import one_line
 
 
 def study(
@@ -48,14 +46,14 @@ def sweep(
     with Journal(table_file.with_name(table_file.name + ".journal"), source_stamp()) as journal:
         kept = f"finished cases are kept in {journal.path}; the same command goes on"
         for line in journal.notes:
-            _note(line)
+            note(line)
         try:
-            with executor(jobs, scheduler, _note) as (pool, workers), progress(made.title) as done:
-                rows = run(made.cases, executor=pool, workers=workers, journal=journal, done=done, say=_note)
+            with executor(jobs, scheduler, note) as (pool, workers), progress(made.title) as done:
+                rows = run(made.cases, executor=pool, workers=workers, journal=journal, done=done, say=note)
         except NoAnswer as error:
             raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
         except (KeyboardInterrupt, Stopped) as stop:
-            stop.add_note(f"{len(journal)} {kept}")
+            stop.addnote(f"{len(journal)} {kept}")
             raise
     write_table(table(made.cases, rows, sweep_file.parent.resolve()), table_file)
     failed = Counter(row["status"].removeprefix("failed: ") for row in rows if row["status"] != "solved")
@@ -65,8 +63,3 @@ def sweep(
     tell(f"table: {table_file}")
     if failed.total() == len(rows):
         raise NoAnswer("sweep: no case has an answer; the table says why")
-
-
-def _note(words: str) -> None:
-    """A line beside the output."""
-    print(f"drumlin: {one_line(words)}", file=sys.stderr)

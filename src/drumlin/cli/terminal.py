@@ -27,6 +27,11 @@ def tell(line: str, *, at_once: bool = False) -> None:
         print(one_line(line, LONGEST), flush=at_once)
 
 
+def note(line: str) -> None:
+    """A line beside the output."""
+    print(f"drumlin: {one_line(line)}", file=sys.stderr)
+
+
 @contextmanager
 def _printing() -> Iterator[None]:
     """Raise DrumlinError where standard output takes no more; that its reader has seen enough is no fault."""
