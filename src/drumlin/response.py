@@ -46,7 +46,7 @@ class ShoeResponse:
     degree `order`; consecutive pieces share their end node. `torque` >= 0 [N m] is the size of the torque on the
     drum, which opposes its rotation; `normal_force` [N] the size of the vector sum of the normal forces;
     `hinge_reaction` (2,) [N] the force of the pin on the shoe. `peak_pressure` [Pa] is the largest pressure; of
-    elastic models the largest nodal one more than half a lining thickness from the lining's ends, where a sharp
+    elastic models the largest one more than half a lining thickness from the lining's ends, where a sharp
     edge has no bound. `turn` [rad] is the rotation of the shoe about its pin, where a model knows it.
     `pivot_reaction` (2,) [N] is the force of the pivot on the shoe, where there is one; `lumped` the contact's
     forces, where a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.

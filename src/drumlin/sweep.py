@@ -23,7 +23,7 @@ from drumlin.brake import Brake
 from drumlin.brakefile import unit_of, vary
 from drumlin.compare import as_csv
 from drumlin.errors import BadInput, DrumlinError, NoAnswer
-from drumlin.fem.scene import Kept
+from drumlin.fem.scene import ELEMENTS, Kept
 from drumlin.files import replacing, write_text
 from drumlin.flat import AnyBrake
 from drumlin.journal import Journal, source_stamp
@@ -55,7 +55,7 @@ def respond(case: Case, kept: Kept | None = None) -> Response:
     brake = vary(case.brake, case.changes) if case.changes else case.brake
     options = dict(case.options)
     if case.model == "fem" and "tolerance" not in options:
-        options["kept"] = kept
+        options |= {"kept": kept, "elements": options.get("elements", ELEMENTS)}
     return pick(case.model, brake).solve(brake, **options)
 
 

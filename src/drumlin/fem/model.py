@@ -16,8 +16,10 @@ from drumlin import contact, locking, misfit
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.adapt import adapt as adapt_meshes
 from drumlin.fem.ends import contact_arcs
 from drumlin.fem.mesh import DEFAULT_KIND
+from drumlin.fem.hp.adapt import DEFAULT, adapt
 from drumlin.fem.omission import adapt_without
 from drumlin.fem.scene import (
     ELEMENTS,
@@ -35,7 +37,7 @@ from drumlin.fem.scene import (
 from drumlin.fem.whole import Refined, refine, whole
 from drumlin.laws import locking_friction
 from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
-from drumlin.statics import cross
+from drumlin.statics import cross, largest
 
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
@@ -43,6 +45,7 @@ lining's own compression p t/E, and the pressure is off by about as much; each r
 REFINED_FROM = 1e-9  # relative imbalance from which on the condensed bodies have lost too many digits
 MOST_REFINED = 60_000  # unknowns of a group of shoes up to which that is done before it must be: it takes seconds
 LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
+LARGEST_LOSS = 1e-6  # relative, of a condensed body
 LARGEST_CORRECTION = 1e-6  # relative, of the pressures, by the last step of a refinement
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
@@ -54,23 +57,31 @@ def solve(
     brake: Brake,
     *,
     elements: int | None = None,
-    kind: str = DEFAULT_KIND,
+    kind: str | None = None,
     tolerance: float | None = None,
     penalty: float = PENALTY,
     kept: Kept | None = None,
 ) -> Response:
-    """Mesh, condense and solve a brake: prepare, then respond; with a `tolerance` on meshes adapted to it.
+    """Divide, condense and solve a brake, finer and finer until its estimated errors are below a tolerance.
 
-    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the mesh and
-    of what is left out for it. Raises NoAnswer where it is not reached, BadInput where `elements` are given too.
-    kept: bodies of earlier solves, see `prepare`.
+    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the division and
+    of what is left out for it; NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is
+    reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind` on
+    meshes of that kind. BadInput is raised for elements and a tolerance together. kept: bodies of earlier solves on meshes, see `prepare`.
     """
+    meshed = elements is not None or kind is not None or any(shoe.mesh is not None for shoe in brake.shoes)
+    answer = partial(respond, penalty=penalty)
+    if tolerance is None and not meshed:
+        check_penalty(penalty)
+        return adapt(brake, DEFAULT, answer, must=False)
     if tolerance is None:
-        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind, kept=kept)
-        return respond(scene, brake, penalty=penalty)
+        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind or DEFAULT_KIND, kept=kept)
+        return answer(scene, brake)
     if elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
-    return adapt_without(brake, tolerance, partial(respond, penalty=penalty), kind)
+    if kind is not None:  # a studied method
+        return adapt_meshes(brake, tolerance, answer, kind)
+    return adapt_without(brake, tolerance, answer)
 
 
 def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None) -> Response:
@@ -229,7 +240,8 @@ def _answers(
         p, turn = size * found.p[parts[k]], size * float(found.y[k])
         answers[i] = _answer(scene.bodies[i], brake, brake.shoes[i], p, turn, change[parts[k]], penalty, found.steps)
     small = sum(scene.bodies[i].unknowns for i in group) <= MOST_REFINED
-    if _imbalance(answers) < (REFINED_FROM if small else LARGEST_IMBALANCE):
+    lost = max(scene.bodies[i].condensed.lost for i in group)
+    if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small else LARGEST_IMBALANCE):
         return answers
     try:
         refined = refined_group(scene, brake, group, penalty, found.active)
@@ -317,7 +329,7 @@ def _answer(
         torque=abs(drag) * pressed,
         normal_force=float(np.linalg.norm((coupling.N.T @ p).reshape(-1, 2).sum(axis=0))),
         self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
-        peak_pressure=float(p[_inside(line.phi, shoe.lining.thickness / (2 * brake.drum.radius))].max()),
+        peak_pressure=largest(line.phi, p, line.order, shoe.lining.thickness / (2 * brake.drum.radius)),
         hinge_reaction=frame.to_brake(reaction),
         contact_arcs=contact_arcs(theta, p[forward], line.order),
         theta=theta,
@@ -335,12 +347,6 @@ def _touching(scene: Scene, brake: Brake, start: Response, index: int) -> Bools:
     for first, last in start.shoes[index].contact_arcs:
         touching |= (theta > first - 1e-9) & (theta < last + 1e-9)
     return touching
-
-
-def _inside(phi: Floats, zone: float) -> Bools:
-    """Nodes more than `zone` [rad] from the ends; all where there are none."""
-    inside = (phi > phi[0] + zone) & (phi < phi[-1] - zone)
-    return inside if inside.any() else ~inside
 
 
 def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:

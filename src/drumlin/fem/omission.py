@@ -18,7 +18,8 @@ from drumlin.compare import pressure_distance
 from drumlin.components import Beam, Body
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import scene as scenes
-from drumlin.fem.adapt import Respond, adapt
+from drumlin.fem.hp.adapt import Tolerance, adapt, check_tolerance
+from drumlin.fem.hp.levels import Respond
 from drumlin.fem.mesh import shoe_mesh
 from drumlin.fem.scene import Scene
 from drumlin.fem.sketch import sketcher, with_closed_forms
@@ -82,13 +83,15 @@ class Change(NamedTuple):
     """Relative changes that an omission makes: torque of the brake, p (L2 outside the edge zones, worst shoe).
 
     `shoes`: the changes of the shoes' torques, all counted with one sign, relative to the torque of the brake: a bound
-    on its own change, in which they cancel in part; `reaction`: of the hinge reactions, the worst.
+    on its own change, in which they cancel in part; `reaction`: of the hinge reactions, the worst; `peak`: of the peak
+    pressures, the worst.
     """
 
     torque: float
     pressure: float
     shoes: float
     reaction: float
+    peak: float = 0.0
 
 
 def change(simple: Response, whole: Response) -> Change:
@@ -101,6 +104,7 @@ def change(simple: Response, whole: Response) -> Change:
         max(_pressure(a, b) for a, b in pairs),
         sum(map(abs, off)) / size,
         max(_length(a.hinge_reaction - b.hinge_reaction) / (_length(b.hinge_reaction) or 1.0) for a, b in pairs),
+        max(abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0) for a, b in pairs),
     )
 
 
@@ -178,16 +182,18 @@ def predict(brake: Brake, names: Sequence[str], respond: Respond, sketch: Make |
     return change(respond(*scene_without(brake, names, sketch)), whole)
 
 
-def adapt_without(brake: Brake, tolerance: float, respond: Respond, kind: str) -> Response:
+def adapt_without(brake: Brake, tolerance: float, respond: Respond) -> Response:
     """`adapt`, without the ring and the shoes' elasticity where that is predicted to stay below the tolerance.
 
     Predicted changes count SAFETY times and are part of the response's error. Afterwards what is left out is added
     in closed form to the final meshes: where that changes more than the tolerance leaves room for, the brake is
     solved again with everything.
     """
+    check_tolerance(brake, tolerance)
+    whole = Tolerance(tolerance, tolerance)
     names, predicted = _chosen(brake, SHARE * tolerance, respond)
     if not names:
-        return adapt(brake, tolerance, respond, kind)
+        return adapt(brake, whole, respond)
     simple, used = simplified(brake, names), list[Scene]()
 
     def keeping(scene: Scene, brake: Brake, *, start: Response | None = None) -> Response:
@@ -195,18 +201,20 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond, kind: str) -
         return respond(scene, brake, start=start)
 
     try:
-        found = adapt(simple, tolerance - _size(predicted), keeping, kind)
+        found = adapt(simple, Tolerance(*[tolerance - _size(predicted)] * 2), keeping)
         seen = change(found, respond(with_closed_forms(used[0], brake), brake, start=found))
     except NoAnswer:  # of the simpler brake, or of the whole one: then it says so itself
-        return adapt(brake, tolerance, respond, kind)
+        return adapt(brake, whole, respond)
     assert found.error is not None
     largest = Change(*map(max, predicted, seen))
     error = {
         "pressure": found.error["pressure"] + SAFETY * largest.pressure,
         "torque": found.error["torque"] + SAFETY * largest.shoes,
+        "reaction": found.error["reaction"] + SAFETY * largest.reaction,
+        "peak_pressure": found.error["peak_pressure"] + SAFETY * largest.peak,
     }
-    if max(error.values()) > tolerance:
-        return adapt(brake, tolerance, respond, kind)
+    if max(error["pressure"], error["torque"]) > tolerance:
+        return adapt(brake, whole, respond)
     lines = [
         f"{' and '.join(names)}: taken as rigid, predicted to change torque by at most {predicted.shoes:.1e}, "
         f"p by {predicted.pressure:.1e} (L2); on the final mesh {seen.shoes:.1e} and {seen.pressure:.1e}"

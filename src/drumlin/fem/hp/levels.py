@@ -1,0 +1,72 @@
+"""A brake on finer and finer divisions, each moved to the ends of the contact that the one before it found."""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple, Protocol
+
+from drumlin.brake import Brake
+from drumlin.errors import NoAnswer
+from drumlin.fem import scene as scenes
+from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.places import places_of
+from drumlin.fem.hp.scene import Places, scene
+from drumlin.response import Response
+
+DEG = math.pi / 180
+LEVELS = (
+    Level(3, zone=0.5, edge=0.2, end=0.2, ratio=0.3, largest=30 * DEG, face=0.3, back=1, hinge=1, through=0.25),
+    Level(4, zone=0.3, edge=0.1, end=0.1, ratio=0.4, largest=20 * DEG, face=0.2, back=0.4, hinge=1, through=0.25),
+    Level(5, zone=0.12, edge=0.03, end=0.03, ratio=0.4, largest=20 * DEG, face=0.1, back=0.2, hinge=0.5, through=0.25),
+    Level(6, zone=0.06, edge=0.01, end=0.01, ratio=0.45, largest=15 * DEG, face=0.05, back=0.1, hinge=0.2, through=0.25),
+    Level(7, zone=0.03, edge=3e-3, end=3e-3, ratio=0.5, largest=15 * DEG, face=0.02, back=0.05, hinge=0.1, through=0.25),
+)
+"""Each has about a quarter of the error of the one before it."""
+MOST_PASSES = 8
+SETTLED = 0.1  # of the length of the contact: an end of it is located by the first level where it moves by less
+
+
+class Respond(Protocol):
+    """What answers for a brake on a scene, from the contact of an earlier response."""
+
+    def __call__(self, scene: scenes.Scene, brake: Brake, *, start: Response | None = None) -> Response:
+        """The response."""
+
+
+class Step(NamedTuple):
+    """A level's scene and response."""
+
+    scene: scenes.Scene
+    response: Response
+
+
+def steps(brake: Brake, respond: Respond) -> Iterator[Step]:
+    """The brake on all levels, finer and finer. Raises NoAnswer where two levels have none."""
+    last: Response | None = None
+    refused = 0
+    for level in LEVELS:
+        for _ in range(MOST_PASSES):
+            places = places_of(brake, last)
+            made = scene(brake, level, places)
+            try:
+                found = respond(made, brake, start=last)
+            except NoAnswer:
+                refused += 1
+                if refused == 2:
+                    raise
+                break
+            first, last = last is None, found
+            if not _moved(brake, places, found, new=first):
+                yield Step(made, found)
+                break
+        else:
+            yield Step(made, found)
+
+
+def _moved(brake: Brake, places: Places, found: Response, *, new: bool) -> bool:
+    """Whether an end of the contact is away from where the columns end, over the length that it bounds."""
+    for key, ends in places_of(brake, found).items():
+        meant = [x for x, _ in places.get(key, ())]
+        for x, length in ends:
+            if min((abs(x - y) for y in meant), default=math.inf) > SETTLED * length:
+                return True
+    return False

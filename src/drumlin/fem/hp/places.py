@@ -1,0 +1,28 @@
+"""Where the pressure of a lining is not smooth: the ends of its contact and the kinks of its gap."""
+
+import numpy as np
+
+from drumlin import misfit
+from drumlin.brake import Brake, Shoe
+from drumlin.fem import scene as scenes
+from drumlin.response import Response, ShoeResponse
+
+Place = tuple[float, float]  # phi and the length over which the pressure changes there [rad]
+
+
+def places_of(brake: Brake, response: Response | None) -> dict[tuple[object, ...], list[Place]]:
+    """The places of each shape of shoe, growing: those of all shoes that have it."""
+    found: dict[tuple[object, ...], list[Place]] = {}
+    for i, shoe in enumerate(brake.shoes):
+        own = _places(shoe, None if response is None else response.shoes[i])
+        found.setdefault(scenes.shape_of(brake, shoe), []).extend(own)
+    return {key: sorted(places) for key, places in found.items()}
+
+
+def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
+    start, end = shoe.arc
+    arcs = [] if response is None else [sorted(shoe.frame.phi(np.array(arc)).tolist()) for arc in response.contact_arcs]
+    found = [(float(x), end - start) for x in shoe.frame.phi(np.array(misfit.kinks(shoe.lining))).tolist()]
+    for first, last in arcs:
+        found += [(first, last - first), (last, last - first)]
+    return [(x, length) for x, length in found if start < x < end]
