@@ -13,7 +13,7 @@ from drumlin.brake import Brake, Shoe
 from drumlin.compare import as_csv
 from drumlin.errors import BadInput
 from drumlin.reference import LARGEST_FILE, Reference, ShoeReference
-from drumlin.response import Response
+from drumlin.response import Response, ShoeResponse
 from drumlin.units import to_si
 
 QUANTITIES = {"theta": "rad", "p": "Pa"}
@@ -47,15 +47,21 @@ class Verdict(NamedTuple):
 
 
 def curves_text(response: Response, flat: bool = False) -> str:
-    """The pressures of a response as a CSV table that `read_curves` takes, at its own nodes; `flat`: over places x."""
+    """The pressures of a response as a CSV table that `read_curves` takes, at its own nodes or finer; `flat`: over places x."""
     place, per_unit = ("x [mm]", 1e3) if flat else ("theta [deg]", math.degrees(1))
     return as_csv(
         [
             {"shoe": shoe.name, place: f"{x:.12g}", "p [MPa]": f"{p:.12g}"}
             for shoe in response.shoes
-            for x, p in zip(shoe.theta * per_unit, shoe.pressure * 1e-6, strict=True)
+            for x, p in zip(*curve_of(shoe, per_unit), strict=True)
         ]
     )
+
+
+def curve_of(shoe: ShoeResponse, per_unit: float) -> tuple[Floats, Floats]:
+    """The curve of a shoe: places, in units of which there are so many to SI's, and p [MPa]."""
+    theta, p = shoe.curve()
+    return theta * per_unit, p * 1e-6
 
 
 def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:

@@ -14,6 +14,8 @@ from drumlin.statics import Resultant, cross, resultant
 
 EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
+STEP = math.radians(0.2)
+"""Longest step [rad] of a curve that is drawn or written."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +85,23 @@ class ShoeResponse:
             value += y[..., i] * np.prod([(theta - x[..., j]) / (x[..., i] - x[..., j]) for j in others], axis=0)
         return np.where((theta >= self.theta[0]) & (theta <= self.theta[-1]), value, 0.0)
 
+    def curve(self) -> tuple[Floats, Floats]:
+        """The pressure as a curve to draw and to write: angles (m,) [rad] and p >= 0 (m,) [Pa] there.
+
+        Its own nodes, or where pieces are of a high degree so many points that straight lines or parabolas between them
+        will do: an even number of even steps a piece. A polynomial may dip below zero between its nodes, a pressure not.
+        """
+        if self.order <= 2:
+            return self.theta, self.pressure
+        ends = self.theta[:: self.order]
+        counts = 2 * np.maximum(self.order, np.ceil(np.diff(ends) / (2 * STEP))).astype(int)
+        theta = np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)])
+        theta = np.append(theta, ends[-1])
+        return theta, np.maximum(self.pressure_at(theta), 0.0)
+
     def as_dict(self) -> dict[str, Any]:
-        """The response as plain data for JSON (units as in the attributes)."""
+        """The response as plain data for JSON (units as in the attributes); the pressure as `curve` has it."""
+        theta, pressure = self.curve()
         data: dict[str, Any] = {
             "name": self.name,
             "torque": self.torque,
@@ -93,8 +110,8 @@ class ShoeResponse:
             "peak_pressure": self.peak_pressure,
             "hinge_reaction": [float(x) for x in self.hinge_reaction],
             "contact_arcs": [list(arc) for arc in self.contact_arcs],
-            "theta": [float(x) for x in self.theta],
-            "pressure": [float(x) for x in self.pressure],
+            "theta": theta.tolist(),
+            "pressure": pressure.tolist(),
         }
         if self.pivot_reaction is not None:
             data["pivot_reaction"] = [float(x) for x in self.pivot_reaction]

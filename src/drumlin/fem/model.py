@@ -329,7 +329,7 @@ def _answer(
         torque=abs(drag) * pressed,
         normal_force=float(np.linalg.norm((coupling.N.T @ p).reshape(-1, 2).sum(axis=0))),
         self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
-        peak_pressure=largest(line.phi, p, line.order, shoe.lining.thickness / (2 * brake.drum.radius)),
+        peak_pressure=largest(line.phi, p, line.order, edge_zone(shoe, brake.drum.radius)),
         hinge_reaction=frame.to_brake(reaction),
         contact_arcs=contact_arcs(theta, p[forward], line.order),
         theta=theta,
@@ -338,6 +338,13 @@ def _answer(
         turn=frame.sense * turn,
     )
     return _Answer(response, balance, steps, note)
+
+
+def edge_zone(shoe: Shoe, radius: float) -> float:
+    """Zone at each end of a lining [rad] in which no peak of the pressure is looked for: half the lining's thickness, at
+    most a quarter of its length."""
+    start, end = shoe.arc
+    return min(shoe.lining.thickness / (2 * radius), 0.25 * (end - start))
 
 
 def _touching(scene: Scene, brake: Brake, start: Response, index: int) -> Bools:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.fem.hp.element import element, eliminate, solved
+from drumlin.fem.hp.element import element, eliminate, without
 
 
 class Stack(NamedTuple):
@@ -103,8 +103,7 @@ def merge(A: Floats, B: Floats, line: int, top: int, extra: int = 0) -> Floats:
         C[:, :, target] += B[:, inner, source]
         for other, row in ((slice(extra), slice(extra)), (middle, own), (slice(before, None), beyond)):
             K[:, other, target] += B[:, row, source]
-    K -= C.transpose(0, 2, 1) @ solved(A[:, before:, before:] + B[:, inner, inner], C)
-    return K
+    return without(K, C, A[:, before:, before:] + B[:, inner, inner])
 
 
 def merged(K: Floats, line: int, top: int, extra: int = 0) -> Floats:

@@ -126,14 +126,14 @@ def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
     return found
 
 
-def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float, float]] = ()) -> Division:
-    """The division of a shoe. `places`: (phi, length) [rad] where the pressure is not smooth within the lining, growing,
-    and the length over which it changes there."""
+def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float, float, bool]] = ()) -> Division:
+    """The division of a shoe. `places`, growing: (phi, length, kink) [rad], where the pressure is not smooth within the
+    lining, the length over which it changes there, and whether the gap has a kink: it may be unbounded there."""
     start, end = shoe.arc
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
-    marks = _marks(start, end, scale, [(x, level.end * min(t, size)) for x, size in places])
+    marks = _marks(start, end, scale, [(x, level.end ** (1 + kink) * min(t, size)) for x, size, kink in places])
     angles = [
         ends_of(graded(b[0] - a[0], a[1], b[1], level.ratio, level.largest), a[0], b[0])[:-1] for a, b in pairwise(marks)
     ]

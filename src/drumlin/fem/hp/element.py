@@ -11,13 +11,16 @@ from typing import Any, NamedTuple
 import numpy as np
 import skfem
 from numpy.polynomial.legendre import leggauss
+from scipy.linalg.blas import dtrsm
+from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Floats, Ints
 from drumlin.errors import NoAnswer
 from drumlin.statics import lobatto
 
 CHUNK = 16_000  # slopes that are worked on at once: they stay in the processor's cache
-FRONT = 128  # unknowns that are eliminated at once, so that matrix products do most of it
+SMALL = 24  # unknowns up to which a batch is eliminated at once, rather than one after the other by faster routines
+SINGULAR = "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
 
 
 class Element(NamedTuple):
@@ -116,25 +119,30 @@ def stiffness(xy: Any, lame: Any, p: int) -> Any:
 
 
 def eliminate(K: Floats, kept: int) -> Floats:
-    """Batched symmetric K (b, n, n), positive definite on what goes, without all but its first `kept` unknowns.
+    """Batched symmetric K (b, n, n), positive definite on what goes, without all but its first `kept` unknowns."""
+    if K.shape[-1] == kept:
+        return K
+    return without(K[:, :kept, :kept], K[:, kept:, :kept], K[:, kept:, kept:])
 
-    From the end, a block at a time: backward stable as Cholesky's factorisation is, and nearly all of it is matrix
-    products. Raises NoAnswer for a singular block.
+
+def without(K: Floats, C: Floats, inner: Floats) -> Floats:
+    """K - C^T inner^-1 C, batched: (b, k, k), (b, m, k), (b, m, m). Raises NoAnswer for a singular `inner`.
+
+    Backward stable, by Cholesky's or Gauss's factors: an inverse loses digits in thin columns.
     """
-    n = K.shape[-1]
-    while n > kept:
-        m = max(kept, n - FRONT)
-        K = K[:, :m, :m] - K[:, :m, m:n] @ solved(K[:, m:n, m:n], K[:, m:n, :m])
-        n = m
-    return K
-
-
-def solved(A: Floats, right: Floats) -> Floats:
-    """A^-1 right, batched. Raises NoAnswer for a singular A."""
     try:
-        return np.linalg.solve(A, right)
+        if C.shape[1] <= SMALL:
+            return K - C.transpose(0, 2, 1) @ np.linalg.solve(inner, C)
+        out = np.empty(K.shape)
+        for k in range(len(K)):
+            L, info = dpotrf(inner[k].T, lower=1)
+            if info:
+                raise NoAnswer(SINGULAR)
+            Y = dtrsm(1.0, L, C[k].T, side=1, lower=1, trans_a=1)
+            np.subtract(K[k], Y @ Y.T, out=out[k])
     except np.linalg.LinAlgError as error:
-        raise NoAnswer("singular stiffness: moduli or sizes are too far apart") from error
+        raise NoAnswer(SINGULAR) from error
+    return out
 
 
 def condensed_elements(xy: Floats, lame: Floats, p: int) -> Floats:

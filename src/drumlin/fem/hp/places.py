@@ -7,7 +7,7 @@ from drumlin.brake import Brake, Shoe
 from drumlin.fem import scene as scenes
 from drumlin.response import Response, ShoeResponse
 
-Place = tuple[float, float]  # phi and the length over which the pressure changes there [rad]
+Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
 
 
 def places_of(brake: Brake, response: Response | None) -> dict[tuple[object, ...], list[Place]]:
@@ -22,7 +22,7 @@ def places_of(brake: Brake, response: Response | None) -> dict[tuple[object, ...
 def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     start, end = shoe.arc
     arcs = [] if response is None else [sorted(shoe.frame.phi(np.array(arc)).tolist()) for arc in response.contact_arcs]
-    found = [(float(x), end - start) for x in shoe.frame.phi(np.array(misfit.kinks(shoe.lining))).tolist()]
+    found = [(float(x), end - start, True) for x in shoe.frame.phi(np.array(misfit.kinks(shoe.lining))).tolist()]
     for first, last in arcs:
-        found += [(first, last - first), (last, last - first)]
-    return [(x, length) for x, length in found if start < x < end]
+        found += [(first, last - first, False), (last, last - first, False)]
+    return [place for place in found if start < place[0] < end]

@@ -150,31 +150,20 @@ def _turned_loads(K: Floats, angle: Floats) -> Floats:
 
 
 def _closed(pieces: list[tuple[bool, Floats]], div: Division, line: int, extra: int) -> Floats:
-    """The ring on [extra | contact nodes by growing angle | inner part of the lines between the pieces]."""
-    p, count = div.degree, len(pieces)
-    contact = _count(div)
-    total = extra + 2 * contact + count * (line - 2)
+    """The ring on [extra | contact nodes by growing angle | inner part of the lines between the pieces].
+
+    The first node of a line touches, since one side of it at least does.
+    """
+    count = len(pieces)
+    inner = [len(K) - extra - 2 * line if touching else 0 for touching, K in pieces]
+    tops = extra + np.cumsum([0, *(2 + n for n in inner)])
+    first = int(tops[-1])
+    total = first + count * (line - 2)
     A = np.zeros((total, total))
-    at, first = extra, extra + 2 * contact
-    # A line's first node touches, since one side of it does; between two pieces that is the last of a lining or the first.
-    tops = []
-    for touching, K in pieces:
-        inner = len(K) - extra - 2 * line
-        if touching:
-            tops.append((at, at + 2 + inner))
-            at += 4 + inner
-        else:
-            tops.append((-1, -1))
-    if count == 1:
-        raise NoAnswer("a lining around the whole ring is not modelled")
-    for k, (touching, K) in enumerate(pieces):
-        left, right = first + k * (line - 2), first + (k + 1) % count * (line - 2)
-        if touching:
-            a, b = tops[k]
-        else:
-            a, b = tops[k - 1][1], tops[(k + 1) % count][0]
-        inner = np.arange(a + 2, b) if touching else np.zeros(0, dtype=np.int64)
-        place = np.r_[:extra, a : a + 2, left : left + line - 2, inner, b : b + 2, right : right + line - 2]
+    for k, (_, K) in enumerate(pieces):
+        after = (k + 1) % count
+        lines = [np.r_[tops[j] : tops[j] + 2, first + j * (line - 2) : first + (j + 1) * (line - 2)] for j in (k, after)]
+        place = np.r_[:extra, lines[0], tops[k] + 2 : tops[k] + 2 + inner[k], lines[1]]
         np.add.at(A, (place[:, None], place), K)
     return A
 
@@ -193,31 +182,23 @@ def _held(A: Floats, extra: int, contact: int, line: int, div: Division) -> Floa
 
 def _runs(div: Division) -> Ints:
     """The first columns of the pieces, each under one lining or between two."""
-    return np.flatnonzero(np.diff(div.contact, prepend=not div.contact[0]))
-
-
-def _count(div: Division) -> int:
-    """Number of contact nodes."""
-    runs = np.count_nonzero(div.contact & ~np.roll(div.contact, 1))
-    return int(np.count_nonzero(div.contact)) * div.degree + int(runs)
+    runs = np.flatnonzero(np.diff(div.contact, prepend=not div.contact[0]))
+    return runs if len(runs) > 1 else np.array([0, 1])  # in contact all around
 
 
 def _pieces(div: Division) -> tuple[Floats, Ints]:
     """Angles of the contact nodes and their positions in each piece under a lining (p + 1, m)."""
-    p = div.degree
-    nodes = within(div.angles, p)
-    phi: list[Floats] = []
-    pieces, at = [], 0
-    for k in np.flatnonzero(div.contact):
-        fresh = k == 0 or not div.contact[k - 1]
-        if fresh:
-            phi.append(nodes[k])
-            at += p + 1
-        else:
-            phi.append(nodes[k, 1:])
-            at += p
-        pieces.append(np.arange(at - p - 1, at))
-    return np.concatenate(phi), np.array(pieces).T
+    touching = _touching(div)
+    place = np.full(len(div.contact) * div.degree, -1)
+    place[touching] = np.arange(len(touching))
+    at = np.flatnonzero(div.contact) * div.degree + np.arange(div.degree + 1)[:, None]
+    return line_of(div.angles, div.degree)[touching], place[at % len(place)]
+
+
+def _touching(div: Division) -> Ints:
+    """The nodes of the friction surface that lie under a lining, of all of them from the first angle on."""
+    at = np.flatnonzero(div.contact) * div.degree + np.arange(div.degree + 1)[:, None]
+    return np.unique(at % (len(div.contact) * div.degree))
 
 
 def grid_of(radius: float, sign: int, div: Division) -> Grid:
@@ -232,8 +213,7 @@ def grid_of(radius: float, sign: int, div: Division) -> Grid:
         r = radius + sign * depth
         return np.stack([r * np.cos(phi), r * np.sin(phi)])
 
-    touching = np.unique(np.concatenate([np.arange(k * p, k * p + p + 1) for k in np.flatnonzero(div.contact)]))
-    sets = {"contact": under[0, touching], "surface": under[0, :-1], "support": under[-1, :-1]}
+    sets = {"contact": under[0, _touching(div)], "surface": under[0, :-1], "support": under[-1, :-1]}
     return Grid(p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), place, sets, rows * n)
 
 
