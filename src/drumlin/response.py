@@ -52,7 +52,8 @@ class ShoeResponse:
     edge has no bound. `turn` [rad] is the rotation of the shoe about its pin, where a model knows it.
     `pivot_reaction` (2,) [N] is the force of the pivot on the shoe, where there is one; `lumped` the contact's
     forces, where a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
-    `deformation` of beam and ring, of the foundation model.
+    `deformation` of beam and ring, of the foundation model. `error`: estimated relative errors "pressure" (L2 outside the
+    edge zones), "torque", "peak_pressure" and "hinge_reaction", None where nothing was estimated.
 
     Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
     """
@@ -71,6 +72,7 @@ class ShoeResponse:
     lumped: Resultant | None = None
     pivot_reaction: Floats | None = None
     deformation: Deformation | None = None
+    error: Mapping[str, float] | None = None
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
@@ -113,6 +115,8 @@ class ShoeResponse:
             "theta": theta.tolist(),
             "pressure": pressure.tolist(),
         }
+        if self.error is not None:
+            data["error"] = dict(self.error)
         if self.pivot_reaction is not None:
             data["pivot_reaction"] = [float(x) for x in self.pivot_reaction]
         if self.deformation is not None:

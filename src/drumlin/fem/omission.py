@@ -83,15 +83,16 @@ class Change(NamedTuple):
     """Relative changes that an omission makes: torque of the brake, p (L2 outside the edge zones, worst shoe).
 
     `shoes`: the changes of the shoes' torques, all counted with one sign, relative to the torque of the brake: a bound
-    on its own change, in which they cancel in part; `reaction`: of the hinge reactions, the worst; `peak`: of the peak
-    pressures, the worst.
+    on its own change, in which they cancel in part; `reaction`: of the hinge reactions, the worst; `peak`
+    and `each`: of the peak pressures and of the shoes' own torques, the worst.
     """
 
     torque: float
     pressure: float
     shoes: float
     reaction: float
-    peak: float = 0.0
+    peak: float
+    each: float
 
 
 def change(simple: Response, whole: Response) -> Change:
@@ -105,6 +106,7 @@ def change(simple: Response, whole: Response) -> Change:
         sum(map(abs, off)) / size,
         max(_length(a.hinge_reaction - b.hinge_reaction) / (_length(b.hinge_reaction) or 1.0) for a, b in pairs),
         max(abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0) for a, b in pairs),
+        max(abs(a.torque - b.torque) / (b.torque or 1.0) for a, b in pairs),
     )
 
 
@@ -210,17 +212,20 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond) -> Response:
     error = {
         "pressure": found.error["pressure"] + SAFETY * largest.pressure,
         "torque": found.error["torque"] + SAFETY * largest.shoes,
-        "reaction": found.error["reaction"] + SAFETY * largest.reaction,
-        "peak_pressure": found.error["peak_pressure"] + SAFETY * largest.peak,
     }
-    if max(error["pressure"], error["torque"]) > tolerance:
+    if max(error.values()) > tolerance:
         return adapt(brake, whole, respond)
+    own = {"pressure": largest.pressure, "torque": largest.each, "peak_pressure": largest.peak, "hinge_reaction": largest.reaction}
+    shoes = tuple(
+        replace(shoe, error={name: value + SAFETY * own[name] for name, value in (shoe.error or {}).items()})
+        for shoe in found.shoes
+    )
     lines = [
         f"{' and '.join(names)}: taken as rigid, predicted to change torque by at most {predicted.shoes:.1e}, "
         f"p by {predicted.pressure:.1e} (L2); on the final mesh {seen.shoes:.1e} and {seen.pressure:.1e}"
     ]
     kept = [line for line in found.left_out if line not in scenes.lacking(simple)]
-    return replace(found, error=error, left_out=(*kept, *scenes.lacking(brake), *lines))
+    return replace(found, error=error, shoes=shoes, left_out=(*kept, *scenes.lacking(brake), *lines))
 
 
 def _size(predicted: Change) -> float:
@@ -230,7 +235,7 @@ def _size(predicted: Change) -> float:
 
 def _chosen(brake: Brake, allowed: float, respond: Respond) -> tuple[tuple[str, ...], Change]:
     """What of SAVING may be left out within `allowed`, and the change that is predicted; () where nothing may."""
-    nothing, has = Change(0.0, 0.0, 0.0, 0.0), present(brake)
+    nothing, has = Change(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), present(brake)
     if any(shoe.mesh is not None for shoe in brake.shoes) or scenes.why_not(brake) is not None:
         return (), nothing
     candidates = [names for names in SAVING if set(names) <= set(has)]

@@ -1,26 +1,28 @@
 """A brake to a tolerance: finer levels until the estimated errors are below it.
 
-The estimate. On successive levels errors fall by a factor of about four, so that the distance of a level's response from
-the one before it, d_k >= e_(k-1) - e_k, is some three times its own error e_k. The distance itself is stated, an upper
-value. Where it is small by chance, as the difference of two numbers may be, the ones before it count, by the factor that
-errors fall at best:
+The estimate. Let e_k be the error of level k and d_k its distance from the level before. If errors fall by the factor r
+from level to level, then d_k >= e_(k-1) - e_k = (r - 1) e_k. They fall by about four; for safety not more than twofold is
+counted on, and where d falls more slowly, what is observed. Where d is small by chance, as the difference of two numbers
+may be, those before it count, by the factor that errors fall at best:
 
-    e_k <= max_j d_(k-j) / FASTEST^j
+    e_k <= max( d_k / (r - 1),  e_(k-1) / FASTEST ),   r = d_(k-1) / d_k from SLOWEST to 2
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
+from drumlin.arrays import Floats
 from drumlin.brake import Brake
 from drumlin.compare import pressure_distance
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.hp.levels import LEVELS, Respond, steps
-from drumlin.response import Response
+from drumlin.response import Response, ShoeResponse
 
+SLOWEST = 1.3
 FASTEST = 4.0  # factor by which errors are trusted to fall from level to level
 ROUND_OFF = 10.0  # times what the elimination has lost of a unit force: what that may be in p
 
@@ -42,63 +44,60 @@ def adapt(brake: Brake, tolerance: Tolerance, respond: Respond, *, must: bool = 
     brake with a mesh file.
     """
     responses: list[Response] = []
-    error: dict[str, float] = {}
-    unknowns, lost = 0, 0.0
+    error = Errors({}, ())
+    unknowns = 0
     for made, found in steps(brake, respond):
         responses.append(found)
         unknowns = max(body.unknowns for body in made.bodies)
-        lost = max(body.condensed.lost for body in made.bodies)
         if len(responses) > 1:
-            error = estimate(responses, ROUND_OFF * lost)
-            if error["pressure"] <= tolerance.pressure and error["torque"] <= tolerance.torque:
+            error = estimate(responses, ROUND_OFF * max(body.condensed.lost for body in made.bodies))
+            if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
                 return _final(responses, error, unknowns, "")
-    said = f"estimated error of p {error['pressure']:.1e}, of the torque {error['torque']:.1e}"
-    wanted = f"tolerance {tolerance.pressure:g} not reached on {len(responses)} levels"
+    missed = f"tolerance {tolerance.pressure:g} not reached"
     if must:
-        raise NoAnswer(f"{wanted} of up to {unknowns} unknowns a shoe: {said}")
-    return _final(responses, error, unknowns, wanted)
+        said = f"estimated error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}"
+        raise NoAnswer(f"{missed} on {len(responses)} meshes of up to {unknowns} unknowns a shoe: {said}")
+    return _final(responses, error, unknowns, missed)
 
 
-def estimate(responses: Sequence[Response], floor: float = 0.0) -> dict[str, float]:
-    """Upper values of the relative errors of the last of the responses, each on a finer level than the one before.
+class Errors(NamedTuple):
+    """Relative errors: "pressure" (the worst shoe's) and "torque" of the `brake`; of each of the `shoes` "pressure",
+    "torque", "peak_pressure" and "hinge_reaction"."""
 
-    `reaction`: of the hinges; `peak_pressure`; both of the worst shoe. floor: what round-off may be at least.
+    brake: Mapping[str, float]
+    shoes: tuple[Mapping[str, float], ...]
+
+
+def estimate(responses: Sequence[Response], floor: float = 0.0) -> Errors:
+    """Upper values of the errors of the last of the responses, each on a finer level than the one before.
+
+    floor: what round-off may be at least, where there is contact.
     """
-    found = {name: 0.0 for name in DISTANCES}
-    for a, b in pairwise(responses):
-        for name, distance in DISTANCES.items():
-            found[name] = max(distance(a, b), found[name] / FASTEST)
-    return {name: value + floor * (value > 0) for name, value in found.items()}
+    series = np.array([distances(a, b) for a, b in pairwise(responses)])  # (levels, quantities)
+    found = series[0]
+    for before, last in pairwise(series):
+        falls = np.clip(before / np.maximum(last, np.finfo(float).tiny), SLOWEST, 2.0)
+        found = np.maximum(last / (falls - 1), found / FASTEST)
+    found = np.where(found > 0, found + floor, found)
+    count = len(responses[-1].shoes)
+    shoes = tuple(dict(zip(QUANTITIES, row.tolist(), strict=True)) for row in found[1:].reshape(count, -1))
+    return Errors({"pressure": max(shoe["pressure"] for shoe in shoes), "torque": float(found[0])}, shoes)
 
 
-def _pressure(a: Response, b: Response) -> float:
-    return max(
-        pressure_distance(x, y) if y.pressure.any() else float(x.pressure.any())
-        for x, y in zip(a.shoes, b.shoes, strict=True)
-    )
+QUANTITIES = ("pressure", "torque", "peak_pressure", "hinge_reaction")
 
 
-def _torque(a: Response, b: Response) -> float:
-    """The torque's, shoes not cancelling."""
-    return sum(abs(x.torque - y.torque) for x, y in zip(a.shoes, b.shoes, strict=True)) / (b.torque or 1.0)
+def distances(a: Response, b: Response) -> Floats:
+    """Relative distances of a from b: of the torque, shoes not cancelling, then of each shoe the QUANTITIES."""
+    off = [abs(x.torque - y.torque) for x, y in zip(a.shoes, b.shoes, strict=True)]
+    return np.array([sum(off) / (b.torque or 1.0), *(d for x, y in zip(a.shoes, b.shoes, strict=True) for d in _of(x, y))])
 
 
-def _reaction(a: Response, b: Response) -> float:
-    pairs = [(x.hinge_reaction, y.hinge_reaction) for x, y in zip(a.shoes, b.shoes, strict=True)]
-    return max(float(np.linalg.norm(x - y) / (np.linalg.norm(y) or 1.0)) for x, y in pairs)
-
-
-def _peak(a: Response, b: Response) -> float:
-    pairs = [(x.peak_pressure, y.peak_pressure) for x, y in zip(a.shoes, b.shoes, strict=True)]
-    return max(abs(x - y) / (y or 1.0) for x, y in pairs)
-
-
-DISTANCES: dict[str, Callable[[Response, Response], float]] = {
-    "pressure": _pressure,
-    "torque": _torque,
-    "reaction": _reaction,
-    "peak_pressure": _peak,
-}
+def _of(a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
+    p = pressure_distance(a, b) if b.pressure.any() else float(a.pressure.any())
+    reaction = float(np.linalg.norm(a.hinge_reaction - b.hinge_reaction) / (np.linalg.norm(b.hinge_reaction) or 1.0))
+    peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0)
+    return p, abs(a.torque - b.torque) / (b.torque or 1.0), peak, reaction
 
 
 def check_tolerance(brake: Brake, tolerance: float) -> None:
@@ -110,16 +109,17 @@ def check_tolerance(brake: Brake, tolerance: float) -> None:
             raise BadInput(f"--tolerance = {tolerance:g}: shoe {shoe.name!r} has a mesh file, which is not refined")
 
 
-def _final(responses: Sequence[Response], error: dict[str, float], unknowns: int, missed: str) -> Response:
-    """The last response with its error, the time of all levels and the steps of the longest."""
+def _final(responses: Sequence[Response], error: Errors, unknowns: int, missed: str) -> Response:
+    """The last response with its errors, the time of all levels and the steps of the longest."""
     seconds: dict[str, float] = {}
     for response in responses:
         for phase, spent in response.seconds.items():
             seconds[phase] = seconds.get(phase, 0.0) + spent
-    note = f"level {len(responses)} of {len(LEVELS)}: {unknowns} unknowns a shoe"
+    note = f"adapted on {len(responses)} meshes, the last with {unknowns} unknowns a shoe"
     return replace(
         responses[-1],
-        error=error,
+        error=error.brake,
+        shoes=tuple(replace(shoe, error=own) for shoe, own in zip(responses[-1].shoes, error.shoes, strict=True)),
         seconds=seconds,
         iterations=max(response.iterations for response in responses),
         notes=(*responses[-1].notes, f"{note}; {missed}" if missed else note),
