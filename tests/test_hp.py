@@ -1,6 +1,7 @@
 """Elements of high degree: stiffness, columns, rings and contact against skfem's own, closed forms and each other."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -92,7 +93,10 @@ def test_columns_merged_pairwise_are_the_whole_eliminated_at_once():
     half, middle = 0.5 * np.diff(x), 0.5 * (x[1:] + x[:-1])
     depth = [0.5 * (y[k] + y[k + 1]) + 0.5 * (y[k + 1] - y[k]) * lobatto(p) for k in range(layers)]
     xy = np.array(
-        [[np.stack(np.meshgrid(c + h * lobatto(p), d)).reshape(2, -1) for c, h in zip(middle, half, strict=True)] for d in depth]
+        [
+            [np.stack(np.meshgrid(c + h * lobatto(p), d)).reshape(2, -1) for c, h in zip(middle, half, strict=True)]
+            for d in depth
+        ]
     )[..., element(p).order]
     lame = np.tile(plane_stress(1.0, 0.3), (layers * m, 1))
     K = condensed_elements(np.ascontiguousarray(xy.reshape(-1, *xy.shape[2:])), lame, p)
@@ -124,10 +128,10 @@ CASES = {
 def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
     """Contact stiffness, unit loads, their work: against the assembled grid, nodes eliminated in another order."""
     shoe, body = body_and_parts(vary(brake, CASES[case]))
-    A, ties, loads = body.condensed.inside()
+    _, ties, loads = body.condensed.inside()
     other = condense(body.basis.stiffness(materials_of(shoe)), ties, loads, 2 * len(body.line.nodes))
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
-    assert S == pytest.approx(T, abs=1e-9 * np.abs(T).max())
+    assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     for name in ("load_c", "load_f", "load_work"):
         mine, theirs = getattr(body.condensed, name), getattr(other, name)
         assert mine == pytest.approx(theirs, abs=1e-8 * max(np.abs(theirs).max(), 1e-30))
@@ -141,10 +145,10 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
 
     post = read_brake(Path(__file__).parents[1] / "studies" / "post_brake" / "brake.toml")
     shoe, body = body_and_parts(vary(post, {"drum.ring": None}))
-    A, ties, loads = body.condensed.inside()
+    _, ties, loads = body.condensed.inside()
     other = condense(body.basis.stiffness(materials_of(shoe)), ties, loads, 2 * len(body.line.nodes))
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
-    assert S == pytest.approx(T, abs=1e-9 * np.abs(T).max())
+    assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     assert body.condensed.load_f == pytest.approx(other.load_f, abs=1e-8)
 
 
@@ -192,7 +196,9 @@ def test_rings_of_columns_and_of_a_mesh_answer_alike(brake):
 
 
 def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
-    """Errors against the finest level: p falls at least threefold a level; what is stated is more, and not ten times."""
+    """Errors against the finest level: p falls at least threefold a level; what is stated is more, and not ten
+    times.
+    """
     responses = [step.response for step in steps(flexible, respond)]
     truth = responses[-1]
     errors = [max(pressure_distance(a, b) for a, b in zip(r.shoes, truth.shoes, strict=True)) for r in responses]
@@ -241,7 +247,9 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
 
 
 def test_what_a_level_cannot_reach_is_said(brake):
-    with pytest.raises(NoAnswer, match=r"tolerance 1e-12 not reached on \d meshes of up to \d+ unknowns a shoe: estimated"):
+    with pytest.raises(
+        NoAnswer, match=r"tolerance 1e-12 not reached on \d meshes of up to \d+ unknowns a shoe: estimated"
+    ):
         solve(brake, tolerance=1e-12)
     answered = adapt(brake, DEFAULT._replace(torque=0.0), respond, must=False)
     assert "not reached" in answered.notes[-1]
@@ -251,8 +259,8 @@ def test_what_a_level_cannot_reach_is_said(brake):
 def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     sizes = graded(1.0, 1e-4, 1e-3, 0.4, 0.2)
     assert math.fsum(sizes) == pytest.approx(1.0)
-    assert max(b / a for a, b in zip(sizes, sizes[1:], strict=False)) < 2.6
-    assert min(b / a for a, b in zip(sizes, sizes[1:], strict=False)) > 1 / 2.6
+    assert max(b / a for a, b in pairwise(sizes)) < 2.6
+    assert min(b / a for a, b in pairwise(sizes)) > 1 / 2.6
     assert sizes[0] == 1e-4 and sizes[-1] == pytest.approx(1e-3)
     shoe = brake.shoes[0]
     div = divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False)])

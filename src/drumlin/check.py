@@ -47,7 +47,7 @@ class Verdict(NamedTuple):
 
 
 def curves_text(response: Response, flat: bool = False) -> str:
-    """The pressures of a response as a CSV table that `read_curves` takes, at its own nodes or finer; `flat`: over places x."""
+    """The pressures of a response as a CSV table that `read_curves` takes, `flat`: over places x."""
     place, per_unit = ("x [mm]", 1e3) if flat else ("theta [deg]", math.degrees(1))
     return as_csv(
         [

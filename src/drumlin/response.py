@@ -52,8 +52,8 @@ class ShoeResponse:
     edge has no bound. `turn` [rad] is the rotation of the shoe about its pin, where a model knows it.
     `pivot_reaction` (2,) [N] is the force of the pivot on the shoe, where there is one; `lumped` the contact's
     forces, where a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
-    `deformation` of beam and ring, of the foundation model. `error`: estimated relative errors "pressure" (L2 outside the
-    edge zones), "torque", "peak_pressure" and "hinge_reaction", None where nothing was estimated.
+    `deformation` of beam and ring, of the foundation model. `error`: estimated relative errors "pressure" (L2 outside
+    the edge zones), "torque", "peak_pressure" and "hinge_reaction", None where nothing was estimated.
 
     Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
     """
@@ -91,13 +91,16 @@ class ShoeResponse:
         """The pressure as a curve to draw and to write: angles (m,) [rad] and p >= 0 (m,) [Pa] there.
 
         Its own nodes, or where pieces are of a high degree so many points that straight lines or parabolas between them
-        will do: an even number of even steps a piece. A polynomial may dip below zero between its nodes, a pressure not.
+        will do: an even number of even steps a piece. A polynomial may dip below zero between its nodes, a pressure
+        not.
         """
         if self.order <= 2:
             return self.theta, self.pressure
         ends = self.theta[:: self.order]
         counts = 2 * np.maximum(self.order, np.ceil(np.diff(ends) / (2 * STEP))).astype(int)
-        theta = np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)])
+        theta = np.concatenate(
+            [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)]
+        )
         theta = np.append(theta, ends[-1])
         return theta, np.maximum(self.pressure_at(theta), 0.0)
 

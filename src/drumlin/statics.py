@@ -40,7 +40,7 @@ def lobatto(order: int) -> Floats:
 @cache
 def _coefficients(order: int) -> Floats:
     """Coefficients in Legendre's polynomials of the shape functions: (order + 1, order + 1), a column each."""
-    return np.linalg.inv(legendre.legvander(lobatto(order), order))
+    return np.asarray(np.linalg.inv(legendre.legvander(lobatto(order), order)), dtype=float)
 
 
 def shape(order: int, xi: Floats) -> Floats:
@@ -72,7 +72,9 @@ SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
 
 
 def largest(theta: Floats, values: Floats, order: int, zone: float = 0.0) -> float:
-    """Largest value of a piecewise polynomial more than `zone` [rad] from its ends; everywhere where nothing else is."""
+    """Largest value of a piecewise polynomial more than `zone` [rad] from its ends; everywhere where nothing else
+    is.
+    """
     first, last = float(theta[0]) + zone, float(theta[-1]) - zone
     ends = theta[::order]
     low, high = (ends[:-1], ends[1:]) if first >= last else (np.maximum(ends[:-1], first), np.minimum(ends[1:], last))

@@ -115,10 +115,15 @@ def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()
 
     def gather(factor: Floats) -> Floats:
-        return np.bincount(at, ((weight * factor) @ pair).ravel(), n * n).reshape(n, n)
+        return _summed(at, (weight * factor) @ pair, n * n).reshape(n, n)
 
     def interleave(vectors: Floats) -> Floats:
         return np.stack([gather(vectors[0]), gather(vectors[1])], axis=-1).reshape(n, 2 * n)
 
-    lever = np.bincount(line.pieces.T.ravel(), ((weight * r) @ psi.T).ravel(), n)
+    lever = _summed(line.pieces.T.ravel(), (weight * r) @ psi.T, n)
     return Coupling(gather(np.ones_like(r)), interleave(normal), interleave(tangent), lever)
+
+
+def _summed(at: Ints, values: Floats, count: int) -> Floats:
+    """Sums (count,) of the values that have the same place `at`."""
+    return np.bincount(at, values.ravel(), count).astype(float, copy=False)

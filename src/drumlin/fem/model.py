@@ -18,8 +18,8 @@ from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import adapt as adapt_meshes
 from drumlin.fem.ends import contact_arcs
-from drumlin.fem.mesh import DEFAULT_KIND
 from drumlin.fem.hp.adapt import DEFAULT, adapt
+from drumlin.fem.mesh import DEFAULT_KIND
 from drumlin.fem.omission import adapt_without
 from drumlin.fem.scene import (
     ELEMENTS,
@@ -66,8 +66,9 @@ def solve(
 
     tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the division and
     of what is left out for it; NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is
-    reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind` on
-    meshes of that kind. BadInput is raised for elements and a tolerance together. kept: bodies of earlier solves on meshes, see `prepare`.
+    reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind`
+    on meshes of that kind. BadInput is raised for elements and a tolerance together. kept: bodies of earlier solves on
+    meshes, see `prepare`.
     """
     meshed = elements is not None or kind is not None or any(shoe.mesh is not None for shoe in brake.shoes)
     answer = partial(respond, penalty=penalty)
@@ -75,7 +76,9 @@ def solve(
         check_penalty(penalty)
         return adapt(brake, DEFAULT, answer, must=False)
     if tolerance is None:
-        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind or DEFAULT_KIND, kept=kept)
+        scene = prepare(
+            brake, elements=ELEMENTS if elements is None else elements, kind=kind or DEFAULT_KIND, kept=kept
+        )
         return answer(scene, brake)
     if elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
@@ -341,8 +344,8 @@ def _answer(
 
 
 def edge_zone(shoe: Shoe, radius: float) -> float:
-    """Zone at each end of a lining [rad] in which no peak of the pressure is looked for: half the lining's thickness, at
-    most a quarter of its length."""
+    """Zone at each end of a lining [rad] in which no peak of the pressure is looked for: half the lining's thickness,
+    at most a quarter of its length."""
     start, end = shoe.arc
     return min(shoe.lining.thickness / (2 * radius), 0.25 * (end - start))
 

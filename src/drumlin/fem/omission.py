@@ -215,7 +215,12 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond) -> Response:
     }
     if max(error.values()) > tolerance:
         return adapt(brake, whole, respond)
-    own = {"pressure": largest.pressure, "torque": largest.each, "peak_pressure": largest.peak, "hinge_reaction": largest.reaction}
+    own = {
+        "pressure": largest.pressure,
+        "torque": largest.each,
+        "peak_pressure": largest.peak,
+        "hinge_reaction": largest.reaction,
+    }
     shoes = tuple(
         replace(shoe, error={name: value + SAFETY * own[name] for name, value in (shoe.error or {}).items()})
         for shoe in found.shoes

@@ -1,9 +1,9 @@
 """A brake to a tolerance: finer levels until the estimated errors are below it.
 
 The estimate. Let e_k be the error of level k and d_k its distance from the level before. If errors fall by the factor r
-from level to level, then d_k >= e_(k-1) - e_k = (r - 1) e_k. They fall by about four; for safety not more than twofold is
-counted on, and where d falls more slowly, what is observed. Where d is small by chance, as the difference of two numbers
-may be, those before it count, by the factor that errors fall at best:
+from level to level, then d_k >= e_(k-1) - e_k = (r - 1) e_k. They fall by about four; for safety not more than twofold
+is counted on, and where d falls more slowly, what is observed. Where d is small by chance, as the difference of two
+numbers may be, those before it count, by the factor that errors fall at best:
 
     e_k <= max( d_k / (r - 1),  e_(k-1) / FASTEST ),   r = d_(k-1) / d_k from SLOWEST to 2
 """
@@ -19,7 +19,7 @@ from drumlin.arrays import Floats
 from drumlin.brake import Brake
 from drumlin.compare import pressure_distance
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.hp.levels import LEVELS, Respond, steps
+from drumlin.fem.hp.levels import Respond, steps
 from drumlin.response import Response, ShoeResponse
 
 SLOWEST = 1.3
@@ -90,7 +90,9 @@ QUANTITIES = ("pressure", "torque", "peak_pressure", "hinge_reaction")
 def distances(a: Response, b: Response) -> Floats:
     """Relative distances of a from b: of the torque, shoes not cancelling, then of each shoe the QUANTITIES."""
     off = [abs(x.torque - y.torque) for x, y in zip(a.shoes, b.shoes, strict=True)]
-    return np.array([sum(off) / (b.torque or 1.0), *(d for x, y in zip(a.shoes, b.shoes, strict=True) for d in _of(x, y))])
+    return np.array(
+        [sum(off) / (b.torque or 1.0), *(d for x, y in zip(a.shoes, b.shoes, strict=True) for d in _of(x, y))]
+    )
 
 
 def _of(a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:

@@ -1,12 +1,11 @@
 """The body of a parametric shoe of columns, as contact, response, sweeps and wear need it."""
 
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 import scipy.linalg
 from scipy.linalg.lapack import dpotrf
 
-from drumlin.arrays import Floats
 from drumlin.brake import Shoe
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, tie
@@ -19,7 +18,9 @@ from drumlin.fem.interface import ContactLine
 
 
 def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
-    """All nodes and elements of a shoe; sets "hinge" and, of an elastic shoe, "actuation", from the lining's side on."""
+    """All nodes and elements of a shoe; sets "hinge" and, of an elastic shoe, "actuation", from the lining's side
+    on.
+    """
     p, first, layers = div.degree, div.first, div.layers
     depth, along = line_of(div.depths, p), line_of(div.angles, p)
     rows, n = len(depth), len(along)

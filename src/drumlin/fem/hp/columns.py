@@ -4,8 +4,8 @@ A column is a stack of elements from the contact inwards. Displacements are coun
 node, on an arc along the radius and around the drum; so equal columns are one and the same, wherever they stand, and
 are made once. Neighbours merge pairwise, level by level, each level in a few batched products.
 
-Unknowns of a piece, x and y of a node together: [extra | left line | inner contact | right line], lines from the contact
-inwards. `extra` are shared by all pieces: loads, which stand in the matrix as unknowns of negative stiffness.
+Unknowns of a piece, x and y of a node together: [extra | left line | inner contact | right line], lines from the
+contact inwards. `extra` are shared by all pieces: loads, which stand in the matrix as unknowns of negative stiffness.
 """
 
 from functools import cache
@@ -21,13 +21,13 @@ class Stack(NamedTuple):
     """Unknowns of a stack of elements, in the order [left line | inner contact | right line | rest | held].
 
     `place` (layers, n): those of each element's boundary; `sides`: how many there are up to the right line, `free` up
-    to the held ones, `count` of all; `line`: of a line; `back` (2 (p + 1),): those of the innermost edge.
+    to the held ones, `size` of all; `line`: of a line; `back` (2 (p + 1),): those of the innermost edge.
     """
 
     place: Ints
     sides: int
     free: int
-    count: int
+    size: int
     line: int
     back: Ints
 
@@ -44,9 +44,7 @@ def stack(p: int, layers: int, *, contact: bool, held: bool) -> Stack:
     for k, (i, j) in enumerate(kept + rest + gone):
         place[i, j] = 2 * k, 2 * k + 1
     ref = element(p)
-    at = [
-        place[k * p : k * p + p + 1].reshape(-1, 2)[ref.order[: ref.outer]].ravel() for k in range(layers)
-    ]
+    at = [place[k * p : k * p + p + 1].reshape(-1, 2)[ref.order[: ref.outer]].ravel() for k in range(layers)]
     count = 2 * len(kept + rest + gone)
     return Stack(np.array(at), 2 * len(kept), 2 * len(kept + rest), count, 2 * free, place[last].ravel())
 
@@ -57,7 +55,7 @@ def columns(elements: Floats, of: Stack, loads: Floats | None = None) -> Floats:
     loads (c, k, l): unit loads on the k unknowns of the innermost edge; they become l extra unknowns.
     """
     extra = 0 if loads is None else loads.shape[2]
-    K = np.zeros((elements.shape[1], extra + of.count, extra + of.count))
+    K = np.zeros((elements.shape[1], extra + of.size, extra + of.size))
     for place, part in zip(of.place + extra, elements, strict=True):
         K[:, place[:, None], place] += part
     if loads is not None:

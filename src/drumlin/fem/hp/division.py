@@ -1,8 +1,9 @@
 """How a shoe is divided into columns along its lining and layers through its thickness.
 
 Sizes grow geometrically away from the places where the stress is not smooth: the lining's ends, the ends of the contact
-and kinks of its gap, the interfaces of layers where these end, and the corners at the face that the hinge holds. With the
-degree that makes the error fall exponentially (Babuska & Guo 1986; Schwab, p- and hp-Finite Element Methods, ch. 4).
+and kinks of its gap, the interfaces of layers where these end, and the corners at the face that the hinge holds. With
+the degree that makes the error fall exponentially (Babuska & Guo 1986; Schwab, p- and hp-Finite Element Methods, ch.
+4).
 """
 
 import math
@@ -54,9 +55,9 @@ class Layer:
 class Division:
     """Columns and layers of a shoe.
 
-    `angles` (m + 1,) phi [rad]: ends of the columns under the lining; `before`, `after`: of those of the body beyond it,
-    starting at the lining; `depths` (l + 1,): ends of the layers, from the contact inwards, of an arc [m], of a beam in
-    layers; `part` (l,): what each layer belongs to.
+    `angles` (m + 1,) phi [rad]: ends of the columns under the lining; `before`, `after`: of those of the body beyond
+    it, starting at the lining; `depths` (l + 1,): ends of the layers, from the contact inwards, of an arc [m], of a
+    beam in layers; `part` (l,): what each layer belongs to.
     """
 
     degree: int
@@ -86,7 +87,9 @@ class Division:
 
 
 def graded(length: float, left: float, right: float, ratio: float, largest: float) -> list[float]:
-    """Sizes over `length` that grow by 1/ratio from `left` and `right` at its ends; even ones up to `largest` between."""
+    """Sizes over `length` that grow by 1/ratio from `left` and `right` at its ends; even ones up to `largest`
+    between.
+    """
     first: list[float] = []
     last: list[float] = []
     while True:
@@ -122,7 +125,7 @@ def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
     if shoe.backing is not None:
         found.append(Layer("backing", shoe.backing.thickness))
     if shoe.body is not None:
-        found.append(Layer("shoe", shoe.body.section.thickness))  # type: ignore[union-attr]
+        found.append(Layer("shoe", shoe.body.section.thickness))
     return found
 
 
@@ -135,7 +138,8 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
     marks = _marks(start, end, scale, [(x, level.end ** (1 + kink) * min(t, size)) for x, size, kink in places])
     angles = [
-        ends_of(graded(b[0] - a[0], a[1], b[1], level.ratio, level.largest), a[0], b[0])[:-1] for a, b in pairwise(marks)
+        ends_of(graded(b[0] - a[0], a[1], b[1], level.ratio, level.largest), a[0], b[0])[:-1]
+        for a, b in pairwise(marks)
     ]
     near, far = _beyond(shoe, radius, start, end)
     before, after = np.array([start]), np.array([end])
@@ -148,7 +152,12 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
         if far - end > 1e-9:
             sizes = graded(far - end, edge, far - end, level.ratio, max(body, level.largest))
             after = end + ends_of(sizes, 0.0, far - end)
-    depths, part = _depths(layers, level, min(level.face * layers[0].thickness, level.zone * EDGE_ZONE * radius), straight=isinstance(shoe.body, Beam))
+    depths, part = _depths(
+        layers,
+        level,
+        min(level.face * layers[0].thickness, level.zone * EDGE_ZONE * radius),
+        straight=isinstance(shoe.body, Beam),
+    )
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
 
 

@@ -43,9 +43,7 @@ def element(p: int, *, precise: bool = False) -> Element:
     inner = number[1:-1, 1:-1].ravel()
     order = np.concatenate([np.setdiff1d(number, inner), inner])
     slopes = _product_slopes(p, x) if precise else shape_functions(p, _grid(x))[1]
-    return Element(
-        np.ascontiguousarray(slopes[order].reshape(len(order), -1)), np.outer(w, w).ravel(), order, 4 * p
-    )
+    return Element(np.ascontiguousarray(slopes[order].reshape(len(order), -1)), np.outer(w, w).ravel(), order, 4 * p)
 
 
 def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
@@ -59,8 +57,8 @@ def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
 
     at_nodes, _ = of(_grid(0.5 * (lobatto(p) + 1)))
     values, slopes = of(x)
-    values = np.linalg.solve(at_nodes, values)
-    return values, np.linalg.solve(at_nodes, slopes.reshape(count, -1)).reshape(slopes.shape)
+    nodal: Floats = np.asarray(np.linalg.inv(at_nodes), dtype=float)
+    return nodal @ values, (nodal @ slopes.reshape(count, -1)).reshape(slopes.shape)
 
 
 def _grid(x: Floats) -> Floats:

@@ -1,4 +1,5 @@
-"""All nodes and elements of a body of columns, numbered: what pictures, files, slopes and refinement need, made if asked.
+"""All nodes and elements of a body of columns, numbered: what pictures, files, slopes and refinement need, made if
+asked.
 
 It stands where skfem's basis stands for a body on a mesh.
 """
@@ -20,7 +21,9 @@ from drumlin.statics import lobatto
 
 @dataclass(frozen=True)
 class Block:
-    """A rectangle of elements: `id` (rows, columns) of its nodes, their `depth` (rows,) and place `along` (columns,)."""
+    """A rectangle of elements: `id` (rows, columns) of its nodes, their `depth` (rows,) and place `along`
+    (columns,).
+    """
 
     id: Ints
     depth: Floats
@@ -56,8 +59,8 @@ class Grid:
         found = []
         for block in self.blocks:
             rows, columns = (np.arange(0, size - 1, p) for size in block.id.shape)
-            i = (rows[:, None, None, None] + np.arange(p + 1)[:, None])
-            j = (columns[None, :, None, None] + np.arange(p + 1))
+            i = rows[:, None, None, None] + np.arange(p + 1)[:, None]
+            j = columns[None, :, None, None] + np.arange(p + 1)
             found.append(block.id[i, j].reshape(-1, (p + 1) ** 2))
         return np.concatenate(found).T
 

@@ -2,6 +2,7 @@
 
 import math
 from functools import partial
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -44,11 +45,13 @@ def divide(section: Section, radius: float, linings: list[Floats], level: Level)
     places = np.sort(np.concatenate([part % TURN for part in parts]))
     places = places[np.append(True, np.diff(places) > CLOSE)]
     places = np.append(places[places < TURN - CLOSE], TURN)
-    under = [any(_within(0.5 * (a + b), part) for part in parts) for a, b in zip(places[:-1], places[1:], strict=True)]
+    under = [any(_within(0.5 * (a + b), part) for part in parts) for a, b in pairwise(places.tolist())]
     angles, contact = [places[:1]], []
     sizes = np.diff(places)
     for k, (a, b, covered) in enumerate(zip(places[:-1], places[1:], under, strict=True)):
-        pieces = [b - a] if covered else graded(b - a, sizes[k - 1], sizes[(k + 1) % len(sizes)], level.ratio, level.largest)
+        pieces = (
+            [b - a] if covered else graded(b - a, sizes[k - 1], sizes[(k + 1) % len(sizes)], level.ratio, level.largest)
+        )
         angles.append(ends_of(pieces, a, b)[1:])
         contact += [covered] * len(pieces)
     t = section.thickness
@@ -64,11 +67,9 @@ def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> R
     """The ring condensed under the linings, given by their contact lines in the shoes' frames."""
     ring, radius, sign = brake.drum.ring, brake.drum.radius, brake.shoes[0].sign
     assert ring is not None and ring.section is not None  # scene.why_not
-    ends = [
-        np.sort(shoe.frame.theta(line.phi[:: line.order])) for shoe, line in zip(brake.shoes, linings, strict=True)
-    ]
+    ends = [np.sort(shoe.frame.theta(line.phi[:: line.order])) for shoe, line in zip(brake.shoes, linings, strict=True)]
     div = divide(ring.section, radius, ends, level)
-    p, free = div.degree, ring.support == "free"
+    free = ring.support == "free"
     made, line = _columns(ring.section, radius, sign, div, free=free)
     grid = grid_of(radius, sign, div)
     contact = ContactLine(grid.sets["contact"], grid.doflocs[:, grid.sets["contact"]], *_pieces(div))
@@ -89,13 +90,16 @@ def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> R
     held = None
     if free:
         R = rigid(grid.doflocs, np.zeros(2))
-        balance = np.linalg.solve(R.T @ rim, R.reshape(-1, 2, FRAME)[contact.nodes].reshape(-1, FRAME).T)
+        touching = R.reshape(-1, 2, FRAME)[contact.nodes].reshape(-1, FRAME)
+        balance: Floats = np.asarray(np.linalg.solve(R.T @ rim, touching.T), dtype=float)
         root = scipy.linalg.sqrtm(work).real
         held = Free(rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), balance, condensed.half(condensed.load_c), root)
     return coupled_ring(brake, linings, grid, grid, contact, condensed, held)
 
 
-def _columns(section: Section, radius: float, sign: int, div: Division, *, free: bool) -> tuple[list[tuple[bool, Floats]], int]:
+def _columns(
+    section: Section, radius: float, sign: int, div: Division, *, free: bool
+) -> tuple[list[tuple[bool, Floats]], int]:
     """Pieces of columns, in contact and not, merged, in their order from the first angle on; unknowns of a line."""
     p, layers = div.degree, len(div.depths) - 1
     sizes, which = distinct(np.diff(div.angles))
@@ -126,8 +130,8 @@ def _columns(section: Section, radius: float, sign: int, div: Division, *, free:
 
 
 def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
-    """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns at the angles `along`, as the rigid motions, in the columns'
-    frames; all over the rim's length of a round ring."""
+    """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns at the angles `along`, as the rigid motions, in the
+    columns' frames; all over the rim's length of a round ring."""
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
     psi = shape(p, GAUSS)
     x = xy @ psi
@@ -162,14 +166,18 @@ def _closed(pieces: list[tuple[bool, Floats]], div: Division, line: int, extra: 
     A = np.zeros((total, total))
     for k, (_, K) in enumerate(pieces):
         after = (k + 1) % count
-        lines = [np.r_[tops[j] : tops[j] + 2, first + j * (line - 2) : first + (j + 1) * (line - 2)] for j in (k, after)]
+        lines = [
+            np.r_[tops[j] : tops[j] + 2, first + j * (line - 2) : first + (j + 1) * (line - 2)] for j in (k, after)
+        ]
         place = np.r_[:extra, lines[0], tops[k] + 2 : tops[k] + 2 + inner[k], lines[1]]
         np.add.at(A, (place[:, None], place), K)
     return A
 
 
 def _held(A: Floats, extra: int, contact: int, line: int, div: Division) -> Floats:
-    """Without three unknowns at the rim that hold it against rigid motion: a node, and another one that turns about it."""
+    """Without three unknowns at the rim that hold it against rigid motion: a node, and another one that turns about
+    it.
+    """
     angles = div.angles[_runs(div)]
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())

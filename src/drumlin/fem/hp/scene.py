@@ -14,7 +14,14 @@ from drumlin.fem.hp.shoe import condense
 Places = Mapping[tuple[object, ...], Sequence[tuple[float, float, bool]]]  # by the shape of a shoe: see `divide`
 
 
-def body(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float, float, bool]], friction: bool, seconds: scenes.Seconds) -> scenes.Body:
+def body(
+    shoe: Shoe,
+    radius: float,
+    level: Level,
+    places: Sequence[tuple[float, float, bool]],
+    friction: bool,
+    seconds: scenes.Seconds,
+) -> scenes.Body:
     """The condensed body of a parametric shoe at a level."""
     with scenes.clock(seconds, "condensation"):
         div = divide(shoe, radius, level, places)

@@ -5,7 +5,6 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-
 from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
@@ -19,13 +18,16 @@ from drumlin.fem.hp.element import condensed_elements, element, eliminate
 from drumlin.parts import Material
 from drumlin.statics import GAUSS, WEIGHTS, lobatto, shape
 
+LOADS, HELD, EXTRA = slice(FRAME), slice(FRAME, 2 * FRAME), 2 * FRAME  # unknowns of a piece before its own
+
 Map = Callable[[Floats, Floats], Floats]  # depth, place along -> points (2, ...) [m] in the shoe's frame
 
 
 class Condensed(NamedTuple):
-    """Stiffness `S` (3 + 2n, 3 + 2n) on [frame | contact nodes x, y], unit actuations `loads` (3 + 2n, 3) on them, their
-    `work` (3, 3) with both held, and the centre (2,) [m] that they act on. `lost`: what the elimination missed the balance
-    of a unit force by, before the frame's rows were made to balance."""
+    """Stiffness `S` (3 + 2n, 3 + 2n) on [frame | contact nodes x, y], unit actuations `loads` (3 + 2n, 3) on them,
+    their
+    `work` (3, 3) with both held, and the centre (2,) [m] that they act on. `lost`: what the elimination missed the
+    balance of a unit force by, before the frame's rows were made to balance."""
 
     S: Floats
     loads: Floats
@@ -131,9 +133,7 @@ def _columns(shoe: Shoe, place: Map, div: Division, materials: dict[str, tuple[M
     if len(over):
         xy.append(nodes_of(place, div.depths[div.first :], along[over], p))
     lames = [np.broadcast_to(lame[-len(x) :, None], (*x.shape[:2], 2)).reshape(-1, 2) for x in xy]
-    K = condensed_elements(
-        np.concatenate([x.reshape(-1, *x.shape[2:]) for x in xy]), np.concatenate(lames), p
-    )
+    K = condensed_elements(np.concatenate([x.reshape(-1, *x.shape[2:]) for x in xy]), np.concatenate(lames), p)
     split = xy[0].shape[0] * xy[0].shape[1]
     held = div.first == div.layers
     of = stack(p, div.layers, contact=True, held=held)
@@ -164,63 +164,71 @@ def directions(along: Floats, line: int, *, contact: bool) -> Floats:
 def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> Condensed:
     """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular stiffness."""
     p, place, pin = div.degree, map_of(shoe, radius), np.array([shoe.hinge.radius, 0.0])
-    straight = isinstance(shoe.body, Beam)
+    straight, held = isinstance(shoe.body, Beam), div.first == div.layers
     found = _columns(shoe, place, div, materials)
-    held = div.first == div.layers
     line = stack(p, div.layers, contact=True, held=held).line
     S = merged(found.under, line, 2)
     phi = line_of(div.angles, p)
     back = np.zeros_like(phi) if straight else phi  # directions of the contact nodes
+    R = rigid(place(np.zeros(1), phi), pin)
     if held:  # a rigid shoe: its back is held, the force acts on it
-        S = eliminate(_contact_first(S, line, 0)[None], 2 * len(phi))[0]
-        S = turned(S, -back)
-        R, none = rigid(place(np.zeros(1), phi), pin), np.zeros((FRAME, FRAME))
+        S = turned(eliminate(_contact_first(S, line, 0)[None], 2 * len(phi))[0], -back)
+        none = np.zeros((FRAME, FRAME))
         return Condensed(_balanced(S, R), np.vstack([np.eye(FRAME), np.zeros((len(R), FRAME))]), none, pin, 0.0)
-    part = 2 * ((div.layers - div.first) * p + 1)
-    n = len(S)
-    extra = 2 * FRAME  # loads, frame
-    A = np.zeros((extra + n, extra + n))
-    A[extra:, extra:] = S
-    left, right = slice(extra + line - part, extra + line), slice(extra + n - part, extra + n)
     d = line_of(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
-    R = _local(rigid(place(d, near), pin), 0.0 if straight else near)
-    frame = slice(FRAME, extra)
-    if len(found.before):  # from the hinge to the lining
-        K = merged(found.before, part, 0)
-        RK = R.T @ K[:part]
-        A[frame, frame] += RK[:, :part] @ R
-        A[frame, left] += RK[:, part:]
-        A[left, frame] += RK[:, part:].T
-        A[left, left] += K[part:, part:]
+    held_line = _local(rigid(place(d, near), pin), 0.0 if straight else near)
     f, centre = end_load(place(d, far), d, p)
     f = _local(f, 0.0 if straight else far)
-    loads = slice(0, FRAME)
-    if len(found.after):
-        K = merged(found.after, part, 0)
-        K = eliminate(_bordered(K, f), FRAME + part)[0]
-        A[loads, loads] += K[:FRAME, :FRAME]
-        A[loads, right] += K[:FRAME, FRAME:]
-        A[right, loads] += K[FRAME:, :FRAME]
-        A[right, right] += K[FRAME:, FRAME:]
-    else:
-        A[loads, right] -= f.T
-        A[right, loads] -= f
-    A = _contact_first(A, line, extra)
+    A = _contact_first(_with_ends(S, line, found, held_line, f), line, EXTRA)
     if not len(found.before):  # the hinge holds the body where the lining begins
-        at = extra + 2 * len(phi) + np.arange(part) + (line - 2 - part)
-        A[:, frame] += A[:, at] @ R
-        A[frame] += R.T @ A[at]
-        others = np.delete(np.arange(len(A)), at)
-        A = A[others[:, None], others]
-    A = eliminate(A[None], extra + 2 * len(phi))[0]
-    contact = slice(extra, None)
-    S, load = turned(A[contact, contact], -back), -turned_rows(A[loads, contact], -back).T
-    R, arm = rigid(place(np.zeros(1), phi), pin), centre - pin
+        part = len(held_line)
+        A = _tied(A, EXTRA + 2 * len(phi) + line - 2 - part + np.arange(part), held_line)
+    A = eliminate(A[None], EXTRA + 2 * len(phi))[0]
+    contact = slice(EXTRA, None)
+    S, load = turned(A[contact, contact], -back), -turned_rows(A[LOADS, contact], -back).T
+    arm = centre - pin
     unit = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-arm[1], arm[0], 1.0]])
     on_frame = unit - R.T @ load
-    lost = float(np.abs(on_frame + A[frame, loads])[:2, :2].max())
-    return Condensed(_balanced(S, R), np.vstack([on_frame, load]), -A[loads, loads], centre, lost)
+    lost = float(np.abs(on_frame + A[HELD, LOADS])[:2, :2].max())
+    return Condensed(_balanced(S, R), np.vstack([on_frame, load]), -A[LOADS, LOADS], centre, lost)
+
+
+def _with_ends(S: Floats, line: int, found: _Columns, held: Floats, load: Floats) -> Floats:
+    """The piece S under the lining on [loads | frame | S's own], with what the body is beyond it.
+
+    held (n, 3): motions of the line at the hinge per dx, dy and turn; load (n, 3): unit loads on the line at the end.
+    """
+    part, n = len(held), len(S)
+    A = np.zeros((EXTRA + n, EXTRA + n))
+    A[EXTRA:, EXTRA:] = S
+    left, right = slice(EXTRA + line - part, EXTRA + line), slice(EXTRA + n - part, EXTRA + n)
+    if len(found.before):  # from the hinge to the lining
+        K = merged(found.before, part, 0)
+        RK = held.T @ K[:part]
+        A[HELD, HELD] += RK[:, :part] @ held
+        A[HELD, left] += RK[:, part:]
+        A[left, HELD] += RK[:, part:].T
+        A[left, left] += K[part:, part:]
+    if len(found.after):
+        K = eliminate(_bordered(merged(found.after, part, 0), load), FRAME + part)[0]
+        A[LOADS, LOADS] += K[:FRAME, :FRAME]
+        A[LOADS, right] += K[:FRAME, FRAME:]
+        A[right, LOADS] += K[FRAME:, :FRAME]
+        A[right, right] += K[FRAME:, FRAME:]
+    else:
+        A[LOADS, right] -= load.T
+        A[right, LOADS] -= load
+    return A
+
+
+def _tied(A: Floats, at: Ints, held: Floats) -> Floats:
+    """A whose unknowns `at` move with the frame by `held` (n, 3)."""
+    A = A.copy()
+    A[:, HELD] += A[:, at] @ held
+    A[HELD] += held.T @ A[at]
+    others = np.delete(np.arange(len(A)), at)
+    return A[others[:, None], others]
 
 
 def _balanced(S: Floats, R: Floats) -> Floats:
@@ -235,7 +243,9 @@ def _local(V: Floats, angle: float) -> Floats:
 
 
 def _bordered(K: Floats, loads: Floats) -> Floats:
-    """(1, l + n, l + n) of a piece K (2 n', 2 n') [near | far] with loads (n', l) on its far line, as extra unknowns."""
+    """(1, l + n, l + n) of a piece K (2 n', 2 n') [near | far] with loads (n', l) on its far line, as extra
+    unknowns.
+    """
     count, n = loads.shape[1], len(K)
     A = np.zeros((1, count + n, count + n))
     A[0, count:, count:] = K
@@ -258,10 +268,11 @@ def contact_order(n: int, line: int, extra: int) -> Ints:
 
 
 def end_load(xy: Floats, depths: Floats, p: int) -> tuple[Floats, Floats]:
-    """Nodal forces (2n, 3) [1, 1, 1/m] of unit force x, y and couple on the straight loaded end, and its centre (2,) [m].
+    """Nodal forces (2n, 3) [1, 1, 1/m] of unit force x, y and couple on the straight loaded end, and its centre (2,)
+    [m].
 
-    The force is spread evenly, the couple as a traction that grows linearly from the centre. xy (2, n) [m]: nodes of the
-    end at the `depths` (n,), which are in proportion to the distance along it.
+    The force is spread evenly, the couple as a traction that grows linearly from the centre. xy (2, n) [m]: nodes of
+    the end at the `depths` (n,), which are in proportion to the distance along it.
     """
     ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5  # from -1/2 to 1/2
     at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
