@@ -2,9 +2,9 @@
 
 import math
 
-from drumlin.brake import Brake
-from drumlin.brakefile import brake_from, validated
-from drumlin.flat import FlatBrake
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import brake_from, validated
+from drumlin.brake.plane_brake import FlatBrake
 
 LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 import skfem
 
-from drumlin import contact, stickslip
+from drumlin.brake.fields import Material
+from drumlin.contact import active_set, stick_slip
 from drumlin.fem.body import condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import contact_line, couple, radial
 from drumlin.fem.ring import closed_mesh, couple_ring
-from drumlin.parts import Material
 
 
 def towards(fine, growth, end):
@@ -95,7 +95,7 @@ class Pair:
     def normal(self, gap, loads=()):
         """Frictionless problem; `loads`: force on the inner body's holder along each motion."""
         B = -self.coupling.N @ self.motions
-        return contact.Problem(
+        return active_set.Problem(
             self.pressed.T @ self.pressed, self.coupling.M @ gap, B, B.T.copy(), -np.asarray(loads, float)
         )
 
@@ -103,7 +103,7 @@ class Pair:
         """Stick-slip problem; slip is that of the outer body against the inner one, along e_phi."""
         n, B_s = len(gap), -self.coupling.T @ self.motions
         flat = self.normal(gap, loads)
-        return stickslip.Problem(
+        return stick_slip.Problem(
             A_wp=flat.A,
             A_wt=self.pressed.T @ self.dragged,
             A_sp=-self.dragged.T @ self.pressed,
@@ -128,9 +128,9 @@ def nested_start(problem, share=6):
     n = len(problem.q)
     kept = np.unique(np.round(np.linspace(0, n - 1, max(3, n // share))).astype(int))
     P = np.array([np.interp(np.arange(n), kept, row) for row in np.eye(len(kept))]).T
-    coarse = contact.Problem(P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h)
+    coarse = active_set.Problem(P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h)
     start = nested_start(coarse) if len(kept) > 40 else None
-    return P @ contact.solve(coarse, start).p > 0
+    return P @ active_set.solve(coarse, start).p > 0
 
 
 def _half(one, forces):

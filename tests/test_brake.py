@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import STUDY
-from drumlin.brake import Frame
-from drumlin.brakefile import brake_from, read_brake, vary
+from drumlin.brake.drum_brake import Frame
+from drumlin.brake.file import brake_from, read_brake, vary
+from drumlin.brake.units import to_si
 from drumlin.errors import BadInput
-from drumlin.units import to_si
 
 TEXT = (STUDY / "brake.toml").read_text()
 
@@ -168,7 +168,7 @@ def test_varying_inside_a_table_that_was_given_leaves_that_table_alone(brake):
 
 
 def test_common_units_are_those_of_pint():
-    from drumlin import units
+    from drumlin.brake import units
 
     for si, factors in units.COMMON.items():
         for unit, factor in factors.items():

@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from drumlin.brakefile import vary
-from drumlin.compare import Column, as_csv, compare, extrapolate, pressure_distance, vector_distance
+from drumlin.brake.file import vary
+from drumlin.comparison import Column, as_csv, compare, extrapolate
 from drumlin.laws import sine
+from drumlin.response.norms import pressure_distance, vector_distance
 
 
 def test_richardson_recovers_order_and_limit():

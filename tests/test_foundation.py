@@ -11,16 +11,17 @@ from hypothesis import strategies as st
 
 from conftest import ROOT
 from drumlin import foundation
-from drumlin.brake import Brake
-from drumlin.brakefile import brake_from, read_brake, vary
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.foundation import ring
-from drumlin.foundation.iteration import iterate
 from drumlin.foundation.model import system
 from drumlin.foundation.post import post, stations
 from drumlin.laws import locking_friction, sine
-from drumlin.merit import barecki_shoe_factor
 from drumlin.models import MODELS, applicable
+from drumlin.response.merit import barecki_shoe_factor
+from drumlin.verification.barecki_iteration import iterate
+from drumlin.wear.worn_in import worn_in_foundation
 
 POST = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
 PAPER = {"tilt": False, "wedge": False, "plane_stress": False}
@@ -444,7 +445,7 @@ def test_a_flexible_post_does_not_lock_and_is_followed_to_any_friction(spin):
 
 def test_a_worn_in_lining_bears_by_the_sine_law_however_elastic_the_brake_is():
     for lift in ((), ("all",)):
-        worn = foundation.worn_in(POST, lift=lift)
+        worn = worn_in_foundation(POST, lift=lift)
         before, after, law = foundation.solve(POST, lift=lift), foundation.solve(worn, lift=lift), sine(POST)
         for a, b, c, shoe in zip(before.shoes, after.shoes, law.shoes, worn.shoes, strict=True):
             assert b.pressure == pytest.approx(c.pressure_at(b.theta), rel=2e-3, abs=1e-5 * c.peak_pressure)

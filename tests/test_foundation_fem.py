@@ -7,12 +7,13 @@ import pytest
 
 from conftest import ROOT
 from drumlin import foundation
-from drumlin.brakefile import read_brake, vary
+from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput
+from drumlin.fem.assembly import prepare
 from drumlin.fem.body import scalar_basis
-from drumlin.fem.model import respond, solve
-from drumlin.fem.post import beam_deflection, rim_displacement
-from drumlin.fem.scene import prepare
+from drumlin.fem.deflection import beam_deflection, rim_displacement
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
 from drumlin.foundation.ring import flexibility
 from drumlin.laws import sine
 

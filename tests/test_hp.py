@@ -8,9 +8,10 @@ import pytest
 import skfem
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
-from drumlin.brakefile import vary
-from drumlin.compare import pressure_distance
+from drumlin.brake.fields import Material
+from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
+from drumlin.fem.assembly import materials_of, prepare
 from drumlin.fem.body import FRAME, condense
 from drumlin.fem.hp.adapt import DEFAULT, adapt, estimate
 from drumlin.fem.hp.columns import columns, merge, merged, stack
@@ -20,10 +21,10 @@ from drumlin.fem.hp.levels import LEVELS, steps
 from drumlin.fem.hp.places import places_of
 from drumlin.fem.hp.scene import scene
 from drumlin.fem.hp.shoe import distinct, rigid
-from drumlin.fem.model import respond, solve
-from drumlin.fem.scene import materials_of, prepare
-from drumlin.parts import Material
-from drumlin.statics import largest, lobatto
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
+from drumlin.response.norms import pressure_distance
+from drumlin.response.resultants import largest, lobatto
 
 STEEL = Material(E=210e9, nu=0.3)
 POST = {
@@ -141,7 +142,7 @@ def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
 def test_a_post_is_what_one_sparse_factorisation_leaves():
     from pathlib import Path
 
-    from drumlin.brakefile import read_brake
+    from drumlin.brake.file import read_brake
 
     post = read_brake(Path(__file__).parents[1] / "studies" / "post_brake" / "brake.toml")
     shoe, body = body_and_parts(vary(post, {"drum.ring": None}))
@@ -301,7 +302,7 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     p = found.shoes[0].pressure[:: shoe.frame.sense]
     drag = brake.friction * brake.spin * shoe.frame.sense
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
-    from drumlin.fem.scene import actuation
+    from drumlin.fem.assembly import actuation
 
     u = body.condensed.displacement(nodal, np.zeros(FRAME), shoe.actuation.force * actuation(body, shoe)[0])
     forces = body.basis.stiffness(materials_of(shoe)) @ u.T.ravel()

@@ -5,10 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from drumlin.brakefile import vary
-from drumlin.fem.interface import couple, radial
-from drumlin.fem.scene import prepare
-from drumlin.statics import cross, integrate, resultant
+import pair
+from drumlin.brake.file import vary
+from drumlin.contact import active_set
+from drumlin.fem.assembly import prepare
+from drumlin.fem.ring import couple_ring
+from drumlin.response.resultants import cross, integrate, resultant
 
 
 @pytest.fixture(scope="module", params=[3, 10, 80])
@@ -19,7 +21,7 @@ def body(request, brake):
 @pytest.fixture(scope="module")
 def brake():
     from conftest import STUDY
-    from drumlin.brakefile import read_brake
+    from drumlin.brake.file import read_brake
 
     return read_brake(STUDY / "brake.toml")
 
@@ -62,19 +64,49 @@ def test_nodal_forces_have_the_resultant_of_the_traction(brake):
     assert force == pytest.approx(exact.force, rel=1e-7)
 
 
-def test_a_lining_pressed_evenly_between_rigid_arcs_has_even_pressure(brake):
-    """Patch on the arc: a full ring sector pressed by u_r(R) = const with a Lame field; here its weak form.
+@pytest.mark.parametrize("sign", [1, -1])
+def test_patch_test_on_the_arc(sign):
+    """Ring pressed into ring by an interference, on meshes that do not match: the even pressure of Lame.
 
-    The pressure that the coupling finds for the traction of a constant pressure is that constant.
+    Even to the error of the arcs, which falls with more than the second power of the element; forces and moment on both
+    rings balance to round-off. The pressure is carried by the inner ring (sign 1) or by the outer one.
     """
-    for sign in (1, -1):
-        coupling = couple(prepare(brake, elements=10).bodies[0].line, 0.04, radial(sign))
-        p = np.full(len(coupling.M), 7.0)
-        assert np.linalg.solve(coupling.M, coupling.M @ p) == pytest.approx(p, rel=1e-12)
-        outwards = coupling.N @ np.concatenate(
-            [[math.cos(a), math.sin(a)] for a in prepare(brake, elements=10).bodies[0].line.phi]
-        )
-        assert outwards * sign == pytest.approx(coupling.area, rel=2e-3)
+    interference, exact, spreads, means = 1e-4, lame_interference(1e-4), [], []
+    for inside, outside in ((24, 30), (48, 60), (96, 120)):
+        rings = [
+            pair.body(pair.closed(angles, np.linspace(0, 0.4, depth), 1.0, way), pair.STEEL)
+            for angles, depth, way in ((circle(inside), 5, -1), (circle(outside) + 0.01, 6, 1))
+        ]
+        both = pair.Pair.of(*rings[::sign], sign=sign)
+        found = active_set.solve(both.normal(np.full(len(both.angle), -interference)))
+        spreads.append(np.ptp(found.p) / exact)
+        means.append(abs(found.p.mean() / exact - 1))
+        mine, other = rings[::sign]
+        for ours, theirs in zip(
+            (both.coupling.N, both.coupling.T), couple_ring(mine.line, other.line, 1.0, sign), strict=True
+        ):
+            a, b = ((M.T @ found.p).reshape(-1, 2) for M in (ours, theirs))
+            scale = np.abs(a).sum()
+            assert b.sum(axis=0) == pytest.approx(a.sum(axis=0), abs=1e-13 * scale)
+            moments = [float(cross(line.xy.T, f).sum()) for line, f in ((mine.line, a), (other.line, b))]
+            assert moments[1] == pytest.approx(moments[0], abs=1e-13 * scale)
+    assert spreads[0] > 4 * spreads[1] > 16 * spreads[2]
+    assert spreads[2] < 5e-6
+    assert max(means) < 5e-5 and means[2] < 5e-6
+
+
+def circle(count):
+    return np.linspace(-math.pi, math.pi, count + 1)[:-1]
+
+
+def lame_interference(interference):
+    """Pressure between rings of R = 1 held at r = 0.6 and r = 1.4, plane stress: u = A r + B/r, u = 0 where held."""
+    E, nu = pair.STEEL.E, pair.STEEL.nu
+    yielding = 0.0  # radial displacement per pressure, of both
+    for held in (0.6, 1.4):
+        A, B = 1.0, -(held**2)
+        yielding += abs((A + B) * (1 - nu**2) / E / ((1 + nu) * A - (1 - nu) * B))
+    return interference / yielding
 
 
 def test_integrals_of_piecewise_polynomials():

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from drumlin.brake import Brake
-from drumlin.brakefile import brake_from, vary
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import brake_from, vary
 from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS, Layout, locking_friction
 from drumlin.laws.shapes import equivalent_friction, m_and_n, pivot_radius
 from drumlin.laws.simscape import DoubleShoe
-from drumlin.merit import double_delta, rated, sensitivity
 from drumlin.models import MODELS
-from drumlin.response import Response
+from drumlin.response.merit import double_delta, rated, sensitivity
+from drumlin.response.response import Response
 from law_brakes import LINING, hinged, lever_block, pad
 
 C = 1e-6

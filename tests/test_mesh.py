@@ -7,12 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import ROOT
-from drumlin.brakefile import read_brake, vary
+from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput
-from drumlin.fem.division import graded
-from drumlin.fem.mesh import shoe_mesh
-from drumlin.fem.meshfile import read_mesh, write_mesh
-from drumlin.fem.model import solve
+from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.mesh.file import read_mesh, write_mesh
+from drumlin.fem.mesh.grading import graded
+from drumlin.fem.solve import solve
 
 
 @given(st.integers(1, 300), st.floats(1e-3, 2), st.floats(1e-3, 1))

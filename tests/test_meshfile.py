@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from conftest import ROOT
-from drumlin.brakefile import read_brake, vary
-from drumlin.compare import pressure_distance
+from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput, DrumlinError
-from drumlin.fem.inp import read_inp
-from drumlin.fem.mesh import KINDS, shoe_mesh
-from drumlin.fem.meshfile import read_mesh, write_mesh
-from drumlin.fem.model import solve
-from drumlin.fem.scene import prepare
+from drumlin.fem.assembly import prepare
+from drumlin.fem.mesh.abaqus import read_inp
+from drumlin.fem.mesh.arc import KINDS, shoe_mesh
+from drumlin.fem.mesh.file import read_mesh, write_mesh
+from drumlin.fem.solve import solve
 from drumlin.models import pick
+from drumlin.response.norms import pressure_distance
 
 ELEMENTS = 16
 WEB = ROOT / "meshes" / "web_shoe.toml"

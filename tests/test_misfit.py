@@ -8,17 +8,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from conftest import ROOT, STUDY
-from drumlin import misfit, run_in
-from drumlin.brakefile import brake_from, read_brake, vary
-from drumlin.compare import pressure_distance
+from drumlin.brake import clearance
+from drumlin.brake.fields import Point
+from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.errors import BadInput
-from drumlin.fem.model import respond, solve
-from drumlin.fem.scene import prepare
-from drumlin.fem.worn import worn_in
+from drumlin.fem.assembly import prepare
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
 from drumlin.foundation import model as foundation
 from drumlin.laws import sine
-from drumlin.parts import Point
-from drumlin.rig import fem_rig
+from drumlin.response.norms import pressure_distance
+from drumlin.wear import run_in
+from drumlin.wear.linings import fem_setup
+from drumlin.wear.worn_in import worn_in
 
 R = 0.15
 TEXT = (STUDY / "brake.toml").read_text()
@@ -34,7 +36,7 @@ def test_the_gap_ends_on_the_linings_own_circle(dr, x, y, middle, sign):
     """At R - sign gap every point is the radius r away from the circle's centre."""
     theta = middle + np.linspace(-1.2, 1.2, 41)
     r = R * (1 + dr)
-    gap = misfit.circle_gap(R, r, Point(x=x * R, y=y * R), middle, sign, theta)
+    gap = clearance.circle_gap(R, r, Point(x=x * R, y=y * R), middle, sign, theta)
     rho = R - sign * gap
     centre = (R - r) * np.exp(1j * middle) + R * (x + 1j * y)
     assert np.abs(rho * np.exp(1j * theta) - centre) == pytest.approx(np.full(41, r), rel=1e-13)
@@ -49,7 +51,7 @@ def test_to_first_order_the_gap_is_that_of_small_mismatches(dr, offset):
     for scale in (1.0, 0.5):
         a, b = scale * dr, scale * offset
         first = -a * (1 - np.cos(theta)) - b * np.cos(theta)
-        exact = misfit.circle_gap(R, R + a, Point(x=b, y=0.0), 0.0, 1, theta)
+        exact = clearance.circle_gap(R, R + a, Point(x=b, y=0.0), 0.0, 1, theta)
         left.append(np.abs(exact - first).max())
         assert left[-1] < 2e-3 * np.abs(first).max()
     assert left[0] == pytest.approx(4 * left[1], rel=1e-2)
@@ -155,8 +157,8 @@ def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
     same(respond(SCENE, other), respond(SCENE, vary(BRAKE, {"shoe[1].lining.clearance": table})))
     blocks = vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.4, 2e-5], [0.3, -1e-5]]}).shoes[0].lining
     theta = np.array([-1.0, -0.45, -0.4, -0.35, 0.2, 0.3, 0.4, 0.9])
-    assert misfit.block_gap(blocks, theta) == pytest.approx([0, 0, 1e-5, 2e-5, 2e-5, 5e-6, -1e-5, -1e-5], abs=1e-15)
-    growth = misfit.thermal_growth(R, 1.2e-5, 100.0)
+    assert clearance.block_gap(blocks, theta) == pytest.approx([0, 0, 1e-5, 2e-5, 2e-5, 5e-6, -1e-5, -1e-5], abs=1e-15)
+    growth = clearance.thermal_growth(R, 1.2e-5, 100.0)
     assert growth == pytest.approx(1.8e-4)
     hot = vary(BRAKE, {"drum.out_of_round": [{"order": 0, "amplitude": growth}]})
     same(respond(SCENE, hot), respond(SCENE, vary(BRAKE, {"shoe.lining.clearance": growth})))
@@ -174,7 +176,7 @@ def test_the_torque_over_a_turn_has_the_period_of_the_lobes(order):
     brake = vary(BRAKE, {"drum.out_of_round": [{"order": order, "amplitude": 2e-5}]})
     angles = np.linspace(0, 2 * math.pi / order, 6, endpoint=False)
     once, again = (
-        [r.torque for r in misfit.one_turn(brake, lambda b: respond(SCENE, b), start + angles)]
+        [r.torque for r in clearance.one_turn(brake, lambda b: respond(SCENE, b), start + angles)]
         for start in (0.0, 2 * math.pi / order)
     )
     assert again == pytest.approx(once, rel=1e-9)
@@ -253,7 +255,7 @@ def test_the_foundation_has_the_same_misfit():
     tables = {}
     for i, shoe in enumerate(changed.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 4001)
-        gap = misfit.clearance(changed, shoe, theta)
+        gap = clearance.gap(changed, shoe, theta)
         tables[f"shoe[{i}].lining.clearance"] = np.column_stack([theta, gap]).tolist()
     same(foundation.solve(changed), foundation.solve(vary(brake, tables)), rel=1e-5)
     assert foundation.solve(changed).torque != pytest.approx(foundation.solve(brake).torque, rel=1e-2)
@@ -279,13 +281,13 @@ def test_worn_in_every_lining_bears_by_the_sine_law():
 def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
     """Archard's wear, step by step: its worn shape is `worn_in`'s but for what the shoe's turn makes up, sin(phi)."""
     off = vary(BRAKE, {f"{MISFIT}.radius": R + 5e-5, f"{MISFIT}.taper": -3e-5})
-    rig = fem_rig(SCENE, off)
-    goal = run_in.target(rig)
-    states = run_in.run_in(rig, until=run_in.settled(rig, goal, 1e-4))
-    ended, limit = run_in.worn(rig, states[-1]), worn_in(SCENE, off)
+    setup = fem_setup(SCENE, off)
+    goal = run_in.target(setup)
+    states = run_in.run_in(setup, until=run_in.settled(setup, goal, 1e-4))
+    ended, limit = run_in.worn(setup, states[-1]), worn_in(SCENE, off)
     for by_wear, at_once in zip(ended.shoes, limit.shoes, strict=True):
         theta, gap = np.array(at_once.lining.clearance).T
-        difference = misfit.clearance(ended, by_wear, theta) - gap
+        difference = clearance.gap(ended, by_wear, theta) - gap
         turn = np.sin(by_wear.frame.phi(theta))
         left = difference - turn * (turn @ difference) / (turn @ turn)
         inside = slice(2, -2)

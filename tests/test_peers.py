@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from drumlin import peers
-from drumlin.brakefile import read_brake, vary
-from drumlin.compare import pressure_distance
+from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.model import solve
+from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
 from drumlin.peers.deck import BEARING, Setting, deck, drum_angles
 from drumlin.peers.peer import loaded_shoes
+from drumlin.response.norms import pressure_distance
 
 STUDIES = Path(__file__).parents[1] / "studies"
 MAIN = read_brake(STUDIES / "double_shoe" / "brake.toml")
@@ -266,7 +266,7 @@ def test_absent_peers_say_how_to_install_them(monkeypatch):
 def test_export_command(tmp_path):
     from typer.testing import CliRunner
 
-    from drumlin.cli import app
+    from drumlin.cli.main import app
 
     away = (STUDIES / "double_shoe" / "brake.toml").read_text().replace('"2 kN"', '"-2 kN"', 1)
     (tmp_path / "my brake.toml").write_text(away)

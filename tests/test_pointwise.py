@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from drumlin.brakefile import read_brake, vary
+from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem import model, pointwise
+from drumlin.fem.solve import solve
+from drumlin.verification import pointwise
 
 BRAKE = Path(__file__).parents[1] / "studies" / "double_shoe" / "brake.toml"
 
@@ -18,14 +19,14 @@ def brake():
 
 
 def test_its_error_is_linear_in_the_penalty_s_compliance(brake):
-    exact = model.solve(brake, penalty=math.inf).torque
+    exact = solve(brake, penalty=math.inf).torque
     soft, stiff = (pointwise.solve(brake, penalty=alpha).torque / exact - 1 for alpha in (1e2, 1e3))
     assert soft / stiff == pytest.approx(10, rel=0.03)
     assert abs(stiff) < 1e-4
 
 
 def test_it_agrees_shoe_by_shoe(brake):
-    weak, points = model.solve(brake, penalty=1e3), pointwise.solve(brake, penalty=1e3)
+    weak, points = solve(brake, penalty=1e3), pointwise.solve(brake, penalty=1e3)
     for a, b in zip(weak.shoes, points.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=1e-4)
         assert b.normal_force == pytest.approx(a.normal_force, rel=1e-4)
@@ -38,7 +39,7 @@ def test_it_agrees_shoe_by_shoe(brake):
 def test_a_stiff_penalty_on_a_coarse_mesh_cycles_and_is_refused(brake):
     with pytest.raises(NoAnswer, match="repeats itself"):
         pointwise.solve(brake, elements=20, penalty=1e6)
-    assert model.solve(brake, elements=20, penalty=1e6).converged  # the weak form does not mind
+    assert solve(brake, elements=20, penalty=1e6).converged  # the weak form does not mind
 
 
 def test_refusals(brake):

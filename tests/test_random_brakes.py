@@ -12,10 +12,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from drumlin.brakefile import brake_from
+from drumlin.brake.file import brake_from
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.model import answer_of, contact_problem, respond
-from drumlin.fem.scene import prepare
+from drumlin.fem.assembly import prepare
+from drumlin.fem.group import ShoeGroup
+from drumlin.fem.model import respond
 
 UNIQUE = 0.6  # friction up to which any start must lead to the same answer
 ROTATIONS = ("counter-clockwise", "clockwise")
@@ -107,8 +108,8 @@ def test_a_hundred_random_brakes_end_converged_or_refused_with_a_reason():
             return
         ends[f"{len(response.shoes[0].contact_arcs)} arcs"] += 1
         body = scene.bodies[0]
-        problem = contact_problem(scene, brake, [0], penalty)
-        found = answer_of(scene, brake, [0], penalty)
+        problem = ShoeGroup(scene, brake, (0,), penalty).problem
+        found = ShoeGroup(scene, brake, (0,), penalty).answer()
         w = (problem.q + problem.A @ found.p + problem.B @ found.y) / body.coupling.area
         gap_scale = (
             np.abs(problem.q / body.coupling.area).max() + np.abs(problem.A @ found.p / body.coupling.area).max()
@@ -120,7 +121,7 @@ def test_a_hundred_random_brakes_end_converged_or_refused_with_a_reason():
         if brake.friction > UNIQUE:
             return
         start = np.random.default_rng(seed).random(len(problem.q)) < 0.5
-        other = answer_of(scene, brake, [0], penalty, start)
+        other = ShoeGroup(scene, brake, (0,), penalty).answer(start)
         assert other.p == pytest.approx(found.p, rel=1e-6, abs=1e-8 * found.p.max())
 
     every()

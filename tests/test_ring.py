@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from conftest import STUDY
-from drumlin.brakefile import read_brake, vary
+from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput
+from drumlin.fem.assembly import prepare
 from drumlin.fem.fields import fields, ring_fields
-from drumlin.fem.model import respond, solve
+from drumlin.fem.model import respond
 from drumlin.fem.ring import ring_mesh
-from drumlin.fem.scene import prepare
+from drumlin.fem.solve import solve
 
 BRAKE = read_brake(STUDY / "brake.toml")
 
@@ -77,7 +78,7 @@ def test_a_thin_free_ring_bends_as_theory_says():
         }  # fmt: skip
         left = {**shoe, "lining": {**shoe["lining"], "start": math.pi - 0.02, "end": math.pi + 0.02}}
         left["actuation"] = {"force": 1.0, "direction": math.pi, "point": {"x": 0.0, "y": 0.5}}
-        from drumlin.brakefile import brake_from
+        from drumlin.brake.file import brake_from
 
         spec = brake_from(
             {"title": "ring", "rotation": "clockwise", "friction": 0.3,

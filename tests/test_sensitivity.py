@@ -9,13 +9,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from conftest import STUDY
-from drumlin import cli
-from drumlin.brakefile import vary
+from drumlin.brake.file import vary
+from drumlin.cli import main as cli
 from drumlin.errors import DrumlinError, NoAnswer
-from drumlin.fem.model import respond, solve
-from drumlin.fem.scene import prepare
+from drumlin.fem.assembly import prepare
+from drumlin.fem.model import respond
 from drumlin.fem.sensitivity import against_differences, sensitivity
-from drumlin.random_brake import random_brake
+from drumlin.fem.solve import solve
+from drumlin.verification.random_brake import random_brake
 
 RING = {"drum.ring": {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}, "support": "free"}}
 

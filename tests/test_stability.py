@@ -7,15 +7,16 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from drumlin import contact
+from drumlin.contact import active_set
 from drumlin.errors import NoAnswer
-from drumlin.extremes import Case, cases
+from drumlin.fem.assembly import materials_of, prepare
 from drumlin.fem.body import stiffness
-from drumlin.fem.model import REFINED, contact_problem, refined_group, respond
-from drumlin.fem.scene import materials_of, prepare
-from drumlin.fem.trial import trial
+from drumlin.fem.group import ShoeGroup
+from drumlin.fem.model import REFINED, refined_group, respond
 from drumlin.journal import Journal
 from drumlin.studies import load
+from drumlin.verification.extreme_cases import Case, cases
+from drumlin.verification.trial import trial
 
 
 def solved(case):
@@ -74,7 +75,7 @@ def test_the_whole_system_gives_the_torque_of_the_condensed_bodies(ring):
     scene, brake, response = solved(Case(elements=20, **extra))
     group = list(range(len(brake.shoes)))
     p = [response.shoes[i].pressure[:: brake.shoes[i].frame.sense] for i in group]
-    refined = refined_group(scene, brake, group, 1e6, np.concatenate(p) > 0)
+    refined = refined_group(ShoeGroup(scene, brake, tuple(group), 1e6), np.concatenate(p) > 0)
     assert refined.torque * 2000 == pytest.approx(response.torque, rel=1e-10)
     assert np.abs(refined.p[0] * 2000 - p[0]).max() < 1e-9 * p[0].max()
     assert refined.correction < 1e-12
@@ -86,7 +87,7 @@ def test_the_whole_system_gives_the_torque_of_the_condensed_bodies(ring):
 def test_the_whole_system_finds_the_contact_set_itself():
     scene, brake, response = solved(Case(clearance="split", elements=24))
     wrong = everywhere(scene)
-    refined = refined_group(scene, brake, [0], 1e6, wrong)
+    refined = refined_group(ShoeGroup(scene, brake, (0,), 1e6), wrong)
     assert refined.sets > 1
     assert refined.torque * 2000 == pytest.approx(response.torque, rel=1e-9)
 
@@ -95,7 +96,8 @@ def test_a_torque_near_self_locking_has_a_bad_condition():
     scene, brake, _ = solved(Case(friction=0.3, elements=12))
     scene_, brake_, _ = solved(Case(friction=1.17, elements=12))
     mild, sharp = (
-        refined_group(s, b, [0], 1e6, everywhere(s)).condition for s, b in ((scene, brake), (scene_, brake_))
+        refined_group(ShoeGroup(s, b, (0,), 1e6), everywhere(s)).condition
+        for s, b in ((scene, brake), (scene_, brake_))
     )
     assert sharp > 10 * mild
 
@@ -126,27 +128,27 @@ def test_wide_gaps_on_tiny_compressions_keep_their_digits():
 
 def test_a_contact_set_of_one_node_carries_the_moment_exactly():
     A = np.diag([1e-16, 2e-16, 1e-16])
-    problem = contact.Problem(
+    problem = active_set.Problem(
         A,
         np.array([5e-5, 4.9e-5, 6e-5]),
         -np.array([[1e-6], [1e-6], [1e-6]]),
         np.full((1, 3), 0.7e-6),
         np.array([3e-5]),
     )
-    found = contact.solve(problem)
+    found = active_set.solve(problem)
     assert found.active.tolist() == [False, True, False]
     assert 0.7e-6 * found.p[1] == pytest.approx(3e-5, rel=1e-15)
 
 
 def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix():
     scene, brake, _ = solved(Case(elements=10))
-    problem = contact_problem(scene, brake, [0])
+    problem = ShoeGroup(scene, brake, (0,)).problem
     A, _, B, C, _ = problem
     d = 1 / np.sqrt(np.diagonal(A))
     column, row = 1 / np.abs(d[:, None] * B).max(), 1 / np.abs(C * d).max()
     matrix = np.block([[d[:, None] * A * d, d[:, None] * B * column], [row * C * d, np.zeros((1, 1))]])
     exact = np.linalg.cond(matrix, 1)
-    assert contact.condition(problem, everywhere(scene)) == pytest.approx(exact, rel=0.5)
+    assert active_set.condition(problem, everywhere(scene)) == pytest.approx(exact, rel=0.5)
 
 
 def test_a_stiff_penalty_costs_nothing_and_a_soft_one_errs_in_proportion():

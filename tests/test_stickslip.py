@@ -8,14 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import STUDY
-from drumlin import stickslip
-from drumlin.brakefile import read_brake, vary
+from drumlin.brake.file import read_brake, vary
+from drumlin.contact import stick_slip
+from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Problem
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.assembly import prepare
+from drumlin.fem.group import ShoeGroup
 from drumlin.fem.holding import as_dict, full_slip_rotation, hold, holding_problem, turned
 from drumlin.fem.interface import ContactLine, couple
 from drumlin.fem.model import respond
-from drumlin.fem.scene import prepare
-from drumlin.stickslip import BACKWARD, FORWARD, OPEN, STICK, History, Problem
 
 BRAKE = read_brake(STUDY / "brake.toml")
 SCENE = prepare(BRAKE, elements=30)
@@ -46,7 +47,7 @@ REST = History(np.zeros(1), np.zeros(1))
     ],
 )
 def test_friction_states_of_one_node_are_exact(mu, shift, state, t):
-    found = stickslip.solve(spring(10.0, shift), mu if mu < math.inf else 1e300, REST, np.array([STICK]))
+    found = stick_slip.solve(spring(10.0, shift), mu if mu < math.inf else 1e300, REST, np.array([STICK]))
     assert found.p[0] == pytest.approx(10.0, rel=1e-14)
     assert found.t[0] == pytest.approx(t, rel=1e-12, abs=1e-12)
     if mu:
@@ -54,13 +55,13 @@ def test_friction_states_of_one_node_are_exact(mu, shift, state, t):
 
 
 def test_an_open_node_carries_nothing():
-    found = stickslip.solve(spring(-3.0, 0.2), 0.5, REST, np.array([STICK]))
+    found = stick_slip.solve(spring(-3.0, 0.2), 0.5, REST, np.array([STICK]))
     assert (found.p[0], found.t[0], found.state[0]) == (0, 0, OPEN)
 
 
 def test_a_tangential_penalty_is_an_elastic_slip():
     """Series springs: with compliance Q beside 1/k a shift of 0.02 gives t = 0.02/(1/k + Q)."""
-    found = stickslip.solve(spring(10.0, 0.02, penalty=0.01), 0.5, REST, np.array([STICK]))
+    found = stick_slip.solve(spring(10.0, 0.02, penalty=0.01), 0.5, REST, np.array([STICK]))
     assert found.t[0] == pytest.approx(0.02 / 0.02, rel=1e-12)
 
 
@@ -72,7 +73,7 @@ def test_a_closed_loop_dissipates_its_area():
     work = dissipated = 0.0
     previous, states = (0.0, 0.0), set()
     for k_step, shift in enumerate(path):
-        found = stickslip.solve(spring(push, shift, k), mu, history, state)
+        found = stick_slip.solve(spring(push, shift, k), mu, history, state)
         if k_step > 40:  # the closed part: from top to top
             work += 0.5 * (found.t[0] + previous[1]) * (shift - previous[0])
             dissipated += found.t[0] * (found.s[0] - history.s[0])
@@ -86,8 +87,8 @@ def test_a_closed_loop_dissipates_its_area():
 def test_solving_twice_changes_nothing():
     """History is an input: a second evaluation gives the same answer and leaves the history as it was."""
     history = History(np.array([1.0]), np.array([0.01]))
-    a = stickslip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
-    b = stickslip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
+    a = stick_slip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
+    b = stick_slip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
     assert (a.t, a.s) == (b.t, b.s)
     assert (history.t[0], history.s[0]) == (1.0, 0.01)
 
@@ -95,13 +96,13 @@ def test_solving_twice_changes_nothing():
 @given(st.integers(0, 500))
 def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_differences(seed):
     """Open, stick and slip together: residuals vanish, and p, t move with the load as their linear equations say."""
-    problem, lever = holding_problem(SCENE, BRAKE, [seed % 2], 1e4)
+    problem, lever = holding_problem(ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4))
     rng = np.random.default_rng(seed)
     rotation = 10 ** rng.uniform(-5.5, -3.5)
     n = len(lever)
     rest = History(np.zeros(n), np.zeros(n))
     mu = 0.3
-    found = stickslip.solve(problem, mu, rest, np.full(n, STICK))
+    found = stick_slip.solve(problem, mu, rest, np.full(n, STICK))
     for found_next in turned(problem, lever / 2000.0, mu, found, 0.0, rotation):
         before, state, found = found.history, found.state, found_next
     moved = problem._replace(q_s=problem.q_s + lever * rotation / 2000.0)
@@ -111,9 +112,9 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     assert np.abs(slip[sticks]).max(initial=0) < 1e-9 * np.abs(found.s).max()
     assert (found.t * slip >= -1e-9 * np.abs(found.t).max() * np.abs(found.s).max()).all()  # friction dissipates
     step = 1e-6 * rotation
-    nearby = stickslip.solve(moved._replace(q_s=moved.q_s + lever * step / 2000.0), mu, before, state)
+    nearby = stick_slip.solve(moved._replace(q_s=moved.q_s + lever * step / 2000.0), mu, before, state)
     if np.array_equal(nearby.state, found.state):  # linear within one set of states: twice the step, twice the change
-        again = stickslip.solve(moved._replace(q_s=moved.q_s + 2 * lever * step / 2000.0), mu, before, state)
+        again = stick_slip.solve(moved._replace(q_s=moved.q_s + 2 * lever * step / 2000.0), mu, before, state)
         if np.array_equal(again.state, found.state):
             change = np.abs(found.t).max()
             assert again.t - nearby.t == pytest.approx(nearby.t - found.t, abs=1e-9 * change)
@@ -145,10 +146,10 @@ def test_flat_patch_whole_and_inclined(turned):
     """A strip pressed evenly on a plane at any inclination: even pressure to round-off, with its resultant."""
     import skfem
 
-    from drumlin import contact
+    from drumlin.brake.fields import Material
+    from drumlin.contact import active_set
     from drumlin.fem.body import condense, scalar_basis, stiffness, tie
     from drumlin.fem.interface import contact_line
-    from drumlin.parts import Material
 
     grid = skfem.MeshQuad.init_tensor(np.array([0, 0.3, 1.1, 2.0]), np.array([0, 0.4, 0.5, 1.0]))
     middle = grid.p[:, grid.facets].mean(axis=1)
@@ -179,8 +180,10 @@ def test_flat_patch_whole_and_inclined(turned):
     Y = condensed.half(-coupling.N.T)
     depth = 0.05  # strain -.05 of the strip of height 1: s = -1e5
     n = len(line.nodes)
-    problem = contact.Problem(Y.T @ Y, coupling.M @ np.full(n, -depth), np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
-    found = contact.solve(problem)
+    problem = active_set.Problem(
+        Y.T @ Y, coupling.M @ np.full(n, -depth), np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
+    )
+    found = active_set.solve(problem)
     assert found.p == pytest.approx(np.full(n, 1e5), rel=1e-10)
 
 

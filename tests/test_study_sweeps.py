@@ -4,8 +4,8 @@ import os
 
 import pytest
 
-from drumlin import throughput
 from drumlin.studies import load
+from drumlin.verification import throughput
 
 
 def test_throughput_and_kill(tmp_path):

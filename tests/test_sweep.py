@@ -9,14 +9,14 @@ import pytest
 from scipy import stats
 
 from conftest import ROOT, STUDY
-from drumlin.brakefile import read_brake, unit_of, vary
+from drumlin.brake.file import read_brake, unit_of, vary
 from drumlin.errors import BadInput
-from drumlin.fem import scene
-from drumlin.fem.model import solve
-from drumlin.fem.scene import Kept
+from drumlin.fem import assembly
+from drumlin.fem.assembly import Kept
+from drumlin.fem.solve import solve
 from drumlin.journal import Journal
-from drumlin.sweep import Case, run, solved, table, write_table
-from drumlin.sweepfile import read_sweep, sweep_from
+from drumlin.sweeps.cases import Case, run, solved, table, write_table
+from drumlin.sweeps.file import read_sweep, sweep_from
 
 BRAKE = str(STUDY / "brake.toml")
 LAW = {"brake": BRAKE, "model": {"sine": {}}}
@@ -135,14 +135,14 @@ def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
     good, locked, bad = run(cases)
     assert good["status"] == "solved" and good["torque"] > 0
     assert "self-locking" in locked["status"] and "friction = -1" in bad["status"] and list(bad) == ["status"]
-    monkeypatch.setattr("drumlin.sweep.row_of", lambda *_: 1 / 0)
+    monkeypatch.setattr("drumlin.sweeps.cases.row_of", lambda *_: 1 / 0)
     assert solved(cases[0])["status"] == "failed: unexpected ZeroDivisionError: division by zero"
 
 
 def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
     made = []
-    assemble = scene.assemble
-    monkeypatch.setattr(scene, "assemble", lambda *a: made.append(1) or assemble(*a))
+    assemble = assembly.assemble
+    monkeypatch.setattr(assembly, "assemble", lambda *a: made.append(1) or assemble(*a))
     loads = [
         {"friction": 0.2},
         {"rotation": "clockwise", "shoe[0].actuation.force": 500.0},

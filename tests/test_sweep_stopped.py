@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from conftest import STUDY
-from drumlin.sweep import run, table, write_table
-from drumlin.sweepfile import read_sweep
+from drumlin.sweeps.cases import run, table, write_table
+from drumlin.sweeps.file import read_sweep
 
-DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()", "sweep"]
+DRUMLIN = [sys.executable, "-c", "from drumlin.cli.main import main; main()", "sweep"]
 PYTHON = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 SWEEP = """
 brake = "{brake}"

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from drumlin import sweep
-from drumlin.brakefile import value_of, vary
+from drumlin.brake.file import value_of, vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import sine
-from drumlin.tolerances import Tolerance, between, cases, draw, numbers, shares, spread, within
+from drumlin.sweeps import cases as sweep
+from drumlin.sweeps.tolerances import Tolerance, between, cases, draw, numbers, shares, spread, within
 
 TOLERANCES = (
     Tolerance("friction", within(0.006), {"friction": 1.0}),

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin import contact
+from drumlin.contact import active_set
 from drumlin.errors import BadInput
 from drumlin.fem.interface import ContactLine, couple, radial
-from drumlin.wear import Law, Rub, at, explicit, ripple, run, run_on
+from drumlin.wear.archard import WearInterface, WearLaw, at, explicit, ripple, run, run_on
 
 K, RADIUS, WIDTH, PIN, FORCE, MU = 4e10, 0.15, 0.04, 0.125, 250.0, 0.25
-LAW = Law(1e-13)
+LAW = WearLaw(1e-13)
 UNIT = 1 / (LAW.coefficient * K)
 
 
@@ -26,23 +26,25 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
     coupling = couple(ContactLine(np.arange(len(phi)), xy, phi, pieces), WIDTH, radial(1))
     turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
     approach = coupling.N @ turned
-    problem = contact.Problem(
+    problem = active_set.Problem(
         A=coupling.M / K,
         q=coupling.M @ gap(phi),
         B=-approach[:, None],
         C=(mu * (coupling.T @ turned) - approach)[None],
         h=np.array([FORCE]),  # the shoe presses as it turns clockwise
     )
-    rub = Rub(problem, np.zeros(len(phi)), coupling.M, np.ones(len(phi)), coupling.area, mu * coupling.lever)
-    return rub, phi
+    interface = WearInterface(
+        problem, np.zeros(len(phi)), coupling.M, np.ones(len(phi)), coupling.area, mu * coupling.lever
+    )
+    return interface, phi
 
 
 def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
     """In contact all along p = p_law + exp(-k K s) (p_0 - p_law): rigid motions and equilibrium do not change that."""
-    rub, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = run([rub], LAW, distance=6 * UNIT, tolerance=1e-3)
+    interface, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
+    states = run([interface], LAW, distance=6 * UNIT, tolerance=1e-3)
     assert (states[0].pressure > 0).all()
-    amplitude = FORCE / float(rub.problem.C[0] @ np.sin(phi))
+    amplitude = FORCE / float(interface.problem.C[0] @ np.sin(phi))
     law = amplitude * np.sin(phi)
     off = states[0].pressure - law
     assert np.abs(off).max() > 0.2 * amplitude
@@ -51,7 +53,7 @@ def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
         np.testing.assert_allclose(state.pressure, expected, atol=1e-3 * amplitude)
     # of second order: four times the steps, a sixteenth of the error
     errors = [
-        np.abs(run_on([rub], LAW, np.linspace(0, UNIT, n + 1)[1:])[-1].pressure - law - math.exp(-1) * off).max()
+        np.abs(run_on([interface], LAW, np.linspace(0, UNIT, n + 1)[1:])[-1].pressure - law - math.exp(-1) * off).max()
         for n in (4, 16)
     ]
     assert errors[0] / errors[1] == pytest.approx(16, rel=0.25)
@@ -65,24 +67,24 @@ def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
 )
 def test_any_misfit_wears_to_the_law_in_balance(depth, lobes, phase, exponent):
     """From partial contact too; no depth shrinks, and the volume is the integral of the rate."""
-    rub, phi = winkler(lambda phi: depth * (1 + np.cos(lobes * phi + phase)), elements=12)
-    law = Law(LAW.coefficient, exponent, 2e5)
-    states = run([rub], law, distance=1e4 * UNIT)
+    interface, phi = winkler(lambda phi: depth * (1 + np.cos(lobes * phi + phase)), elements=12)
+    law = WearLaw(LAW.coefficient, exponent, 2e5)
+    states = run([interface], law, distance=1e4 * UNIT)
     shape = np.sin(phi) ** (1 / exponent)
-    goal = shape * FORCE / float(rub.problem.C[0] @ shape)
+    goal = shape * FORCE / float(interface.problem.C[0] @ shape)
     inner = slice(2, -2)
     assert np.linalg.norm((states[-1].pressure - goal)[inner]) < 2e-3 * np.linalg.norm(goal[inner])
     for a, b in pairwise(states):
         assert (b.depth - a.depth).min() >= -1e-12 * b.depth.max()
-    assert float(rub.area @ states[-1].depth) == pytest.approx(states[-1].removed, rel=1e-9)
+    assert float(interface.area @ states[-1].depth) == pytest.approx(states[-1].removed, rel=1e-9)
     if exponent == 1:
         assert states[-1].removed == pytest.approx(LAW.coefficient * states[-1].pressed, rel=1e-9)
         assert states[-1].work == pytest.approx(MU * RADIUS * states[-1].pressed, rel=1e-6)
 
 
 def test_only_what_is_pressed_wears():
-    rub, _ = winkler(lambda phi: 4e-5 * (phi - 0.3))
-    first = run([rub], LAW, distance=1e-4 * UNIT)
+    interface, _ = winkler(lambda phi: 4e-5 * (phi - 0.3))
+    first = run([interface], LAW, distance=1e-4 * UNIT)
     never = (first[0].pressure == 0) & (first[-1].pressure == 0)
     assert 0.2 < never.mean() < 0.9
     assert (first[-1].depth[never] == 0).all()
@@ -90,24 +92,24 @@ def test_only_what_is_pressed_wears():
 
 
 def test_without_wear_nothing_changes():
-    rub, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = run([rub], Law(0.0), distance=1e6)
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
+    states = run([interface], WearLaw(0.0), distance=1e6)
     assert states[-1].s == 1e6
     assert (states[-1].depth == 0).all() and states[-1].removed == 0
     np.testing.assert_allclose(states[-1].pressure, states[0].pressure, rtol=1e-12)
     with pytest.raises(BadInput, match="a distance must be given"):
-        run([rub], Law(0.0))
+        run([interface], WearLaw(0.0))
 
 
 def test_a_held_torque_is_held_and_the_force_follows_from_moments():
-    rub, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    rub = rub._replace(loaded=np.zeros(len(phi)))
-    free = run([rub], LAW, distance=20 * UNIT)
-    held = run([rub], LAW, distance=20 * UNIT, torque=1.3 * free[-1].torque)
+    interface, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
+    interface = interface._replace(loaded=np.zeros(len(phi)))
+    free = run([interface], LAW, distance=20 * UNIT)
+    held = run([interface], LAW, distance=20 * UNIT, torque=1.3 * free[-1].torque)
     assert held[0].force != pytest.approx(1.3, rel=1e-2)
     for state in held:
         assert state.torque == pytest.approx(1.3 * free[-1].torque, rel=1e-10)
-        assert float(rub.problem.C[0] @ state.pressure) == pytest.approx(FORCE * state.force, rel=1e-9)
+        assert float(interface.problem.C[0] @ state.pressure) == pytest.approx(FORCE * state.force, rel=1e-9)
     assert held[-1].force == pytest.approx(1.3, rel=1e-6)
 
 
@@ -124,17 +126,17 @@ def test_the_ripple_sees_an_alternation_and_nothing_smooth():
 
 def test_explicit_steps_on_nodal_pressures_break_into_a_checkerboard_and_implicit_ones_do_not():
     """On springs the limit of the explicit step is 2/(k K)."""
-    rub, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
     size = 2.1 * UNIT
-    bad = explicit([rub], LAW, size, 60)[-1]
-    good = run_on([rub], LAW, size * np.arange(1, 61))[-1]
+    bad = explicit([interface], LAW, size, 60)[-1]
+    good = run_on([interface], LAW, size * np.arange(1, 61))[-1]
     assert ripple(good.pressure) < 1e-4
     assert np.abs(bad.pressure - good.pressure).max() > 0.5 * good.pressure.max()
 
 
 def test_a_state_between_two_is_interpolated():
-    rub, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = run([rub], LAW, distance=UNIT)
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
+    states = run([interface], LAW, distance=UNIT)
     middle = 0.5 * (states[1].s + states[2].s)
     between = at(states, middle)
     np.testing.assert_allclose(between.depth, 0.5 * (states[1].depth + states[2].depth))
@@ -144,13 +146,13 @@ def test_a_state_between_two_is_interpolated():
 @pytest.mark.parametrize(
     ("law", "options", "word"),
     [
-        (Law(-1.0), {}, "coefficient"),
-        (Law(1.0, 9.0), {}, "exponent"),
+        (WearLaw(-1.0), {}, "coefficient"),
+        (WearLaw(1.0, 9.0), {}, "exponent"),
         (LAW, {"tolerance": 0.0}, "tolerance"),
         (LAW, {"reverse": 1.0}, "backward"),
     ],
 )
 def test_bad_input_is_named(law, options, word):
-    rub, _ = winkler(np.zeros_like)
+    interface, _ = winkler(np.zeros_like)
     with pytest.raises(BadInput, match=word):
-        run([rub], law, distance=1.0, **options)
+        run([interface], law, distance=1.0, **options)

@@ -1,9 +1,63 @@
-"""drumlin: shoe brakes by the pressure laws and by finite elements in frictional contact, side by side."""
+"""drumlin: shoe brakes by the pressure laws and by finite elements in frictional contact, side by side.
 
-import os
+    import drumlin
+
+    brake = drumlin.read_brake("brake.toml")
+    response = drumlin.solve(brake)               # finite elements; model="sine" for a law
+    print(response.torque, response.shoes[0].peak_pressure)
+    response.plot()
+
+`solve` answers by one model, `compare` by all that apply, `sweep` for many cases. What is wrong with the input raises
+BadInput, what has no answer NoAnswer, each with one plain line. Numbers are SI: m, N, Pa, rad.
+
+Importing drumlin loads nothing else and changes nothing in the process: what is named here is loaded when it is used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from drumlin.brake import Brake
+    from drumlin.brake import read_any as read_brake
+    from drumlin.comparison import compare
+    from drumlin.errors import BadInput, NoAnswer
+    from drumlin.models import solve
+    from drumlin.response import Response
+    from drumlin.sweeps.run import sweep
 
 __version__ = "0.1.0"
 
-# The dense systems are many and small: more BLAS threads make them slower, by far where processes share the cores.
-# Set your own number to overrule it; it counts only where numpy has not been loaded before.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+__all__ = [
+    "BadInput",
+    "Brake",
+    "NoAnswer",
+    "Response",
+    "__version__",
+    "compare",
+    "read_brake",
+    "solve",
+    "sweep",
+]
+
+_PLACES = {
+    "BadInput": ("drumlin.errors", "BadInput"),
+    "Brake": ("drumlin.brake", "Brake"),
+    "NoAnswer": ("drumlin.errors", "NoAnswer"),
+    "Response": ("drumlin.response", "Response"),
+    "compare": ("drumlin.comparison", "compare"),
+    "read_brake": ("drumlin.brake", "read_any"),
+    "solve": ("drumlin.models", "solve"),
+    "sweep": ("drumlin.sweeps.run", "sweep"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module 'drumlin' has no attribute {name!r}")
+    module, attribute = _PLACES[name]
+    value = globals()[name] = getattr(import_module(module), attribute)
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

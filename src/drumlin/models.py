@@ -4,13 +4,12 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
-from drumlin.brake import Brake
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
-from drumlin.flat import AnyBrake, FlatBrake
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, flat, hinged, pivoted
-from drumlin.merit import with_merits
-from drumlin.response import Response
+from drumlin.response.response import Response
 
 
 class Model(NamedTuple):
@@ -23,20 +22,21 @@ class Model(NamedTuple):
 
 
 def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
-    from drumlin.fem import model, worn
+    from drumlin.fem.solve import solve as by_elements
+    from drumlin.wear import worn_in as worn
 
-    return with_merits(brake, (worn.solve if worn_in else model.solve)(brake, **options))
+    return (worn.solve if worn_in else by_elements)(brake, **options)
 
 
 def _fem_why_not(brake: AnyBrake) -> str | None:
-    from drumlin.fem import scene
+    from drumlin.fem import assembly
 
     if isinstance(brake, FlatBrake):
         return "its shoes press on a plane, not on a drum"
     for shoe in brake.shoes:
         if shoe.pivot is not None:
             return f"shoe {shoe.name!r}: a shoe on a pivot of a lever is not meshed"
-    return scene.why_not(brake)
+    return assembly.why_not(brake)
 
 
 def _short_why_not(brake: AnyBrake) -> str | None:
@@ -71,6 +71,32 @@ MODELS: Mapping[str, Model] = {
         Model("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(flat.solve, flat.LINEAR)),
     )
 }
+
+
+def solve(brake: AnyBrake, model: str = "fem", **options: Any) -> Response:
+    """Solve a brake by one model.
+
+    Parameters
+    ----------
+    brake : as `read_brake` gives it
+    model : "fem", the finite elements, or a law: a name of MODELS
+    options : those of the model; of "fem": `tolerance` (relative error of p and torque), or `elements` along each
+        lining; `kind` of the elements; `penalty`, the contact stiffness as a multiple of E/t of the lining;
+        `worn_in`, for linings that are worn in. Of "foundation": `sections`, `lift`
+
+    Returns
+    -------
+    the response: torque [N m], of each shoe p(theta) [Pa over rad], reactions [N], figures of merit, the load of the
+    drum's bearings [N]
+
+    Raises
+    ------
+    BadInput
+        for an unknown model, one that does not apply to the brake, an option out of range
+    NoAnswer
+        for a brake without an answer: self-locking, no equilibrium, not converged
+    """
+    return pick(model, brake).solve(brake, **options)
 
 
 def pick(name: str, brake: AnyBrake) -> Model:

@@ -22,16 +22,16 @@ from typing import Any
 
 import numpy as np
 
-from drumlin import misfit
-from drumlin.brake import Brake, Shoe
-from drumlin.compare import pressure_distance
+from drumlin.brake import clearance
+from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import NoAnswer
-from drumlin.fem.division import Division, refine
+from drumlin.fem.assembly import Scene, prepare, shape_of
 from drumlin.fem.hp.adapt import check_tolerance
 from drumlin.fem.hp.levels import Respond
-from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.scene import Scene, prepare, shape_of
-from drumlin.response import Response, ShoeResponse
+from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.mesh.grading import Division, refine
+from drumlin.response.norms import pressure_distance
+from drumlin.response.response import Response, ShoeResponse
 
 FIRST_ELEMENTS, FIRST_LAYERS = 24, 4
 GROWTH = 1.5
@@ -118,7 +118,7 @@ def scene_refined(brake: Brake, response: Response | None, divide: Divide, kind:
 def _points(shoe: Shoe, response: ShoeResponse | None) -> list[float]:
     """Angles phi inside the lining where its pressure is not smooth: ends of the contact, kinks of the clearance."""
     theta = [end for arc in response.contact_arcs for end in arc] if response is not None else []
-    theta += misfit.kinks(shoe.lining)
+    theta += clearance.kinks(shoe.lining)
     phi = shoe.frame.phi(np.array(theta))
     start, end = shoe.arc
     return [float(angle) for angle in phi if start < angle < end]

@@ -20,11 +20,11 @@ from scipy.sparse.linalg import splu
 from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
+from drumlin.brake.fields import Material
 from drumlin.errors import NoAnswer
 from drumlin.fem.elimination import SINGULAR, dissection, eliminate
 from drumlin.fem.hp.grid import Grid
-from drumlin.fem.mesh import kind_of
-from drumlin.parts import Material
+from drumlin.fem.mesh.arc import kind_of
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 

@@ -10,13 +10,13 @@ import skfem
 from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Frame, Shoe
+from drumlin.brake.drum_brake import Brake, Frame, Shoe
+from drumlin.brake.fields import Material
 from drumlin.errors import BadInput
-from drumlin.fem.mesh import kind_of
-from drumlin.fem.scene import Body, Scene, actuation, materials_of
+from drumlin.fem.assembly import Body, Scene, actuation, materials_of
+from drumlin.fem.mesh.arc import kind_of
 from drumlin.files import replacing
-from drumlin.parts import Material
-from drumlin.response import Response, ShoeResponse
+from drumlin.response.response import Response, ShoeResponse
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
     if ring is None or section is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
     p = [answer.pressure[:: shoe.frame.sense] for shoe, answer in zip(brake.shoes, response.shoes, strict=True)]
-    u = ring.displacement(p, brake.friction * brake.spin)
+    u = ring.displacement(p, brake.drag)
     materials = {"drum": section.material}
     return _fields(ring.mesh, ring.basis, u, materials, np.zeros(ring.basis.N), Frame(0.0, 1), 1)
 
@@ -96,7 +96,7 @@ def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) ->
     frame = shoe.frame
     load = abs(shoe.actuation.force) * actuation(body, shoe)[0]
     p = answer.pressure[:: frame.sense]
-    drag = brake.friction * brake.spin * frame.sense
+    drag = brake.drag_on(shoe)
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     turn = frame.sense * (answer.turn or 0.0)
     return body.condensed.displacement(nodal, np.array([0.0, 0.0, turn]), load)

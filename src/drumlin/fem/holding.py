@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from drumlin import contact, stickslip
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Shoe
+from drumlin.brake.drum_brake import Brake
+from drumlin.contact import active_set, stick_slip
+from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.model import PENALTY, contact_problem, respond, turns_towards, unit_force
-from drumlin.fem.scene import Body, Scene, actuation, contact_stiffness
-from drumlin.stickslip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
+from drumlin.fem.assembly import Scene, actuation
+from drumlin.fem.group import ShoeGroup, grouped, turns_towards
+from drumlin.fem.model import PENALTY, respond
 
 HALVINGS = 8  # of an increment that does not settle
 
@@ -47,21 +48,18 @@ class Hold:
         return sum(int((state == STICK).sum()) for state in self.state) / touching if touching else 0.0
 
 
-def holding_problem(scene: Scene, brake: Brake, group: list[int], penalty: float) -> tuple[Problem, Floats]:
+def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
     """The stick-slip problem of a group of shoes at rest of the drum, per newton; and the lever (n,) [m^3].
 
     The lever is the weighted slip per rotation of the drum: rotating it by Omega adds lever Omega to q_s.
     Tractions and slips count along e_theta of the brake.
     """
-    still = brake.model_copy(update={"friction": 0.0})
-    normal = contact_problem(scene, still, group, penalty)
-    size = unit_force(brake, group)
-    shoes = [_tangential(scene.bodies[i], brake.shoes[i], size, penalty) for i in group]
+    normal = group.at_friction(0.0)
+    shoes = [_tangential(group, k) for k in range(len(group.members))]
     A_wt, A_sp, A_st, B_s, C_t, Q = (scipy.linalg.block_diag(*(shoe[k] for shoe in shoes)) for k in range(6))
     q_s, lever = (np.concatenate([shoe[k] for shoe in shoes]) for k in (6, 7))
-    if scene.ring is not None:
-        pressed = np.hstack([scene.ring.pressed[i] for i in group])
-        dragged = np.hstack([scene.ring.dragged[i] for i in group])
+    if group.ring is not None:
+        pressed, dragged = group.ring
         A_wt, A_sp, A_st = A_wt + pressed.T @ dragged, A_sp - dragged.T @ pressed, A_st - dragged.T @ dragged
     problem = Problem(
         A_wp=normal.A, A_wt=A_wt, A_sp=A_sp, A_st=A_st, B_w=normal.B, B_s=B_s, C_p=normal.C, C_t=C_t,
@@ -70,17 +68,18 @@ def holding_problem(scene: Scene, brake: Brake, group: list[int], penalty: float
     return problem, lever
 
 
-def _tangential(body: Body, shoe: Shoe, size: float, penalty: float) -> tuple[Floats, ...]:
-    """A_wt, A_sp, A_st, B_s, C_t, Q, q_s and lever of one shoe."""
+def _tangential(group: ShoeGroup, k: int) -> tuple[Floats, ...]:
+    """A_wt, A_sp, A_st, B_s, C_t, Q, q_s and lever of shoe `k` of a group."""
+    body, shoe = group.bodies[k], group.shoes[k]
     sense, coupling, condensed = shoe.frame.sense, body.coupling, body.condensed
     n = len(body.line.nodes)
     T = sense * coupling.T  # along e_theta of the brake
     Y = condensed.half(np.hstack([-coupling.N.T, T.T, condensed.load_c]))
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation(body, shoe)
-    share = abs(shoe.actuation.force) / size
+    share = abs(shoe.actuation.force) / group.unit_force
     turning = T @ body.turned
-    compliance = coupling.M / contact_stiffness(shoe, penalty)
+    compliance = coupling.M / group.stiffnesses[k]
     return (
         pressed.T @ dragged,  # -N u under T^T t
         -dragged.T @ pressed,
@@ -108,28 +107,26 @@ def hold(
     """
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
-    groups = [[i] for i in range(len(brake.shoes))] if scene.ring is None else [list(range(len(brake.shoes)))]
+    groups = grouped(scene, brake, list(range(len(brake.shoes))), penalty)
     for i, shoe in enumerate(brake.shoes):
         if not turns_towards(scene.bodies[i], shoe):
             raise NoAnswer(f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it")
     paths = []
     for group in groups:
-        say(f"holding: {', '.join(brake.shoes[i].name for i in group)}")
-        paths.append((group, *_path(scene, brake, group, rotations, penalty)))
-    return [_state(scene, brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
+        say(f"holding: {', '.join(shoe.name for shoe in group.shoes)}")
+        paths.append((group, *_path(group, rotations)))
+    return [_state(brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
 
 
-def _path(
-    scene: Scene, brake: Brake, group: list[int], rotations: Floats, penalty: float
-) -> tuple[list[Increment], list[float]]:
+def _path(group: ShoeGroup, rotations: Floats) -> tuple[list[Increment], list[float]]:
     """Increments at the rotations, and the energy [J per newton squared] dissipated up to each."""
-    problem, lever = holding_problem(scene, brake, group, penalty)
-    size = unit_force(brake, group)
+    problem, lever = holding_problem(group)
+    brake, size = group.brake, group.unit_force
     n = len(lever)
     rest = History(np.zeros(n), np.zeros(n))
-    normal = contact.Problem(problem.A_wp, problem.q_w, problem.B_w, problem.C_p, problem.h)
-    touching = contact.solve(normal).active
-    increment = stickslip.solve(problem, brake.friction, rest, np.where(touching, STICK, OPEN))
+    normal = active_set.Problem(problem.A_wp, problem.q_w, problem.B_w, problem.C_p, problem.h)
+    touching = active_set.solve(normal).active
+    increment = stick_slip.solve(problem, brake.friction, rest, np.where(touching, STICK, OPEN))
     done, spent, reached = [], [], 0.0
     energy = _slip_work(problem, increment, rest)
     for rotation in rotations:
@@ -154,7 +151,7 @@ def turned(
         step = end if pieces == 1 else reached + (end - reached) / pieces
         moved = problem._replace(q_s=problem.q_s + lever * step)
         try:
-            increment = stickslip.solve(moved, friction, increment.history, increment.state)
+            increment = stick_slip.solve(moved, friction, increment.history, increment.state)
         except NoAnswer:
             if pieces >= 2**HALVINGS:
                 raise
@@ -172,25 +169,19 @@ def _slip_work(problem: Problem, after: Increment, before: History) -> float:
     return float(after.t @ slip)
 
 
-def _state(
-    scene: Scene, brake: Brake, paths: list[tuple[list[int], list[Increment], list[float]]], k: int, rotation: float
-) -> Hold:
+def _state(brake: Brake, paths: list[tuple[ShoeGroup, list[Increment], list[float]]], k: int, rotation: float) -> Hold:
     found: dict[int, tuple[Floats, Floats, Floats, Ints]] = {}
     torque = dissipated = 0.0
     for group, increments, spent in paths:
-        start = 0
         dissipated += spent[k]
-        for i in group:
-            body, shoe = scene.bodies[i], brake.shoes[i]
-            part = slice(start, start + len(body.line.nodes))
-            start = part.stop
-            size = unit_force(brake, group)
+        size = group.unit_force
+        for i, body, shoe, part in zip(group.members, group.bodies, group.shoes, group.parts, strict=True):
             p, t, state = size * increments[k].p[part], size * increments[k].t[part], increments[k].state[part]
             torque += brake.spin * float(body.coupling.lever @ t)
             forward = slice(None, None, shoe.frame.sense)
             found[i] = (shoe.frame.theta(body.line.phi)[forward], p[forward], t[forward], state[forward])
     order = sorted(found)
-    arcs = [stickslip.zones(found[i][0], found[i][3]) for i in order]
+    arcs = [stick_slip.zones(found[i][0], found[i][3]) for i in order]
     return Hold(
         rotation=rotation,
         torque=torque,

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.statics import GAUSS, WEIGHTS, shape, slopes
+from drumlin.response.resultants import GAUSS, WEIGHTS, angle_near, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
 
@@ -84,8 +84,7 @@ def contact_line(basis: Any, facets: Ints, middle: float) -> ContactLine:
     """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad]."""
     dofs = edge_nodes(basis, facets)
     nodes = np.unique(dofs)
-    z = np.exp(-1j * middle) * (basis.doflocs[0, nodes] + 1j * basis.doflocs[1, nodes])
-    phi = middle + np.angle(z)
+    phi = angle_near(middle, basis.doflocs[:, nodes])
     by_angle = np.argsort(phi)
     nodes, phi = nodes[by_angle], phi[by_angle]
     place = np.empty(basis.N, dtype=np.int64)

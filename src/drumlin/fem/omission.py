@@ -13,17 +13,17 @@ import numpy as np
 import skfem
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake, Shoe
-from drumlin.compare import pressure_distance
-from drumlin.components import Beam, Body
+from drumlin.brake.components import Beam, Body
+from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem import scene as scenes
+from drumlin.fem import assembly
+from drumlin.fem.assembly import Scene
 from drumlin.fem.hp.adapt import Tolerance, adapt, check_tolerance
 from drumlin.fem.hp.levels import Respond
-from drumlin.fem.mesh import shoe_mesh
-from drumlin.fem.scene import Scene
-from drumlin.fem.sketch import sketcher, with_closed_forms
-from drumlin.response import Response
+from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.reduced import sketcher, with_closed_forms
+from drumlin.response.norms import pressure_distance
+from drumlin.response.response import Response
 
 SAVING = (("ring", "shoe"), ("ring",), ("shoe",))
 """What takes a third of a solve or more, in the order in which it is tried; the other parts cost next to nothing."""
@@ -134,7 +134,7 @@ def simplified(brake: Brake, names: Iterable[str]) -> Brake:
     return brake.model_copy(update={"drum": drum, "shoes": shoes})
 
 
-def scene_without(brake: Brake, names: Iterable[str], make: Make = scenes.prepare) -> tuple[Scene, Brake]:
+def scene_without(brake: Brake, names: Iterable[str], make: Make = assembly.prepare) -> tuple[Scene, Brake]:
     """The scene that `make` makes of a brake without `names`, and what is left of the brake to `respond` for.
 
     "curvature" depends on the mesh and so is the business of `make`: see `prepare_straight`.
@@ -150,7 +150,7 @@ def scene_without(brake: Brake, names: Iterable[str], make: Make = scenes.prepar
 
 def _undragged(scene: Scene, brake: Brake) -> Scene:
     """A scene prepared for mu = 0, for a brake with friction: under drag nothing gives way."""
-    made: dict[int, scenes.Body] = {}
+    made: dict[int, assembly.Body] = {}
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
             x, y = body.line.xy - np.array([[shoe.hinge.radius], [0.0]])
@@ -170,7 +170,7 @@ def prepare_straight(brake: Brake, *, elements: int) -> Scene:
         straight = skfem.MeshQuad2.from_mesh(corners)
         return replace(straight, _subdomains=mesh.subdomains, _boundaries=mesh.boundaries)
 
-    return scenes.prepare(brake, elements=elements, mesher=mesher)
+    return assembly.prepare(brake, elements=elements, mesher=mesher)
 
 
 def predict(brake: Brake, names: Sequence[str], respond: Respond, sketch: Make | None = None) -> Change:
@@ -213,7 +213,7 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond) -> Response:
         "pressure": found.error["pressure"] + SAFETY * largest.pressure,
         "torque": found.error["torque"] + SAFETY * largest.shoes,
     }
-    if max(error.values()) > tolerance:
+    if not max(error.values()) <= tolerance:
         return adapt(brake, whole, respond)
     own = {
         "pressure": largest.pressure,
@@ -229,8 +229,8 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond) -> Response:
         f"{' and '.join(names)}: taken as rigid, predicted to change torque by at most {predicted.shoes:.1e}, "
         f"p by {predicted.pressure:.1e} (L2); on the final mesh {seen.shoes:.1e} and {seen.pressure:.1e}"
     ]
-    kept = [line for line in found.left_out if line not in scenes.lacking(simple)]
-    return replace(found, error=error, shoes=shoes, left_out=(*kept, *scenes.lacking(brake), *lines))
+    kept = [line for line in found.left_out if line not in assembly.lacking(simple)]
+    return replace(found, error=error, shoes=shoes, left_out=(*kept, *assembly.lacking(brake), *lines))
 
 
 def _size(predicted: Change) -> float:
@@ -241,7 +241,7 @@ def _size(predicted: Change) -> float:
 def _chosen(brake: Brake, allowed: float, respond: Respond) -> tuple[tuple[str, ...], Change]:
     """What of SAVING may be left out within `allowed`, and the change that is predicted; () where nothing may."""
     nothing, has = Change(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), present(brake)
-    if any(shoe.mesh is not None for shoe in brake.shoes) or scenes.why_not(brake) is not None:
+    if any(shoe.mesh is not None for shoe in brake.shoes) or assembly.why_not(brake) is not None:
         return (), nothing
     candidates = [names for names in SAVING if set(names) <= set(has)]
     if not candidates:

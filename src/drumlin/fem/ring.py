@@ -20,12 +20,12 @@ import scipy.linalg
 import skfem
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Shoe
-from drumlin.components import Ring, Section
+from drumlin.brake.components import Ring, Section
+from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.division import FACE_SIZE, graded, lining_angles, lining_layers
 from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, edge_points
-from drumlin.statics import GAUSS, WEIGHTS, shape, slopes
+from drumlin.fem.mesh.grading import FACE_SIZE, graded, lining_angles, lining_layers
+from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 
 
 @dataclass(frozen=True)

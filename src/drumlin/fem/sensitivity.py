@@ -16,19 +16,19 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg
 import scipy.sparse as sp
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake, Shoe
-from drumlin.brakefile import vary
-from drumlin.contact import Problem, adjoint
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.file import vary
+from drumlin.contact.active_set import Problem, adjoint
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.assembly import Body, Scene, actuation, materials_of, prepare
 from drumlin.fem.body import FRAME, stiffness
-from drumlin.fem.model import PENALTY, answer_of, at_friction, check_penalty, groups_of, solve, unit_force
-from drumlin.fem.scene import Body, Scene, actuation, contact_stiffness, materials_of, prepare
+from drumlin.fem.group import ShoeGroup, groups_of
+from drumlin.fem.model import PENALTY, check_penalty
+from drumlin.fem.solve import solve
 from drumlin.laws import sine
-from drumlin.locking import Sliding
 
 PERCENT_PER_MM = 0.1  # in 1/m
 
@@ -94,9 +94,9 @@ def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sens
         raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
     shoes: dict[int, ShoeSensitivity] = {}
     ring = 0.0
-    for group in groups_of(scene, brake):
-        found, of_ring = _group(scene, brake, group, penalty)
-        shoes |= dict(zip(group, found, strict=True))
+    for group in groups_of(scene, brake, penalty):
+        found, of_ring = _group(group)
+        shoes |= dict(zip(group.members, found, strict=True))
         ring += of_ring
     all_shoes = tuple(
         shoes[i] if i in shoes else _untouched(scene.bodies[i], shoe) for i, shoe in enumerate(brake.shoes)
@@ -165,37 +165,37 @@ class _Adjoint(NamedTuple):
     turn: float
 
 
-def _group(scene: Scene, brake: Brake, group: list[int], penalty: float) -> tuple[list[ShoeSensitivity], float]:
+def _group(group: ShoeGroup) -> tuple[list[ShoeSensitivity], float]:
     """The sensitivities of shoes that meet the drum together, and dT by the logarithm of the ring's modulus."""
-    found, size, mu = answer_of(scene, brake, group, penalty), unit_force(brake, group), brake.friction
-    sliding = Sliding.through(*(at_friction(scene, brake, group, penalty, friction) for friction in (0.0, 1.0)))
+    found, size, mu, sliding, lever = (
+        group.answer(),
+        group.unit_force,
+        group.brake.friction,
+        group.sliding,
+        group.levers,
+    )
     problem: Problem = sliding.at(mu)
-    lever = scipy.linalg.block_diag(*(scene.bodies[i].coupling.lever for i in group)).T  # (n, shoes)
     a, b = adjoint(problem, found.active, mu * lever)
     by_friction = lever.T @ found.p - a.T @ (sliding.A1 @ found.p) - b.T @ (sliding.C1 @ found.p)
     torque = mu * (lever.T @ found.p)
-    a_T, b_T, shoes, begin = a.sum(axis=1), b.sum(axis=1), [], 0
-    for k, i in enumerate(group):
-        part = slice(begin, begin + len(scene.bodies[i].line.nodes))
-        begin = part.stop
+    a_T, b_T, shoes = a.sum(axis=1), b.sum(axis=1), []
+    for k, part in enumerate(group.parts):
         adjoint_ = _Adjoint(a_T[part], float(b_T[k]), size * found.p[part], size * float(found.y[k]))
         own = size * float(torque[k]), size * float(by_friction[k])
-        shoes.append(_shoe(scene.bodies[i], brake, brake.shoes[i], penalty, adjoint_, *own))
-    if scene.ring is None:
+        shoes.append(_shoe(group, k, adjoint_, *own))
+    if group.ring is None:
         return shoes, 0.0
-    pressed = np.hstack([scene.ring.pressed[i] for i in group])
-    dragged = np.hstack([scene.ring.dragged[i] for i in group])
-    return shoes, size * float((pressed @ a_T) @ ((pressed + mu * brake.spin * dragged) @ found.p))
+    pressed, dragged = group.ring
+    return shoes, size * float((pressed @ a_T) @ ((pressed + group.brake.drag * dragged) @ found.p))
 
 
-def _shoe(
-    body: Body, brake: Brake, shoe: Shoe, penalty: float, at: _Adjoint, torque: float, friction: float
-) -> ShoeSensitivity:
+def _shoe(group: ShoeGroup, k: int, at: _Adjoint, torque: float, friction: float) -> ShoeSensitivity:
+    body, brake, shoe = group.bodies[k], group.brake, group.shoes[k]
     frame, N, T, M = shoe.frame, body.coupling.N, body.coupling.T, body.coupling.M
-    drag = brake.friction * brake.spin * frame.sense
+    drag = brake.drag_on(shoe)
     load, moment = actuation(body, shoe)
     sign, force = math.copysign(1.0, shoe.actuation.force), abs(shoe.actuation.force)
-    soft = float(at.a @ (M @ at.p)) / contact_stiffness(shoe, penalty)
+    soft = float(at.a @ (M @ at.p)) / group.stiffnesses[k]
     # The pin moved by e_x or e_y turns the lining about another point: k x (x - pin) changes by -k x e.
     turned = np.tile(np.array([[0.0, 1.0], [-1.0, 0.0]]), (len(at.p), 1))
     direction = frame.to_shoe(shoe.actuation.direction_vector) * sign * force

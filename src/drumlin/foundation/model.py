@@ -17,19 +17,19 @@ from typing import NamedTuple
 import numpy as np
 import scipy.linalg
 
-from drumlin import contact, locking
 from drumlin.arrays import Bools, Floats
-from drumlin.brake import Brake
-from drumlin.components import Beam
+from drumlin.brake.components import Beam
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.contact import active_set, self_locking
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.flat import AnyBrake, FlatBrake
 from drumlin.foundation.post import Post, post, shoe_angles, trapezoid
 from drumlin.foundation.ring import drag_flexibility, flexibility
 from drumlin.laws import locking_friction
 from drumlin.laws.hinged import no_contact, pressing_moment
-from drumlin.merit import with_merits
-from drumlin.response import Deformation, Response, ShoeResponse, shoe_balance, untouched, worst
-from drumlin.statics import Resultant
+from drumlin.response.merit import with_merits
+from drumlin.response.response import Deformation, Response, ShoeResponse, pressed_shoe, shoe_balance, untouched, worst
+from drumlin.response.resultants import Resultant
 
 SECTIONS = 360
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
@@ -84,7 +84,7 @@ class System(NamedTuple):
 
     posts: tuple[Post, ...]
     ring: Floats
-    problem: contact.Problem
+    problem: active_set.Problem
 
 
 def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> System:
@@ -107,7 +107,7 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
         B.append(-p.closing[:1].T)
         C.append(-moments[:1])
         h.append(-p.loaded[:1])
-    problem = contact.Problem(
+    problem = active_set.Problem(
         scipy.linalg.block_diag(*A) + ring,
         np.concatenate(q),
         scipy.linalg.block_diag(*B),
@@ -200,18 +200,18 @@ def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
 
 def _found(
     brake: Brake, group: list[int], parts: System, sections: int, names: frozenset[str], start: list[Bools] | None
-) -> contact.Contact:
+) -> active_set.Contact:
     said = brake.names(group)
     begin = None if start is None else np.concatenate([start[i] for i in group])
 
-    def at(friction: float) -> contact.Problem:
+    def at(friction: float) -> active_set.Problem:
         if friction == brake.friction:
             return parts.problem
         return system(brake.model_copy(update={"friction": friction}), group, sections, names).problem
 
     law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     try:
-        found = locking.answer(at, brake.friction, begin, law=law, brake="on the foundation")
+        found = self_locking.answer(at, brake.friction, begin, law=law, brake="on the foundation")
     except NoAnswer as error:
         raise NoAnswer(f"{said}: {error}") from error
     turn = float(np.abs(found.y).max())
@@ -230,42 +230,27 @@ def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
     w = turn * p.x + np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
     theta = shoe_angles(p.axis, shoe, p.theta)
-    forward = slice(None, None, p.axis.sense)
     contact_ = _resultant(brake, theta, N)
     helping = float(-p.drag * (p.dragged[0] @ N))  # against the resisting moments
-    zone = shoe.lining.thickness / (2 * R)
-    inside = (p.theta > p.theta[0] + zone) & (p.theta < p.theta[-1] - zone)
-    return ShoeResponse(
-        name=shoe.name,
+    return pressed_shoe(
+        shoe,
+        R,
+        theta,
+        pressure,
+        order=1,
         torque=abs(contact_.moment),
         normal_force=float(np.linalg.norm(contact_.normal)),
         self_energising=helping > 0,
-        peak_pressure=float(pressure[inside if inside.any() else ~inside].max()),
         hinge_reaction=-shoe.actuation.vector - contact_.force,
-        contact_arcs=contact_arcs(theta[forward], pressure[forward]),
-        theta=theta[forward],
-        pressure=pressure[forward],
-        order=1,
         turn=p.axis.sense * turn,
+        located=False,
         lumped=contact_,
-        deformation=Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[forward]),
+        deformation=Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[:: p.axis.sense]),
     )
-
-
-def contact_arcs(theta: Floats, p: Floats) -> tuple[tuple[float, float], ...]:
-    """Arcs [rad] in which the interpolated pressure is positive: steps between nodes with p > 0 at either end."""
-    arcs: list[tuple[float, float]] = []
-    for i in range(len(p) - 1):
-        if p[i] > 0 or p[i + 1] > 0:
-            if arcs and arcs[-1][1] == theta[i]:
-                arcs[-1] = (arcs[-1][0], float(theta[i + 1]))
-            else:
-                arcs.append((float(theta[i]), float(theta[i + 1])))
-    return tuple(arcs)
 
 
 def _resultant(brake: Brake, theta: Floats, N: Floats) -> Resultant:
     """What the drum does to an external lining by the normal forces N at the brake's angles theta (n,)."""
     along = np.array([N @ np.cos(theta), N @ np.sin(theta)])
-    drag = brake.friction * brake.spin
+    drag = brake.drag
     return Resultant(along, drag * np.array([-along[1], along[0]]), drag * brake.drum.radius * float(N.sum()))

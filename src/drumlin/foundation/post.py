@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin import misfit
 from drumlin.arrays import Floats, Ints
-from drumlin.beam import Axis, axis_of
-from drumlin.brake import Brake, Shoe
-from drumlin.components import Beam
+from drumlin.brake import clearance
+from drumlin.brake.beam_axis import Axis, axis_of
+from drumlin.brake.components import Beam
+from drumlin.brake.drum_brake import Brake, Shoe
 
 
 class Post(NamedTuple):
@@ -77,7 +77,7 @@ def post(brake: Brake, shoe: Shoe, sections: int, *, tilt: bool, wedge: bool, pl
         theta=theta,
         sector=sector,
         k=lining.width * R * sector / layers(brake, shoe, axis, theta, wedge=wedge, plane_stress=plane_stress),
-        gap=misfit.clearance(brake, shoe, shoe_angles(axis, shoe, theta)),
+        gap=clearance.gap(brake, shoe, shoe_angles(axis, shoe, theta)),
         pressed=pressed,
         dragged=arm_y * c - arm_x * s,
         loaded=(axis.length - x) * towards - body.offset_at(x) * along,

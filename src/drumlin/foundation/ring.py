@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.components import Ring
+from drumlin.brake.components import Ring
 
 SHEAR = 6 / 5  # shear factor of a rectangular section
 

@@ -14,13 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Values
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
+from drumlin.brake.units import mm
 from drumlin.errors import NoAnswer
-from drumlin.flat import AnyBrake, FlatBrake, FlatShoe
 from drumlin.laws.hinged import no_contact
-from drumlin.merit import with_merits
-from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
-from drumlin.statics import gauss_points
-from drumlin.units import mm
+from drumlin.response.merit import with_merits
+from drumlin.response.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
+from drumlin.response.resultants import gauss_points
 
 
 class FlatLoad(NamedTuple):

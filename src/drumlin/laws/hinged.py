@@ -12,14 +12,14 @@ from dataclasses import replace
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake, Shoe
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.units import deg
 from drumlin.errors import NoAnswer
-from drumlin.flat import AnyBrake, FlatBrake
 from drumlin.laws.shapes import SINE, Law, Layout, Load, equivalent_friction
-from drumlin.merit import double_delta, with_merits
-from drumlin.response import Response, ShoeResponse, contact_resultant, shoe_balance, untouched, worst
-from drumlin.statics import Resultant, cross
-from drumlin.units import deg
+from drumlin.response.merit import double_delta, with_merits
+from drumlin.response.response import Response, ShoeResponse, contact_resultant, shoe_balance, untouched, worst
+from drumlin.response.resultants import Resultant, cross
 
 NODES = 257  # of p(theta) over the lining; quadratic pieces: integrals are right to 1e-10
 SLACK = 1e-9  # rad
@@ -146,7 +146,7 @@ def contact(brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0) -> Result
     """What the drum does to a shoe of this load [Pa], at `factor` times the brake's friction."""
     force = shoe.lining.width * brake.drum.radius
     along: Floats = force * np.array([load.cos, load.sin])
-    drag = factor * brake.friction * brake.spin
+    drag = factor * brake.drag
     return Resultant(
         normal=shoe.frame.to_brake(-shoe.sign * along),
         friction=shoe.frame.to_brake(drag * shoe.frame.sense * np.array([-along[1], along[0]])),

@@ -17,13 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Values
-from drumlin.brake import Brake, Shoe
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
-from drumlin.flat import AnyBrake, FlatBrake
 from drumlin.laws.hinged import LEFT_OUT, contact, layout, no_contact, pressed, pressing_moment
 from drumlin.laws.shapes import Layout, Load, cos_load, moments_about, sine_load
-from drumlin.merit import with_merits
-from drumlin.response import Response, ShoeResponse, shoe_balance, untouched, worst
+from drumlin.response.merit import with_merits
+from drumlin.response.response import Response, ShoeResponse, shoe_balance, untouched, worst
 
 ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no moment about the pivot"
 

@@ -18,12 +18,12 @@ from typing import Literal
 import numpy as np
 
 from drumlin.arrays import Floats, Values
-from drumlin.brake import Brake
-from drumlin.brakefile import brake_from
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.fields import Material
+from drumlin.brake.file import brake_from
+from drumlin.brake.units import deg, mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws.shapes import SINE, Layout
-from drumlin.parts import Material
-from drumlin.units import deg, mm
 
 LINING = Material(E=300e6, nu=0.25)
 

@@ -18,11 +18,11 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake
+from drumlin.brake.drum_brake import Brake
 from drumlin.errors import NoAnswer
+from drumlin.fem.assembly import ELEMENTS, Mesher
 from drumlin.fem.interface import ContactLine, couple, radial
-from drumlin.fem.mesh import DEFAULT_KIND
-from drumlin.fem.scene import ELEMENTS, Mesher
+from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.files import write_text
 from drumlin.peers.deck import BEARING, BEYOND_ELEMENTS, MM, Setting, deck, drum_angles
 from drumlin.peers.peer import (
@@ -36,7 +36,7 @@ from drumlin.peers.peer import (
     shoe_response,
     untouched_response,
 )
-from drumlin.response import Balance, ShoeResponse
+from drumlin.response.response import Balance, ShoeResponse
 
 INSTALL = "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"
 SCALES = (0.5, 0.25)

@@ -13,13 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake
+from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput
-from drumlin.fem.inp import NAMES
+from drumlin.fem.assembly import end_loads, materials_of
+from drumlin.fem.group import gap_at
 from drumlin.fem.interface import edge_nodes
-from drumlin.fem.mesh import kind_of
-from drumlin.fem.model import gap_at
-from drumlin.fem.scene import end_loads, materials_of
+from drumlin.fem.mesh.abaqus import NAMES
+from drumlin.fem.mesh.arc import kind_of
 from drumlin.peers.peer import Loaded
 
 MM = 1e3  # per m

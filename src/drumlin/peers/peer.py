@@ -5,7 +5,7 @@ import os
 import resource
 import subprocess
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -13,13 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake, Shoe
+from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.ends import contact_arcs
-from drumlin.fem.mesh import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.scene import ELEMENTS, Assembled, Mesher, actuation, assemble, pin_of, shape_of
-from drumlin.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
-from drumlin.statics import cross
+from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, actuation, assemble, pin_of, shape_of
+from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
+from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, relative_balance, untouched, worst
+from drumlin.response.resultants import contact_arcs, cross
 
 NOTHING = 1e-3  # of the peak pressure: what a peer leaves where its lining does not touch
 
@@ -84,7 +83,7 @@ def loaded_shoes(
         number, parts = made[key]
         load, moment = actuation(parts, shoe)
         size = abs(shoe.actuation.force)
-        drag = brake.friction * brake.spin * shoe.frame.sense
+        drag = brake.drag_on(shoe)
         # The lining at (x, y) closes by -sign a y/r per turn about the pin at (a, 0).
         approaches = size > 0 and bool((-moment * shoe.sign * parts.line.xy[1] > 0).any())
         shoes.append(Loaded(shoe, parts, number, size * load[:2], size * float(load[2]), drag, approaches))
@@ -109,10 +108,6 @@ def shoe_response(
     The balance is that of the peer's own forces: their sum, and their moment about the drum's centre.
     """
     shoe, frame = loaded.shoe, loaded.shoe.frame
-    forward = slice(None, None, frame.sense)
-    theta, p = frame.theta(phi)[forward], pressure[forward]
-    zone = shoe.lining.thickness / (2 * float(np.hypot(*loaded.parts.line.xy).mean()))
-    inside = (phi > phi[0] + zone) & (phi < phi[-1] - zone)
     pin, centre = pin_of(shoe), loaded.parts.load_centre
     sense = math.copysign(1.0, loaded.drag)
     moments = [sense * forces.torque, float(cross(pin, forces.reaction)), loaded.couple,
@@ -120,20 +115,21 @@ def shoe_response(
     balance = relative_balance([forces.normal, forces.friction, forces.reaction, loaded.force], moments)
     friction_about_pin = sense * forces.torque - float(cross(pin, forces.friction))
     actuation_about_pin = loaded.couple + float(cross(centre - pin, loaded.force))
-    response = ShoeResponse(
-        name=shoe.name,
+    response = pressed_shoe(
+        shoe,
+        float(np.hypot(*loaded.parts.line.xy).mean()),
+        frame.theta(phi),
+        pressure,
+        order=order,
         torque=forces.torque,
         normal_force=float(np.linalg.norm(forces.normal)),
         self_energising=friction_about_pin * actuation_about_pin > 0,
-        peak_pressure=float((pressure[inside] if inside.any() else pressure).max()),
         hinge_reaction=frame.to_brake(forces.reaction),
-        contact_arcs=contact_arcs(theta, np.where(p > NOTHING * p.max(), p, 0.0), order),
-        theta=theta,
-        pressure=p,
-        order=order,
         turn=None if turn is None else frame.sense * turn,
     )
-    return response, balance
+    p = response.pressure
+    arcs = contact_arcs(response.theta, np.where(p > NOTHING * p.max(), p, 0.0), order)
+    return replace(response, contact_arcs=arcs), balance
 
 
 def untouched_response(loaded: Loaded) -> tuple[ShoeResponse, Balance]:

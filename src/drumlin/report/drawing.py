@@ -13,11 +13,11 @@ from matplotlib.patches import Circle, FancyArrowPatch, PathPatch, Rectangle, We
 from matplotlib.path import Path as Outline
 
 from drumlin.arrays import Floats
-from drumlin.beam import axis_of
-from drumlin.brake import Brake, Shoe
-from drumlin.components import Actuation, Beam, Body
-from drumlin.flat import AnyBrake, FlatBrake, FlatShoe
-from drumlin.parts import Point
+from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.components import Actuation, Beam, Body
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.fields import Point
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
 
 MM = 1e3
 INK, FAINT, DRUM, BODY, BLOCK, LINING, FORCE, MOTION = (

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
 from drumlin.files import replacing
-from drumlin.response import ShoeResponse
+from drumlin.response.response import ShoeResponse
 
 STYLE = {
     "font.size": 10,

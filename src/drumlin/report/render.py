@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake import Brake
+from drumlin.brake.drum_brake import Brake
 
 TIMEOUT = 120  # s
 SCALAR = "von Mises stress [MPa]"

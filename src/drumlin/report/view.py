@@ -5,9 +5,9 @@ from typing import Any
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from drumlin.brake import Brake
-from drumlin.fem.scene import prepare
-from drumlin.flat import AnyBrake
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.plane_brake import AnyBrake
+from drumlin.fem.assembly import prepare
 from drumlin.models import refusals
 from drumlin.report.drawing import draw_brake
 

@@ -16,11 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake
-from drumlin.compare import pressure_distance
+from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.hp.levels import Respond, steps
-from drumlin.response import Response, ShoeResponse
+from drumlin.response.norms import pressure_distance
+from drumlin.response.response import Response, ShoeResponse
 
 SLOWEST = 1.3
 FASTEST = 4.0  # factor by which errors are trusted to fall from level to level

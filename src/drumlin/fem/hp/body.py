@@ -6,7 +6,7 @@ import numpy as np
 import scipy.linalg
 from scipy.linalg.lapack import dpotrf
 
-from drumlin.brake import Shoe
+from drumlin.brake.drum_brake import Shoe
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, tie
 from drumlin.fem.elimination import SINGULAR
@@ -53,9 +53,9 @@ def condensed(shoe: Shoe, radius: float, div: Division, found: shoes.Condensed, 
 
 
 def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
-    from drumlin.fem import scene as scenes  # noqa: PLC0415
+    from drumlin.fem import assembly  # noqa: PLC0415
 
-    K = grid.stiffness(scenes.materials_of(shoe))
+    K = grid.stiffness(assembly.materials_of(shoe))
     n = (len(div.angles) - 1) * div.degree + 1
     ties = tie(grid, np.arange(n), grid.sets["hinge"], np.array([shoe.hinge.radius, 0.0]))
     loads = np.zeros((ties.matrix.shape[1], FRAME))

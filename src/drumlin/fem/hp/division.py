@@ -14,10 +14,10 @@ from itertools import pairwise
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.beam import axis_of
-from drumlin.brake import Shoe
-from drumlin.components import Beam
-from drumlin.response import EDGE_ZONE
+from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.components import Beam
+from drumlin.brake.drum_brake import Shoe
+from drumlin.response.response import EDGE_ZONE
 
 
 @dataclass(frozen=True)

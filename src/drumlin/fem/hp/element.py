@@ -16,7 +16,7 @@ from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Floats, Ints
 from drumlin.errors import NoAnswer
-from drumlin.statics import lobatto
+from drumlin.response.resultants import lobatto
 
 CHUNK = 16_000  # slopes that are worked on at once: they stay in the processor's cache
 SMALL = 24  # unknowns up to which a batch is eliminated at once, rather than one after the other by faster routines

@@ -14,9 +14,9 @@ import scipy.sparse as sp
 from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
+from drumlin.brake.fields import Material
 from drumlin.fem.hp.element import element, stiffness
-from drumlin.parts import Material
-from drumlin.statics import lobatto
+from drumlin.response.resultants import lobatto
 
 
 @dataclass(frozen=True)

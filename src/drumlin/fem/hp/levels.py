@@ -4,13 +4,13 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
-from drumlin.brake import Brake
+from drumlin.brake.drum_brake import Brake
 from drumlin.errors import NoAnswer
-from drumlin.fem import scene as scenes
+from drumlin.fem import assembly
 from drumlin.fem.hp.division import Level
 from drumlin.fem.hp.places import places_of
 from drumlin.fem.hp.scene import Places, scene
-from drumlin.response import Response
+from drumlin.response.response import Response
 
 DEG = math.pi / 180
 LEVELS = (
@@ -37,14 +37,14 @@ SETTLED = 0.1  # of the length of the contact: an end of it is located by the fi
 class Respond(Protocol):
     """What answers for a brake on a scene, from the contact of an earlier response."""
 
-    def __call__(self, scene: scenes.Scene, brake: Brake, *, start: Response | None = None) -> Response:
+    def __call__(self, scene: assembly.Scene, brake: Brake, *, start: Response | None = None) -> Response:
         """The response."""
 
 
 class Step(NamedTuple):
     """A level's scene and response."""
 
-    scene: scenes.Scene
+    scene: assembly.Scene
     response: Response
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from drumlin import misfit
-from drumlin.brake import Brake, Shoe
-from drumlin.fem import scene as scenes
-from drumlin.response import Response, ShoeResponse
+from drumlin.brake import clearance
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.fem import assembly
+from drumlin.response.response import Response, ShoeResponse
 
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
 
@@ -15,14 +15,14 @@ def places_of(brake: Brake, response: Response | None) -> dict[tuple[object, ...
     found: dict[tuple[object, ...], list[Place]] = {}
     for i, shoe in enumerate(brake.shoes):
         own = _places(shoe, None if response is None else response.shoes[i])
-        found.setdefault(scenes.shape_of(brake, shoe), []).extend(own)
+        found.setdefault(assembly.shape_of(brake, shoe), []).extend(own)
     return {key: sorted(places) for key, places in found.items()}
 
 
 def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     start, end = shoe.arc
     arcs = [] if response is None else [sorted(shoe.frame.phi(np.array(arc)).tolist()) for arc in response.contact_arcs]
-    found = [(float(x), end - start, True) for x in shoe.frame.phi(np.array(misfit.kinks(shoe.lining))).tolist()]
+    found = [(float(x), end - start, True) for x in shoe.frame.phi(np.array(clearance.kinks(shoe.lining))).tolist()]
     for first, last in arcs:
         found += [(first, last - first, False), (last, last - first, False)]
     return [place for place in found if start < place[0] < end]

@@ -10,8 +10,8 @@ import scipy.linalg
 from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Bools, Floats, Ints
-from drumlin.brake import Brake
-from drumlin.components import Section
+from drumlin.brake.components import Section
+from drumlin.brake.drum_brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, tie
 from drumlin.fem.elimination import SINGULAR
@@ -22,7 +22,7 @@ from drumlin.fem.hp.grid import Block, Grid
 from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, nodes_of, rigid, within
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
-from drumlin.statics import GAUSS, WEIGHTS, lobatto, shape, slopes
+from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape, slopes
 
 TURN = 2 * math.pi
 CLOSE = 1e-9  # rad: ends of columns that are nearer to each other are one

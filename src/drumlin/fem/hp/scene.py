@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from functools import partial
 
-from drumlin.brake import Brake, Shoe
+from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput
-from drumlin.fem import scene as scenes
+from drumlin.fem import assembly
 from drumlin.fem.hp.body import condensed, contact_line, grid_of
 from drumlin.fem.hp.division import Level, divide
 from drumlin.fem.hp.ring import ring_body
@@ -20,31 +20,31 @@ def body(
     level: Level,
     places: Sequence[tuple[float, float, bool]],
     friction: bool,
-    seconds: scenes.Seconds,
-) -> scenes.Body:
+    seconds: assembly.Seconds,
+) -> assembly.Body:
     """The condensed body of a parametric shoe at a level."""
-    with scenes.clock(seconds, "condensation"):
+    with assembly.clock(seconds, "condensation"):
         div = divide(shoe, radius, level, places)
-        found = condense(shoe, radius, div, scenes.materials_of(shoe))
+        found = condense(shoe, radius, div, assembly.materials_of(shoe))
         line, grid = contact_line(shoe, radius, div), grid_of(shoe, radius, div)
         inner = condensed(shoe, radius, div, found, grid)
-    with scenes.clock(seconds, "coupling"):
-        made = partial(scenes.Body, grid, grid, line)
-        return scenes.coupled(made, shoe, line, inner, found.centre, friction=friction)
+    with assembly.clock(seconds, "coupling"):
+        made = partial(assembly.Body, grid, grid, line)
+        return assembly.coupled(made, shoe, line, inner, found.centre, friction=friction)
 
 
-def scene(brake: Brake, level: Level, places: Places | None = None) -> scenes.Scene:
-    """The scene of a brake at a level; `places`: where the pressure is not smooth.  Raises as scenes.prepare."""
-    reason = scenes.why_not(brake)
+def scene(brake: Brake, level: Level, places: Places | None = None) -> assembly.Scene:
+    """The scene of a brake at a level; `places`: where the pressure is not smooth.  Raises as assembly.prepare."""
+    reason = assembly.why_not(brake)
     if reason is not None:
         raise BadInput(f"fem does not apply to this brake: {reason}")
-    seconds: scenes.Seconds = {}
-    made: dict[tuple[object, ...], scenes.Body] = {}
+    seconds: assembly.Seconds = {}
+    made: dict[tuple[object, ...], assembly.Body] = {}
     for shoe in brake.shoes:
-        key = scenes.shape_of(brake, shoe)
+        key = assembly.shape_of(brake, shoe)
         if key not in made:
             made[key] = body(shoe, brake.drum.radius, level, (places or {}).get(key, ()), brake.friction > 0, seconds)
-    bodies = tuple(made[scenes.shape_of(brake, shoe)] for shoe in brake.shoes)
+    bodies = tuple(made[assembly.shape_of(brake, shoe)] for shoe in brake.shoes)
     left_out = ["interior fields: recovered only for a picture"]
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
@@ -52,6 +52,6 @@ def scene(brake: Brake, level: Level, places: Places | None = None) -> scenes.Sc
         left_out.append("friction: mu = 0, symmetric, without the flexibility under drag")
     ring = None
     if brake.drum.ring is not None:
-        with scenes.clock(seconds, "ring"):
+        with assembly.clock(seconds, "ring"):
             ring = ring_body(brake, tuple(body.line for body in bodies), level)
-    return scenes.Scene(brake, bodies, ring, seconds, (*left_out, *scenes.lacking(brake)))
+    return assembly.Scene(brake, bodies, ring, seconds, (*left_out, *assembly.lacking(brake)))

@@ -8,15 +8,15 @@ import numpy as np
 from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
-from drumlin.beam import axis_of
-from drumlin.brake import Shoe
-from drumlin.components import Beam
+from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.components import Beam
+from drumlin.brake.drum_brake import Shoe
+from drumlin.brake.fields import Material
 from drumlin.fem.body import FRAME
 from drumlin.fem.hp.columns import columns, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.element import condensed_elements, element, eliminate
-from drumlin.parts import Material
-from drumlin.statics import GAUSS, WEIGHTS, lobatto, shape
+from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape
 
 LOADS, HELD, EXTRA = slice(FRAME), slice(FRAME, 2 * FRAME), 2 * FRAME  # unknowns of a piece before its own
 

@@ -1,0 +1,110 @@
+"""Misfit as clearance: lining circle against drum circle, taper, steps between blocks, a drum that is not round.
+
+Every misfit is a gap along the drum's radius, positive = open, that adds to the lining's `clearance`. So it acts in
+each model that has a clearance (finite elements, foundation) and shares their condensed bodies; the laws are those
+of a lining that fits. In the plane a misfit across the width (coning, bell-mouthing) does not exist. The slope of
+the surfaces is left out: normals stay those of the drum's circle, which for lobes of order n and amplitude a
+leaves out at most n a/(mu R) of the torque.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake.components import STEP, Drum, Lining
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.fields import Point
+from drumlin.brake.file import vary
+
+T = TypeVar("T")
+
+
+def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
+    """Gap [m] of a shoe's unloaded lining from the drum as it stands, at the angles theta [rad], same shape."""
+    lining, misfit = shoe.lining, shoe.lining.misfit
+    total = lining.clearance_at(theta)
+    if misfit.radius is not None or misfit.offset.radius > 0:
+        total = total + circle_gap(brake.drum.radius, misfit.radius, misfit.offset, lining.middle, shoe.sign, theta)
+    if misfit.taper:
+        total = total + misfit.taper * (shoe.frame.sense * (theta - lining.middle)) / (lining.end - lining.start)
+    if misfit.blocks:
+        total = total + block_gap(lining, theta)
+    if brake.drum.out_of_round:
+        total = total + shoe.sign * surface(brake.drum, theta)
+    return total
+
+
+def circle_gap(R: float, radius: float | None, offset: Point, middle: float, sign: int, theta: Floats) -> Floats:
+    """Gap [m] between a drum of radius R [m] and a lining of its own radius [m], exactly, along the drum's radii.
+
+    The lining's circle meets the drum's at the angle `middle` [rad] and is moved from there by `offset`: about
+    its centre c it lies at  rho = c.e_r + sqrt(r^2 - (c x e_r)^2)  from the drum's centre, and the gap is
+    sign (R - rho), to first order  sign ((R - r)(1 - cos(theta - middle)) - offset.e_r).
+    sign: +1 for an internal lining. With `radius` None the lining has the drum's.
+    """
+    r = R if radius is None else radius
+    c = (R - r) * np.array([np.cos(middle), np.sin(middle)]) + offset.xy
+    along = c[0] * np.cos(theta) + c[1] * np.sin(theta)
+    across = c[0] * np.sin(theta) - c[1] * np.cos(theta)
+    return sign * (R - along - np.sqrt(r**2 - across**2))
+
+
+def block_gap(lining: Lining, theta: Floats) -> Floats:
+    """How far the blocks of a lining stand back [m] at theta, same shape: level, with rounded steps of the arc STEP.
+
+    A step of height h has the smallest radius (R STEP)^2/(6 h).
+    """
+    gap, before = np.zeros(np.shape(theta)), 0.0
+    for begin, depth in lining.misfit.blocks:
+        x = np.clip((theta - begin) / STEP + 0.5, 0.0, 1.0)
+        gap, before = gap + (depth - before) * x**2 * (3 - 2 * x), depth
+    return gap
+
+
+def kinks(lining: Lining) -> list[float]:
+    """Angles [rad] at which a lining's gap is not smooth."""
+    table = lining.clearance if isinstance(lining.clearance, tuple) else ()
+    ends = (begin + half for begin, _ in lining.misfit.blocks for half in (-STEP / 2, STEP / 2))
+    return [*(angle for angle, _ in table), *ends]
+
+
+def surface(drum: Drum, theta: Floats) -> Floats:
+    """How far [m] the drum's surface lies outside its circle at theta [rad], same shape; it turns with the drum."""
+    at = np.asarray(theta) - drum.angle
+    lobes = (part.amplitude * np.cos(part.order * (at - part.phase)) for part in drum.out_of_round)
+    return np.sum([np.zeros(at.shape), *lobes], axis=0)
+
+
+def thermal_growth(R: float, expansion: float, warming: float) -> float:
+    """Growth of a drum's radius [m] by its mean warming [K], expansion [1/K]: the amplitude of lobes of order 0."""
+    return expansion * warming * R
+
+
+def one_turn(brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float]) -> list[T]:
+    """The responses as the drum stands at each of the angles [rad], with steady forces and without inertia.
+
+    solve: any model, such as `respond` on one scene: the bodies stay. Raises what it raises.
+    """
+    return [solve(vary(brake, {"drum.angle": angle})) for angle in angles]
+
+
+def ground_to(brake: Brake, mismatch: float) -> dict[str, float]:
+    """Changes (of `vary`): every lining ground to a radius that is greater than the drum's by the mismatch [m]."""
+    return {f"shoe[{i}].lining.misfit.radius": brake.drum.radius + mismatch for i in range(len(brake.shoes))}
+
+
+def set_off(brake: Brake, size: float) -> dict[str, float]:
+    """Changes: every lining's circle moved by `size` [m] along the radius of its hinge, away from the drum's centre."""
+    slopes = [along_hinge(brake, i, "lining.misfit.offset") for i in range(len(brake.shoes))]
+    return {key: size * slope for part in slopes for key, slope in part.items()}
+
+
+def along_hinge(brake: Brake, index: int, key: str) -> dict[str, float]:
+    """How the point `key` of shoe `index` moves along the radius of its hinge: what 1 m adds to its coordinates."""
+    hinge = brake.shoes[index].hinge
+    return {
+        f"shoe[{index}].{key}.x": hinge.x / hinge.radius,
+        f"shoe[{index}].{key}.y": hinge.y / hinge.radius,
+    }

@@ -1,0 +1,286 @@
+"""What drums and shoes are made of: ring, drum, lining, backing, bodies, actuation. Every number is SI."""
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Literal, NamedTuple, Self
+
+import numpy as np
+from pydantic import (
+    AfterValidator,
+    Discriminator,
+    Field,
+    Tag,
+    model_validator,
+)
+
+from drumlin.arrays import Floats
+from drumlin.brake.fields import (
+    Angle,
+    BendingStiffness,
+    Force,
+    Length,
+    Material,
+    Part,
+    Place,
+    Point,
+    Rows,
+    Thickness,
+    number_or_table,
+    table,
+    value_at,
+)
+from drumlin.brake.units import deg
+
+LEAST_FRICTION = 1e-9  # but for 0: figures of merit divide by the torque
+
+
+def _friction(value: float) -> float:
+    if 0 < value < LEAST_FRICTION:
+        raise ValueError(f"must be 0, or at least {LEAST_FRICTION:g}")
+    return value
+
+
+Friction = Annotated[float, Field(ge=0, le=1e6, strict=True), AfterValidator(_friction)]
+"""A friction coefficient."""
+
+
+class Section(NamedTuple):
+    """A rectangular section: thickness in the brake's plane and width across it [m], and its material."""
+
+    thickness: float
+    width: float
+    material: Material
+
+    @property
+    def bending_stiffness(self) -> float:
+        """EI [N m^2]."""
+        return self.material.E * self.width * self.thickness**3 / 12
+
+
+def _section(part: "Ring | Beam", EI: float | None) -> Section | None:
+    """The section of a ring or beam; its width is such that it bends with `EI` where that is given."""
+    if part.thickness is None or part.width is None or part.material is None:
+        return None
+    section = Section(part.thickness, part.width, part.material)
+    return section if EI is None else section._replace(width=section.width * EI / section.bending_stiffness)
+
+
+def _check_section(part: "Ring | Beam") -> None:
+    given = [key for key in ("thickness", "width", "material") if getattr(part, key) is not None]
+    if len(given) < 3 and (given or part.bending_stiffness is None):
+        raise ValueError("needs thickness, width and material, or bending_stiffness, or all four")
+
+
+class Ring(Part):
+    """The elastic rim of the drum, behind its friction surface as seen from the shoe.
+
+    Its section, or its `bending_stiffness` EI [N m^2] alone, or both: then the section bends with this EI.
+    """
+
+    thickness: Thickness | None = None
+    width: Thickness | None = None
+    material: Material | None = None
+    bending_stiffness: BendingStiffness | None = None
+    support: Literal["fixed", "free"] = "fixed"
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        _check_section(self)
+        return self
+
+    @property
+    def section(self) -> Section | None:
+        """The section, of a width that gives the bending stiffness; None where the file has only that."""
+        return _section(self, self.bending_stiffness)
+
+    @property
+    def EI(self) -> float:
+        """Bending stiffness [N m^2]."""
+        section = self.section
+        return section.bending_stiffness if section else float(self.bending_stiffness or 0.0)
+
+
+class Lobes(Part):
+    """One harmonic of a drum's surface off its circle: outwards by amplitude cos(order (theta - phase)) [m].
+
+    Order 0 is growth (a hot drum), 1 run-out, 2 ovality.
+    """
+
+    order: Annotated[int, Field(ge=0, le=100)]
+    amplitude: Length
+    phase: Angle = 0.0
+
+
+class Drum(Part):
+    """The drum: friction radius R [m]; without `ring` it is rigid.
+
+    `out_of_round`: what its surface is off the circle, as it stands when turned to `angle` = 0 [rad].
+    """
+
+    radius: Thickness
+    ring: Ring | None = None
+    out_of_round: tuple[Lobes, ...] = ()
+    angle: Angle = 0.0
+
+
+StiffnessAlong = Annotated[float | Rows, number_or_table("distance", "m", "bending stiffness", "N m^2")]
+OffsetAlong = Annotated[float | Rows, number_or_table("distance", "m", "offset", "m")]
+Clearance = Annotated[float | Rows, number_or_table("angle", "rad", "clearance", "m")]
+
+
+STEP = math.radians(1.0)  # rad
+"""Arc of the rounded step from one block's height to the next. A sharp edge, and the corner of a straight chamfer,
+carry a pressure without bound, and no mesh would settle."""
+
+
+class Misfit(Part):
+    """How a lining's surface is off the drum's circle, besides its clearance; `drumlin.misfit` says by how much.
+
+    `radius` [m] of the lining's own circle, by default the drum's: the circle meets the drum's in the lining's
+    middle, and is moved from there by `offset` [m]. `taper` [m]: how much farther the lining stands back at its
+    end away from the hinge than at its end near it. `blocks`: rows (angle, depth) [rad, m]: from each angle on
+    the lining stands back by this depth, before the first by none.
+    """
+
+    radius: Thickness | None = None
+    offset: Place = Point(x=0.0, y=0.0)
+    taper: Length = 0.0
+    blocks: Annotated[Rows, table("angle", "rad", "depth", "m")] = ()
+
+
+class Lining(Part):
+    """The friction lining, from angle `start` to `end` on the friction surface.
+
+    `clearance` [m] is the gap of the unloaded lining, positive = open: one value, or a table of
+    (angle, clearance) with straight lines between. What `misfit` makes of it comes on top.
+    """
+
+    start: Angle
+    end: Angle
+    thickness: Thickness
+    width: Thickness
+    material: Material
+    clearance: Clearance = 0.0
+    misfit: Misfit = Misfit()
+
+    @property
+    def middle(self) -> float:
+        """The angle of its middle [rad]."""
+        return 0.5 * (self.start + self.end)
+
+    @model_validator(mode="after")
+    def _arc(self) -> Self:
+        if not 0 < self.end - self.start < 2 * math.pi:
+            raise ValueError(
+                f"end = {deg(self.end)} must be greater than start = {deg(self.start)}, by less than 360 deg"
+            )
+        return self
+
+    def clearance_at(self, theta: Floats) -> Floats:
+        """Clearance [m] at the angles `theta` [rad], same shape, without the misfit."""
+        return value_at(self.clearance, theta)
+
+
+class Backing(Part):
+    """A layer between lining and shoe body, over the lining's arc and width (the wooden block).
+
+    Meshed behind a straight beam it is the block that fills the space up to the beam, whatever its thickness.
+    """
+
+    thickness: Thickness
+    material: Material
+
+
+class Body(Part):
+    """The elastic shoe behind lining and backing: an arc of constant section from `start` to `end`."""
+
+    shape: Literal["arc"] = "arc"
+    thickness: Thickness
+    width: Thickness
+    start: Angle
+    end: Angle
+    material: Material
+
+    @property
+    def section(self) -> Section:
+        """The section."""
+        return Section(self.thickness, self.width, self.material)
+
+
+class Beam(Part):
+    """The elastic shoe as a straight beam: its axis runs from the hinge to the point of the actuation.
+
+    Its section, or its `bending_stiffness` EI [N m^2], one value or a table over the distance from the hinge, or
+    both: then the section bends with this EI. `offset` [m]: where the neutral axis is weakly curved, a table over
+    the distance from the hinge of how far it lies behind the straight line, away from the drum.
+    """
+
+    shape: Literal["beam"]
+    thickness: Thickness | None = None
+    width: Thickness | None = None
+    material: Material | None = None
+    bending_stiffness: StiffnessAlong | None = None
+    offset: OffsetAlong = 0.0
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        _check_section(self)
+        EI = self.bending_stiffness
+        if EI is not None and min([value for _, value in EI] if isinstance(EI, tuple) else [EI]) <= 0:
+            raise ValueError("bending_stiffness: must be greater than 0")
+        if float(value_at(self.offset, np.zeros(1))[0]) != 0:
+            raise ValueError('offset: must be a table that starts with 0 at the hinge, such as [["0 m", "0 mm"], ...]')
+        return self
+
+    @property
+    def section(self) -> Section | None:
+        """The section, of a width that gives the bending stiffness; None where that varies or stands alone."""
+        EI = self.bending_stiffness
+        return None if isinstance(EI, tuple) else _section(self, EI)
+
+    def bending_stiffness_at(self, x: Floats) -> Floats:
+        """EI [N m^2] at the distances x [m] from the hinge, same shape."""
+        if self.bending_stiffness is not None:
+            return value_at(self.bending_stiffness, x)
+        section = self.section
+        assert section is not None  # checked at the door
+        return np.full(np.shape(x), section.bending_stiffness)
+
+    def offset_at(self, x: Floats) -> Floats:
+        """Offset of the neutral axis [m] at the distances x [m] from the hinge, same shape."""
+        return value_at(self.offset, x)
+
+
+def _shape(data: object) -> str:
+    return str(data.get("shape", "arc")) if isinstance(data, Mapping) else getattr(data, "shape", "arc")
+
+
+AnyBody = Annotated[
+    Annotated[Body, Tag("arc")] | Annotated[Beam, Tag("beam")],
+    Discriminator(
+        _shape, custom_error_type="shape", custom_error_message='shape: must be "arc" (the default) or "beam"'
+    ),
+]
+
+
+class Actuation(Part):
+    """The force on the shoe [N], its direction [rad] and a point of its line of action."""
+
+    force: Force
+    direction: Angle
+    point: Place
+
+    @property
+    def direction_vector(self) -> Floats:
+        """The direction of the force (2,), of length 1."""
+        return np.array([math.cos(self.direction), math.sin(self.direction)])
+
+    @property
+    def vector(self) -> Floats:
+        """The force on the shoe (2,) [N]."""
+        return self.force * self.direction_vector
+
+    def moment_about(self, point: Point) -> float:
+        """Moment of the force about `point` [N m], counter-clockwise positive."""
+        arm, force = self.point.xy - point.xy, self.vector
+        return float(arm[0] * force[1] - arm[1] * force[0])

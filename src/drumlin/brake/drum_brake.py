@@ -1,0 +1,245 @@
+"""The brake as frozen, validated data.
+
+Conventions: the drum's centre O is the origin, angles run counter-clockwise from +x, and all
+numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surface of radius R.
+"""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Literal, NamedTuple, Self
+
+import numpy as np
+from pydantic import (
+    Field,
+    model_validator,
+)
+
+from drumlin.arrays import Floats
+from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.components import STEP, Actuation, AnyBody, Backing, Beam, Body, Drum, Friction, Lining, Ring
+from drumlin.brake.fields import Name, Part, Place, Title, check_names
+from drumlin.brake.units import deg, mm
+
+
+class Frame(NamedTuple):
+    """A shoe's own frame: polar angle phi at O, measured from the hinge towards the lining.
+
+    theta = origin + sense * phi. In it a shoe and its mirror image are the same thing.
+    """
+
+    origin: float
+    sense: int
+
+    def phi(self, theta: Floats) -> Floats:
+        """phi of angles theta [rad], same shape."""
+        return self.sense * (np.asarray(theta) - self.origin)
+
+    def theta(self, phi: Floats) -> Floats:
+        """theta of angles phi [rad], same shape."""
+        return self.origin + self.sense * np.asarray(phi)
+
+    def to_brake(self, vectors: Floats) -> Floats:
+        """Vectors (..., 2) of the shoe's frame in the brake's."""
+        c, s = math.cos(self.origin), math.sin(self.origin)
+        return np.asarray(vectors) @ np.array([[c, s], [-self.sense * s, self.sense * c]])
+
+    def to_shoe(self, vectors: Floats) -> Floats:
+        """Vectors (..., 2) of the brake's frame in the shoe's."""
+        c, s = math.cos(self.origin), math.sin(self.origin)
+        return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
+
+
+class Shoe(Part):
+    """One shoe with its lining, hinged at a pin; without `body` the shoe is rigid.
+
+    `mesh`: a mesh file in place of the parametric mesh. Its coordinates are the brake's or, so that a shoe and
+    its mirror image can share one file, those of the shoe's own `frame`.
+
+    With a `pivot` the shoe has a second freedom: `hinge` is the pin of a lever, the actuation acts on
+    the lever, and the shoe turns about the pivot at the lever's end.
+    """
+
+    name: Name
+    side: Literal["internal", "external"]
+    hinge: Place
+    pivot: Place | None = None
+    lining: Lining
+    backing: Backing | None = None
+    body: AnyBody | None = None
+    actuation: Actuation
+    mesh: Path | None = None
+    mesh_unit: Literal["m", "mm"] = "m"
+    mesh_frame: Literal["brake", "shoe"] = "brake"
+
+    @property
+    def sign(self) -> int:
+        """Outward normal of the lining n = sign * e_r: +1 internal, -1 external."""
+        return 1 if self.side == "internal" else -1
+
+    @property
+    def depth(self) -> float:
+        """Radial thickness of lining, backing and body together [m]."""
+        return (
+            self.lining.thickness
+            + (self.backing.thickness if self.backing else 0.0)
+            + ((self.body.thickness or 0.0) if self.body else 0.0)
+        )
+
+    @property
+    def frame(self) -> Frame:
+        """The shoe's own frame; its origin is chosen so that phi of the lining's middle is in [0, pi]."""
+        middle = 0.5 * (self.lining.start + self.lining.end)
+        offset = math.remainder(middle - self.hinge.angle, 2 * math.pi)
+        sense = 1 if offset >= 0 else -1
+        return Frame(middle - offset, sense)
+
+    @property
+    def arc(self) -> tuple[float, float]:
+        """The lining's arc (phi_1, phi_2) [rad] in the shoe's frame."""
+        ends = self.frame.phi(np.array([self.lining.start, self.lining.end]))
+        return float(ends.min()), float(ends.max())
+
+
+class Brake(Part):
+    """A brake: friction coefficient, sense of rotation, drum and shoes."""
+
+    title: Title
+    rotation: Literal["counter-clockwise", "clockwise"]
+    friction: Friction
+    drum: Drum
+    shoes: Annotated[tuple[Shoe, ...], Field(alias="shoe", min_length=1)]
+
+    @property
+    def spin(self) -> int:
+        """Sense of the drum's rotation s: +1 counter-clockwise, -1 clockwise."""
+        return 1 if self.rotation == "counter-clockwise" else -1
+
+    @property
+    def drag(self) -> float:
+        """Friction on the lining per pressure along e_theta at full slip: mu s."""
+        return self.friction * self.spin
+
+    def drag_on(self, shoe: Shoe) -> float:
+        """The same along growing angles of the shoe's own frame."""
+        return self.drag * shoe.frame.sense
+
+    @property
+    def motion(self) -> str:
+        """What moves, in words."""
+        return f"drum turns {self.rotation}"
+
+    def names(self, group: Sequence[int]) -> str:
+        """The shoes of a group as a refusal names them."""
+        return ", ".join(f"shoe {self.shoes[i].name!r}" for i in group)
+
+    @model_validator(mode="after")
+    def _geometry(self) -> Self:
+        check_names([shoe.name for shoe in self.shoes])
+        _check_thickness("drum.ring", self.drum.ring, self.drum.radius)
+        _check_round(self.drum)
+        for i, shoe in enumerate(self.shoes):
+            _check_shoe(f"shoe[{i}]", shoe, self.drum.radius)
+            _check_misfit(f"shoe[{i}].lining.misfit", shoe.lining, self.drum.radius)
+        return self
+
+
+LARGEST_MISFIT = 0.05  # of the drum's radius; beyond it normals along the drum's radii are no longer a model
+
+
+def _check_round(drum: Drum) -> None:
+    off, most = sum(abs(lobes.amplitude) for lobes in drum.out_of_round), LARGEST_MISFIT * drum.radius
+    if off > most:
+        raise ValueError(f"drum.out_of_round = {mm(off)} in all: must be at most {LARGEST_MISFIT:g} R = {mm(most)}")
+
+
+def _check_misfit(key: str, lining: Lining, radius: float) -> None:
+    """Raise ValueError for a misfit that is no small one of a drum of this radius [m], or blocks not on the lining."""
+    misfit, most = lining.misfit, LARGEST_MISFIT * radius
+    allowed = f"{LARGEST_MISFIT:g} R = {mm(most)}"
+    if misfit.radius is not None and abs(misfit.radius - radius) > most:
+        raise ValueError(f"{key}.radius = {mm(misfit.radius)}: must be within {allowed} of drum.radius = {mm(radius)}")
+    depths = [depth for _, depth in misfit.blocks]
+    deepest = max(map(abs, depths), default=0.0)
+    for name, size in (("offset", misfit.offset.radius), ("taper", misfit.taper), ("blocks", deepest)):
+        if abs(size) > most:
+            raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
+    edges = [lining.start, *(angle for angle, _ in misfit.blocks), lining.end]
+    if misfit.blocks and min(b - a for a, b in pairwise(edges)) <= STEP:
+        raise ValueError(
+            f"{key}.blocks: must begin on the lining, {deg(lining.start)} to {deg(lining.end)}, "
+            f"more than {deg(STEP)} from its ends and from each other"
+        )
+
+
+THINNEST = 1e-9  # of the drum's radius: a thinner layer has no elements that arithmetic can tell from nothing
+
+
+def _check_thickness(key: str, part: "Lining | Backing | Body | Beam | Ring | None", radius: float) -> None:
+    thickness = None if part is None else part.thickness
+    if thickness is not None and thickness < THINNEST * radius:
+        raise ValueError(
+            f"{key}.thickness = {mm(thickness)}: must be at least {THINNEST:g} of drum.radius = {mm(radius)}"
+        )
+
+
+def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
+    """Raise ValueError where a shoe does not fit together or into a drum of this radius [m]."""
+    for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
+        _check_thickness(f"{key}.{name}", part, radius)
+    if shoe.hinge.radius < 1e-9 * radius:
+        raise ValueError(f"{key}.hinge = (0, 0): must not be the drum's centre, about which the shoe would only slide")
+    _check_pivot(key, shoe, radius)
+    if shoe.sign > 0 and shoe.depth >= radius:
+        raise ValueError(
+            f"{key}: lining, backing and body are {mm(shoe.depth)} thick together; "
+            f"must be less than drum.radius = {mm(radius)}"
+        )
+    body, lining = shoe.body, shoe.lining
+    if isinstance(body, Beam):
+        _check_beam(key, shoe, radius)
+    if not isinstance(body, Body):
+        return
+    if not 0 < body.end - body.start < 2 * math.pi:
+        raise ValueError(
+            f"{key}.body.end = {deg(body.end)}: must be greater than body.start = {deg(body.start)}, "
+            "by less than 360 deg"
+        )
+    slack = 1e-9
+    if lining.start < body.start - slack or lining.end > body.end + slack:
+        raise ValueError(
+            f"{key}.lining = {deg(lining.start)} to {deg(lining.end)}: must lie within the body, "
+            f"{deg(body.start)} to {deg(body.end)}"
+        )
+
+
+def _check_beam(key: str, shoe: Shoe, radius: float) -> None:
+    said = f'{key}.body.shape = "beam"'
+    if shoe.sign > 0 or shoe.pivot is not None:
+        raise ValueError(f"{said}: only for an external shoe that turns about its hinge")
+    if math.dist(shoe.actuation.point.xy, shoe.hinge.xy) < 1e-6 * radius:
+        raise ValueError(f"{said}: the actuation's point is the beam's loaded end and must not be the hinge")
+    axis = axis_of(shoe.hinge.xy, shoe.actuation.point.xy)
+    if axis.distance <= radius:
+        raise ValueError(
+            f"{said}: the line from the hinge to the actuation's point passes {mm(axis.distance)} from "
+            f"the drum's centre; must be more than drum.radius = {mm(radius)}"
+        )
+    ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
+    x = axis.foot + radius * np.sin(ends)
+    if np.abs(ends).max() >= 0.5 * math.pi or x.min() < 0 or x.max() > axis.length:
+        raise ValueError(
+            f"{key}.lining = {deg(shoe.lining.start)} to {deg(shoe.lining.end)}: must lie between the beam's ends "
+            "and less than 90 deg from where the beam is nearest to the drum"
+        )
+
+
+def _check_pivot(key: str, shoe: Shoe, radius: float) -> None:
+    if shoe.pivot is None:
+        return
+    shown = f"{key}.pivot = ({mm(shoe.pivot.x)}, {mm(shoe.pivot.y)})"
+    if shoe.pivot.radius < 1e-9 * radius:
+        raise ValueError(f"{shown}: must not be the drum's centre, about which the shoe would only slide")
+    if math.dist(shoe.pivot.xy, shoe.hinge.xy) < 1e-9 * radius:
+        raise ValueError(f"{shown}: must not be the hinge; leave it out for a shoe that turns about its hinge")

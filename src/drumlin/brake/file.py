@@ -1,0 +1,174 @@
+"""Brake files: TOML with a unit on every quantity, read and refused in one line; and brakes with keys changed."""
+
+import tomllib
+from collections.abc import Mapping
+from copy import deepcopy
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+from pydantic import ValidationError
+
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.fields import Part, unit_in
+from drumlin.errors import BadInput
+
+LARGEST_FILE = 1_000_000  # bytes; a brake file has a few thousand
+
+
+def _line(error: ValidationError, data: Any) -> str:
+    """The first fault of a validation as one line: key = value as written: what is allowed."""
+    fault = error.errors()[0]
+    key = ""
+    for step in fault["loc"]:
+        if step in {"arc", "beam"}:  # which kind of body: no key of the file
+            continue
+        key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
+        try:
+            data = data[step]
+        except (LookupError, TypeError):
+            data = None
+    message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    if fault["type"] == "missing":
+        return f"{key}: is missing"
+    shown = f" = {data!r}" if isinstance(data, str | int | float) else ""
+    if len(shown) > 60:
+        shown = shown[:57] + "..."
+    return " ".join(f"{key}{shown}: {message}".removeprefix(": ").split())
+
+
+P = TypeVar("P", bound=Part)
+
+
+def validated(kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False) -> P:
+    """A part from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
+
+    Raises BadInput with one line that names the key, the value and what is allowed.
+    """
+    try:
+        return kind.model_validate(data, context={"unit_required": unit_required})
+    except ValidationError as error:
+        raise BadInput(_line(error, data)) from error
+
+
+def brake_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> Brake:
+    """A brake from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
+
+    `base`: folder that relative mesh paths start from. Raises BadInput with one line.
+    """
+    brake = validated(Brake, data, unit_required=unit_required)
+    if base is None:
+        return brake
+    shoes = tuple(
+        shoe if shoe.mesh is None else shoe.model_copy(update={"mesh": base / shoe.mesh}) for shoe in brake.shoes
+    )
+    return brake.model_copy(update={"shoes": shoes})
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """The data of a brake file; raises BadInput where the file cannot be read or is not TOML."""
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; not a brake file")
+        return tomllib.loads(path.read_bytes().decode())
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise BadInput(f"{path}: is not TOML ({error})") from error
+
+
+def read_brake(path: Path) -> Brake:
+    """The brake described by the TOML file `path`, every quantity with its unit.
+
+    Raises BadInput with one line that names the key, the value and what is allowed.
+    """
+    data = read_toml(path)
+    try:
+        return brake_from(data, unit_required=True, base=path.parent)
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from error
+
+
+def vary(brake: P, changes: Mapping[str, Any]) -> P:
+    """The brake with some keys changed, validated anew.
+
+    A key is written as in the file's error lines, "shoe[0].lining.thickness"; "shoe.lining.thickness"
+    changes every shoe. Values: SI numbers, or texts with units. Raises BadInput.
+    """
+    data = brake.model_dump(by_alias=True)
+    for key, value in changes.items():
+        _set(data, _steps(key), value, key)
+    return validated(type(brake), data)
+
+
+def unit_of(brake: Part, key: str) -> str | None:
+    """The SI unit of a key, written as for `vary`: "" of a pure number, None of what is no number.
+
+    Raises BadInput for a key that there is not.
+    """
+    parts, name = _parts(brake, key)
+    field = type(parts[0]).model_fields[name]
+    return unit_in(Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation)
+
+
+def values_of(brake: Part, key: str) -> list[Any]:
+    """The values of a key, written as for `vary`: one, or that of each shoe. Raises BadInput as `unit_of` does."""
+    parts, name = _parts(brake, key)
+    return [getattr(part, name) for part in parts]
+
+
+def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
+    """The parts that have a key, and its name in them."""
+    found: list[Part] = [brake]
+    *path, last = _steps(key)
+    for step in path:
+        if step.isdigit():
+            found = found[int(step) : int(step) + 1]
+            continue
+        below = [getattr(part, _name(part, step, key)) for part in found]
+        found = [part for item in below for part in (item if isinstance(item, tuple) else [item]) if part is not None]
+        if not all(isinstance(part, Part) for part in found):
+            raise BadInput(f"{key}: {step!r} has nothing to be set in")
+    if not found:
+        raise BadInput(f"{key}: the brake has no such part")
+    return found, _name(found[0], last, key)
+
+
+def _name(part: Part, key: str, whole: str) -> str:
+    """The name of the field that a file calls `key`."""
+    names = {field.alias or name: name for name, field in type(part).model_fields.items()}
+    if key not in names:
+        raise BadInput(f"{whole}: unknown key {key!r}; allowed: {', '.join(names)}")
+    return names[key]
+
+
+def value_of(brake: Part, key: str) -> float:
+    """The number [SI] of a key, written as for `vary`; raises BadInput where it is none, or shoes differ in it."""
+    values = values_of(brake, key)
+    if not all(isinstance(value, int | float) for value in values):
+        raise BadInput(f"{key}: must be a key of the brake with a number, not {values[0]!r}")
+    if len(set(values)) > 1:
+        raise BadInput(f"{key}: is {values} of the different shoes; name one")
+    return float(values[0])
+
+
+def _steps(key: str) -> list[str]:
+    return key.replace("[", ".").replace("]", "").split(".")
+
+
+def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
+    head, *rest = steps
+    if isinstance(data, list | tuple):
+        if head.isdigit() and int(head) < len(data):
+            targets, rest_of = [data[int(head)]], rest
+        else:
+            targets, rest_of = list(data), steps
+        for target in targets:
+            _set(target, rest_of, value, key)
+    elif not isinstance(data, dict):
+        raise BadInput(f"{key}: {head!r} has nothing to be set in")
+    elif rest:
+        if head not in data:
+            raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
+        _set(data[head], rest, value, key)
+    else:
+        data[head] = deepcopy(value)  # a later key may change what lies inside

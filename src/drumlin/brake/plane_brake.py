@@ -1,0 +1,131 @@
+"""The brake on a plane: shoes that press on a body which slides straight on.
+
+Conventions: the sliding surface is y = 0, the body lies below it, the shoes above; a lining reaches
+from x = start to x = end. It is the same kind of data as a drum brake, with lengths in place of angles.
+"""
+
+from pathlib import Path
+from typing import Annotated, Literal, NamedTuple, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from drumlin.arrays import Floats
+from drumlin.brake.components import Actuation, Friction
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.fields import Length, Name, Part, Place, Thickness, Title, check_names
+from drumlin.brake.file import brake_from, read_toml, validated
+from drumlin.brake.units import mm
+from drumlin.errors import BadInput
+
+
+class Plane(Part):
+    """The sliding plane y = 0 and the direction in which the body slides."""
+
+    sliding: Literal["+x", "-x"]
+
+
+class FlatLining(Part):
+    """The friction lining on the plane, from x = `start` to x = `end` [m], `width` [m] across."""
+
+    start: Length
+    end: Length
+    width: Thickness
+
+    @model_validator(mode="after")
+    def _order(self) -> Self:
+        if not self.start < self.end:
+            raise ValueError(f"end = {mm(self.end)} must be greater than start = {mm(self.start)}")
+        return self
+
+
+class FlatFrame(NamedTuple):
+    """A flat shoe's own frame: distance from the hinge's foot on the plane towards the lining.
+
+    x = origin + sense * distance. In it a shoe and its mirror image are the same thing.
+    """
+
+    origin: float
+    sense: int
+
+    def distance(self, x: Floats) -> Floats:
+        """Distances [m] of the places x [m], same shape."""
+        return self.sense * (np.asarray(x) - self.origin)
+
+    def x(self, distance: Floats) -> Floats:
+        """Places x [m] at the distances [m], same shape."""
+        return self.origin + self.sense * np.asarray(distance)
+
+
+class FlatShoe(Part):
+    """A rigid shoe with a flat lining, hinged at a pin."""
+
+    name: Name
+    hinge: Place
+    lining: FlatLining
+    actuation: Actuation
+
+    @property
+    def frame(self) -> FlatFrame:
+        """The shoe's own frame; its sense is chosen so that the lining's middle is at a distance >= 0."""
+        middle = 0.5 * (self.lining.start + self.lining.end)
+        return FlatFrame(self.hinge.x, 1 if middle >= self.hinge.x else -1)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The lining (x_min, x_max) [m] in the shoe's frame."""
+        ends = self.frame.distance(np.array([self.lining.start, self.lining.end]))
+        return float(ends.min()), float(ends.max())
+
+
+class FlatBrake(Part):
+    """A brake on a plane: friction coefficient, sliding plane and shoes."""
+
+    title: Title
+    friction: Friction
+    plane: Plane
+    shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
+
+    @property
+    def spin(self) -> int:
+        """Sense of the sliding: +1 along +x, -1 along -x."""
+        return 1 if self.plane.sliding == "+x" else -1
+
+    @property
+    def motion(self) -> str:
+        """What moves, in words."""
+        return f"body slides along {self.plane.sliding}"
+
+    @model_validator(mode="after")
+    def _names(self) -> Self:
+        check_names([shoe.name for shoe in self.shoes])
+        return self
+
+
+AnyBrake = Brake | FlatBrake
+
+
+def read_any(path: Path | str) -> AnyBrake:
+    """The brake described by a TOML file: with [plane] one on a plane, else one on a drum.
+
+    Parameters
+    ----------
+    path : path of the file, every quantity in it with its unit
+
+    Returns
+    -------
+    the brake as frozen, validated data in SI units
+
+    Raises
+    ------
+    BadInput
+        for a file that cannot be read or is no brake: one line that names the key, the value and what is allowed
+    """
+    path = Path(path)
+    data = read_toml(path)
+    try:
+        if "plane" in data:
+            return validated(FlatBrake, data, unit_required=True)
+        return brake_from(data, unit_required=True, base=path.parent)
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from error

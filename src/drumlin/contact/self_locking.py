@@ -1,0 +1,203 @@
+"""Self-locking: the friction coefficient up to which sliding contact has an equilibrium that is reached from mu = 0.
+
+Under full slip the matrices of the contact problem grow linearly with the friction coefficient,
+
+    A(mu) = A0 + mu A1,   C(mu) = C0 + mu C1.
+
+On a contact set pressures and motions solve K(mu) x = r with the bordered K = [[A, B], [C, 0]]. They grow without
+bound where K0 + mu K1 is singular: at an eigenvalue of the pencil, the smallest above the mu at hand. The contact
+set changes on the way there, and so does the eigenvalue: the answer is followed from mu = 0, and the limit is the
+eigenvalue of a set that holds right up to it. It does not depend on force or clearance then, which nothing keeps
+beside pressures without bound. Else the answer ends where it turns back: at a change of the contact set beyond which
+the determinant has the other sign.
+"""
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Bools, Floats
+from drumlin.contact.active_set import Contact, Problem, equilibrated, matrix_on, settle, solve
+from drumlin.errors import NoAnswer
+
+LARGEST = 1e3  # friction coefficient up to which a limit is looked for
+STEP = 0.05  # largest step of mu; above mu = 1 relative to it
+CLOSE = 1e-8  # relative distance from an eigenvalue at which the contact set must hold
+RESOLUTION = 1e-12  # relative, of a limit where the answer turns back
+
+
+class Sliding(NamedTuple):
+    """A contact problem at every friction coefficient: `still` at mu = 0; A1 (n, n) and C1 (k, n) per mu."""
+
+    still: Problem
+    A1: Floats
+    C1: Floats
+
+    @classmethod
+    def through(cls, still: Problem, unit: Problem) -> "Sliding":
+        """From the problems at mu = 0 and mu = 1."""
+        return cls(still, unit.A - still.A, unit.C - still.C)
+
+    def at(self, friction: float) -> Problem:
+        """The problem at a friction coefficient."""
+        A, q, B, C, h = self.still
+        return Problem(A + friction * self.A1, q, B, C + friction * self.C1, h)
+
+
+class Limit(NamedTuple):
+    """Where the answer that is followed from mu = 0 ends.
+
+    `friction`: mu_lock, inf where there is none up to LARGEST; `bounded`: whether it turns back there at finite
+    pressure, at a change of the contact set; else pressure grows without bound as 1/(mu_lock - mu). `last`: the answer
+    at the last friction coefficient that was `reached`; its contact set is that of the limit.
+    """
+
+    friction: float
+    bounded: bool
+    last: Contact
+    reached: float
+    steps: int
+
+
+def limit(sliding: Sliding, most: float = LARGEST) -> Limit:
+    """Follow the answer from mu = 0 to its end, or to mu = `most`.
+
+    Raises NoAnswer where there is no answer at mu = 0.
+    """
+    found, mu, steps = _without_friction(sliding.still), 0.0, 0
+    reach, critical, of = STEP, np.inf, np.zeros(0, dtype=bool)
+    while mu < most:
+        steps += 1
+        target = min(mu + reach, most)
+        after = _reached(sliding, target, found.active)
+        if after is not None:
+            found, mu, reach = after, target, min(2 * reach, STEP * max(1.0, mu))
+            continue
+        if not np.array_equal(of, found.active):
+            critical, of = next_eigenvalue(sliding, mu, found.active), found.active
+            near = mu + (critical - mu) * (1 - CLOSE)
+            met = critical - mu < RESOLUTION * max(mu, 1e-3)  # the step before has met the pole itself
+            if np.isfinite(critical) and (met or _reached(sliding, near, found.active, 1) is not None):
+                return Limit(critical, False, found, mu, steps)
+        reach = 0.5 * (target - mu)
+        if reach < RESOLUTION * max(mu, 1e-3):
+            return Limit(mu, True, found, mu, steps)
+    return Limit(np.inf, False, found, mu, steps)
+
+
+def _without_friction(still: Problem, start: Bools | None = None) -> Contact:
+    found = solve(still, start)
+    if not found.regular:
+        raise NoAnswer("no stable equilibrium without friction")
+    return found
+
+
+def answer(
+    problem_at: Callable[[float], Problem],
+    friction: float,
+    start: Bools | None = None,
+    *,
+    law: float,
+    brake: str,
+) -> Contact:
+    """The answer at a friction coefficient: the stable one that settles at once from the contact set `start`, up to the
+    limit of the rigid shoe; else the one that is followed from mu = 0, which is unique there.
+
+    Not any stable one, nor the one that wider gaps lead to: beyond the limit some stand apart, reached by no friction
+    that grows from 0, on a few nodes that another mesh lacks.
+
+    problem_at: the problem at a friction coefficient, linear in it; law: mu_lock of the rigid shoe; brake: what
+    there is an equilibrium of, in words. Raises NoAnswer with both limits where the answer ends before that friction,
+    and with another reason where friction is not to blame.
+    """
+    if friction == 0:
+        return _without_friction(problem_at(0.0), start)
+    try:
+        found = settle(problem_at(friction), start)
+        if found.regular and friction < law:
+            return found
+        reason = "self-locking, no stable equilibrium"
+    except NoAnswer as error:
+        reason = str(error)
+    try:
+        end = limit(Sliding.through(problem_at(0.0), problem_at(1.0)), friction)
+    except NoAnswer:
+        raise NoAnswer(reason) from None
+    if np.isinf(end.friction):
+        return end.last
+    raise NoAnswer(
+        f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "
+        f"mu_lock = {end.friction:.4g} (sine law: {law:.4g})"
+    )
+
+
+def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
+    """The smallest mu above `friction` at which K0 + mu K1 of a contact set is singular; inf where there is none.
+
+    With x of K(mu) G = K1 an eigenvalue gamma of G belongs to the singular friction mu - 1/gamma.
+    """
+    scaled, scales = equilibrated(sliding.at(friction))
+    d, on = scales.pressure, np.flatnonzero(active)
+    rows = np.vstack([(d[:, None] * sliding.A1 * d)[on], scales.balance[:, None] * sliding.C1 * d])
+    G = np.linalg.solve(matrix_on(scaled, active), rows[:, on])[: len(on)]
+    gamma = np.linalg.eigvals(G)
+    gamma = gamma[gamma.imag == 0].real
+    falling = gamma[gamma < -1e-300]
+    return float(friction - 1 / falling.min()) if len(falling) else np.inf
+
+
+class Agreement(NamedTuple):
+    """Where other first guesses of the contact set lead, against the answer followed from mu = 0.
+
+    Of `starts`: `same`, those that end at it; `others`, at another answer that is `regular` too; `unstable`, at one
+    that is not; `lost`, those that did not converge. `difference`: the largest one of pressure among `same`, relative
+    to the largest pressure.
+    """
+
+    starts: int
+    same: int
+    others: int
+    unstable: int
+    lost: int
+    difference: float
+
+
+def agreement(problem: Problem, answer: Contact, starts: list[Bools], tolerance: float = 1e-6) -> Agreement:
+    """Solve a problem from each of the contact sets `starts` (n,), and compare with its `answer`."""
+    counts, largest, scale = dict.fromkeys(("same", "others", "unstable", "lost"), 0), 0.0, np.abs(answer.p).max()
+    for start in starts:
+        try:
+            found = solve(problem, start)
+        except NoAnswer:
+            counts["lost"] += 1
+            continue
+        difference = float(np.abs(found.p - answer.p).max() / scale)
+        same = difference <= tolerance
+        counts["same" if same else "others" if found.regular else "unstable"] += 1
+        largest = max(largest, difference) if same else largest
+    return Agreement(len(starts), **counts, difference=largest)
+
+
+def first_singular(sliding: Sliding) -> float:
+    """The smallest mu > 0 at which K0 + mu K1 is singular on any contact set, whether it is ever met or not; or inf.
+
+    Below it all sets have a determinant of one sign, and every load and clearance has exactly one answer (a P-matrix
+    where there are no free motions: Samelson, Thrall & Wesler 1958). All 2^n sets are tried: for small n only.
+    """
+    n, k = sliding.still.B.shape
+    sets = ((np.arange(2**n)[:, None] >> np.arange(n)) & 1).astype(bool)
+    smallest = np.inf
+    for active in sets[sets.sum(axis=1) >= max(k, 1)]:
+        with suppress(np.linalg.LinAlgError):  # a set that leaves a motion free at every friction: never met
+            smallest = min(smallest, next_eigenvalue(sliding, 0.0, active))
+    return smallest
+
+
+def _reached(sliding: Sliding, friction: float, start: Bools, most: int = 30) -> Contact | None:
+    try:
+        found = settle(sliding.at(friction), start, most)
+    except NoAnswer:
+        return None
+    return found if found.regular else None

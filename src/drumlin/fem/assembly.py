@@ -1,0 +1,366 @@
+"""A brake made ready for contact: meshed, assembled and condensed bodies."""
+
+import math
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from drumlin.arrays import Floats, Ints
+from drumlin.brake.components import Beam, Misfit
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.fields import Material, Point
+from drumlin.errors import BadInput
+from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
+from drumlin.fem.mesh import beam as beam_mesh
+from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.ring import RingBody, ring_body
+from drumlin.response.resultants import cross
+
+ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
+
+MOST_ELEMENTS = 4000  # along a lining: the dense contact matrices fill 2 GB
+ROOM = 200_000_000  # bytes of bodies that are kept for the next scenes
+
+Seconds = dict[str, float]
+Mesher = Callable[[Shoe, float], Any]  # shoe, drum radius [m] -> mesh in the shoe's frame
+
+
+@contextmanager
+def clock(seconds: Seconds, phase: str) -> Iterator[None]:
+    """Add the time of the block to seconds[phase]."""
+    start = time.perf_counter()
+    yield
+    seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start
+
+
+@dataclass(frozen=True)
+class Body:
+    """One shoe with its lining, condensed, in its own frame (angle phi from the hinge).
+
+    With the frame held, under the nodal forces -N^T and T^T and the unit actuations (force x, force y, couple
+    about `load_centre`): `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded` (n, 3) are N times the
+    contact displacements, what they take from the weighted gap; `held_*` (3, ...) the force x, y and moment that
+    hold the frame meanwhile. The dragged ones are None where mu = 0. `turned` (2n,): contact displacement per
+    turn [rad] about the pin.
+    """
+
+    mesh: Any
+    basis: Any
+    line: ContactLine
+    coupling: Coupling
+    condensed: Condensed
+    load_centre: Floats
+    turned: Floats
+    closing_pressed: Floats
+    closing_dragged: Floats | None
+    closing_loaded: Floats
+    held_pressed: Floats
+    held_dragged: Floats | None
+    held_loaded: Floats
+
+    @property
+    def unknowns(self) -> int:
+        """Number of displacement unknowns of the mesh."""
+        return int(2 * self.basis.N)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if it has one.
+
+    `apart`: each shoe meets the ring as if the others did not press it.
+    """
+
+    brake: Brake
+    bodies: tuple[Body, ...]
+    ring: RingBody | None
+    seconds: Seconds
+    left_out: tuple[str, ...]
+    apart: bool = False
+
+
+def why_not(brake: Brake) -> str | None:
+    """Why finite elements do not apply to a brake (None: they do)."""
+    if brake.drum.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
+        return "shoes inside and outside of one elastic ring are not modelled"
+    if brake.drum.ring is not None and brake.drum.ring.section is None:
+        return "its ring has no section to mesh: thickness, width, material"
+    for shoe in brake.shoes:
+        reason = beam_mesh.why_not(shoe, brake.drum.radius)
+        if reason is not None:
+            return f"shoe {shoe.name!r}: {reason}"
+    return None
+
+
+def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
+    """What a body depends on: equal for shoes that are the same but for place, hand, load and clearance."""
+    arcs, lining, body = [shoe.arc], shoe.lining, shoe.body
+    behind: tuple[object, ...] | None = None
+    if isinstance(body, Beam):
+        loaded = np.round(shoe.frame.to_shoe(shoe.actuation.point.xy) / brake.drum.radius, 12)
+        behind = (body, *loaded.tolist())
+    elif body is not None:
+        arcs.append(tuple(sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist())))
+        behind = (body.shape, body.thickness, body.width, body.material)
+    return (
+        brake.drum.radius,
+        shoe.side,
+        round(shoe.hinge.radius / brake.drum.radius, 12),
+        tuple(round(angle, 12) for arc in arcs for angle in arc),
+        (lining.thickness, lining.width, lining.material),
+        shoe.backing,
+        behind,
+        None if shoe.mesh is None else (shoe.mesh, shoe.mesh_unit, shoe.mesh_frame == "shoe" or shoe.frame),
+    )
+
+
+class Kept:
+    """What was made last, by what it was made from, so that the next scenes need not make it again.
+
+    A value depends on its key alone, never on what else was made before. `room` [bytes]: beyond it the value that
+    was used longest ago goes first; the one in use always stays.
+    """
+
+    def __init__(self, room: int = ROOM) -> None:
+        self._room, self._values = room, OrderedDict[Hashable, tuple[int, Any]]()
+
+    def get(self, key: Hashable, make: Callable[[], Any], size: Callable[[Any], int]) -> Any:
+        """The value of `key`: kept, or else made by `make` and kept; size(value) [bytes]."""
+        if key not in self._values:
+            value = make()
+            self._values[key] = size(value), value
+        self._values.move_to_end(key)
+        while len(self._values) > 1 and sum(bytes_ for bytes_, _ in self._values.values()) > self._room:
+            self._values.popitem(last=False)
+        return self._values[key][1]
+
+
+def bare(brake: Brake) -> Brake:
+    """The brake without what its bodies do not depend on, so that brakes with equal bodies are equal.
+
+    Removed: title, rotation, size of the friction (but for 0), forces, clearances and misfits.
+    """
+    return brake.model_copy(
+        update={
+            "title": "-",
+            "rotation": "counter-clockwise",
+            "friction": float(brake.friction > 0),
+            "drum": brake.drum.model_copy(update={"out_of_round": (), "angle": 0.0}),
+            "shoes": tuple(_bare(shoe) for shoe in brake.shoes),
+        }
+    )
+
+
+def _bare(shoe: Shoe) -> Shoe:
+    force: dict[str, Any] = {"force": 1.0, "direction": 0.0}
+    if not isinstance(shoe.body, Beam):  # a beam ends where it is loaded
+        force["point"] = Point(x=0.0, y=0.0)
+    return shoe.model_copy(
+        update={
+            "lining": shoe.lining.model_copy(update={"clearance": 0.0, "misfit": Misfit()}),
+            "actuation": shoe.actuation.model_copy(update=force),
+        }
+    )
+
+
+def prepare(
+    brake: Brake,
+    *,
+    elements: int = ELEMENTS,
+    kind: str = DEFAULT_KIND,
+    mesher: Mesher | None = None,
+    kept: Kept | None = None,
+) -> Scene:
+    """Mesh and condense the bodies of a brake; shoes of one shape share one body.
+
+    elements: number along each parametric lining; kind: "quad2", "quad1", "tri2" or "tri1"; mesher: what makes
+    the mesh of a shoe without a file in the place of shoe_mesh: `elements` then count for an elastic ring only.
+    kept: bodies of earlier scenes, taken from there and put there; not with a mesher. Raises BadInput for a brake
+    that finite elements do not cover, and for a mesh file that cannot serve.
+    """
+    reason = why_not(brake)
+    if reason is not None:
+        raise BadInput(f"fem does not apply to this brake: {reason}")
+    if not 1 <= elements <= MOST_ELEMENTS:
+        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")
+    seconds: Seconds = {}
+    made: dict[tuple[object, ...], Body] = {}
+    bodies = []
+    kept = Kept() if kept is None or mesher is not None else kept
+    mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
+    setting = (elements, kind)
+    for shoe in brake.shoes:
+        key = shape_of(brake, shoe)
+        if key not in made:
+            made[key] = kept.get(
+                (_bare(shoe), brake.drum.radius, brake.friction > 0, setting),
+                partial(_body, brake, shoe, mesher, seconds),
+                _bytes,
+            )
+        bodies.append(made[key])
+    ring = None
+    left_out = ["interior fields: recovered only for a picture"]
+    if brake.drum.ring is not None:
+        with clock(seconds, "ring"):
+            lines = tuple(body.line for body in bodies)
+            ring = kept.get((bare(brake), setting), partial(ring_body, brake, brake.drum.ring, lines, elements), _bytes)
+    if len(made) < len(bodies):
+        left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
+    if brake.friction == 0:
+        left_out.append("friction: mu = 0, symmetric, without the flexibility under drag")
+    return Scene(brake, tuple(bodies), ring, seconds, (*left_out, *lacking(brake)))
+
+
+def lacking(brake: Brake) -> list[str]:
+    """What is not computed because the brake has it not, in words."""
+    drum = [] if brake.drum.ring is not None else ["drum: rigid, no [drum.ring] in the brake"]
+    return drum + [
+        f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed"
+        for shoe in brake.shoes
+        if shoe.mesh is None and shoe.body is None
+    ]
+
+
+def _bytes(body: Body | RingBody) -> int:
+    """What a condensed body keeps, about: its matrices."""
+    n = len(body.line.nodes)
+    return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)
+
+
+@dataclass(frozen=True)
+class Assembled:
+    """One shoe with its lining, meshed and assembled, in its own frame: what condensation starts from.
+
+    `K` (2 nodes, 2 nodes): stiffness; `loads` (unknowns, 3): the unit actuations on the reduced unknowns of `ties`.
+    """
+
+    mesh: Any
+    basis: Any
+    line: ContactLine
+    K: Any
+    ties: Ties
+    loads: Floats
+    load_centre: Floats
+
+
+def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Assembled:
+    """Mesh and assemble a shoe. Raises BadInput for a mesh file that cannot serve."""
+    with clock(seconds, "mesh"):
+        if shoe.mesh is None:
+            mesh = mesher(shoe, brake.drum.radius)
+        else:
+            from drumlin.fem.mesh.file import read_mesh  # noqa: PLC0415  (meshio: 0.1 s, for a mesh in a file only)
+
+            mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
+        basis = scalar_basis(mesh)
+    with clock(seconds, "assembly"):
+        K = stiffness(basis, materials_of(shoe))
+    with clock(seconds, "ties"):
+        pin = pin_of(shoe)
+        line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
+        rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
+        ties = tie(basis, line.nodes, rigid, pin)
+        if "actuation" in mesh.boundaries:
+            full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
+            loads = ties.matrix.T @ full
+        else:  # the force acts on the rigid shoe itself
+            loads, load_centre = np.zeros((ties.matrix.shape[1], 3)), pin
+            loads[-FRAME:] = np.eye(3)
+    return Assembled(mesh, basis, line, K, ties, loads, load_centre)
+
+
+def pin_of(shoe: Shoe) -> Floats:
+    """The pin (2,) [m] in the shoe's frame."""
+    return np.array([shoe.hinge.radius, 0.0])
+
+
+def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
+    parts = assemble(brake, shoe, mesher, seconds)
+    with clock(seconds, "condensation"):
+        condensed = condense(parts.K, parts.ties, parts.loads, 2 * len(parts.line.nodes))
+    made = partial(Body, parts.mesh, parts.basis, parts.line)
+    with clock(seconds, "coupling"):
+        return coupled(made, shoe, parts.line, condensed, parts.load_centre, friction=brake.friction > 0)
+
+
+def coupled(
+    made: Callable[..., Body], shoe: Shoe, line: ContactLine, condensed: Condensed, centre: Floats, *, friction: bool
+) -> Body:
+    """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the rest of a Body."""
+    n = len(line.nodes)
+    coupling = couple(line, shoe.lining.width, radial(shoe.sign))
+    forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
+    Y = condensed.half(np.hstack(forces))
+    closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
+    pressed, loaded, dragged = slice(n), slice(n, n + 3), slice(n + 3, None)
+    x, y = line.xy - pin_of(shoe)[:, None]
+    return made(
+        coupling=coupling,
+        condensed=condensed,
+        load_centre=centre,
+        turned=np.column_stack([-y, x]).ravel(),
+        closing_pressed=closing[:, pressed],
+        closing_loaded=closing[:, loaded],
+        closing_dragged=closing[:, dragged] if friction else None,
+        held_pressed=holding[:, pressed],
+        held_loaded=holding[:, loaded] - condensed.load_f,
+        held_dragged=holding[:, dragged] if friction else None,
+    )
+
+
+def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
+    """Nodal forces (2 nodes, 3) of unit force x, unit force y and unit couple on the loaded end, and its centre.
+
+    The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows linearly from it.
+    """
+    nodes = edge_nodes(basis, facets)
+    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
+    arm = x - centre[:, None, None]
+    turn = np.array([-arm[1], arm[0]]) / float((arm**2 * ds).sum())
+    ones, zeros = np.full(ds.shape, 1 / ds.sum()), np.zeros(ds.shape)
+    tractions = np.array([[ones, zeros], [zeros, ones], turn])
+    loads = np.zeros((basis.N, 2, 3))
+    np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, tractions, ds))
+    return loads.reshape(-1, 3), centre
+
+
+def materials_of(shoe: Shoe) -> dict[str, tuple[Material, float]]:
+    """Material and width [m] of each subdomain of a shoe."""
+    parts = {"lining": (shoe.lining.material, shoe.lining.width)}
+    if shoe.backing is not None:
+        parts["backing"] = (shoe.backing.material, shoe.lining.width)
+    if shoe.body is not None:
+        section = shoe.body.section
+        assert section is not None  # why_not
+        parts["shoe"] = (section.material, section.width)
+    return parts
+
+
+def actuation(body: Body | Assembled, shoe: Shoe) -> tuple[Floats, float]:
+    """Factors (3,) of the body's unit actuations, and the moment about the pin [m], per newton of force.
+
+    In the shoe's frame; a negative force counts as one newton the other way.
+    """
+    direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
+    force, point = shoe.frame.to_shoe(direction), shoe.frame.to_shoe(shoe.actuation.point.xy)
+    couple_ = float(cross(point - body.load_centre, force))
+    return np.array([*force, couple_]), float(cross(point - pin_of(shoe), force))
+
+
+def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:
+    """Force x, y and moment about the pin (3,) that hold the frame, under p (n,), drag mu s and load (3,)."""
+    forces = body.held_pressed @ p + body.held_loaded @ load
+    return forces if body.held_dragged is None else forces + drag * (body.held_dragged @ p)
+
+
+def contact_stiffness(shoe: Shoe, penalty: float) -> float:
+    """eps = penalty E/t of the lining, the contact's stiffness per area [Pa/m]."""
+    return penalty * shoe.lining.material.E / shoe.lining.thickness

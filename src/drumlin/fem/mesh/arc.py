@@ -1,0 +1,102 @@
+"""The parametric mesh of a shoe, in its own frame.
+
+Named groups: subdomains "shoe", "lining", "backing"; boundaries "contact" (lining against drum),
+"hinge" (moves as a rigid line that turns about the pin) and "actuation" (carries the force).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import skfem
+
+from drumlin.brake.components import Beam
+from drumlin.brake.drum_brake import Shoe
+from drumlin.errors import BadInput
+from drumlin.fem.mesh.beam import beam_mesh
+from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, Division, divide, layers_behind, overhang
+
+
+class Kind(NamedTuple):
+    """A kind of mesh: skfem's mesh and element, meshio's names of its cells and of their edges."""
+
+    mesh: Any
+    element: Any
+    cell: str
+    edge: str
+
+
+KINDS = {
+    "quad2": Kind(skfem.MeshQuad2, skfem.ElementQuad2, "quad9", "line3"),
+    "quad1": Kind(skfem.MeshQuad1, skfem.ElementQuad1, "quad", "line"),
+    "tri2": Kind(skfem.MeshTri2, skfem.ElementTriP2, "triangle6", "line3"),
+    "tri1": Kind(skfem.MeshTri1, skfem.ElementTriP1, "triangle", "line"),
+}
+DEFAULT_KIND = "quad2"
+
+
+def kind_of(mesh: Any) -> Kind:
+    """The kind of a mesh."""
+    return next(kind for kind in KINDS.values() if kind.mesh is type(mesh))
+
+
+def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = DEFAULT_KIND) -> Any:
+    """Mesh of a shoe in its own frame; the nodes lie on the arcs, the edges of quadratic kinds follow them.
+
+    `kind`: "quad2", "quad1", "tri2" or "tri1" (quadrilaterals or triangles, quadratic or linear).
+
+    `elements`: number along the lining, graded to its edges, or its division. Without a body the back of the
+    lining (or backing) is the rigid line "hinge" and the mesh has no "actuation".
+    """
+    if kind not in KINDS:
+        raise BadInput(f"--kind = {kind!r}: unknown kind of mesh; allowed: {', '.join(KINDS)}")
+    phi_1, phi_2 = shoe.arc
+    division = elements if isinstance(elements, Division) else divide(shoe, radius, elements)
+    if isinstance(shoe.body, Beam):
+        return beam_mesh(shoe, radius, division, KINDS[kind].mesh)
+    layers = [("lining", shoe.lining.thickness)]
+    if shoe.backing is not None:
+        layers.append(("backing", shoe.backing.thickness))
+    lining_depth = sum(thickness for _, thickness in layers)
+    angles = division.angles
+    body = (phi_1, phi_2)
+    if shoe.body is not None:
+        layers.append(("shoe", shoe.body.thickness))
+        ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
+        body = (float(ends.min()), float(ends.max()))
+        angles = np.concatenate(
+            [overhang(phi_1, body[0], division)[:0:-1], angles, overhang(phi_2, body[1], division)[1:]]
+        )
+    most = MOST_LAYERS if kind.endswith("2") else MOST_THIN  # linear elements bend well only in thin layers
+    depths = [division.depths]
+    for name, thickness in layers[1:]:
+        parts = layers_behind(thickness, division, division.step * radius, most, last=name == "shoe")
+        depths.append(depths[-1][-1] + parts * thickness)
+    bounds = np.array([part[-1] for part in depths])
+    grid = skfem.MeshQuad.init_tensor(np.concatenate(depths), angles)
+    depth, phi = grid.p[:, grid.t].mean(axis=1)
+    grid = grid.restrict(np.flatnonzero((depth > lining_depth) | ((phi > phi_1) & (phi < phi_2))))
+    if kind.startswith("tri"):
+        grid = grid.to_meshtri(style=None if division.grading is None else "x")  # four a cell: no slant
+    depth, phi = grid.p[:, grid.t].mean(axis=1)
+    layer = np.searchsorted(bounds, depth)
+    middle = grid.p[:, grid.facets].mean(axis=1)
+    outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
+    slack = 1e-9
+    on = {"contact": outer & (middle[0] < slack * radius)}
+    if shoe.body is None:
+        on["hinge"] = outer & (middle[0] > lining_depth * (1 - slack))
+    else:
+        near, far = sorted(body, key=abs)
+        behind = outer & (middle[0] > lining_depth)
+        on["hinge"] = behind & (np.abs(middle[1] - near) < slack)
+        on["actuation"] = behind & (np.abs(middle[1] - far) < slack)
+    shape = KINDS[kind].mesh
+    mesh = shape.from_mesh(grid)
+    depth, phi = mesh.doflocs
+    r = radius - shoe.sign * depth
+    return shape(
+        np.array([r * np.cos(phi), r * np.sin(phi)]),
+        mesh.t,
+        _subdomains={name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layers)},
+        _boundaries={name: np.flatnonzero(where) for name, where in on.items()},
+    )

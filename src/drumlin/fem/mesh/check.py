@@ -1,0 +1,168 @@
+"""What a user's mesh must fulfil; each fault is one line that names the file and says what is allowed."""
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.spatial
+import skfem
+
+from drumlin.arrays import Floats, Ints
+from drumlin.brake.drum_brake import Shoe
+from drumlin.brake.units import deg, mm
+from drumlin.errors import BadInput
+from drumlin.fem.interface import edge_nodes
+from drumlin.fem.mesh.arc import kind_of
+from drumlin.response.resultants import angle_near
+
+ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
+APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
+LARGEST = 1e6  # drum's radii that a mesh may reach: beyond it not even the checks are sure
+BENT = 0.5  # of an edge's length, by which its middle node may lie off its middle: half a circle
+OFF = 0.01  # of the drum's radius, by which the contact may lie off it: the pressure is that on the drum's circle
+STEEP = 0.1  # slope against the drum at which an edge of the contact is no part of a round lining
+UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
+
+
+def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
+    """The mesh (in the shoe's frame [m]) with the groups that the shoe needs; raises BadInput, led by `fault`."""
+    mesh = _check_groups(mesh, shoe, fault)
+    _check_nodes(mesh, shoe, radius, fault)
+    _check_elements(mesh, shoe, fault)
+    _check_boundaries(mesh, fault)
+    _check_contact(mesh, shoe, radius, fault)
+    return mesh
+
+
+def check_cells(cells: Ints, corners: int, fault: str) -> None:
+    """Refuse cells (m, k), in meshio's order, whose nodes do not make them a mesh."""
+    ends, middles, centres = np.split(cells, [corners, 2 * corners], axis=1)
+    edges = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    distinct = [len(np.unique(nodes)) for nodes in (ends, middles, centres)]
+    if (np.diff(np.sort(cells, axis=1), axis=1) == 0).any() or sum(distinct) > len(np.unique(cells)):
+        raise BadInput(f"{fault}: has nodes that a cell has twice, or that are a corner here and inside an edge there")
+    bonds = {len(np.unique(edges, axis=0))}
+    if middles.size:
+        bonds |= {distinct[1], len(np.unique(np.column_stack([edges, middles.ravel()]), axis=0))}
+    if len(bonds) > 1 or distinct[2] not in {0, len(cells)}:
+        raise BadInput(f"{fault}: has cells that share an edge but not its middle node, or a middle but not the edge")
+
+
+def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
+    subdomains, boundaries = mesh.subdomains, mesh.boundaries
+    needed = {"lining"} | ({"shoe"} if shoe.body else set()) | ({"backing"} if shoe.backing else set())
+    lines = {"contact", "hinge"} | ({"actuation"} if shoe.body else set())
+    missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
+    if missing:
+        found = ", ".join([*subdomains, *boundaries]) or "none"
+        raise BadInput(f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found}")
+    named = np.concatenate([subdomains[name] for name in needed])
+    if len(np.unique(named)) < mesh.nelements or len(named) > mesh.nelements:
+        raise BadInput(f"{fault}: every element must be in exactly one of the groups {', '.join(sorted(needed))}")
+    lines |= {"actuation"} & set(boundaries)
+    return dataclasses.replace(
+        mesh,
+        _subdomains={name: subdomains[name] for name in subdomains if name in needed},
+        _boundaries={name: boundaries[name] for name in boundaries if name in lines},
+    )
+
+
+def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
+    size = float(np.abs(mesh.doflocs).max())
+    if size > LARGEST * radius:
+        raise BadInput(
+            f"{fault}: reaches {size:.3g} m far; must be a shoe in a drum of radius {mm(radius)} "
+            f"(coordinates are read in {shoe.mesh_unit})"
+        )
+    pairs = scipy.spatial.cKDTree(mesh.doflocs.T).query_pairs(APART * size, output_type="ndarray")
+    if len(pairs):
+        raise BadInput(f"{fault}: {len(pairs)} pairs of nodes stand in one place; merge them, the parts are bonded")
+
+
+def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
+    basis = skfem.Basis(mesh, kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1)))
+    first, *middles, last = basis.doflocs[:, edge_nodes(basis, np.arange(mesh.nfacets))].transpose(1, 0, 2)
+    for middle in middles:
+        bent = np.hypot(*(middle - (first + last) / 2)) > BENT * np.hypot(*(last - first))
+        if bent.any():
+            where = f"{_some(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)}"
+            raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
+    determinant = mesh.mapping().detDF(kind_of(mesh).element().doflocs.T)
+    determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
+    upright = np.abs(determinant.sum(axis=1)) * UPRIGHT  # either orientation will do, one throughout an element
+    inverted = (np.abs(determinant).min(axis=1) <= upright) | (np.ptp(np.sign(determinant), axis=1) > 0)
+    if inverted.any():
+        raise BadInput(f"{fault}: {_some(mesh, np.flatnonzero(inverted), shoe)} inverted or without area in a corner")
+    if np.bincount(mesh.t2f.ravel()).max() > 2:
+        raise BadInput(f"{fault}: more than two elements meet in an edge")
+    inner = np.flatnonzero(mesh.f2t[1] >= 0)
+    sides = np.array([_side(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)])
+    folded = inner[sides[0] * sides[1] > 0]
+    if len(folded):
+        raise BadInput(f"{fault}: {_some(mesh, mesh.f2t[1, folded], shoe)} folded over a neighbour")
+    links = sp.coo_array((np.ones(len(inner)), mesh.f2t[:, inner]), shape=(mesh.nelements, mesh.nelements))
+    parts, _ = sp.csgraph.connected_components(links)
+    if parts > 1:
+        raise BadInput(f"{fault}: consists of {parts} parts that share no edge; must be one")
+
+
+def _some(mesh: Any, elements: Ints, shoe: Shoe) -> str:
+    """How many elements, and where the first lies: the subject of a sentence about them."""
+    x, y = shoe.frame.to_brake(mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1)) * 1e3
+    count = len(np.unique(elements))
+    return f"{count} element{'s are' if count > 1 else ' is'} (the first at x = {x:.4g} mm, y = {y:.4g} mm)"
+
+
+def _side(mesh: Any, facets: Ints, elements: Ints) -> Floats:
+    """Sign of the side of each facet (by its straight line) on which an element's centre lies."""
+    a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
+    to = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a
+    return np.sign((b - a)[0] * to[1] - (b - a)[1] * to[0])
+
+
+def _check_boundaries(mesh: Any, fault: str) -> None:
+    outer = mesh.boundary_facets()
+    for name, facets in mesh.boundaries.items():
+        inside = len(np.setdiff1d(facets, outer))
+        if inside:
+            raise BadInput(f"{fault}: {inside} of the {len(facets)} edges of the group {name} are not on the boundary")
+    nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
+    if len(np.intersect1d(nodes["contact"], nodes["hinge"])):
+        raise BadInput(f"{fault}: the groups contact and hinge share a node; must lie apart")
+
+
+def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
+    facets = mesh.boundaries["contact"]
+    if not np.isin(mesh.f2t[0, facets], mesh.subdomains["lining"]).all():
+        raise BadInput(f"{fault}: the group contact must be edges of the lining only")
+    basis = skfem.Basis(mesh, kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1)))
+    line = basis.doflocs[:, edge_nodes(basis, facets)]
+    r = np.hypot(*line)
+    off = float(np.abs(r - radius).max())
+    if off > OFF * radius:
+        raise BadInput(
+            f"{fault}: the group contact lies up to {mm(off)} off the drum's radius {mm(radius)}; "
+            f"must be within {mm(OFF * radius)} of it (coordinates are read in {shoe.mesh_unit})"
+        )
+    steep = (np.abs(np.diff(r, axis=0)) > STEEP * np.hypot(*np.diff(line, axis=1))).any(axis=0)
+    if steep.any():
+        where = _some(mesh, mesh.f2t[0, facets[steep]], shoe)
+        raise BadInput(f"{fault}: {where} with an edge of the contact that is steeper than {STEEP:g} against the drum")
+    nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
+    xy = mesh.p[:, nodes]
+    middle = sum(shoe.arc) / 2
+    phi = angle_near(middle, xy)
+    arc = (float(phi.min()), float(phi.max()))
+    if max(abs(a - b) for a, b in zip(arc, shoe.arc, strict=True)) > ARC_SLACK:
+        theta = sorted(shoe.frame.theta(np.array(arc)).tolist())
+        raise BadInput(
+            f"{fault}: the group contact runs from {deg(theta[0])} to {deg(theta[1])}; must be the lining's arc, "
+            f"{deg(shoe.lining.start)} to {deg(shoe.lining.end)}, within {deg(ARC_SLACK)} "
+            f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
+        )
+    steps = np.sort(np.argsort(np.argsort(phi))[ends.reshape(2, -1)], axis=0)
+    steps = steps[:, np.argsort(steps[0])]
+    if not (np.array_equal(steps[0], np.arange(len(phi) - 1)) and np.array_equal(steps[1], steps[0] + 1)):
+        raise BadInput(f"{fault}: the group contact must be one line without gaps or turns, one edge after the other")

@@ -1,0 +1,207 @@
+"""How a parametric lining is divided into elements: along its arc and through its thickness.
+
+Elements shrink linearly towards the points where the pressure is not smooth: the lining's edges, where it is
+singular, and the ends of the contact, where it falls to zero as the square root of the distance.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake.drum_brake import Shoe
+
+EDGE_SIZE = 1 / 32  # of an element at the lining's sharp edge, relative to one in its middle
+FACE_SIZE = 1 / 8  # of a layer at the lining's faces, relative to one in its middle
+COARSE = 36  # elements along a lining; on finer meshes that are refined at points both sizes shrink in proportion
+BEHIND = 4  # layers through backing and body each, at least, on meshes that are refined at points
+MOST_BEYOND = 200  # elements along the body on either side of the lining
+THROUGH = 1.5  # growth of the layers of fine divisions
+MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
+MOST_THIN = 80  # the same of linear elements
+
+
+class Grading(NamedTuple):
+    """Factors by which elements grow away from a corner: along the arc and through the layers."""
+
+    along: float
+    through: float
+
+
+@dataclass(frozen=True)
+class Division:
+    """Where elements meet: `angles` phi (m + 1,) along the lining [rad], `depths` (l + 1,) below its surface [m].
+
+    `step` [rad]: length of the elements elsewhere, in the body and its overhangs; `behind`: least number of
+    layers through backing and body each. With a `grading` these are not even, but grow away from the lining's
+    back and the ends of the backing, as geometric sequences do.
+    """
+
+    angles: Floats
+    depths: Floats
+    step: float
+    behind: int = 1
+    grading: Grading | None = None
+
+
+def divide(shoe: Shoe, radius: float, elements: int) -> Division:
+    """`elements` along the lining, graded to its edges; layers in proportion, graded to both faces."""
+    start, end = shoe.arc
+    thickness = shoe.lining.thickness
+    return Division(
+        angles=start + lining_angles(end - start, shoe, radius, elements),
+        depths=graded(0, thickness, lining_layers(elements), thickness / 2, FACE_SIZE),
+        step=(end - start) / elements,
+    )
+
+
+def lining_angles(arc: float, shoe: Shoe, radius: float, elements: int) -> Floats:
+    """Ends of the elements along a lining, from 0 to `arc` [rad]: symmetric, fine at its ends."""
+    return graded(0.0, arc, elements, shoe.lining.thickness / radius, EDGE_SIZE)
+
+
+def lining_layers(elements: int) -> int:
+    """Layers through a lining with this number of elements along it."""
+    return min(max(2, round(elements / 15)), 12)
+
+
+def overhang(near: float, far: float, division: Division) -> Floats:
+    """Places from `near`, where the lining ends, to `far`, about a step apart; both ends once even where they coincide.
+
+    Where that would be more than MOST_BEYOND, their distances grow by one ratio from a step on; those of a division
+    with a grading grow by it from the division's shortest element on.
+    """
+    length, step = abs(far - near), division.step
+    if length < 1e-9:
+        return np.array([near])
+    if division.grading is not None:
+        shortest = float(np.diff(division.angles).min())
+        parts = half_geometric(1.0, shortest / length, division.grading.along, step / length)
+        return np.append(near + (far - near) * parts[:-1], far)
+    count = max(1, round(length / step))
+    parts = np.linspace(0, 1, min(count, MOST_BEYOND) + 1)
+    if count > MOST_BEYOND:
+        growth = _growth(length / step)
+        parts = np.expm1(growth * np.arange(MOST_BEYOND + 1)) / np.expm1(growth * MOST_BEYOND)
+    places = near + (far - near) * parts
+    places[-1] = far
+    return places
+
+
+def layers_behind(thickness: float, division: Division, size: float, most: int, *, last: bool) -> Floats:
+    """Where the layers of backing or body end, as parts (m,) of its thickness, the last of them 1.
+
+    `size` [m]: their thickness where they are even, `most` in number; `last`: nothing lies behind.
+    """
+    if division.grading is None:
+        count = max(division.behind, min(math.ceil(thickness / size), most))
+        return np.arange(1, count + 1) / count
+    first, growth = float(np.diff(division.depths)[-1]) / thickness, division.grading.through
+    return (half_geometric if last else geometric)(1.0, first, growth, 1 / 7)[1:]
+
+
+def fine(
+    shoe: Shoe, radius: float, points: Sequence[float], *, elements: int = 220, smallest: float = 1e-3, along: float
+) -> Division:
+    """A far finer division than a solve needs: elements grow by the factor `along` from corners and `points` (phi).
+
+    `elements`: a lining's arc over the longest of them; `smallest`: the shortest, in thicknesses of the lining.
+    """
+    start, end = shoe.arc
+    t = shoe.lining.thickness
+    shortest, step = smallest * t / radius, (end - start) / elements
+    pieces = [
+        a + geometric(b - a, shortest, along, step)[:-1] for a, b in pairwise(apart([start, *points, end], shortest))
+    ]
+    return Division(
+        angles=np.concatenate([*pieces, [end]]),
+        depths=t * geometric(1.0, 4 * smallest, THROUGH, 0.15),
+        step=step,
+        grading=Grading(along, THROUGH),
+    )
+
+
+def geometric(length: float, smallest: float, ratio: float, largest: float) -> Floats:
+    """Points from 0 to `length`; from either end steps grow by `ratio` from `smallest` up to `largest`."""
+    half = half_geometric(length / 2, smallest, ratio, largest)
+    return np.concatenate([half, length - half[-2::-1]])
+
+
+def half_geometric(length: float, smallest: float, ratio: float, largest: float) -> Floats:
+    """Points from 0 to `length`; steps grow by `ratio` from about `smallest` up to `largest`."""
+    points, step = [0.0], min(smallest, length / 2)
+    while points[-1] < length:
+        points.append(points[-1] + step)
+        step = min(step * ratio, largest)
+    return np.array(points) * length / points[-1]
+
+
+def _growth(total: float) -> float:
+    """g of MOST_BEYOND steps 1, e^g, e^2g, ... whose sum is `total`, by halving."""
+    low, high = 0.0, 1.0
+    while high - low > 1e-12:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if math.expm1(MOST_BEYOND * middle) < total * math.expm1(middle) else (low, middle)
+    return high
+
+
+def refine(shoe: Shoe, radius: float, elements: int, layers: int, points: Sequence[float]) -> Division:
+    """Elements of 1/`elements` of the lining's arc, graded to its edges and to `points` (phi, growing), which
+    become ends of elements; the smallest are the smaller, the finer the mesh is.
+    """
+    start, end = shoe.arc
+    thickness = shoe.lining.thickness
+    step, zone = (end - start) / elements, thickness / radius
+    fineness = max(1.0, elements / COARSE)
+    smallest = EDGE_SIZE / fineness
+    pieces = [_piece(a, b, step, zone, smallest) for a, b in pairwise(apart([start, *points, end], smallest * step))]
+    return Division(
+        angles=np.concatenate([*(piece[:-1] for piece in pieces), [end]]),
+        depths=graded(0, thickness, layers, thickness / 2, FACE_SIZE / fineness),
+        step=step,
+        behind=BEHIND,
+    )
+
+
+def apart(points: Sequence[float], least: float) -> list[float]:
+    """Growing points without those nearer than `least` to the one kept before them, or to the last one."""
+    first, *inner, last = sorted(points)
+    kept = [first]
+    for point in inner:
+        if point - kept[-1] >= least and last - point >= least:
+            kept.append(point)
+    return [*kept, last]
+
+
+def _piece(start: float, end: float, step: float, zone: float, smallest: float) -> Floats:
+    """Points from start to end, graded to both, no steps longer than `step`."""
+    half = (end - start) / 2
+    return graded(start, end, max(2, math.ceil(2 * _parts(half, half, zone, smallest) / step)), zone, smallest)
+
+
+def graded(start: float, end: float, count: int, zone: float, smallest: float) -> Floats:
+    """count + 1 points from start to end; steps shrink linearly over `zone` at each end to `smallest` of the inner.
+
+    The step is h(d) = h_0 min(1, smallest + d / zone) at the distance d from the nearer end: points lie at
+    equal parts of Int dd / h.
+    """
+    half = (end - start) / 2
+    total = _parts(half, half, zone, smallest)
+    part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
+    reach = min(zone * (1 - smallest), half)
+    inner = _parts(reach, half, zone, smallest)
+    d = np.where(part <= inner, zone * smallest * np.expm1(np.minimum(part, inner) / zone), reach + part - inner)
+    left = np.arange(count + 1) <= count / 2
+    points = np.where(left, start + d, end - d)
+    points[0], points[-1] = start, end
+    return points
+
+
+def _parts(d: float, half: float, zone: float, smallest: float) -> float:
+    """Int_0^d dd h_0 / h of `graded`; beyond the reach of the grading all steps are h_0."""
+    reach = min(zone * (1 - smallest), half)
+    return zone * math.log1p(min(d, reach) / (zone * smallest)) + max(d - reach, 0.0)

@@ -1,0 +1,39 @@
+"""Self-locking of an elastic brake: its limit, and the torque on the way there."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake.drum_brake import Brake
+from drumlin.contact.active_set import settle
+from drumlin.contact.self_locking import LARGEST, Limit, limit
+from drumlin.fem.assembly import Scene
+from drumlin.fem.group import groups_of
+
+
+def limits(
+    scene: Scene, brake: Brake, most: float = LARGEST, penalty: float = math.inf
+) -> dict[tuple[int, ...], Limit]:
+    """The limit of self-locking of each group of shoes that meet the drum together, up to mu = `most`.
+
+    Raises NoAnswer where a group has no equilibrium without friction.
+    """
+    return {group.members: limit(group.sliding, most) for group in groups_of(scene, brake, penalty)}
+
+
+def torques(scene: Scene, brake: Brake, frictions: Sequence[float], penalty: float = math.inf) -> Floats:
+    """Torque of each shoe (m, shoes) [N m] at growing friction coefficients (m,), each from the contact set before.
+
+    Raises NoAnswer at and beyond the limit.
+    """
+    values = np.zeros((len(frictions), len(brake.shoes)))
+    for group in groups_of(scene, brake, penalty):
+        problems = group.sliding
+        active = None
+        for row, mu in zip(values, frictions, strict=True):
+            found = settle(problems.at(mu), active)
+            active = found.active
+            row[list(group.members)] = mu * group.unit_force * (group.levers.T @ found.p)
+    return values

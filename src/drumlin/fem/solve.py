@@ -1,0 +1,47 @@
+"""A brake by finite elements from the file up: divided, condensed, solved, finer until its error is small enough."""
+
+from functools import partial
+
+from drumlin.brake.drum_brake import Brake
+from drumlin.errors import BadInput
+from drumlin.fem.adapt import adapt as adapt_meshes
+from drumlin.fem.assembly import ELEMENTS, Kept, prepare
+from drumlin.fem.hp.adapt import DEFAULT, adapt
+from drumlin.fem.mesh.arc import DEFAULT_KIND
+from drumlin.fem.model import PENALTY, check_penalty, respond
+from drumlin.fem.omission import adapt_without
+from drumlin.response.merit import with_merits
+from drumlin.response.response import Response
+
+
+def solve(
+    brake: Brake,
+    *,
+    elements: int | None = None,
+    kind: str | None = None,
+    tolerance: float | None = None,
+    penalty: float = PENALTY,
+    kept: Kept | None = None,
+) -> Response:
+    """Divide, condense and solve a brake, finer and finer until its estimated errors are below a tolerance.
+
+    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the division and
+    of what is left out for it; NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is
+    reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind`
+    on meshes of that kind. BadInput is raised for elements and a tolerance together. kept: bodies of earlier solves on
+    meshes, see `prepare`.
+    """
+    answer = partial(respond, penalty=penalty)
+    if tolerance is not None and elements is not None:
+        raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
+    if tolerance is not None and kind is not None:  # a studied method
+        found = adapt_meshes(brake, tolerance, answer, kind)
+    elif tolerance is not None:
+        found = adapt_without(brake, tolerance, answer)
+    elif elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes):
+        check_penalty(penalty)
+        found = adapt(brake, DEFAULT, answer, must=False)
+    else:
+        elements = ELEMENTS if elements is None else elements
+        found = answer(prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, kept=kept), brake)
+    return with_merits(brake, found)

@@ -1,0 +1,339 @@
+"""What every model returns, whatever it computes with: one Response, with one ShoeResponse a shoe."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.plane_brake import FlatShoe
+from drumlin.errors import NoAnswer
+from drumlin.response.resultants import Resultant, contact_arcs, cross, largest, resultant
+from drumlin.response.show import as_html, as_text, plot
+
+EDGE_ZONE = math.radians(0.2)
+"""Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
+STEP = math.radians(0.2)
+"""Longest step [rad] of a curve that is drawn or written."""
+
+
+@dataclass(frozen=True)
+class Balance:
+    """What is left of the equilibrium of a shoe, relative to the largest force or moment on it."""
+
+    force: float
+    moment: float
+
+
+class Deformation(NamedTuple):
+    """How a shoe's beam and the drum's ring deform.
+
+    At the stations `x` (m,) [m] along the beam from the hinge: displacement `w` (m,) [m] towards the drum and
+    `relative` (m,) [m], w beyond the straight line through the beam's ends. `z` (n,) [m]: inward displacement of
+    the ring at the response's angles.
+    """
+
+    x: Floats
+    w: Floats
+    relative: Floats
+    z: Floats
+
+
+@dataclass(frozen=True)
+class ShoeResponse:
+    """What one shoe does.
+
+    `theta` (n,) [rad], growing, and `pressure` (n,) [Pa] are nodes and values of a piecewise polynomial of
+    degree `order`; consecutive pieces share their end node. `torque` >= 0 [N m] is the size of the torque on the
+    drum, which opposes its rotation; `normal_force` [N] the size of the vector sum of the normal forces;
+    `hinge_reaction` (2,) [N] the force of the pin on the shoe. `peak_pressure` [Pa] is the largest pressure; of
+    elastic models the largest one more than half a lining thickness from the lining's ends, where a sharp
+    edge has no bound. `turn` [rad] is the rotation of the shoe about its pin, where a model knows it.
+    `pivot_reaction` (2,) [N] is the force of the pivot on the shoe, where there is one; `lumped` the contact's
+    forces, where a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
+    `deformation` of beam and ring, of the foundation model. `error`: estimated relative errors "pressure" (L2 outside
+    the edge zones), "torque", "peak_pressure" and "hinge_reaction", None where nothing was estimated.
+
+    Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
+    """
+
+    name: str
+    torque: float
+    normal_force: float
+    self_energising: bool
+    peak_pressure: float
+    hinge_reaction: Floats
+    contact_arcs: tuple[tuple[float, float], ...]
+    theta: Floats
+    pressure: Floats
+    order: int = 2
+    turn: float | None = None
+    lumped: Resultant | None = None
+    pivot_reaction: Floats | None = None
+    deformation: Deformation | None = None
+    error: Mapping[str, float] | None = None
+
+    def pressure_at(self, theta: Floats) -> Floats:
+        """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
+        theta = np.asarray(theta, dtype=float)
+        ends = self.theta[:: self.order]
+        piece = np.clip(np.searchsorted(ends, theta, side="right") - 1, 0, len(ends) - 2)
+        nodes = piece[..., None] * self.order + np.arange(self.order + 1)
+        x, y = self.theta[nodes], self.pressure[nodes]
+        value = np.zeros(theta.shape)
+        for i in range(self.order + 1):
+            others = [j for j in range(self.order + 1) if j != i]
+            value += y[..., i] * np.prod([(theta - x[..., j]) / (x[..., i] - x[..., j]) for j in others], axis=0)
+        return np.where((theta >= self.theta[0]) & (theta <= self.theta[-1]), value, 0.0)
+
+    def curve(self) -> tuple[Floats, Floats]:
+        """The pressure as a curve to draw and to write: angles (m,) [rad] and p >= 0 (m,) [Pa] there.
+
+        Its own nodes, or where pieces are of a high degree so many points that straight lines or parabolas between them
+        will do: an even number of even steps a piece. A polynomial may dip below zero between its nodes, a pressure
+        not.
+        """
+        if self.order <= 2:
+            return self.theta, self.pressure
+        ends = self.theta[:: self.order]
+        counts = 2 * np.maximum(self.order, np.ceil(np.diff(ends) / (2 * STEP))).astype(int)
+        theta = np.concatenate(
+            [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)]
+        )
+        theta = np.append(theta, ends[-1])
+        return theta, np.maximum(self.pressure_at(theta), 0.0)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The response as plain data for JSON (units as in the attributes); the pressure as `curve` has it."""
+        theta, pressure = self.curve()
+        data: dict[str, Any] = {
+            "name": self.name,
+            "torque": self.torque,
+            "normal_force": self.normal_force,
+            "self_energising": self.self_energising,
+            "peak_pressure": self.peak_pressure,
+            "hinge_reaction": [float(x) for x in self.hinge_reaction],
+            "contact_arcs": [list(arc) for arc in self.contact_arcs],
+            "theta": theta.tolist(),
+            "pressure": pressure.tolist(),
+        }
+        if self.error is not None:
+            data["error"] = dict(self.error)
+        if self.pivot_reaction is not None:
+            data["pivot_reaction"] = [float(x) for x in self.pivot_reaction]
+        if self.deformation is not None:
+            data["deformation"] = {key: values.tolist() for key, values in self.deformation._asdict().items()}
+        return data
+
+
+class Merit(NamedTuple):
+    """Figures of merit of a shoe on a drum, from its p(theta); None where 0 is divided by 0 or by mu = 0.
+
+    `resultant_angle` [rad] of the normal pressure at O, counted as the lining's angles are; `friction_radius`
+    psi, the apparent radius of friction over R; `shoe_factor` T/(F R); `mechanical_advantage`
+    eta = T/M = 1/(m - double_delta n); `sensitivity_at_fixed_shape` m eta, the (mu/eta) d eta/d mu of a
+    pressure whose shape does not change.
+    """
+
+    resultant_angle: float | None
+    friction_radius: float | None
+    shoe_factor: float | None
+    mechanical_advantage: float | None
+    m: float | None
+    n: float | None
+    double_delta: int
+    sensitivity_at_fixed_shape: float | None
+
+
+class FlatMerit(NamedTuple):
+    """Figures of merit of a shoe on a plane: braking force [N], the same over the actuation moment M [1/m], S."""
+
+    braking_force: float
+    braking_force_over_moment: float | None
+    sensitivity_at_fixed_shape: float | None
+
+
+@dataclass(frozen=True, repr=False)
+class Response:
+    """What a model answers for a brake.
+
+    `seconds`: time of each phase; `left_out`: what was not computed, and why; `merits`: one a shoe;
+    `bearing_load` (2,) [N]: force of all shoes on the drum, which its bearings carry.
+    `error`: estimated relative errors "pressure" (L2 outside the edge zones, the worst shoe's) and "torque", None
+    where nothing was estimated.
+    """
+
+    model: str
+    shoes: tuple[ShoeResponse, ...]
+    balance: Balance
+    converged: bool = True
+    iterations: int = 0
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    left_out: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    merits: tuple[Merit | FlatMerit, ...] = ()
+    bearing_load: Floats | None = None
+    error: Mapping[str, float] | None = None
+
+    def __post_init__(self) -> None:
+        for shoe in self.shoes:
+            numbers = [shoe.torque, shoe.normal_force, shoe.peak_pressure, *shoe.hinge_reaction, *shoe.pressure]
+            if not np.isfinite(numbers).all():
+                raise NoAnswer(
+                    f"shoe {shoe.name!r}: the answer is not finite, sizes or forces are beyond the arithmetic"
+                )
+
+    @property
+    def torque(self) -> float:
+        """Torque of all shoes on the drum [N m], >= 0, against the rotation."""
+        return math.fsum(shoe.torque for shoe in self.shoes)
+
+    def __repr__(self) -> str:
+        return as_text(self)
+
+    def _repr_html_(self) -> str:
+        return as_html(self)
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw p(theta) of every shoe, in MPa over degrees, into matplotlib `axes`, or new ones; returns them."""
+        return plot(self, axes)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The response as plain data for JSON (units as in the attributes: N m, N, Pa, rad, s)."""
+        merits = [merit._asdict() for merit in self.merits] or [{} for _ in self.shoes]
+        data: dict[str, Any] = {
+            "model": self.model,
+            "torque": self.torque,
+            "converged": self.converged,
+            "iterations": self.iterations,
+            "error": None if self.error is None else dict(self.error),
+            "balance": {"force": self.balance.force, "moment": self.balance.moment},
+            "seconds": dict(self.seconds),
+            "left_out": list(self.left_out),
+            "notes": list(self.notes),
+            "shoes": [shoe.as_dict() | merit for shoe, merit in zip(self.shoes, merits, strict=True)],
+        }
+        if self.bearing_load is not None:
+            data["bearing_load"] = [float(x) for x in self.bearing_load]
+        return data
+
+
+def untouched(shoe: Shoe | FlatShoe, hinge_reaction: Floats) -> ShoeResponse:
+    """The response of a shoe that does not touch the drum: no torque, no pressure."""
+    theta = np.linspace(shoe.lining.start, shoe.lining.end, 3)
+    return ShoeResponse(
+        name=shoe.name,
+        torque=0.0,
+        normal_force=0.0,
+        self_energising=False,
+        peak_pressure=0.0,
+        hinge_reaction=hinge_reaction,
+        contact_arcs=(),
+        theta=theta,
+        pressure=np.zeros(3),
+        pivot_reaction=np.zeros(2) if isinstance(shoe, Shoe) and shoe.pivot else None,
+    )
+
+
+def pressed_shoe(
+    shoe: Shoe,
+    radius: float,
+    theta: Floats,
+    pressure: Floats,
+    *,
+    order: int,
+    torque: float,
+    normal_force: float,
+    self_energising: bool,
+    hinge_reaction: Floats,
+    turn: float | None = None,
+    located: bool = True,
+    **more: Any,
+) -> ShoeResponse:
+    """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
+
+    radius: of the drum [m]; located: the ends of the contact and the peak are located within their elements; more:
+    other attributes of ShoeResponse.
+    """
+    forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
+    theta, pressure, zone = theta[forward], pressure[forward], edge_zone(shoe, radius)
+    peak = largest(theta, pressure, order, zone) if located else nodal_peak(theta, pressure, zone)
+    return ShoeResponse(
+        name=shoe.name,
+        torque=torque,
+        normal_force=normal_force,
+        self_energising=self_energising,
+        peak_pressure=peak,
+        hinge_reaction=hinge_reaction,
+        contact_arcs=contact_arcs(theta, pressure, order, located=located),
+        theta=theta,
+        pressure=pressure,
+        order=order,
+        turn=turn,
+        **more,
+    )
+
+
+def edge_zone(shoe: Shoe, radius: float) -> float:
+    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep; at most a
+    quarter of its length."""
+    return min(shoe.lining.thickness / (2 * radius), 0.25 * (shoe.lining.end - shoe.lining.start))
+
+
+def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:
+    """Largest nodal pressure [Pa] more than `zone` [rad] from the lining's ends; of all where none presses there."""
+    inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
+    return float(pressure[inside if pressure[inside].any() else slice(None)].max())
+
+
+def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
+    """What the drum does to shoe `index`: the integrals of the response's own p(theta), or what its law lumps."""
+    if response.lumped is not None:
+        return response.lumped
+    shoe = brake.shoes[index]
+    return resultant(
+        response.theta,
+        response.pressure,
+        order=response.order,
+        radius=brake.drum.radius,
+        width=shoe.lining.width,
+        sign=shoe.sign,
+        drag=brake.drag,
+    )
+
+
+def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
+    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(theta), about the hinge.
+
+    A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
+    """
+    if not response.contact_arcs:
+        return Balance(0.0, 0.0)
+    shoe = brake.shoes[index]
+    contact = contact_resultant(brake, index, response)
+    forces = [contact.force, response.hinge_reaction, shoe.actuation.vector]
+    hinge = shoe.hinge.xy
+    moments = [
+        contact.moment - float(cross(hinge, contact.force)),
+        shoe.actuation.moment_about(shoe.hinge),
+    ]
+    return relative_balance(forces, moments)
+
+
+def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
+    """Sums of forces (2,) [N] and of moments [N m], each relative to its largest member; 0 where all are 0."""
+    largest_force = max((float(np.linalg.norm(f)) for f in forces), default=0.0)
+    largest_moment = max((abs(m) for m in moments), default=0.0)
+    force = float(np.linalg.norm(np.sum(forces, axis=0)))
+    return Balance(
+        force=force / largest_force if largest_force else 0.0,
+        moment=abs(math.fsum(moments)) / largest_moment if largest_moment else 0.0,
+    )
+
+
+def worst(balances: list[Balance]) -> Balance:
+    """The largest of each entry."""
+    return Balance(max(b.force for b in balances), max(b.moment for b in balances))

@@ -1,0 +1,313 @@
+"""Sweeps: many cases, solved by whatever executor there is, each kept in a journal as it finishes.
+
+A row depends on its case alone: not on who solved it, nor on what was solved before, so that a sweep that was
+stopped and went on ends with the same rows as one that was not.
+"""
+
+import hashlib
+import importlib
+import json
+import math
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from functools import cache
+from itertools import groupby
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import unit_of, vary
+from drumlin.brake.plane_brake import AnyBrake
+from drumlin.comparison import as_csv
+from drumlin.errors import BadInput, DrumlinError, NoAnswer
+from drumlin.fem.assembly import ELEMENTS, Kept
+from drumlin.files import replacing, write_text
+from drumlin.journal import Journal, source_stamp
+from drumlin.models import pick
+from drumlin.response.response import FlatMerit, Response
+
+Row = dict[str, Any]
+
+CHUNK_SECONDS = 0.1  # of work sent to a worker at a time: what a kill can lose of it
+MOST_IN_CHUNK = 64
+LOADS = ("title", "rotation", "friction", "clearance", "misfit", "out_of_round", "angle", "force", "direction", "point")
+"""Keys that leave the bodies as they are: cases that differ in others are solved one group after the other."""
+
+
+class Case(NamedTuple):
+    """A brake with some keys changed (as `vary` takes them), the model that answers and its options."""
+
+    brake: AnyBrake
+    changes: Mapping[str, Any]
+    model: str = "fem"
+    options: Mapping[str, Any] = {}
+
+
+def respond(case: Case, kept: Kept | None = None) -> Response:
+    """The response of a case; finite elements take bodies from those `kept` and put theirs there.
+
+    Raises BadInput, NoAnswer.
+    """
+    brake = vary(case.brake, case.changes) if case.changes else case.brake
+    options = dict(case.options)
+    if case.model == "fem" and "tolerance" not in options:
+        options |= {"kept": kept, "elements": options.get("elements", ELEMENTS)}
+    return pick(case.model, brake).solve(brake, **options)
+
+
+def solved(case: Case, kept: Kept | None = None) -> Row:
+    """The row of a case: its numbers by name (see `row_of`), or why it has none. Never raises."""
+    try:
+        return row_of(vary(case.brake, case.changes), respond(case, kept))
+    except DrumlinError as error:
+        return {"status": f"failed: {error}"}
+    except Exception as error:  # a fault of one case must not cost the others; its row says what it was
+        return {"status": f"failed: unexpected {type(error).__name__}: {error}"}
+
+
+def row_of(brake: AnyBrake, response: Response) -> Row:
+    """What a row says of a response, in SI; of shoe NAME as "NAME.torque" and so on.
+
+    "torque" [N m] of the whole brake (on a plane: "braking_force" [N]), "brake_factor" T/(F R) with the mean force F
+    of its shoes (on a plane: braking force / F), "peak_pressure" [Pa] the largest of its shoes, "balance" the worse
+    of forces and moments. Of each shoe: torque, peak_pressure, shoe_factor T/(F R), hinge_reaction [N], contact_start
+    and contact_end [rad; on a plane m] from where to where it touches, contact_arcs how many arcs that is.
+    """
+    force = sum(abs(shoe.actuation.force) for shoe in brake.shoes) / len(brake.shoes)
+    flat = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]
+    radius = brake.drum.radius if isinstance(brake, Brake) else 1.0
+    effect = math.fsum(flat) if flat else response.torque
+    row: Row = {
+        "status": "solved" if response.converged else "failed: not converged",
+        "braking_force" if flat else "torque": effect,
+        "brake_factor": effect / (force * radius) if force else None,
+        "peak_pressure": max(shoe.peak_pressure for shoe in response.shoes),
+        "balance": max(response.balance.force, response.balance.moment),
+    }
+    for i, shoe in enumerate(response.shoes):
+        own, load = flat[i] if flat else shoe.torque, abs(brake.shoes[i].actuation.force)
+        row |= {
+            f"{shoe.name}.{name}": value
+            for name, value in {
+                "braking_force" if flat else "torque": own,
+                "peak_pressure": shoe.peak_pressure,
+                "shoe_factor": own / (load * radius) if load else None,
+                "hinge_reaction": float(np.linalg.norm(shoe.hinge_reaction)),
+                "contact_start": shoe.contact_arcs[0][0] if shoe.contact_arcs else None,
+                "contact_end": shoe.contact_arcs[-1][1] if shoe.contact_arcs else None,
+                "contact_arcs": len(shoe.contact_arcs),
+            }.items()
+        }
+    return {
+        name: value if value is None or isinstance(value, str | int) else float(value) for name, value in row.items()
+    }
+
+
+def run(
+    cases: Sequence[Case],
+    *,
+    executor: Executor | None = None,
+    workers: int = 1,
+    journal: Journal | None = None,
+    done: Callable[[int, int], None] = lambda finished, of: None,
+) -> list[Row]:
+    """The rows of the cases, in their order.
+
+    executor: who solves, in chunks, at most a few for each of its `workers` at a time; None: this process. journal:
+    where each row is kept as it comes; cases that it has are not solved again. done: told how many cases have
+    finished. Raises NoAnswer where the workers die (what has finished is in the journal), BadInput where they run
+    another drumlin.
+    """
+    journal = Journal() if journal is None else journal
+    keys = list(keys_of(cases))
+    missing = list({json.dumps(key): i for i, key in enumerate(keys) if key not in journal}.values())
+    missing.sort(key=lambda i: (cases[i].model, body_key(cases[i]), i))
+    finished = len(cases) - len(missing)
+    done(finished, len(cases))
+    for i, row in _in_process(cases, missing) if executor is None else _by(executor, workers, cases, missing):
+        journal.add(keys[i], row)
+        finished += 1
+        done(finished, len(cases))
+    return [journal[key] for key in keys]
+
+
+UNITS = {
+    "torque": "N m",
+    "braking_force": "N",
+    "peak_pressure": "Pa",
+    "hinge_reaction": "N",
+}
+
+
+def table(cases: Sequence[Case], rows: Sequence[Row]) -> list[Row]:
+    """Cases and their rows as one table in SI, columns headed with name and unit: "shoe.lining.thickness [m]".
+
+    A changed value that is a table itself stands as JSON.
+    """
+    units: dict[str, str] = {}
+    made = []
+    for number, (case, row) in enumerate(zip(cases, rows, strict=True)):
+        flat = not isinstance(case.brake, Brake)
+        line: Row = {"case": number}
+        for key, value in case.changes.items():
+            if key not in units:
+                units[key] = _headed(key, unit_of(case.brake, key))
+            line[units[key]] = json.dumps(value) if isinstance(value, list | tuple) else value
+        line |= {"model": case.model, "status": row["status"]}
+        for name, value in row.items():
+            last = name.rpartition(".")[2]
+            unit = ("m" if flat else "rad") if last in {"contact_start", "contact_end"} else UNITS.get(last)
+            line[_headed(name, unit)] = value
+        made.append(line)
+    return made
+
+
+def _headed(name: str, unit: str | None) -> str:
+    return f"{name} [{unit}]" if unit else name
+
+
+def write_table(lines: Sequence[Row], path: Path) -> None:
+    """Write a table whole or not at all: Parquet where the name ends in .parquet, else CSV."""
+    if path.suffix != ".parquet":
+        write_text(path, as_csv(lines))
+        return
+    parquet = _parquet()
+    arrow = importlib.import_module("pyarrow")
+    names = dict.fromkeys(name for line in lines for name in line)
+    columns = {name: [line.get(name) for line in lines] for name in names}
+    for name, values in columns.items():
+        if any(isinstance(value, str) for value in values):  # numbers and tables under one key
+            columns[name] = [value if value is None else str(value) for value in values]
+    with replacing(path) as partial:
+        parquet.write_table(arrow.table(columns), partial)
+
+
+def _parquet() -> Any:
+    try:
+        return importlib.import_module("pyarrow.parquet")
+    except ImportError as error:
+        raise BadInput(
+            "--output: Parquet needs the extra drumlin[parquet]; or take a name that ends in .csv"
+        ) from error
+
+
+def check_output(path: Path) -> None:
+    """Raise BadInput for a table that could not be written in the end, before anything is solved."""
+    if path.suffix not in {".csv", ".parquet"}:
+        raise BadInput(f"--output = {str(path)!r}: must end in .csv or .parquet")
+    if path.suffix == ".parquet":
+        _parquet()
+
+
+def keys_of(cases: Iterable[Case]) -> Iterator[dict[str, Any]]:
+    """What tells each case from others in a journal: its brake by a digest, its changes, model and options."""
+    digests: dict[int, str] = {}
+    for case in cases:
+        if id(case.brake) not in digests:
+            digests[id(case.brake)] = digest_of(case.brake)
+        yield {
+            "brake": digests[id(case.brake)],
+            "changes": dict(case.changes),
+            "model": case.model,
+            "options": dict(case.options),
+        }
+
+
+def digest_of(brake: AnyBrake) -> str:
+    """A digest of all that a brake is, its mesh files included."""
+    digest = hashlib.sha256(brake.model_dump_json().encode())
+    for shoe in brake.shoes:
+        mesh = getattr(shoe, "mesh", None)
+        if mesh is not None and mesh.exists():
+            digest.update(mesh.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def body_key(case: Case) -> str:
+    """Equal for cases that share their bodies: what is changed besides loads, friction, rotation and clearance."""
+    others = {k: v for k, v in case.changes.items() if not set(k.replace("[", ".").split(".")) & set(LOADS)}
+    return json.dumps([others, dict(case.options)], sort_keys=True, default=str)
+
+
+def _in_process(cases: Sequence[Case], missing: Sequence[int]) -> Iterator[tuple[int, Row]]:
+    kept = Kept()
+    for i in missing:
+        yield i, solved(cases[i], kept)
+
+
+class _Chunk(NamedTuple):
+    """What a worker answers: rows, the seconds that they took, and its drumlin's source."""
+
+    rows: list[Row]
+    seconds: float
+    stamp: str
+
+
+_own = threading.local()  # the bodies that a worker keeps; a worker with threads keeps some for each
+
+
+def solve_chunk(cases: Sequence[Case]) -> _Chunk:
+    """Solve some cases in a worker."""
+    if not hasattr(_own, "kept"):
+        _own.kept = Kept()
+    start = time.perf_counter()
+    rows = [solved(case, _own.kept) for case in cases]
+    return _Chunk(rows, time.perf_counter() - start, _stamp())
+
+
+@cache
+def _stamp() -> str:
+    return source_stamp()
+
+
+def _by(executor: Executor, workers: int, cases: Sequence[Case], missing: Sequence[int]) -> Iterator[tuple[int, Row]]:
+    """Rows as they come from an executor; chunks grow until each takes CHUNK_SECONDS."""
+    size = 1
+    waiting = _Chunks(cases, missing)
+    sent: dict[Future[_Chunk], list[int]] = {}
+    try:
+        while waiting.left or sent:
+            while waiting.left and len(sent) < 2 * workers + 1:
+                part = waiting.take(size)
+                sent[executor.submit(solve_chunk, [cases[i] for i in part])] = part
+            for future in wait(sent, return_when=FIRST_COMPLETED).done:
+                part, answer = sent.pop(future), future.result()
+                if answer.stamp != _stamp():
+                    raise BadInput("executor: its workers run another drumlin than this one; install the same there")
+                size = round(CHUNK_SECONDS * len(part) / max(answer.seconds, 1e-6))
+                size = min(max(size, 1), MOST_IN_CHUNK)
+                yield from zip(part, answer.rows, strict=True)
+    except BrokenExecutor as error:
+        raise NoAnswer(
+            f"sweep: a worker process died ({error}); what has finished is kept, the same run goes on"
+        ) from error
+    finally:
+        for future in sent:
+            future.cancel()
+
+
+class _Chunks:
+    """Cases by the bodies that they share; a chunk takes a few of one group, or small groups whole."""
+
+    def __init__(self, cases: Sequence[Case], missing: Sequence[int]) -> None:
+        self._groups = [list(group) for _, group in groupby(missing, lambda i: body_key(cases[i]))][::-1]
+
+    @property
+    def left(self) -> bool:
+        return bool(self._groups)
+
+    def take(self, size: int) -> list[int]:
+        """About `size` cases."""
+        part: list[int] = []
+        while self._groups and len(part) < size:
+            group = self._groups.pop()
+            room = max(size - len(part), 1)
+            if len(group) > 2 * room:
+                self._groups.append(group[room:])
+                group = group[:room]
+            part += group
+        return part

@@ -1,0 +1,32 @@
+"""A sweep from its file to its table, in one call."""
+
+from pathlib import Path
+
+from drumlin.sweeps.cases import Row, run, table
+from drumlin.sweeps.file import read_sweep
+from drumlin.sweeps.workers import crew
+
+
+def sweep(path: Path | str, *, jobs: int = 1) -> list[Row]:
+    """Solve every case of a sweep file.
+
+    Parameters
+    ----------
+    path : of the TOML file that names the brake, the keys that vary and how
+    jobs : processes that solve side by side
+
+    Returns
+    -------
+    one row a case, in the file's order: its changed keys, then its numbers in SI, and "status", which says why a case
+    has none
+
+    Raises
+    ------
+    BadInput
+        for a file that cannot be read or is no sweep, in one line
+    """
+    made = read_sweep(Path(path))
+    if jobs == 1:
+        return table(made.cases, run(made.cases))
+    with crew(jobs, None) as (executor, workers):
+        return table(made.cases, run(made.cases, executor=executor, workers=workers))

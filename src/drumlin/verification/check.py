@@ -1,0 +1,201 @@
+"""Somebody's p(theta), a table in a CSV file, against reference values."""
+
+import csv
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.units import to_si
+from drumlin.comparison import as_csv
+from drumlin.errors import BadInput
+from drumlin.response.response import Response, ShoeResponse
+from drumlin.verification.reference import LARGEST_FILE, Reference, ShoeReference
+
+QUANTITIES = {"theta": "rad", "p": "Pa"}
+ALLOWED = "columns 'shoe', 'theta [deg]' and 'p [MPa]', or other units"
+
+
+class Curve(NamedTuple):
+    """Pressures p (n,) [Pa] of a shoe at growing angles theta (n,) [rad]."""
+
+    theta: Floats
+    p: Floats
+
+
+class Verdict(NamedTuple):
+    """How far a shoe's curve is from its reference.
+
+    `distance`: relative L2 distance of p outside the edge zones, at the reference's angles; `largest`: largest
+    difference there over the peak pressure, at the angle `at` [rad]; `torque_error`: what these differences of p change
+    of the torque, relative; `torque` [N m]: by trapezia of the curve's own points, held even to the lining's ends,
+    where a sharp edge may need finer ones; `floor`, `torque_floor`: relative uncertainties of the reference.
+    """
+
+    shoe: str
+    distance: float
+    largest: float
+    at: float
+    torque: float
+    torque_error: float
+    floor: float
+    torque_floor: float
+
+
+def curves_text(response: Response, flat: bool = False) -> str:
+    """The pressures of a response as a CSV table that `read_curves` takes, `flat`: over places x."""
+    place, per_unit = ("x [mm]", 1e3) if flat else ("theta [deg]", math.degrees(1))
+    return as_csv(
+        [
+            {"shoe": shoe.name, place: f"{x:.12g}", "p [MPa]": f"{p:.12g}"}
+            for shoe in response.shoes
+            for x, p in zip(*curve_of(shoe, per_unit), strict=True)
+        ]
+    )
+
+
+def curve_of(shoe: ShoeResponse, per_unit: float) -> tuple[Floats, Floats]:
+    """The curve of a shoe: places, in units of which there are so many to SI's, and p [MPa]."""
+    theta, p = shoe.curve()
+    return theta * per_unit, p * 1e-6
+
+
+def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:
+    """The curve of each shoe from a CSV file. Raises BadInput with one line: file, line, what is allowed."""
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; not a table of p(theta)")
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            lines = list(csv.reader(file))
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise BadInput(f"{path}: is not a CSV file ({error})") from error
+    if not lines:
+        raise BadInput(f"{path}: is empty; must have {ALLOWED}")
+    columns = _columns(path, lines[0])
+    names = [shoe.name for shoe in brake.shoes]
+    if "shoe" not in columns and len(names) > 1:
+        raise BadInput(f"{path}: line 1: no column 'shoe'; the brake has {', '.join(names)}")
+    points: dict[str, list[tuple[float, float]]] = {name: [] for name in names}
+    for number, line in enumerate(lines[1:], 2):
+        if not any(cell.strip() for cell in line):
+            continue
+        if len(line) != len(lines[0]):
+            raise BadInput(f"{path}: line {number}: {len(line)} cells; must have {len(lines[0])} as the heading")
+        name = line[columns["shoe"][0]].strip() if "shoe" in columns else names[0]
+        if name not in points:
+            raise BadInput(f"{path}: line {number}: shoe = {name!r}: unknown; allowed: {', '.join(names)}")
+        theta, p = (_number(path, number, line, key, *columns[key]) for key in QUANTITIES)
+        points[name].append((theta, p))
+    return {shoe.name: _curve(path, shoe, points[shoe.name]) for shoe in brake.shoes}
+
+
+def _columns(path: Path, heading: Sequence[str]) -> dict[str, tuple[int, float]]:
+    """Place and factor to SI of each column, from headings such as 'theta [deg]'."""
+    columns: dict[str, tuple[int, float]] = {}
+    for place, cell in enumerate(heading):
+        name, _, unit = cell.strip().removesuffix("]").partition("[")
+        name = name.strip()
+        if name == "shoe":
+            columns[name] = (place, 1.0)
+        if name in QUANTITIES:
+            try:
+                columns[name] = (place, to_si(f"1 {unit.strip()}", QUANTITIES[name], unit_required=True))
+            except ValueError as error:
+                raise BadInput(f"{path}: line 1: {cell.strip()!r}: {error}") from error
+    for name in QUANTITIES:
+        if name not in columns:
+            raise BadInput(f"{path}: line 1: no column {name!r} with its unit; must have {ALLOWED}")
+    return columns
+
+
+def _number(path: Path, number: int, line: Sequence[str], key: str, place: int, factor: float) -> float:
+    try:
+        value = float(line[place]) * factor
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise BadInput(f"{path}: line {number}: {key} = {line[place]!r}: must be a finite number")
+    return value
+
+
+def _curve(path: Path, shoe: Shoe, points: list[tuple[float, float]]) -> Curve:
+    if len(points) < 2:
+        raise BadInput(f"{path}: shoe {shoe.name!r}: {len(points)} points; must be 2 or more")
+    theta, p = np.array(points).T
+    middle = 0.5 * (shoe.lining.start + shoe.lining.end)
+    theta = middle + (theta - middle + math.pi) % (2 * math.pi) - math.pi  # whole turns do not matter
+    order = np.argsort(theta, kind="stable")
+    theta, p = theta[order], p[order]
+    same = np.diff(theta) <= 0
+    if same.any():
+        raise BadInput(f"{path}: shoe {shoe.name!r}: theta = {_deg(theta[:-1][same][0])} stands twice")
+    return Curve(theta, p)
+
+
+def _deg(angle: float) -> str:
+    return f"{math.degrees(angle):.6g} deg"
+
+
+def check(brake: Brake, known: Reference, curves: dict[str, Curve]) -> list[Verdict]:
+    """The verdict on each shoe. Raises BadInput where the reference is of another brake, or a curve does not reach
+    over its lining up to the edge zones."""
+    if [shoe.name for shoe in known.shoes] != [shoe.name for shoe in brake.shoes]:
+        said = ", ".join(shoe.name for shoe in known.shoes)
+        raise BadInput(f"the reference is of another brake, with the shoes {said}")
+    return [_verdict(brake, spec, shoe, curves[shoe.name]) for spec, shoe in zip(brake.shoes, known.shoes, strict=True)]
+
+
+def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Verdict:
+    inside = known.inside
+    theta, p = known.theta[inside], known.pressure[inside]
+    if not len(theta):
+        raise BadInput(f"shoe {known.name!r}: its lining is shorter than its edge zones; nothing to compare")
+    if curve.theta[0] > theta[0] + 1e-9 or curve.theta[-1] < theta[-1] - 1e-9:
+        raise BadInput(
+            f"shoe {known.name!r}: theta from {_deg(curve.theta[0])} to {_deg(curve.theta[-1])}: must reach "
+            f"from {_deg(theta[0])} to {_deg(theta[-1])}"
+        )
+    off = np.interp(theta, *curve) - p
+    size = math.sqrt(float(p @ p))
+    worst = int(np.abs(off).argmax())
+    peak = known.peak_pressure.value
+    lever = brake.friction * spec.lining.width * brake.drum.radius**2
+    return Verdict(
+        shoe=known.name,
+        distance=math.sqrt(float(off @ off)) / size if size else math.inf if off.any() else 0.0,
+        largest=abs(float(off[worst])) / peak if peak else math.inf if off.any() else 0.0,
+        at=float(theta[worst]),
+        torque=lever * _area(spec, curve),
+        torque_error=abs(lever * float(np.trapezoid(off, theta))) / known.torque.value if known.torque.value else 0.0,
+        floor=known.distance,
+        torque_floor=known.torque.relative,
+    )
+
+
+def _area(shoe: Shoe, curve: Curve) -> float:
+    """Int p dtheta over the lining, by trapezia of the curve's own points."""
+    start, end = shoe.lining.start, shoe.lining.end
+    theta = np.concatenate([[start], curve.theta[(curve.theta > start) & (curve.theta < end)], [end]])
+    return float(np.trapezoid(np.interp(theta, *curve), theta))
+
+
+def within(verdicts: Sequence[Verdict], tolerance: float) -> bool:
+    """Whether p in L2 and the torque of each shoe are within a relative tolerance."""
+    return all(max(v.distance, v.torque_error) <= tolerance for v in verdicts)
+
+
+def lines(verdicts: Sequence[Verdict], tolerance: float) -> list[str]:
+    """The verdicts for people, the last line the verdict on all."""
+    said = [
+        f"shoe {v.shoe!r}: p off by {v.distance:.2%} in L2 (reference known to {v.floor:.1e}), at most by "
+        f"{v.largest:.2%} of the peak, at {_deg(v.at)}; that is {v.torque_error:.2%} of the torque (known to "
+        f"{v.torque_floor:.1e}); torque of its points {v.torque:.7g} N m"
+        for v in verdicts
+    ]
+    return [*said, f"{'within' if within(verdicts, tolerance) else 'NOT within'} {tolerance:.3g} of the reference"]

@@ -1,0 +1,300 @@
+"""Running a brake in: its linings worn by Archard's law, from the elastic pressure of the new to the law of the rigid.
+
+Whatever the elasticity, wear ends where every point of the lining wears as fast as the rigid motions of the shoe close
+the gap, p ~ approach^(1/m) with the exponent m of the wear law: for m = 1 sin(phi) of a hinged shoe, cos(phi) about
+its direction of a guided one, A cos + B sin of one on a pivot of a lever. What remains of elasticity then stands in
+the worn shape. The clearance of `worn` is that shape: every model solves the worn brake as it solves any other.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.optimize
+
+from drumlin.arrays import Floats
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import vary
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.response.response import edge_zone, nodal_peak
+from drumlin.response.resultants import gauss_points
+from drumlin.wear import archard
+from drumlin.wear.archard import WearLaw, WearState
+from drumlin.wear.linings import Surface, WearSetup
+
+COEFFICIENT = 1e-14
+"""k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings. In units of 1/(k E/t) nothing depends
+on it, nor does the part of life."""
+WORN_OUT = 0.8  # part of the lining's thickness that may wear off
+SETTLED = 1e-3
+
+
+class Target(NamedTuple):
+    """What wear tends to: pressure (n,) [Pa] of all unknowns, torque [N m]."""
+
+    pressure: Floats
+    torque: float
+
+
+def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = None) -> Target:
+    """Where all points of each lining wear as its shoe moves: p = (approach . y)^(1/m), in equilibrium.
+
+    torque [N m]: held, else the actuation stays. Raises NoAnswer where the rigid shoe has no equilibrium or would
+    not press everywhere.
+    """
+    exponent = 1.0 if law is None else law.exponent
+    p = np.concatenate([_worn_pressure(setup, surface, exponent) for surface in setup.surfaces])
+    size = sum(float(interface.torque @ p[setup.part(i)]) for i, interface in enumerate(setup.interfaces))
+    return Target(p, size) if torque is None else Target(p * torque / size, torque)
+
+
+def _worn_pressure(setup: WearSetup, surface: Surface, exponent: float) -> Floats:
+    interface = setup.interfaces[surface.interface]
+    C = interface.problem.C[surface.rows, surface.local] / interface.pressure[surface.local]
+    h = interface.problem.h[surface.rows]
+    said = f"shoe {surface.name!r}"
+
+    def pressure(y: Any) -> Floats:
+        v = surface.approach @ y
+        return np.sign(v) * np.abs(v) ** (1 / exponent)
+
+    y = np.linalg.solve(C @ surface.approach, h)
+    if exponent != 1 and len(h) == 1:
+        unit = pressure(np.sign(y))
+        return _pressing(unit * float(h[0] / (C @ unit)[0]), said)
+    if exponent != 1:
+        scale = np.abs(h).max()
+        unit = pressure(y)
+        factor = float(scale / np.abs(C @ unit).max()) ** exponent  # p goes as y^(1/m)
+        found = scipy.optimize.root(lambda z: (C @ pressure(z * y * factor) - h) / scale, np.ones(len(h)), tol=1e-13)
+        if not found.success:
+            raise NoAnswer(f"{said}: no worn-in pressure in equilibrium found")
+        y = found.x * y * factor
+    return _pressing(pressure(y), said)
+
+
+def _pressing(p: Floats, said: str) -> Floats:
+    if p.min() < -1e-9 * np.abs(p).max():
+        raise NoAnswer(f"{said}: worn in, a rigid shoe would not press everywhere, or lock itself")
+    return np.maximum(p, 0.0)
+
+
+class Distance(NamedTuple):
+    """How far a state is from the target: of p (L2, the worst lining's, without one element at each end), of torque."""
+
+    pressure: float
+    torque: float
+
+
+def distance(setup: WearSetup, state: WearState, goal: Target) -> Distance:
+    """The relative distances of a state from the target."""
+    worst = max(
+        norm(s, s.along(state.pressure - goal.pressure)) / norm(s, s.along(goal.pressure)) for s in setup.surfaces
+    )
+    return Distance(worst, state.torque / goal.torque - 1 if goal.torque else 0.0)
+
+
+def norm(surface: Surface, values: Floats) -> float:
+    """L2 norm over theta of values (n,) by growing theta, without one element at each end."""
+    inner = slice(surface.order, len(values) - surface.order)
+    _, v, w = gauss_points(surface.angles[inner], values[inner], surface.order)
+    return math.sqrt(float((v**2 * w).sum()))
+
+
+def settled(setup: WearSetup, goal: Target, within: float = SETTLED) -> Callable[[WearState], bool]:
+    """Whether p and torque of a state are within a fraction of the target."""
+    return lambda state: max(map(abs, distance(setup, state, goal))) <= within
+
+
+def run_in(
+    setup: WearSetup,
+    law: WearLaw | None = None,
+    *,
+    backward: WearSetup | None = None,
+    until: Callable[[WearState], bool] | None = None,
+    **options: Any,
+) -> list[WearState]:
+    """Wear a brake in by `law`, by default Archard's: options as in archard.run; until settled, or over `distance`.
+
+    backward: the setup of the same brake with the drum turning the other way, for `reverse`.
+    """
+    law = law or WearLaw(COEFFICIENT)
+    torque = options.get("torque")
+    if until is None and "distance" not in options:
+        if backward is not None:
+            raise BadInput("a brake whose drum turns both ways does not settle: a distance must be given")
+        until = settled(setup, target(setup, law, torque))
+    return archard.run(
+        setup.interfaces,
+        law,
+        backward=backward.interfaces if backward else (),
+        until=until or (lambda _: False),
+        **options,
+    )
+
+
+def unit_distance(setup: WearSetup, law: WearLaw) -> float:
+    """1/(k K) [m]: the sliding distance over which a rigid shoe's Winkler lining forgets its shape, by e."""
+    return 1 / (law.coefficient * setup.stiffness) if law.coefficient else math.inf
+
+
+def worn(setup: WearSetup, state: WearState) -> Brake:
+    """The brake with the depth worn off added to the clearance of its linings."""
+    changes = {}
+    for surface in setup.surfaces:
+        theta = surface.angles
+        clearance = setup.brake.shoes[surface.shoe].lining.clearance_at(theta) + surface.along(state.depth)
+        changes[f"shoe[{surface.shoe}].lining.clearance"] = np.column_stack([theta, clearance]).tolist()
+    return vary(setup.brake, changes)
+
+
+class Life(NamedTuple):
+    """The sliding distance [m] at which a lining is worn out, and the parts of it after which p and torque stay
+    within `within` of the law; above 1: they never come there.
+    """
+
+    distance: float
+    pressure: float
+    torque: float
+
+
+def life(
+    setup: WearSetup,
+    states: Sequence[WearState],
+    goal: Target,
+    law: WearLaw,
+    within: float = 0.01,
+    part: float = WORN_OUT,
+) -> Life:
+    """How much of a lining's life is spent away from the law.
+
+    The life ends where the deepest wear of a lining reaches `part` of its thickness; beyond the last state all wears
+    at the rate of the law. The lining's own loss of thickness is not fed back into its stiffness.
+    """
+    end = math.inf
+    for surface in setup.surfaces:
+        allowed = part * setup.brake.shoes[surface.shoe].lining.thickness
+        deepest = [float(state.depth[surface.part].max()) for state in states]
+        if deepest[-1] >= allowed:
+            end = min(end, float(np.interp(allowed, deepest, [state.s for state in states])))
+        elif law.coefficient > 0:
+            rate = float(law.rate(goal.pressure[surface.part], 0.0)[0].max())
+            end = min(end, states[-1].s + (allowed - deepest[-1]) / rate)
+    s, far = [state.s for state in states], [distance(setup, state, goal) for state in states]
+    pressure = archard.last_beyond(s, [d.pressure for d in far], within)
+    return Life(end, pressure / end, archard.last_beyond(s, [d.torque for d in far], within) / end)
+
+
+class Checks(NamedTuple):
+    """Balances of a run, relative: its worn volume against the integral of the wear rate (k Int Int p dA ds), and that
+    of the worn shape over the round lining against the energy, V = k W/mu for the exponent 1 (nan for others).
+
+    `ripple`: the largest checkerboard of any state after the first; see archard.ripple.
+    """
+
+    volume: float
+    energy: float
+    ripple: float
+
+
+def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Checks:
+    """The balances and the checkerboard of a run."""
+    end, brake = states[-1], setup.brake
+    area = np.concatenate([interface.area for interface in setup.interfaces])
+    scale = end.removed or 1.0
+    by_energy = math.nan
+    if brake.friction > 0 and law.exponent == 1:
+        shape = sum(
+            brake.shoes[s.shoe].lining.width * brake.drum.radius * _integral(s, s.along(end.depth))
+            for s in setup.surfaces
+        )
+        by_energy = abs(shape - law.coefficient * end.work / (brake.friction * brake.drum.radius)) / scale
+    ripples = [archard.ripple(s.along(state.pressure)) for state in states[1:] for s in setup.surfaces]
+    seen = [ripple for ripple in ripples if not math.isnan(ripple)]
+    return Checks(abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=math.nan))
+
+
+def _integral(surface: Surface, values: Floats) -> float:
+    _, v, w = gauss_points(surface.angles, values, surface.order)
+    return float((v * w).sum())
+
+
+def peak(setup: WearSetup, state: WearState) -> float:
+    """The largest nodal pressure [Pa], more than half a lining's thickness from its ends."""
+    peaks = []
+    for surface in setup.surfaces:
+        theta, p = surface.angles, surface.along(state.pressure)
+        peaks.append(nodal_peak(theta, p, edge_zone(setup.brake.shoes[surface.shoe], setup.brake.drum.radius)))
+    return max(peaks)
+
+
+def as_dict(setup: WearSetup, states: Sequence[WearState], goal: Target, law: WearLaw) -> dict[str, Any]:
+    """A run as plain data for JSON: SI; values of each lining by growing theta."""
+
+    def linings(values: Floats) -> list[list[float]]:
+        return [surface.along(values).tolist() for surface in setup.surfaces]
+
+    return {
+        "model": setup.model,
+        "law": law._asdict(),
+        "unit_distance": unit_distance(setup, law) if law.coefficient else None,
+        "shoes": [{"name": surface.name, "theta": surface.angles.tolist()} for surface in setup.surfaces],
+        "worn_in": {"torque": goal.torque, "pressure": linings(goal.pressure)},
+        "states": [
+            {
+                "distance": state.s,
+                "forward": state.forward,
+                "torque": state.torque,
+                "force": state.force,
+                "peak_pressure": peak(setup, state),
+                "pressure_from_law": distance(setup, state, goal).pressure,
+                "torque_from_law": distance(setup, state, goal).torque,
+                "worn_volume": state.removed,
+                "depth": linings(state.depth),
+                "pressure": linings(state.pressure),
+            }
+            for state in states
+        ],
+    }
+
+
+def report_lines(
+    setup: WearSetup, states: Sequence[WearState], goal: Target, law: WearLaw, lines: int = 24
+) -> list[str]:
+    """A run as lines of text: some of its states, evenly spread, then what became of it."""
+    unit = unit_distance(setup, law)
+    force = setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
+    said = [
+        f"{setup.brake.title}: {setup.model}, {setup.brake.motion}, mu = {setup.brake.friction:g}, "
+        f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:g}, 1/(k K) = {unit * 1e-3:.5g} km",
+        f"{'s [km]':>12}{'s k K':>11}{'torque [N m]':>14}{'force [N]':>12}{'peak p [MPa]':>14}{'p off law [%]':>15}"
+        f"{'T off law [%]':>15}{'worn depth [mm]':>17}",
+    ]
+    for i in sorted({round(x) for x in np.linspace(0, len(states) - 1, lines)}):
+        state = states[i]
+        off = distance(setup, state, goal)
+        said.append(
+            f"{state.s * 1e-3:12.5g}{state.s / unit:11.4g}{state.torque:14.6g}{state.force * force:12.5g}"
+            f"{peak(setup, state) * 1e-6:14.4g}{100 * off.pressure:15.3f}{100 * off.torque:+15.4f}"
+            f"{state.depth.max() * 1e3:17.4g}"
+        )
+    said.append(f"worn in (law): torque {goal.torque:.6g} N m")
+    if law.coefficient > 0:
+        spent = life(setup, states, goal, law)
+        said.append(
+            f"life: {spent.distance * 1e-3:.5g} km to {WORN_OUT:.0%} of the thickness; of it p is more than 1 % off "
+            f"the law for {_part(spent.pressure)}, the torque for {_part(spent.torque)}"
+        )
+    balance = checks(setup, states, law)
+    said.append(
+        f"worn volume {states[-1].removed * 1e9:.5g} mm^3; balance: volume {balance.volume:.1e}, energy "
+        f"{balance.energy:.1e}; checkerboard at most {balance.ripple:.1e}; {len(states) - 1} steps"
+    )
+    return said
+
+
+def _part(share: float) -> str:
+    return (
+        "all of this run" if math.isinf(share) else f"{share:.1%}" if share <= 1 else f"all of it ({share:.3g} lives)"
+    )
