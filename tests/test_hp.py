@@ -216,8 +216,7 @@ def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(bra
     response = solve(half)
     assert response.error["pressure"] <= DEFAULT.pressure
     assert response.error["torque"] <= DEFAULT.torque
-    assert set(response.error) == {"pressure", "torque"}
-    assert set(response.shoes[0].error) == {"pressure", "torque", "peak_pressure", "hinge_reaction"}
+    assert set(response.error) == set(response.shoes[0].error) == {"pressure", "torque", "peak", "reaction"}
     fine = [step.response for step in steps(half, respond)][3]
     for shoe, a, b in zip(half.shoes, response.shoes, fine.shoes, strict=True):
         assert pressure_distance(a, b) < response.error["pressure"]

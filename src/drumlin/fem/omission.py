@@ -5,7 +5,7 @@ To first order it is the pressure's answer to the gap  F p  that the omitted fle
 it goes as the ratio of stiffnesses; but contact may also open or close, and nothing is calibrated.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -207,30 +207,23 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond) -> Response:
         seen = change(found, respond(with_closed_forms(used[0], brake), brake, start=found))
     except NoAnswer:  # of the simpler brake, or of the whole one: then it says so itself
         return adapt(brake, whole, respond)
-    assert found.error is not None
     largest = Change(*map(max, predicted, seen))
-    error = {
-        "pressure": found.error["pressure"] + SAFETY * largest.pressure,
-        "torque": found.error["torque"] + SAFETY * largest.shoes,
-    }
-    if not max(error.values()) <= tolerance:
+    more = {"pressure": largest.pressure, "torque": largest.each, "peak": largest.peak, "reaction": largest.reaction}
+    shoes = tuple(replace(shoe, error=_with(shoe.error, more)) for shoe in found.shoes)
+    error = _with(found.error, more | {"torque": largest.shoes})
+    if not max(error["pressure"], error["torque"]) <= tolerance:
         return adapt(brake, whole, respond)
-    own = {
-        "pressure": largest.pressure,
-        "torque": largest.each,
-        "peak_pressure": largest.peak,
-        "hinge_reaction": largest.reaction,
-    }
-    shoes = tuple(
-        replace(shoe, error={name: value + SAFETY * own[name] for name, value in (shoe.error or {}).items()})
-        for shoe in found.shoes
-    )
     lines = [
         f"{' and '.join(names)}: taken as rigid, predicted to change torque by at most {predicted.shoes:.1e}, "
         f"p by {predicted.pressure:.1e} (L2); on the final mesh {seen.shoes:.1e} and {seen.pressure:.1e}"
     ]
     kept = [line for line in found.left_out if line not in assembly.lacking(simple)]
     return replace(found, error=error, shoes=shoes, left_out=(*kept, *assembly.lacking(brake), *lines))
+
+
+def _with(error: Mapping[str, float] | None, more: Mapping[str, float]) -> dict[str, float]:
+    """Errors with what was left out."""
+    return {name: value + SAFETY * more[name] for name, value in (error or {}).items()}
 
 
 def _size(predicted: Change) -> float:

@@ -55,7 +55,7 @@ class ShoeResponse:
     `pivot_reaction` (2,) [N] is the force of the pivot on the shoe, where there is one; `lumped` the contact's
     forces, where a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
     `deformation` of beam and ring, of the foundation model. `error`: estimated relative errors "pressure" (L2 outside
-    the edge zones), "torque", "peak_pressure" and "hinge_reaction", None where nothing was estimated.
+    the edge zones), "torque", "peak" and "reaction", None where nothing was estimated.
 
     Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
     """
@@ -278,9 +278,10 @@ def pressed_shoe(
 
 
 def edge_zone(shoe: Shoe, radius: float) -> float:
-    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep; at most a
-    quarter of its length."""
-    return min(shoe.lining.thickness / (2 * radius), 0.25 * (shoe.lining.end - shoe.lining.start))
+    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep; a quarter of
+    its length where that is all of it."""
+    zone, length = shoe.lining.thickness / (2 * radius), shoe.lining.end - shoe.lining.start
+    return zone if 2 * zone < length else 0.25 * length
 
 
 def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:

@@ -61,8 +61,10 @@ def adapt(brake: Brake, tolerance: Tolerance, respond: Respond, *, must: bool = 
 
 
 class Errors(NamedTuple):
-    """Relative errors: "pressure" (the worst shoe's) and "torque" of the `brake`; of each of the `shoes` "pressure",
-    "torque", "peak_pressure" and "hinge_reaction"."""
+    """Relative errors of each of the `shoes`, and of the `brake`: of its torque, and the worst shoe's others.
+
+    By QUANTITIES: p in L2 outside the edge zones, torque, peak pressure, hinge reaction.
+    """
 
     brake: Mapping[str, float]
     shoes: tuple[Mapping[str, float], ...]
@@ -81,10 +83,11 @@ def estimate(responses: Sequence[Response], floor: float = 0.0) -> Errors:
     found = np.where(found > 0, found + floor, found)
     count = len(responses[-1].shoes)
     shoes = tuple(dict(zip(QUANTITIES, row.tolist(), strict=True)) for row in found[1:].reshape(count, -1))
-    return Errors({"pressure": max(shoe["pressure"] for shoe in shoes), "torque": float(found[0])}, shoes)
+    worst = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
+    return Errors(worst | {"torque": float(found[0])}, shoes)
 
 
-QUANTITIES = ("pressure", "torque", "peak_pressure", "hinge_reaction")
+QUANTITIES = ("pressure", "torque", "peak", "reaction")
 
 
 def distances(a: Response, b: Response) -> Floats:

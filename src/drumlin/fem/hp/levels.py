@@ -14,20 +14,11 @@ from drumlin.response.response import Response
 
 DEG = math.pi / 180
 LEVELS = (
-    Level(3, zone=0.6, edge=0.1, end=0.15, ratio=0.25, largest=20 * DEG, face=0.35, back=1, hinge=1, through=0.15),
-    Level(3, zone=0.2, edge=0.1, end=0.05, ratio=0.4, largest=20 * DEG, face=0.25, back=0.6, hinge=0.6, through=0.16),
-    Level(
-        4, zone=0.07, edge=0.05, end=0.03, ratio=0.42, largest=16 * DEG, face=0.08, back=0.35, hinge=0.35, through=0.18
-    ),
-    Level(
-        5, zone=0.025, edge=0.02, end=0.012, ratio=0.45, largest=15 * DEG, face=0.03, back=0.2, hinge=0.2, through=0.2
-    ),
-    Level(
-        6, zone=8e-3, edge=8e-3, end=4e-3, ratio=0.45, largest=15 * DEG, face=0.012, back=0.1, hinge=0.1, through=0.22
-    ),
-    Level(
-        7, zone=3e-3, edge=3e-3, end=2e-3, ratio=0.45, largest=15 * DEG, face=5e-3, back=0.05, hinge=0.05, through=0.22
-    ),
+    Level(3, zone=0.6, edge=0.12, end=0.15, ratio=0.25, largest=20 * DEG, face=0.35, back=0.6, hinge=0.6, through=0.15),
+    Level(4, zone=0.2, edge=0.06, end=0.05, ratio=0.35, largest=20 * DEG, face=0.2, back=0.25, hinge=0.25, through=0.16),
+    Level(5, zone=0.07, edge=0.025, end=0.02, ratio=0.4, largest=16 * DEG, face=0.08, back=0.09, hinge=0.09, through=0.17),
+    Level(6, zone=0.025, edge=0.01, end=0.008, ratio=0.42, largest=15 * DEG, face=0.03, back=0.03, hinge=0.03, through=0.18),
+    Level(7, zone=0.008, edge=0.004, end=0.003, ratio=0.45, largest=15 * DEG, face=0.012, back=0.011, hinge=0.011, through=0.2),
 )
 """Each has about a quarter of the error of the one before it."""
 MOST_PASSES = 8
