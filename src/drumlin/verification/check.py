@@ -15,7 +15,7 @@ from drumlin.brake.units import LARGEST, to_si
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
 from drumlin.files import read_text
-from drumlin.response.response import Response
+from drumlin.response.response import Response, ShoeResponse
 from drumlin.verification.reference import LARGEST_FILE, Reference, ShoeReference
 
 QUANTITIES = {"theta": "rad", "p": "Pa"}
@@ -49,15 +49,21 @@ class Verdict(NamedTuple):
 
 
 def curves_text(response: Response, flat: bool = False) -> str:
-    """The pressures of a response as a CSV table that `read_curves` takes, at its own nodes; `flat`: over places x."""
+    """The pressures of a response as a CSV table that `read_curves` takes, `flat`: over places x."""
     place, per_unit = ("x [mm]", 1e3) if flat else ("theta [deg]", math.degrees(1))
     return as_csv(
         [
             {"shoe": shoe.name, place: f"{x:.12g}", "p [MPa]": f"{p:.12g}"}
             for shoe in response.shoes
-            for x, p in zip(shoe.theta * per_unit, shoe.pressure * 1e-6, strict=True)
+            for x, p in zip(*curve_of(shoe, per_unit), strict=True)
         ]
     )
+
+
+def curve_of(shoe: ShoeResponse, per_unit: float) -> tuple[Floats, Floats]:
+    """The curve of a shoe: places, in units of which there are so many to SI's, and p [MPa]."""
+    theta, p = shoe.curve()
+    return theta * per_unit, p * 1e-6
 
 
 def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:

@@ -97,7 +97,7 @@ def _unknowns(scene: Scene) -> int:
     return sum(body.unknowns for body in bodies) + (0 if scene.ring is None else int(2 * scene.ring.basis.N))
 
 
-def _adapted(brake: Brake, *, tolerance: float, kind: str = DEFAULT_KIND) -> Solved:
+def _adapted(brake: Brake, *, tolerance: float, kind: str | None = None) -> Solved:
     return Solved(solve(brake, tolerance=tolerance, kind=kind, penalty=math.inf))
 
 
