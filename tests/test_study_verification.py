@@ -17,3 +17,4 @@ def test_orders_and_estimates(tmp_path):
         assert row["true"] < 1.5 * row["tolerance"]
     text = module.report(result, tmp_path).read_text()
     assert "Observed orders" in text and "estimate over truth" in text
+    assert "Benchmark ladder" in text and "failed: outside" not in text

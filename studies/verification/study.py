@@ -1,4 +1,4 @@
-"""How fast do the finite elements converge, and can their error estimate be believed?"""
+"""How fast do the finite elements converge, can their error estimate be believed, and what is right beyond doubt?"""
 
 import math
 import time
@@ -13,6 +13,7 @@ from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.page import fill
+from drumlin.verification import ladder
 from drumlin.verification.orders import distance, estimate_row, order_rows
 
 HERE = Path(__file__).parent
@@ -24,11 +25,12 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 class Result(NamedTuple):
-    """Errors over the meshes of every kind, and estimates against true errors."""
+    """Errors over the meshes of every kind, estimates against true errors, and cases with known answers."""
 
     orders: list[dict[str, Any]]
     estimates: list[dict[str, Any]]
     floor: dict[str, float]
+    ladder: list[dict[str, Any]]
     seconds: float
 
 
@@ -50,7 +52,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         for tolerance in tolerances:
             say(f"{case}: tolerance {tolerance:g}")
             estimates.append(estimate_row(brake, case, tolerance, reference, floor[case]))
-    return Result(orders, estimates, floor, time.perf_counter() - start)
+    say("benchmark ladder")
+    known = [ladder.row(case) for case in ladder.CASES]
+    return Result(orders, estimates, floor, known, time.perf_counter() - start)
 
 
 def report(result: Result, folder: Path) -> Path:
@@ -63,4 +67,7 @@ def report(result: Result, folder: Path) -> Path:
         figures.save(figures.convergence(series, "error of p in L2"), folder / f"orders_{i + 1}.svg")
     write_text(folder / "orders.csv", as_csv(result.orders))
     write_text(folder / "estimates.csv", as_csv(result.estimates))
-    return fill(HERE / "page.html", folder / "index.html", result=result, cases=list(CASES))
+    write_text(folder / "ladder.csv", as_csv(result.ladder))
+    return fill(
+        HERE / "page.html", folder / "index.html", result=result, cases=list(CASES), families=len(ladder.families())
+    )

@@ -33,7 +33,7 @@ def persson_pressure(b: float, theta: Floats) -> Floats:
 
 
 def westergaard(mean: float, full: float, psi: Floats) -> Floats:
-    """p at psi = pi x/lambda of a wavy half-plane under a mean pressure (Westergaard 1939); `full`: p* = pi E* d/lambda.
+    """p at psi = pi x/lambda of a wavy half-plane under a mean pressure (Westergaard 1939), p* = `full`.
 
     For mean >= p* all is in contact, p = mean + p* cos 2 psi.
     """
@@ -144,16 +144,6 @@ def bonded_layer(E: float, nu: float, thickness: float) -> float:
 def flat_punch(load: float, half: float, x: Floats) -> Floats:
     """p (n,) under a rigid frictionless flat punch (Sadowsky 1928): P/(pi sqrt(a^2 - x^2)), |x| < a."""
     return np.asarray(load / (math.pi * np.sqrt(half**2 - x**2)))
-
-
-def winkler_plate(load: float, arm: float, length: float) -> tuple[float, float]:
-    """Length [m] in contact and largest pressure [Pa] of a rigid plate on springs, loaded off its kernel.
-
-    `arm`: distance of the load from the pressed edge, at most length/3: p is a triangle of the length 3 arm.
-    """
-    if not 0 < arm <= length / 3:
-        raise ValueError(f"arm = {arm:g}: must be in (0, length/3]")
-    return 3 * arm, 2 * load / (3 * arm)
 
 
 def equivalent_block(half: float) -> float:

@@ -1,4 +1,4 @@
-"""The ladder's elastic bodies and numerical methods: stiffness, rates of convergence, rings, extrapolation, equations."""
+"""The ladder's elastic bodies and numerical methods: stiffness, orders, rings, extrapolation, equations."""
 
 import math
 from functools import cache, partial

@@ -185,7 +185,7 @@ CASES = (
          1e6, 5e-4, DISCRETE, lambda: _pressed_rings(1)[1]),
     Case("thin bonded lining", "lining as springs", "E/((1 - nu^2) t) in the limit", "stiffness [Pa/m]",
          closed_forms.bonded_layer(LINING.E, LINING.nu, 1e-3), 5e-3, MODEL, _bonded_layer),
-    *(Case(f"sharp edge, nu = {nu}", "singular pressure", "eigenvalue of the corner (Williams 1952)",
-           f"lambda, mu = {mu}", closed_forms.corner_exponent(mu, nu), 1e-2, DISCRETE,
+    *(Case("sharp sliding edge", "singular pressure", "eigenvalue of the corner (Williams 1952)",
+           f"lambda, nu = {nu}, mu = {mu}", closed_forms.corner_exponent(mu, nu), 1e-2, DISCRETE,
            partial(_edge_exponent, mu, nu)) for nu, mu in ((0.1, 0.3), (0.3, 0.3), (0.3, 0.5), (0.45, 0.3))),
 )  # fmt: skip
