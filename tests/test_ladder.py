@@ -2,9 +2,14 @@
 
 import math
 
+import numpy as np
 import pytest
+from pytest import approx
 
+from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK
+from drumlin.verification import closed_forms
 from drumlin.verification.ladder import CASES, families, within
+from drumlin.verification.ladder_friction import pressed_plate
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.family}: {case.quantity}".replace(" ", "_"))
@@ -21,6 +26,12 @@ def test_the_ladder_has_forty_families_each_with_its_source():
     assert all(case.source and case.shows for case in CASES)
     assert len({(case.family, case.quantity) for case in CASES}) == len(CASES)
     assert all(0 < case.tolerance <= 0.03 for case in CASES)
+
+
+def test_the_plate_sticks_slips_and_lifts_off_at_once():
+    states = pressed_plate().states
+    assert {OPEN, STICK} <= states
+    assert states & {FORWARD, BACKWARD}
 
 
 def test_the_clearance_and_the_pressure_of_the_disc_agree():
