@@ -173,7 +173,8 @@ class Plate(NamedTuple):
 def pressed_plate() -> Plate:
     """An elastic plate, on a plane of symmetry at x = 0, pressed on a rigid plane at mu = 1 and pushed from its side.
 
-    The geometry of Raous, Chabrand & Lebon (1988): 40 by 40, E = 130, nu = .2, 5 downwards and 10 from the side.
+    After Raous, Chabrand & Lebon (1988): 40 by 40, nu = .2, 5 MPa downwards and 10 MPa from the side. About the corner
+    at O neither tractions along the plane nor what is held up there have a moment.
     """
     L, mu = 40.0, 1.0
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
@@ -188,7 +189,7 @@ def pressed_plate() -> Plate:
     )
     f = np.zeros((basis.N, 2))
     f[:, 1] -= 5e6 * _edge(x, np.flatnonzero(y > L - 1e-9))
-    f[:, 0] += 10e6 * _edge(y, np.flatnonzero(x > L - 1e-9))
+    f[:, 0] -= 10e6 * _edge(y, np.flatnonzero(x > L - 1e-9))
     N, T = plate.coupling.N, plate.coupling.T
     n = len(N)
     on = np.column_stack([2 * plate.line.nodes, 2 * plate.line.nodes + 1]).ravel()
@@ -202,10 +203,8 @@ def pressed_plate() -> Plate:
     )  # fmt: skip
     found = stick_slip.solve(problem, mu, History(np.zeros(n), np.zeros(n)), np.full(n, STICK))
     whole = u @ np.concatenate([[1.0], -found.p, found.t])
-    left_out = np.zeros((basis.N, 2))
-    left_out[left] = (plate.K @ whole).reshape(-1, 2)[left]
-    left_out[plate.line.nodes] *= (x[plate.line.nodes] > 1e-9)[:, None]
-    total = left_out + f
+    total = f.copy()
+    total[left] = (plate.K @ whole).reshape(-1, 2)[left]  # with what holds them
     others = float((x * total[:, 1] - y * total[:, 0]).sum())
     pressures = (-N.T @ found.p).reshape(-1, 2)
     return Plate(float((plate.line.xy[0] * pressures[:, 1]).sum() / -others), frozenset(int(s) for s in found.state))
