@@ -162,6 +162,21 @@ def _belt(mu: float, wrap: float) -> float:
     return float(np.array([-math.sin(wrap), math.cos(wrap)]) @ reaction)
 
 
+def _flat_patch(turned: float) -> float:
+    """Largest pressure [Pa] of a strip of height 1, nu = 0, pressed by .05 on a plane at an inclination."""
+    c, s = math.cos(turned), math.sin(turned)
+    grid = skfem.MeshQuad.init_tensor(np.array([0, 0.4, 0.5, 1.0]), np.array([0, 0.3, 1.1, 2.0]))
+    mesh = _meshed(grid, lambda d, x: np.array([3 + c * x - s * d, 1 + s * x + c * d]), lambda d, x: d > 1 - 1e-9)
+    top = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
+    directions = _along(np.array([s, -c]), np.array([c, s]))
+    strip = Flexible.of(mesh, Material(E=2e6, nu=0.0), np.concatenate([2 * top, 2 * top + 1]), directions, 0.3)
+    N, M = strip.coupling.N, strip.coupling.M
+    on, n = np.column_stack([2 * strip.line.nodes, 2 * strip.line.nodes + 1]).ravel(), len(M)
+    A = N @ strip.moved(strip.spread(N))[on]
+    none = np.zeros((n, 0))
+    return float(active_set.solve(active_set.Problem(A, M @ np.full(n, -0.05), none, none.T, np.zeros(0))).p.max())
+
+
 class Plate(NamedTuple):
     """Moment of the plane's pressures about the plate's corner over that of all other forces; states of its nodes."""
 
@@ -293,6 +308,9 @@ CASES = (
            min(100 * shift, 5.0), 1e-12, EXACT, partial(_traction, shift)) for shift in (0.02, 0.05, 0.2)),
     Case("closed loop of slip", "dissipation", "area of the loop, 4 mu p (s - mu p/k)", "energy [J]",
          4 * 0.5 * 10 * (0.2 - 0.5 * 10 / 100), 1e-9, EXACT, _loop),
+    *(Case("flat patch test", "even pressure", "El-Abbasi & Bathe 2001: E times the strain -.05",
+           f"largest p [Pa], inclined by {turned} rad", 1e5, 1e-10, EXACT, partial(_flat_patch, turned))
+      for turned in (0.0, 0.4)),
     Case("block on a wedge", "direction of friction", "NAFEMS CGS-4: (tan a + mu)/(1 - mu tan a)", "push over weight",
          0.412371, 1e-6, PRINTED, _wedge),
     Case("tangentially loaded cylinders", "partial slip", "Cattaneo 1938, Mindlin 1949: c/a = sqrt(1 - Q/(mu P))",
