@@ -8,6 +8,7 @@ import numpy as np
 
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import AnyBrake
 from drumlin.laws import locking_friction
 from drumlin.laws.shapes import LAWS, equivalent_friction, m_and_n, pivot_radius
 from drumlin.laws.simscape import DoubleShoe
@@ -19,8 +20,8 @@ from drumlin.verification.ladder_case import EXACT, PRINTED, Case
 from drumlin.verification.textbook_brakes import hinged, lever_block, pad
 
 
-def _solve(model: str, brake: object) -> Response:
-    return MODELS[model].solve(brake)  # type: ignore[arg-type]
+def _solve(model: str, brake: AnyBrake) -> Response:
+    return MODELS[model].solve(brake)
 
 
 def _shigley_16_2() -> float:
