@@ -53,7 +53,7 @@ def sweep(
         except NoAnswer as error:
             raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
         except (KeyboardInterrupt, Stopped) as stop:
-            stop.addnote(f"{len(journal)} {kept}")
+            stop.add_note(f"{len(journal)} {kept}")
             raise
     write_table(table(made.cases, rows, sweep_file.parent.resolve()), table_file)
     failed = Counter(row["status"].removeprefix("failed: ") for row in rows if row["status"] != "solved")
