@@ -278,8 +278,8 @@ def pressed_shoe(
 
 
 def edge_zone(shoe: Shoe, radius: float) -> float:
-    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep; a quarter of
-    its length where that is all of it."""
+    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep; a quarter
+    of its length where that is all of it."""
     zone, length = shoe.lining.thickness / (2 * radius), shoe.lining.end - shoe.lining.start
     return zone if 2 * zone < length else 0.25 * length
 
