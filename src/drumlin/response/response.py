@@ -261,6 +261,8 @@ def pressed_shoe(
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure, zone = theta[forward], pressure[forward], edge_zone(shoe, radius)
     peak = largest(theta, pressure, order, zone) if located else nodal_peak(theta, pressure, zone)
+    if not peak > 0:  # pressed at its ends alone
+        peak = largest(theta, pressure, order)
     return ShoeResponse(
         name=shoe.name,
         torque=torque,
