@@ -10,8 +10,8 @@ from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput
 from drumlin.fem import omission
-from drumlin.fem.hp.adapt import Tolerance, adapt
 from drumlin.fem.assembly import prepare
+from drumlin.fem.hp.adapt import Tolerance, adapt
 from drumlin.fem.model import respond
 from drumlin.fem.omission import change, predict, scene_without, simplified
 from drumlin.fem.reduced import ring_modes, sketcher

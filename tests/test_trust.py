@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -80,14 +81,14 @@ def test_a_shoe_is_not_taken_as_rigid_where_that_cannot_be_judged(tmp_path):
     json.dumps(response.as_dict(), allow_nan=False)
 
 
-@pytest.mark.parametrize(("value", "fine"), [(0.0, True), (1e-9, True), (1e-320, False), (1e-12, False)])
-def test_friction_is_nothing_or_large_enough_to_divide_by(value, fine):
-    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
-    if fine:
-        assert vary(brake, {"friction": value}).friction == value
-    else:
-        with pytest.raises(BadInput, match=r"friction = .*: must be 0, or at least 1e-09"):
-            vary(brake, {"friction": value})
+@pytest.mark.parametrize("model", ["fem", "sine", "foundation"])
+@pytest.mark.parametrize("friction", [1e-320, 1e-300, 1e-160, 1e-12])
+def test_next_to_no_friction_leaves_numbers(model, friction):
+    name = "post_brake" if model == "foundation" else "double_shoe"
+    brake = vary(drumlin.read_brake(f"studies/{name}/brake.toml"), {"friction": friction})
+    response = drumlin.solve(brake, model)
+    json.dumps(response.as_dict(), allow_nan=False)
+    assert 0 < response.torque < 1e7 * friction
 
 
 BEYOND = """
@@ -121,3 +122,67 @@ def test_eta_is_its_own_formula_wherever_the_lining_lies(tmp_path, start, end, r
     merit = drumlin.solve(brake, elements=20).merits[0]
     if merit.m is not None:
         assert merit.mechanical_advantage == pytest.approx(1 / (merit.m - merit.double_delta * merit.n), rel=1e-5)
+
+
+def test_shoes_that_lie_in_each_other_are_said():
+    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
+    changes = {"shoe[1].lining.start": "40 deg", "shoe[1].lining.end": "165 deg"}
+    changes |= {"shoe[1].body.start": "35 deg", "shoe[1].body.end": "170 deg", "friction": 0.1}
+    for model in ("fem", "cosine"):
+        assert not any("lie in each other" in note for note in drumlin.solve(brake, model).notes)
+        found = [n for n in drumlin.solve(vary(brake, changes), model).notes if "lie in each other" in n]
+        assert len(found) == 1
+        assert "'right' and 'left'" in found[0]
+        assert "from 40 deg to 55 deg" in found[0]
+
+
+def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
+    """p/E: 5 % is beyond small strains; ten times the lining's thickness is no answer."""
+    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
+    small = drumlin.solve(brake, elements=20)
+    E = 300e6
+    strain = small.shoes[1].peak_pressure / E
+    assert not any("strained" in note for note in small.notes)
+    said = drumlin.solve(vary(brake, {"shoe.actuation.force": 2000 * 0.06 / strain}), elements=20)
+    assert any(note.startswith("warning: shoe 'left': the lining is strained by up to 6 %") for note in said.notes)
+    with pytest.raises(NoAnswer, match="pressed in by 11 times its thickness"):
+        drumlin.solve(vary(brake, {"shoe.actuation.force": 2000 * 11 / strain}), elements=20)
+
+
+def _meshed(tmp_path, change):
+    """The right shoe of the main brake with a mesh of its own, whose groups or nodes are changed."""
+    from drumlin.fem.assembly import prepare
+    from drumlin.fem.mesh.file import write_mesh
+
+    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
+    brake = brake.model_copy(update={"shoes": brake.shoes[:1]})
+    mesh = change(prepare(brake, elements=20).bodies[0].mesh)
+    path = tmp_path / "shoe.msh"
+    write_mesh(path, mesh, brake.shoes[0])
+    return vary(brake, {"shoe[0].mesh": path})
+
+
+def test_a_mesh_with_hinge_and_actuation_swapped_is_refused(tmp_path):
+    def swapped(mesh):
+        names = {"hinge": "actuation", "actuation": "hinge"}
+        return replace(mesh, _boundaries={names.get(name, name): where for name, where in mesh.boundaries.items()})
+
+    with pytest.raises(BadInput, match="swapped"):
+        drumlin.solve(_meshed(tmp_path, swapped))
+
+
+@pytest.mark.parametrize(("depth", "outcome"), [(0.0, "fine"), (0.2e-3, "warning"), (1.0e-3, "refused")])
+def test_a_mesh_that_lies_in_the_drum_is_said_and_then_refused(tmp_path, depth, outcome):
+    """The lining is 8 mm thick: a hundredth of that is said, a tenth must be meant."""
+
+    def pressed(mesh):
+        r = np.hypot(*mesh.doflocs)
+        return replace(mesh, doflocs=mesh.doflocs * (1 + depth / 0.150 * (r / 0.150) ** 40))
+
+    brake = _meshed(tmp_path, pressed)
+    if outcome == "refused":
+        with pytest.raises(BadInput, match="mesh_interference"):
+            drumlin.solve(brake)
+        brake = vary(brake, {"shoe[0].mesh_interference": True})
+    notes = drumlin.solve(brake).notes
+    assert any("in the drum" in note for note in notes) == (outcome != "fine")

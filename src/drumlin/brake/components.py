@@ -6,7 +6,6 @@ from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
-    AfterValidator,
     Discriminator,
     Field,
     Tag,
@@ -31,16 +30,7 @@ from drumlin.brake.fields import (
 )
 from drumlin.brake.units import deg
 
-LEAST_FRICTION = 1e-9  # but for 0: figures of merit divide by the torque
-
-
-def _friction(value: float) -> float:
-    if 0 < value < LEAST_FRICTION:
-        raise ValueError(f"must be 0, or at least {LEAST_FRICTION:g}")
-    return value
-
-
-Friction = Annotated[float, Field(ge=0, le=1e6, strict=True), AfterValidator(_friction)]
+Friction = Annotated[float, Field(ge=0, le=1e6, strict=True)]
 """A friction coefficient."""
 
 

@@ -21,6 +21,7 @@ from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, e
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
+from drumlin.files import content_digest
 from drumlin.response.resultants import cross
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
@@ -121,11 +122,11 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     )
 
 
-class Kept:
-    """What was made last, by what it was made from, so that the next scenes need not make it again.
+class Cache:
+    """Bodies that were made last, by what they were made from, so that the next scenes need not make them again.
 
-    A value depends on its key alone, never on what else was made before. `room` [bytes]: beyond it the value that
-    was used longest ago goes first; the one in use always stays.
+    A body depends on its key alone, never on what else was made before. `room` [bytes]: beyond it the body that was
+    used longest ago goes first; the one in use always stays. (functools.lru_cache counts entries, not bytes.)
     """
 
     def __init__(self, room: int = ROOM) -> None:
@@ -140,6 +141,11 @@ class Kept:
         while len(self._values) > 1 and sum(bytes_ for bytes_, _ in self._values.values()) > self._room:
             self._values.popitem(last=False)
         return self._values[key][1]
+
+
+def content(shoe: Shoe) -> str | None:
+    """A digest of a shoe's mesh file, which may change under its name."""
+    return None if shoe.mesh is None else content_digest(shoe.mesh)
 
 
 def bare(brake: Brake) -> Brake:
@@ -176,13 +182,13 @@ def prepare(
     elements: int = ELEMENTS,
     kind: str = DEFAULT_KIND,
     mesher: Mesher | None = None,
-    kept: Kept | None = None,
+    cache: Cache | None = None,
 ) -> Scene:
     """Mesh and condense the bodies of a brake; shoes of one shape share one body.
 
     elements: number along each parametric lining; kind: "quad2", "quad1", "tri2" or "tri1"; mesher: what makes
     the mesh of a shoe without a file in the place of shoe_mesh: `elements` then count for an elastic ring only.
-    kept: bodies of earlier scenes, taken from there and put there; not with a mesher. Raises BadInput for a brake
+    cache: bodies of earlier scenes, taken from there and put there; not with a mesher. Raises BadInput for a brake
     that finite elements do not cover, and for a mesh file that cannot serve.
     """
     reason = why_not(brake)
@@ -193,14 +199,14 @@ def prepare(
     seconds: Seconds = {}
     made: dict[tuple[object, ...], Body] = {}
     bodies = []
-    kept = Kept() if kept is None or mesher is not None else kept
+    cache = Cache() if cache is None or mesher is not None else cache
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
     setting = (elements, kind)
     for shoe in brake.shoes:
         key = shape_of(brake, shoe)
         if key not in made:
-            made[key] = kept.get(
-                (_bare(shoe), brake.drum.radius, brake.friction > 0, setting),
+            made[key] = cache.get(
+                (_bare(shoe), brake.drum.radius, brake.friction > 0, setting, content(shoe)),
                 partial(_body, brake, shoe, mesher, seconds),
                 _bytes,
             )
@@ -210,7 +216,8 @@ def prepare(
     if brake.drum.ring is not None:
         with clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
-            ring = kept.get((bare(brake), setting), partial(ring_body, brake, brake.drum.ring, lines, elements), _bytes)
+            key = (bare(brake), setting, *map(content, brake.shoes))
+            ring = cache.get(key, partial(ring_body, brake, brake.drum.ring, lines, elements), _bytes)
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:

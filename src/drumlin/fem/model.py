@@ -5,12 +5,14 @@ force, line of action, clearance and penalty, in milliseconds on the same scene.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import (
     Scene,
@@ -25,6 +27,7 @@ from drumlin.fem.refinement import Refined, refine, whole
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, relative_balance, untouched, worst
 from drumlin.response.resultants import cross
 
+OVERLAP = 0.01  # of the lining's thickness, from which on a mesh that lies in the drum is said
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
 lining's own compression p t/E, and the pressure is off by about as much; each response states by how much."""
@@ -63,7 +66,7 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         iterations=max(answer.steps for answer in answers.values()),
         seconds=seconds,
         left_out=scene.left_out,
-        notes=tuple(answers[i].note for i in sorted(answers)),
+        notes=(*_overlaps(scene, brake), *(answers[i].note for i in sorted(answers))),
     )
 
 
@@ -89,6 +92,17 @@ class _Answer:
     balance: Balance
     steps: int
     note: str
+
+
+def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
+    """A warning for each shoe's own mesh that lies in the drum."""
+    for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
+        deep = float((shoe.sign * (np.hypot(*body.line.xy) - brake.drum.radius)).max())
+        if shoe.mesh is not None and deep > OVERLAP * shoe.lining.thickness:
+            yield (
+                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the drum; "
+                "its pressure is that of the lining squeezed out of there"
+            )
 
 
 def _untouched(shoe: Shoe) -> _Answer:

@@ -5,7 +5,7 @@ from functools import partial
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput
 from drumlin.fem.adapt import adapt as adapt_meshes
-from drumlin.fem.assembly import ELEMENTS, Kept, prepare
+from drumlin.fem.assembly import ELEMENTS, Cache, prepare
 from drumlin.fem.hp.adapt import DEFAULT, adapt
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, respond
@@ -21,14 +21,14 @@ def solve(
     kind: str | None = None,
     tolerance: float | None = None,
     penalty: float = PENALTY,
-    kept: Kept | None = None,
+    cache: Cache | None = None,
 ) -> Response:
     """Divide, condense and solve a brake, finer and finer until its estimated errors are below a tolerance.
 
     tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the division and
     of what is left out for it; NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is
     reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind`
-    on meshes of that kind. BadInput is raised for elements and a tolerance together. kept: bodies of earlier solves on
+    on meshes of that kind. BadInput is raised for elements and a tolerance together. cache: bodies of earlier solves on
     meshes, see `prepare`.
     """
     answer = partial(respond, penalty=penalty)
@@ -43,5 +43,5 @@ def solve(
         found = adapt(brake, DEFAULT, answer, must=False)
     else:
         elements = ELEMENTS if elements is None else elements
-        found = answer(prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, kept=kept), brake)
+        found = answer(prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache), brake)
     return with_merits(brake, found)

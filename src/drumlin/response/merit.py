@@ -18,6 +18,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
+from drumlin.response.limits import warnings
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse, contact_resultant
 from drumlin.response.resultants import cross, integrate
 
@@ -66,7 +67,8 @@ def _near(angle: float, shoe: Shoe) -> float:
 
 
 def _over(a: float, b: float) -> float | None:
-    return a / b if b else None
+    """a / b; None where that is no number, or too large for one."""
+    return a / b if b and math.isfinite(a / b) else None
 
 
 def barecki_shoe_factor(mu: Values, angle: Values, psi: Values, delta: Values, gamma: Values, sense: int) -> Floats:
@@ -94,13 +96,14 @@ def flat_merit(brake: FlatBrake, index: int, response: ShoeResponse) -> FlatMeri
 
 
 def with_merits(brake: AnyBrake, response: Response) -> Response:
-    """The response with the figures of merit of its shoes and, on a drum, the load of the drum's bearings."""
+    """The response with the figures of merit of its shoes, the load of a drum's bearings, and warnings as notes."""
     shoes = enumerate(response.shoes)
     if isinstance(brake, FlatBrake):
         return replace(response, merits=tuple(flat_merit(brake, i, shoe) for i, shoe in shoes))
     return replace(
         response,
         merits=tuple(merit(brake, i, shoe) for i, shoe in shoes),
+        notes=(*warnings(brake, {shoe.name: shoe.peak_pressure for shoe in response.shoes}), *response.notes),
         bearing_load=-np.sum(
             [contact_resultant(brake, i, shoe).force for i, shoe in enumerate(response.shoes)], axis=0
         ),

@@ -11,6 +11,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import FlatShoe
 from drumlin.errors import NoAnswer
+from drumlin.response.limits import check_strain
 from drumlin.response.resultants import Resultant, contact_arcs, cross, largest, resultant
 from drumlin.response.show import as_html, as_text, plot
 
@@ -256,13 +257,14 @@ def pressed_shoe(
     """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
 
     radius: of the drum [m]; located: the ends of the contact and the peak are located within their elements; more:
-    other attributes of ShoeResponse.
+    other attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure, zone = theta[forward], pressure[forward], edge_zone(shoe, radius)
     peak = largest(theta, pressure, order, zone) if located else nodal_peak(theta, pressure, zone)
     if not peak > 0:  # pressed at its ends alone
         peak = largest(theta, pressure, order)
+    check_strain(shoe, peak)
     return ShoeResponse(
         name=shoe.name,
         torque=torque,

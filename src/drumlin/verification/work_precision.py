@@ -231,7 +231,7 @@ def _grown(brake: Brake, method: Method) -> int:
 
 def process_seconds(brake_file: Path, *options: str, repeats: int = REPEATS) -> float:
     """Wall-clock seconds of a whole `drumlin solve` of a brake file, from the start of its process; the median."""
-    command = [sys.executable, "-c", "from drumlin.cli.main import main; main()", "solve", str(brake_file), *options]
+    command = [sys.executable, "-c", "from drumlin.cli import main; main()", "solve", str(brake_file), *options]
     samples = []
     for _ in range(repeats):
         start = time.perf_counter()
