@@ -49,12 +49,8 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
     not change the answer. Raises NoAnswer: self-locking, no equilibrium, not converged.
     """
     check_penalty(penalty)
-    if [shape_of(brake, s) for s in brake.shoes] != [shape_of(scene.brake, s) for s in scene.brake.shoes]:
-        raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
-    if brake.friction > 0 and scene.brake.friction == 0:
-        raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
-    if brake.drum.ring != scene.brake.drum.ring:
-        raise BadInput("the brake's drum.ring differs from that of the prepared scene")
+    if brake is not scene.brake:
+        _check_same(scene, brake)
     seconds = dict(scene.seconds)
     with clock(seconds, "contact"):
         answers: dict[int, _Answer] = {}
@@ -72,6 +68,16 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         left_out=scene.left_out,
         notes=(*_overlaps(scene, brake), *(answers[i].note for i in sorted(answers))),
     )
+
+
+def _check_same(scene: Scene, brake: Brake) -> None:
+    """Raise BadInput for a brake whose bodies are not those of the scene."""
+    if [shape_of(brake, s) for s in brake.shoes] != [shape_of(scene.brake, s) for s in scene.brake.shoes]:
+        raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
+    if brake.friction > 0 and scene.brake.friction == 0:
+        raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
+    if brake.drum.ring != scene.brake.drum.ring:
+        raise BadInput("the brake's drum.ring differs from that of the prepared scene")
 
 
 def check_penalty(penalty: float) -> None:
