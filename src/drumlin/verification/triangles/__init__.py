@@ -7,8 +7,8 @@ lies on the drum (on the ring's node opposite) and carries a force with Coulomb'
 meshes of growing degree and grading gives each value, and how far the last steps still moved it.
 """
 
-from drumlin.verification.triangles.outline import Level
 from drumlin.verification.triangles.levels import LEVELS, sequence, solve
+from drumlin.verification.triangles.outline import Level
 from drumlin.verification.triangles.solution import ShoeSolution
 
 __all__ = ["LEVELS", "Level", "ShoeSolution", "sequence", "solve"]
