@@ -1,10 +1,12 @@
-"""The brakes that the tests share."""
+"""The brakes that the tests share, and what becomes of tests that are skipped."""
 
 import os
+from collections.abc import Generator
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is loaded: the dense systems are many and small
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -33,3 +35,58 @@ def flexible() -> Brake:
 @pytest.fixture(scope="session")
 def root() -> Path:
     return ROOT
+
+
+# A test that is skipped for want of a program is noted, so that another run, which has the program, can make it up.
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--no-skips", action="store_true", help="a test that is skipped has failed")
+    parser.addoption("--skipped", action="store_true", help="run what the last run skipped; who skips again has failed")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.pluginmanager.register(Skips(config))
+
+
+class Skips:
+    """Notes in pytest's cache what is skipped; with workers, where their reports meet."""
+
+    KEY = "drumlin/skipped"
+
+    def __init__(self, config: pytest.Config) -> None:
+        self.cache: Any = getattr(config, "cache", None)  # there is none with -p no:cacheprovider
+        self.again, self.found = config.getoption("--skipped"), list[str]()
+        self.failed = self.again or config.getoption("--no-skips")
+        self.notes = self.cache and not hasattr(config, "workerinput") and not config.option.collectonly
+
+    def pytest_collection_modifyitems(self, config: pytest.Config, items: list[pytest.Item]) -> None:
+        if self.again:
+            last = tuple(self.cache.get(self.KEY, []))  # of a module that is skipped as a whole its own name
+            config.hook.pytest_deselected(items=[item for item in items if not item.nodeid.startswith(last)])
+            items[:] = [item for item in items if item.nodeid.startswith(last)]
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(self) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+        return self.judged((yield))
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_make_collect_report(self) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+        return self.judged((yield))
+
+    def judged(self, report: Any) -> Any:
+        if report.skipped and self.failed:
+            report.outcome, report.longrepr = "failed", f"skipped: {report.longrepr}"
+        return report
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self.found += [report.nodeid] if report.skipped else []
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        self.found += [report.nodeid] if report.skipped else []
+
+    def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        if self.again and session.exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED:
+            session.exitstatus = pytest.ExitCode.OK  # nothing was skipped
+        if self.notes and not self.failed:
+            self.cache.set(self.KEY, sorted(set(self.found)))

@@ -182,6 +182,63 @@ def worn(brake: Brake, index: int, elements: int, coefficient: float, distance: 
     return one.theta.ravel()[order], *(np.array([x.ravel()[order] for x in kept]) for kept in (p, depth))
 
 
+def hold(brake: Brake, index: int, rotations: np.ndarray, elements: int, penalty: float) -> np.ndarray:
+    """Torque [N m] of one shoe as the drum is turned through `rotations` [rad] from rest, the force on before.
+
+    Layers normal and tangential at the quadrature points, the tractions bounded by mu times the pressure of the
+    iteration before, until it no longer changes: each time the displacements of the lining and the turn minimise a
+    convex energy (Panagiotopoulos 1975). No states are chosen and there are no multipliers.
+    """
+    one, mu = shoe(brake, index, elements), brake.friction
+    K, f = (one.ties.T @ one.K @ one.ties).tocsc(), one.ties.T @ one.load
+    lining = np.zeros(len(one.load))
+    lining[one.surface.get_dofs(facets=one.surface.find).flatten()] = 1.0
+    kept = np.union1d(np.flatnonzero(one.ties.T @ lining != 0), [len(f) - 1])  # and the turn about the pin
+    inner = np.setdiff1d(np.arange(len(f)), kept)
+    into = np.column_stack([K[np.ix_(inner, kept)].toarray(), f[inner]])
+    through = splu(K[np.ix_(inner, inner)].tocsc()).solve(into)
+    K_c = K[np.ix_(kept, kept)].toarray() - into[:, :-1].T @ through[:, :-1]
+    f_c = f[kept] - into[:, :-1].T @ through[:, -1]
+    moved = [np.asarray(one.surface.interpolate(column)) for column in one.ties[:, kept].T.toarray()]
+    N, T = (np.array([(u * to).sum(axis=0).ravel() for u in moved]).T for to in (one.normal, one.tangent))
+    weight, radius = one.weight.ravel() * penalty * one.spring, one.radius.ravel()
+
+    x = np.linalg.solve(K_c + (N.T * weight) @ N, f_c)  # a first guess: pressed without friction
+    elastic, at, p, torques = np.zeros(len(radius)), 0.0, np.zeros(len(radius)), []
+    for rotation in rotations:
+        turned = elastic + radius * brake.spin * (rotation - at) + (T @ x if torques else 0.0)
+
+        def energy(x, bound, turned=turned):
+            """Energy, its slope, its second slope, and p and t per eps; convex, for the bound (q,) of t is given."""
+            p, trial = np.maximum(N @ x, 0.0), turned - T @ x
+            t = np.clip(trial, -bound, bound)
+            value = 0.5 * x @ K_c @ x - f_c @ x + weight @ (0.5 * p**2 + t * (trial - 0.5 * t))
+            slope = K_c @ x - f_c + N.T @ (weight * p) - T.T @ (weight * t)
+            second = K_c + (N.T * (weight * (p > 0))) @ N + (T.T * (weight * (np.abs(trial) < bound))) @ T
+            return value, slope, second, p, t
+
+        for _ in range(400):
+            bound = mu * p
+            for _ in range(100):
+                value, slope, second, p, t = energy(x, bound)
+                step = np.linalg.solve(second, slope)
+                if np.abs(step).max() < 1e-10 * np.abs(x).max():
+                    break
+                share = 1.0
+                while energy(x - share * step, bound)[0] > value - 1e-4 * share * (slope @ step) and share > 1e-6:
+                    share *= 0.5
+                x = x - share * step
+            else:
+                raise AssertionError("no minimum of the energy found")
+            if np.abs(mu * p - bound).max() < 1e-6 * bound.max():
+                break
+        else:
+            raise AssertionError("the bound of the traction did not settle")
+        elastic, at = t, rotation
+        torques.append(brake.spin * float((weight * t) @ radius))
+    return np.array(torques)
+
+
 def mesh_facets(where: np.ndarray) -> np.ndarray:
     """Numbers of the chosen facets; MeshTri2 numbers them as the straight mesh does."""
     return np.flatnonzero(where)

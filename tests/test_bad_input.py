@@ -1,35 +1,33 @@
 """Broken brake files and meshes end as one line or as a sound answer: no traceback, no hang, no wrong number."""
 
-import importlib
-import sys
-from pathlib import Path
-
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-bad_input = importlib.import_module("studies.stability.bad_input")
+from drumlin.studies import load
+from drumlin.verification import bad_input, broken_meshes
+
+SOUND = load("stability")[0].sound()
 
 
 @pytest.mark.parametrize("maker", bad_input.MAKERS, ids=lambda maker: maker.__name__)
 @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(rng=st.randoms(use_true_random=False))
 def test_no_input_is_a_fault(maker, rng):
-    verdict = bad_input.judge(maker(rng))
+    verdict = bad_input.judge(maker(rng, SOUND))
     assert verdict.outcome not in bad_input.FAULTS, verdict
 
 
 def test_a_sound_mesh_is_answered():
     """The broken meshes are made from meshes that drumlin takes: else their refusal would prove nothing."""
     for suffix in (".msh", ".inp", ".vtu"):
-        sound = bad_input._meshed("sound", bad_input.mesh_files()[suffix], suffix, False)
+        sound = broken_meshes.meshed("sound", broken_meshes.mesh_files(SOUND.meshed)[suffix], suffix, False, SOUND)
         assert bad_input.judge(sound).outcome == "answer"
 
 
 def test_faults_are_seen(monkeypatch):
     """The judge knows a traceback, a number for what has none, and a run that takes too long."""
-    brake = {"brake.toml": bad_input.brake_files()[0]}
+    brake = {"brake.toml": SOUND.brakes[0]}
     assert bad_input.judge(bad_input.Input("sound", brake, True)).outcome == "wrong number"
 
     def broken(_):

@@ -1,25 +1,41 @@
 """The command line as a person meets it: answers, refusals, exit statuses, what it loads and how fast."""
 
+import io
 import json
 import os
 import re
 import resource
 import subprocess
 import sys
+from contextlib import redirect_stderr, redirect_stdout
 from statistics import median
 
 import pytest
 
-from conftest import ROOT, STUDY
+from conftest import STUDY
 from drumlin.brake.file import read_brake
+from drumlin.cli import main
 from drumlin.cli.terminal import print_table
 from drumlin.fem.solve import solve
 
-DRUMLIN = [sys.executable, "-c", "from drumlin.cli.main import main; main()"]
+DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
 
 
-def drumlin(*words, cwd=ROOT):
-    return subprocess.run([*DRUMLIN, *map(str, words)], capture_output=True, text=True, cwd=cwd, check=False)
+def process(*words, **options):
+    """The command in an interpreter of its own."""
+    return subprocess.run([*DRUMLIN, *map(str, words)], capture_output=True, text=True, check=False, **options)
+
+
+def drumlin(*words):
+    """The command in this process: what a shell sees of it, without the second that an interpreter takes to start."""
+    out, err = io.StringIO(), io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
+        patch.setattr("sys.argv", ["drumlin", *map(str, words)])
+        with pytest.raises(SystemExit) as end:
+            main()
+    status = end.value.code or 0
+    assert isinstance(status, int)  # a text would be printed and be status 1
+    return subprocess.CompletedProcess(words, status, out.getvalue(), err.getvalue())
 
 
 def test_solve_prints_and_writes_json(tmp_path):
@@ -96,6 +112,27 @@ def test_every_refusal_is_one_line_and_its_status(tmp_path, case):
         assert "no contact" in done.stdout
 
 
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        (["solve", STUDY / "brake.toml", "--model", "sine"], 0, "torque 435.216 N m"),
+        (["solve", STUDY / "brake.toml", "--penalty", "soft"], 2, "drumlin: --penalty = 'soft'"),
+        (["compare"], 2, "Missing argument"),
+        (["sweep", "none.toml"], 2, "drumlin: none.toml"),
+        (["locked.toml"], 3, "self-locking"),
+    ],
+)
+def test_the_exit_status_of_the_process_is_that_of_the_command(tmp_path, words, status, said):
+    if words == ["locked.toml"]:
+        text = (STUDY / "brake.toml").read_text().replace("friction = 0.3", "friction = 1.3")
+        (tmp_path / "locked.toml").write_text(text)
+        words = ["solve", tmp_path / "locked.toml", "--model", "sine"]
+    done = process(*words, cwd=tmp_path)
+    assert done.returncode == status, done.stderr
+    assert said in (done.stderr if status else done.stdout)
+    assert not (done.stdout if status else done.stderr)
+
+
 def test_a_refused_run_leaves_an_earlier_result_whole(tmp_path):
     (tmp_path / "r.json").write_text("earlier")
     assert drumlin("solve", tmp_path / "none.toml", "--json", tmp_path / "r.json").returncode == 2
@@ -125,12 +162,9 @@ def test_a_terminal_without_greek_letters_is_no_fault(tmp_path):
     (tmp_path / "b.toml").write_text(text, encoding="utf-8")
     plain = {**os.environ, "PYTHONIOENCODING": "ascii"}
     for command in ("solve", "sensitivity"):
-        words = [*DRUMLIN, command, str(tmp_path / "b.toml")]
-        done = subprocess.run(words, capture_output=True, text=True, env=plain, check=False)
+        done = process(command, tmp_path / "b.toml", env=plain)
         assert done.returncode == 0 and "shoe '?'" in done.stdout and not done.stderr
-    missing = subprocess.run(
-        [*DRUMLIN, "solve", str(tmp_path / "µ.toml")], capture_output=True, text=True, env=plain, check=False
-    )
+    missing = process("solve", tmp_path / "µ.toml", env=plain)
     assert missing.returncode == 2 and missing.stderr.count("\n") == 1
 
 
@@ -146,7 +180,7 @@ def test_help_answers_in_under_half_a_second():
     seconds = []
     for _ in range(5):
         start = spent()  # processor time: other programs on the machine do not count
-        assert drumlin("--help").returncode == 0
+        assert process("--help").returncode == 0
         seconds.append(spent() - start)
     assert median(seconds) < 0.5
 
@@ -154,7 +188,7 @@ def test_help_answers_in_under_half_a_second():
 def test_solving_loads_neither_pyvista_nor_matplotlib(tmp_path):
     code = (
         "import sys; sys.argv = ['drumlin', 'solve', sys.argv[1], '--json', sys.argv[2], '--elements', '10']\n"
-        "from drumlin.cli.main import main\n"
+        "from drumlin.cli import main\n"
         "try: main()\n"
         "except SystemExit as end: assert not end.code\n"
         "assert 'skfem' in sys.modules\n"

@@ -43,6 +43,7 @@ def test_random_p_matrices_are_solved_from_any_start_with_one_answer(n, seed, sk
     for found in answers:
         w = problem.q + problem.A @ found.p
         assert (found.p >= 0).all()
+        assert not found.w[found.active].any()
         assert w.min() >= -1e-9 * scale
         assert np.abs(found.p * w).max() <= 1e-9 * scale * max(1.0, found.p.max())
         assert found.p == pytest.approx(answers[0].p, rel=1e-7, abs=1e-9 * max(1.0, answers[0].p.max()))
@@ -175,3 +176,152 @@ def test_followed_from_wider_gaps_a_contact_without_answer_never_arrives():
     """A spring that softens as it is pressed, w = -1 - p: no pressure closes it."""
     with pytest.raises(NoAnswer, match="never reaches"):
         active_set.narrowed(free([[-1.0]], [-1.0]))
+
+
+@pytest.mark.parametrize(
+    ("A", "q", "p"),
+    [
+        ([[0.4, 0.0, -0.1], [-0.4, 2.4, 0.8], [0.5, 0.7, -0.1]], [0.9, -0.6, -0.2], [11, 0, 53]),
+        ([[2.4, -1.8, 0.6], [0.6, -0.4, 1.9], [-0.5, 0.5, 1.4]], [-0.6, -1.0, -0.6], [13, 17, 0]),
+        ([[2.1, 1.8, -0.2], [-0.2, 0.5, -0.4], [-1.2, 1.8, -0.8]], [0.1, 0.8, -0.2], [0, 2.25, 4.8125]),
+    ],
+)
+def test_a_path_that_turns_back_is_followed_to_the_only_answer(A, q, p):
+    """Gaps grow again on the way, in the last case twice; the answers are the only ones of all eight contact sets."""
+    active, steps = active_set.narrowed(free(A, q))
+    assert active.tolist() == [value > 0 for value in p]
+    assert steps <= 5
+    assert active_set.settle(free(A, q), active).p == pytest.approx(p, rel=1e-9)
+
+
+def test_wrong_nodes_that_do_not_become_fewer_are_given_up_after_five_steps_more():
+    """Murty's cycle: one wrong node in each step; then the answer is followed, and all steps are counted."""
+    cycle, start = free([[1, 2, 0], [0, 1, 2], [2, 0, 1]], [-1, -1, -1]), np.array([True, False, False])
+    with pytest.raises(active_set.NotSettled, match="still changes after 7 steps") as end:
+        active_set.settle(cycle, start)
+    assert end.value.steps == 7
+    with pytest.raises(active_set.NotSettled, match="after 2 steps"):
+        active_set.settle(cycle, start, most=2)
+    _, followed = active_set.narrowed(cycle)
+    assert active_set.solve(cycle, start).steps == 7 + followed + 1
+
+
+def test_round_off_does_not_change_the_contact_set_and_more_does():
+    on, off = np.array([True, True]), np.array([False, True])
+    for size, steps in ((1e-14, 1), (1e-9, 2)):
+        assert active_set.settle(free(np.eye(2), [size, -1]), on).steps == steps  # a pull
+        assert active_set.settle(free(np.eye(2), [-size, -1]), off).steps == steps  # a penetration
+        scaled = Problem(
+            np.eye(2), np.array([-size, 1.0]), np.array([[0.0], [-1.0]]), np.array([[0.0, -1]]), np.array([-1.0])
+        )
+        assert active_set.settle(scaled, off).steps == steps
+
+
+def hinged_twice():
+    """Two springs on a motion each, the first one also against a third spring that stands back."""
+    B = -np.array([[1.0, 0], [0, 2], [1, 0]])
+    return Problem(np.diag([1.0, 4, 1]), np.array([0.5, 0.2, 2]), B, B.T.copy(), np.array([-1.0, -6]))
+
+
+@pytest.mark.parametrize("start", [None, [False] * 3, [True, False, False], [False, True, False]])
+def test_every_free_motion_is_resisted_before_the_equations_are_solved(start):
+    found = active_set.settle(hinged_twice(), None if start is None else np.array(start))
+    assert found.p == pytest.approx([1, 3, 0], rel=1e-14)
+    assert found.y == pytest.approx([1.5, 6.1], rel=1e-14)
+    assert found.w == pytest.approx([0, 0, 0.5], rel=1e-14)
+
+
+def test_nodes_that_the_actuation_closes_first():
+    _, q, B, C, h = hinged_twice()
+    first = active_set._first_touch
+    assert first(q, B, C, h).tolist() == [True, True, False]
+    assert first(np.array([0.5, 0.2, 0.5]), B, C, h).tolist() == [True, True, True]  # at once
+    assert first(np.array([0.5, 0.2, 0.5]), B, C, h, alone=True).tolist() == [True, True, False]
+    assert first(np.array([0.5, 0.2, 0.4]), B * [[1], [1], [0.5]], C, h).tolist() == [True, True, False]  # slower
+    resisting = C * [[1, 1, -1]]  # the pressure of the third would help the actuation
+    assert first(np.array([0.5, 0.2, 0.1]), B, resisting, h).tolist() == [True, True, False]
+    with pytest.raises(NoAnswer, match="cannot balance the actuation anywhere"):
+        first(q, B, C, h * [1, -1])
+
+
+def test_with_two_motions_the_answer_is_regular_where_neither_has_lost_its_resistance():
+    """C A^-1 B of other signs: two negative ones leave the determinant's as it was; a whirl is no loss."""
+
+    def regular(resistance):
+        A, B, p = 4 * np.eye(2), -3 * np.eye(2), np.array([1.0, 2])
+        C = -np.asarray(resistance, float)
+        return active_set.settle(Problem(A, np.zeros(2), B, C, C @ p), np.array([True, True])).regular
+
+    assert regular([[1, 0], [0, 5]])
+    assert not regular([[-1, 0], [0, -5]])
+    assert not regular([[-1, 0], [0, 5]])
+    assert not regular([[1e-3, 4], [0, -5e3]])
+    assert regular([[-1, 5], [-5, -1]])
+
+
+def test_condition_is_that_of_the_equilibrated_equations():
+    problem, on = hinged_twice(), np.array([True, True, False])
+    # unit diagonal of A, largest entries of the columns of B and rows of C: those of equal springs, each on its motion
+    exact = np.linalg.cond(np.block([[np.eye(2), -np.eye(2)], [-np.eye(2), np.zeros((2, 2))]]), 1)
+    assert active_set.condition(problem, on) == pytest.approx(exact, rel=1e-12)
+    assert active_set.condition(free(np.eye(2), [1, 1]), np.zeros(2, bool)) == 1.0
+    assert active_set.condition(free(np.ones((2, 2)), [1, 1]), np.ones(2, bool)) == np.inf
+
+
+def test_equilibration_makes_units_of_a_b_and_c_and_is_undone():
+    problem = Problem(
+        np.array([[4.0, 1], [2, 9]]), np.array([1.0, 2]), np.array([[6.0], [3]]), np.array([[4.0, 2]]), np.array([8.0])
+    )
+    scaled, scales = active_set.equilibrated(problem)
+    assert np.diagonal(scaled.A) == pytest.approx([1, 1])
+    assert scaled.A[0, 1] == pytest.approx(1 / 6) and scaled.q == pytest.approx([1 / 2, 2 / 3])
+    assert np.abs(scaled.B).max() == np.abs(scaled.C).max() == 1 and scaled.B[1, 0] == pytest.approx(1 / 3)
+    assert scaled.h / scaled.C[0, 0] * scales.pressure[0] == pytest.approx(8 / 4)
+    assert scales.motion == pytest.approx([1 / 3]) and scales.balance == pytest.approx([1 / 2])
+
+
+@given(st.integers(0, 1000))
+def test_the_adjoint_is_what_functionals_feel_of_any_change(seed):
+    rng = np.random.default_rng(seed)
+    n, k = 7, 2
+    B = rng.normal(size=(n, k))
+    p, active = rng.uniform(1, 2, n), np.arange(n) != 3
+    p[~active] = 0
+    A, C, y = p_matrix(rng, n, 0.3), rng.normal(size=(k, n)), rng.normal(size=k)
+    base = Problem(A, -A @ p - B @ y + ~active, B, C, C @ p)
+    weights = rng.normal(size=(n, 3))
+    weights[~active] = 0
+    a, b = active_set.adjoint(base, active, weights)
+    assert not a[~active].any()
+    change = Problem(*(rng.normal(size=part.shape) for part in base))
+    ends = []
+    for step in (-1e-5, 1e-5):
+        moved = Problem(*(part + step * d for part, d in zip(base, change, strict=True)))
+        ends.append(active_set._Equations(moved, active).solve(moved.q, moved.h)[0])
+    slope = weights.T @ (ends[1] - ends[0]) / 2e-5
+    felt = -a.T @ (change.q + change.A @ p + change.B @ y) + b.T @ (change.h - change.C @ p)
+    assert felt == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(slope).max())
+
+
+def test_coarse_problems_are_those_on_every_other_node():
+    for n in (5, 6):
+        P = np.array([np.interp(np.arange(n), np.arange(0, n, 2), row) for row in np.eye((n + 1) // 2)]).T
+        rows = np.arange(2.0 * n).reshape(n, 2) ** 2
+        P[-1] = P[-1] if n % 2 else [0, 0, 0.5]  # the last node of an even number has one neighbour
+        assert active_set._halved(rows) == pytest.approx(P.T @ rows)
+    assert active_set.coarse_start(free(np.eye(47), np.ones(47))).all()
+    assert active_set.coarse_start(free(-np.eye(48), -np.ones(48))).all()  # without an answer: all nodes, too
+
+
+def test_few_released_nodes_use_the_factors_that_there_are():
+    base = active_set._Equations(free(np.eye(32) + 0.1, np.ones(32)), np.arange(32) < 31)
+    few = active_set._few_released
+
+    def without(*nodes):
+        return (np.arange(32) < 31) & ~np.isin(np.arange(32), nodes)
+
+    assert few(base, without(1, 2, 3))
+    assert not few(base, without(1, 2, 3, 4))  # an eighth
+    assert not few(base, np.arange(32) != 2)  # one is new
+    p, _ = active_set._Released(base, without(4, 9)).solve(-np.arange(1.0, 33), np.zeros(0))
+    assert p[[4, 9, 31]].tolist() == [0, 0, 0] and (p != 0).sum() == 29

@@ -23,11 +23,11 @@ from drumlin.response.merit import barecki_shoe_factor, double_delta, sensitivit
 from drumlin.response.response import ShoeResponse, shoe_balance
 from law_brakes import hinged, pad
 
-settings.register_profile("laws", deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow])
-settings.load_profile("laws")
+many = settings(max_examples=100, suppress_health_check=[HealthCheck.too_slow])
 
 LAW_NAMES = st.sampled_from(sorted(LAWS))
 SPREAD = [name for name, law in LAWS.items() if not law.lumped]
+FRICTIONS = st.floats(0.0, 0.6)
 SIGNS = st.sampled_from([1, -1])
 SIDES = st.sampled_from(["internal", "external"])
 
@@ -54,7 +54,7 @@ def brakes(draw: st.DrawFn) -> Brake:
         a=draw(st.floats(0.05, 3.0)),
         arc=draw(arcs()),
         moment=draw(st.floats(1.0, 1e4)),
-        mu=draw(st.floats(0.0, 0.6)),
+        mu=draw(FRICTIONS),
         side=draw(SIDES),
         spin=draw(SIGNS),
         hand=draw(SIGNS),
@@ -82,6 +82,7 @@ def forces(brake: Brake, shoe: ShoeResponse) -> tuple[np.ndarray, float]:
     return force, float(np.trapezoid(drag * p, theta) * brake.drum.radius)
 
 
+@many
 @given(brakes(), st.sampled_from(SPREAD))
 def test_response_balances_by_integrating_its_own_pressure(brake: Brake, name: str) -> None:
     shoe = unlocked(name, brake)
@@ -97,6 +98,7 @@ def test_response_balances_by_integrating_its_own_pressure(brake: Brake, name: s
     assert shoe.peak_pressure == approx(shoe.pressure.max(), rel=1e-4)  # nodes straddle the peak
 
 
+@many
 @given(brakes(), st.sampled_from(["short", "block"]))
 def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None:
     """The lumped laws' own free body: N and F = T/R at the middle, sized by integrals of their own p."""
@@ -122,6 +124,7 @@ def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None
     assert balance.moment < 1e-11
 
 
+@many
 @given(layouts(), LAW_NAMES, st.floats(0.05, 0.6))
 def test_sensitivity_is_the_derivative_of_the_mechanical_advantage(arc: Layout, name: str, mu: float) -> None:
     law, h = LAWS[name], 1e-5
@@ -131,6 +134,7 @@ def test_sensitivity_is_the_derivative_of_the_mechanical_advantage(arc: Layout, 
     assert law.sensitivity(mu, arc) == approx(slope, rel=1e-6)
 
 
+@many
 @given(brakes(), LAW_NAMES)
 def test_merits_of_a_response_are_those_of_the_formula(brake: Brake, name: str) -> None:
     assume(brake.friction > 1e-3)
@@ -143,6 +147,7 @@ def test_merits_of_a_response_are_those_of_the_formula(brake: Brake, name: str) 
     assert sensitivity(brake, MODELS[name].solve) == approx(float(law.sensitivity(brake.friction, arc)), rel=1e-2)
 
 
+@many
 @given(brakes(), st.sampled_from([*SPREAD, "short"]))
 def test_shoe_factor_by_barecki_from_the_position_of_the_resultant(brake: Brake, name: str) -> None:
     """Barecki & Scieszka, eq. 26, is the moment balance in other words: S = T/(P R) for any pressure."""
@@ -157,6 +162,7 @@ def test_shoe_factor_by_barecki_from_the_position_of_the_resultant(brake: Brake,
     assert merit.shoe_factor == approx(S, rel=1e-6)
 
 
+@many
 @given(st.floats(0.3, 2.8), st.floats(0.05, 0.5), st.floats(0.05, 3.0), SIGNS, st.floats(0.05, 0.4))
 def test_every_law_becomes_the_short_shoe_as_the_arc_shrinks(
     middle: float, R: float, a: float, dD: int, mu: float
@@ -177,6 +183,7 @@ def test_every_law_becomes_the_short_shoe_as_the_arc_shrinks(
         assert fine < 0.26 * coarse + 1e-10
 
 
+@many
 @given(brakes(), LAW_NAMES)
 def test_external_is_internal_with_all_forces_reversed(brake: Brake, name: str) -> None:
     """Shoe outside for inside, other rotation, force reversed: same pressure, opposite reaction."""
@@ -199,6 +206,7 @@ def test_external_is_internal_with_all_forces_reversed(brake: Brake, name: str) 
     assert double_delta(other, other.shoes[0]) == double_delta(brake, shoe)
 
 
+@many
 @given(brakes(), LAW_NAMES)
 def test_mirrored_brake_gives_the_mirrored_answer(brake: Brake, name: str) -> None:
     """Mirrored on the x axis, with mirrored rotation."""
@@ -224,6 +232,7 @@ def test_mirrored_brake_gives_the_mirrored_answer(brake: Brake, name: str) -> No
     assert np.linalg.norm(there.hinge_reaction - here.hinge_reaction * [1, -1]) < 1e-9 * scale
 
 
+@many
 @given(brakes(), LAW_NAMES)
 def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictionless_pressure(
     brake: Brake, name: str
@@ -240,6 +249,7 @@ def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictio
     assert slight.torque / mu == approx(integral, rel=1e-3)
 
 
+@many
 @given(layouts(), LAW_NAMES)
 def test_torque_grows_without_bound_towards_locking(arc: Layout, name: str) -> None:
     """T (mu_lock - mu)/mu stays what it is: T ~ 1/(mu_lock - mu); at mu_lock and beyond there is no number."""
@@ -254,6 +264,7 @@ def test_torque_grows_without_bound_towards_locking(arc: Layout, name: str) -> N
     assert float(law.locking_friction(arc._replace(dD=-arc.dD))) == math.inf
 
 
+@many
 @given(brakes(), LAW_NAMES)
 def test_self_locking_is_refused_exactly_beyond_mu_lock(brake: Brake, name: str) -> None:
     mu_lock = float(LAWS[name].locking_friction(layout(brake, brake.shoes[0])))
@@ -264,6 +275,7 @@ def test_self_locking_is_refused_exactly_beyond_mu_lock(brake: Brake, name: str)
         MODELS[name].solve(vary(brake, {"friction": mu_lock * (1 + 1e-9)}))
 
 
+@many
 @given(brakes(), LAW_NAMES, st.floats(-1e4, 0.0))
 def test_a_force_that_does_not_press_is_an_answer(brake: Brake, name: str, force: float) -> None:
     response = MODELS[name].solve(vary(brake, {"shoe.actuation.force": force}))
@@ -289,6 +301,7 @@ def levers(draw: st.DrawFn) -> Brake:
     )  # fmt: skip
 
 
+@many
 @given(levers())
 def test_pivoted_shoe_keeps_both_equilibria(brake: Brake) -> None:
     shoe = unlocked("pivoted", brake)
@@ -304,6 +317,7 @@ def test_pivoted_shoe_keeps_both_equilibria(brake: Brake) -> None:
     assert p.min() > -1e-9 * shoe.peak_pressure
 
 
+@many
 @given(levers())
 def test_pivoted_formulas_are_the_response_and_its_derivative(brake: Brake) -> None:
     shoe = unlocked("pivoted", brake)
@@ -314,6 +328,7 @@ def test_pivoted_formulas_are_the_response_and_its_derivative(brake: Brake) -> N
     assert pivoted.sensitivity(mu, arc, *pivot) == approx((T[2] - T[0]) / (2 * h * T[1]), rel=1e-5, abs=1e-5)
 
 
+@many
 @given(st.floats(0.9, 2.0), st.floats(0.3, 0.8), st.floats(0.3, 0.6), st.floats(0.0, 0.35), SIGNS, SIDES)
 def test_pivot_at_its_place_makes_the_pressure_a_cosine_at_any_friction(
     middle: float, half: float, a: float, mu: float, spin: int, side: str
@@ -352,8 +367,9 @@ def test_pivoted_lever_locks_and_tips() -> None:
 # shoes on a plane
 
 
+@many
 @given(
-    st.floats(0.02, 0.3), st.floats(0.01, 0.5), st.just(0.0) | st.floats(1e-20, 0.2), st.floats(0.0, 0.6),
+    st.floats(0.02, 0.3), st.floats(0.01, 0.5), st.just(0.0) | st.floats(1e-20, 0.2), FRICTIONS,
     st.sampled_from(["+x", "-x"]), SIGNS, st.sampled_from(["linear", "short"]),
 )  # fmt: skip
 def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(

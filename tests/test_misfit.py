@@ -19,7 +19,7 @@ from drumlin.foundation import model as foundation
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance
 from drumlin.wear import run_in
-from drumlin.wear.linings import fem_rig
+from drumlin.wear.linings import fem_setup
 from drumlin.wear.worn_in import worn_in
 
 R = 0.15
@@ -281,10 +281,10 @@ def test_worn_in_every_lining_bears_by_the_sine_law():
 def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
     """Archard's wear, step by step: its worn shape is `worn_in`'s but for what the shoe's turn makes up, sin(phi)."""
     off = vary(BRAKE, {f"{MISFIT}.radius": R + 5e-5, f"{MISFIT}.taper": -3e-5})
-    rig = fem_rig(SCENE, off)
-    goal = run_in.target(rig)
-    states = run_in.run_in(rig, until=run_in.settled(rig, goal, 1e-4))
-    ended, limit = run_in.worn(rig, states[-1]), worn_in(SCENE, off)
+    setup = fem_setup(SCENE, off)
+    goal = run_in.target(setup)
+    states = run_in.run_in(setup, until=run_in.settled(setup, goal, 1e-4))
+    ended, limit = run_in.worn(setup, states[-1]), worn_in(SCENE, off)
     for by_wear, at_once in zip(ended.shoes, limit.shoes, strict=True):
         theta, gap = np.array(at_once.lining.clearance).T
         difference = clearance.gap(ended, by_wear, theta) - gap

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import ROOT, STUDY
+from conftest import STUDY
 from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput
@@ -17,7 +17,7 @@ from drumlin.fem.omission import change, predict, scene_without, simplified
 from drumlin.fem.reduced import ring_modes, sketcher
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
-from drumlin.verification.omission_table import omissions
+from drumlin.verification.omission_table import omissions, prediction_ratios, time_saved, worst_straight
 
 BRAKE = read_brake(STUDY / "brake.toml")
 POST = read_brake(STUDY.parent / "post_brake" / "brake.toml")
@@ -206,16 +206,17 @@ def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining(
     assert coarse["pressure"] / fine["pressure"] == pytest.approx(2, rel=0.3)
 
 
-def test_the_section_says_what_the_rows_give_and_a_case_without_answer_stays(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(ROOT)
-    from studies.error_vs_runtime.left_out import section
-
+def test_rows_are_summed_up_and_a_case_without_answer_stays():
     rows = omissions(vary(BRAKE, RIGID), "b", elements=12, repeats=1)
     locked = omissions(vary(BRAKE, {"friction": 1.1}), "locked when rigid", elements=12, repeats=0)
     failed = [row for row in locked if row["status"].startswith("failed: shoe 'left': self-locking")]
     assert {row["part"] for row in failed} >= {"shoe"}
-    made = section([*rows, *locked], tmp_path)
-    assert (tmp_path / "left_out.svg").stat().st_size > 10_000
-    assert len((tmp_path / "left_out.csv").read_text().splitlines()) == len(rows) + len(locked) + 1
-    assert {row["part"] for row in made.blocks[3].rows} >= {"drag", "curvature", "shoe", "interior fields"}
-    assert "times the truth for p" in made.blocks[2].html
+    every = [*rows, *locked]
+    ratios = {row["part"]: row["predicted_pressure"] / row["pressure"] for row in rows if row["exact"] == "no"}
+    assert set(prediction_ratios(every, "pressure")) <= set(ratios.values())
+    assert ratios["drag"] in prediction_ratios(every, "pressure")
+    assert ratios["curvature"] not in prediction_ratios(every, "pressure")
+    assert worst_straight(every)["pressure"] == next(row["pressure"] for row in rows if row["part"] == "curvature")
+    shares = time_saved(every, -1e9)
+    assert shares["drag"] == tuple(next(row["seconds"] for row in rows if row["part"] == "drag") for _ in range(2))
+    assert not {"all", "interior fields"} & set(shares)

@@ -8,6 +8,7 @@ from conftest import STUDY
 from drumlin.brake.file import read_brake
 from drumlin.journal import Journal
 from drumlin.studies import load
+from drumlin.verification.misfit_rows import spread_rows
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +80,6 @@ def test_the_report_says_it_in_numbers(result, module, tmp_path):
     assert "What the law's user has to assume" in page or "What the law&#39;s user has to assume" in page
     assert page.count("data:image/svg+xml") == 6
     assert (tmp_path / "cases_new.csv").read_text().count("\n") == 1 + len(result.rows["new"])
-    quantities = {(row["quantity"], row["state"]): row for row in module.spread_rows(result)}
+    quantities = {(row["quantity"], row["state"]): row for row in spread_rows(result.drawn)}
     new, worn, law = (quantities["torque [N m]", state]["relative"] for state in ("new", "worn in", "sine law"))
     assert new > worn > law

@@ -12,8 +12,10 @@ from typer.testing import CliRunner
 import independent
 from conftest import ROOT, STUDY
 from drumlin.brake.file import read_brake
-from drumlin.cli.main import app, main
+from drumlin.cli import main
+from drumlin.cli.commands import app
 from drumlin.studies import load
+from drumlin.verification.run_in_limits import run_row
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +45,7 @@ def test_steps_do_not_matter_but_their_kind_does(result):
     for row in result.halves:
         assert max(row["pressure"], row["torque"], row["depth"]) < row["asked"]
         assert abs(row["long_pressure"]) < 1e-5
-    ripples = {(row["way"], row["step"]): row for row in result.steppers}
+    ripples = {(row["way"], row["step"]): row for row in result.steps}
     for step in (0.05, 0.5):
         assert ripples["implicit", step]["ripple"] < 2e-3
         assert ripples["implicit", step]["touching"] > 0.98
@@ -52,8 +54,8 @@ def test_steps_do_not_matter_but_their_kind_does(result):
     assert abs(bad["torque_error"]) < 0.01  # it still looks right
 
 
-def test_new_and_worn_in_are_told_apart(result, module):
-    stiff, soft = module.run_row(result.main), module.run_row(result.flexible)
+def test_new_and_worn_in_are_told_apart(result):
+    stiff, soft = run_row(result.main), run_row(result.flexible)
     for row, file in ((stiff, "brake"), (soft, "flexible")):
         expected = independent.torque(f"double_shoe/{file}") / independent.SINE_LAW - 1
         assert row["new_torque"] == pytest.approx(expected, abs=2e-4)

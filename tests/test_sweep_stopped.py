@@ -20,7 +20,7 @@ from drumlin.sweeps.cases import run, table, write_table
 from drumlin.sweeps.file import read_sweep
 
 LIMIT = 300  # s that a busy machine may take; a hang takes for ever
-MAIN = "from drumlin.cli.main import main; main()"
+MAIN = "from drumlin.cli import main; main()"
 PYTHON = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 SWEEP = """
 brake = "{brake}"
@@ -184,7 +184,7 @@ def test_a_dask_worker_is_killed(sweep_file, undisturbed, tmp_path, cluster):
 IMPATIENT = """
 import drumlin.sweeps.cases, drumlin.sweeps.workers as workers
 workers.ANSWER, workers.HEARD, workers.FIRST, drumlin.sweeps.cases.QUIET = 4.0, 6.0, 4.0, 1.0
-from drumlin.cli.main import main
+from drumlin.cli import main
 main()
 """
 

@@ -9,12 +9,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drumlin.contact import active_set
-from drumlin.errors import BadInput
+from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.interface import ContactLine, couple, radial
-from drumlin.wear.archard import Law, Rub, at, explicit, ripple, run, run_on
+from drumlin.wear.archard import (
+    WearInterface,
+    WearLaw,
+    WearState,
+    _eroded,
+    at,
+    explicit,
+    last_beyond,
+    ripple,
+    run,
+    run_on,
+    together,
+)
 
 K, RADIUS, WIDTH, PIN, FORCE, MU = 4e10, 0.15, 0.04, 0.125, 250.0, 0.25
-LAW = Law(1e-13)
+LAW = WearLaw(1e-13)
 UNIT = 1 / (LAW.coefficient * K)
 
 
@@ -33,16 +45,18 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
         C=(mu * (coupling.T @ turned) - approach)[None],
         h=np.array([FORCE]),  # the shoe presses as it turns clockwise
     )
-    rub = Rub(problem, np.zeros(len(phi)), coupling.M, np.ones(len(phi)), coupling.area, mu * coupling.lever)
-    return rub, phi
+    interface = WearInterface(
+        problem, np.zeros(len(phi)), coupling.M, np.ones(len(phi)), coupling.area, mu * coupling.lever
+    )
+    return interface, phi
 
 
 def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
     """In contact all along p = p_law + exp(-k K s) (p_0 - p_law): rigid motions and equilibrium do not change that."""
-    rub, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = run([rub], LAW, distance=6 * UNIT, tolerance=1e-3)
+    interface, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
+    states = run([interface], LAW, distance=6 * UNIT, tolerance=1e-3)
     assert (states[0].pressure > 0).all()
-    amplitude = FORCE / float(rub.problem.C[0] @ np.sin(phi))
+    amplitude = FORCE / float(interface.problem.C[0] @ np.sin(phi))
     law = amplitude * np.sin(phi)
     off = states[0].pressure - law
     assert np.abs(off).max() > 0.2 * amplitude
@@ -51,7 +65,7 @@ def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
         np.testing.assert_allclose(state.pressure, expected, atol=1e-3 * amplitude)
     # of second order: four times the steps, a sixteenth of the error
     errors = [
-        np.abs(run_on([rub], LAW, np.linspace(0, UNIT, n + 1)[1:])[-1].pressure - law - math.exp(-1) * off).max()
+        np.abs(run_on([interface], LAW, np.linspace(0, UNIT, n + 1)[1:])[-1].pressure - law - math.exp(-1) * off).max()
         for n in (4, 16)
     ]
     assert errors[0] / errors[1] == pytest.approx(16, rel=0.25)
@@ -65,24 +79,24 @@ def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
 )
 def test_any_misfit_wears_to_the_law_in_balance(depth, lobes, phase, exponent):
     """From partial contact too; no depth shrinks, and the volume is the integral of the rate."""
-    rub, phi = winkler(lambda phi: depth * (1 + np.cos(lobes * phi + phase)), elements=12)
-    law = Law(LAW.coefficient, exponent, 2e5)
-    states = run([rub], law, distance=1e4 * UNIT)
+    interface, phi = winkler(lambda phi: depth * (1 + np.cos(lobes * phi + phase)), elements=12)
+    law = WearLaw(LAW.coefficient, exponent, 2e5)
+    states = run([interface], law, distance=1e4 * UNIT)
     shape = np.sin(phi) ** (1 / exponent)
-    goal = shape * FORCE / float(rub.problem.C[0] @ shape)
+    goal = shape * FORCE / float(interface.problem.C[0] @ shape)
     inner = slice(2, -2)
     assert np.linalg.norm((states[-1].pressure - goal)[inner]) < 2e-3 * np.linalg.norm(goal[inner])
     for a, b in pairwise(states):
         assert (b.depth - a.depth).min() >= -1e-12 * b.depth.max()
-    assert float(rub.area @ states[-1].depth) == pytest.approx(states[-1].removed, rel=1e-9)
+    assert float(interface.area @ states[-1].depth) == pytest.approx(states[-1].removed, rel=1e-9)
     if exponent == 1:
         assert states[-1].removed == pytest.approx(LAW.coefficient * states[-1].pressed, rel=1e-9)
         assert states[-1].work == pytest.approx(MU * RADIUS * states[-1].pressed, rel=1e-6)
 
 
 def test_only_what_is_pressed_wears():
-    rub, _ = winkler(lambda phi: 4e-5 * (phi - 0.3))
-    first = run([rub], LAW, distance=1e-4 * UNIT)
+    interface, _ = winkler(lambda phi: 4e-5 * (phi - 0.3))
+    first = run([interface], LAW, distance=1e-4 * UNIT)
     never = (first[0].pressure == 0) & (first[-1].pressure == 0)
     assert 0.2 < never.mean() < 0.9
     assert (first[-1].depth[never] == 0).all()
@@ -90,24 +104,24 @@ def test_only_what_is_pressed_wears():
 
 
 def test_without_wear_nothing_changes():
-    rub, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = run([rub], Law(0.0), distance=1e6)
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
+    states = run([interface], WearLaw(0.0), distance=1e6)
     assert states[-1].s == 1e6
     assert (states[-1].depth == 0).all() and states[-1].removed == 0
     np.testing.assert_allclose(states[-1].pressure, states[0].pressure, rtol=1e-12)
     with pytest.raises(BadInput, match="a distance must be given"):
-        run([rub], Law(0.0))
+        run([interface], WearLaw(0.0))
 
 
 def test_a_held_torque_is_held_and_the_force_follows_from_moments():
-    rub, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    rub = rub._replace(loaded=np.zeros(len(phi)))
-    free = run([rub], LAW, distance=20 * UNIT)
-    held = run([rub], LAW, distance=20 * UNIT, torque=1.3 * free[-1].torque)
+    interface, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
+    interface = interface._replace(loaded=np.zeros(len(phi)))
+    free = run([interface], LAW, distance=20 * UNIT)
+    held = run([interface], LAW, distance=20 * UNIT, torque=1.3 * free[-1].torque)
     assert held[0].force != pytest.approx(1.3, rel=1e-2)
     for state in held:
         assert state.torque == pytest.approx(1.3 * free[-1].torque, rel=1e-10)
-        assert float(rub.problem.C[0] @ state.pressure) == pytest.approx(FORCE * state.force, rel=1e-9)
+        assert float(interface.problem.C[0] @ state.pressure) == pytest.approx(FORCE * state.force, rel=1e-9)
     assert held[-1].force == pytest.approx(1.3, rel=1e-6)
 
 
@@ -124,17 +138,17 @@ def test_the_ripple_sees_an_alternation_and_nothing_smooth():
 
 def test_explicit_steps_on_nodal_pressures_break_into_a_checkerboard_and_implicit_ones_do_not():
     """On springs the limit of the explicit step is 2/(k K)."""
-    rub, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
     size = 2.1 * UNIT
-    bad = explicit([rub], LAW, size, 60)[-1]
-    good = run_on([rub], LAW, size * np.arange(1, 61))[-1]
+    bad = explicit([interface], LAW, size, 60)[-1]
+    good = run_on([interface], LAW, size * np.arange(1, 61))[-1]
     assert ripple(good.pressure) < 1e-4
     assert np.abs(bad.pressure - good.pressure).max() > 0.5 * good.pressure.max()
 
 
 def test_a_state_between_two_is_interpolated():
-    rub, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = run([rub], LAW, distance=UNIT)
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
+    states = run([interface], LAW, distance=UNIT)
     middle = 0.5 * (states[1].s + states[2].s)
     between = at(states, middle)
     np.testing.assert_allclose(between.depth, 0.5 * (states[1].depth + states[2].depth))
@@ -144,13 +158,127 @@ def test_a_state_between_two_is_interpolated():
 @pytest.mark.parametrize(
     ("law", "options", "word"),
     [
-        (Law(-1.0), {}, "coefficient"),
-        (Law(1.0, 9.0), {}, "exponent"),
+        (WearLaw(-1.0), {}, "coefficient"),
+        (WearLaw(1.0, 9.0), {}, "exponent"),
         (LAW, {"tolerance": 0.0}, "tolerance"),
         (LAW, {"reverse": 1.0}, "backward"),
     ],
 )
 def test_bad_input_is_named(law, options, word):
-    rub, _ = winkler(np.zeros_like)
+    interface, _ = winkler(np.zeros_like)
     with pytest.raises(BadInput, match=word):
-        run([rub], law, distance=1.0, **options)
+        run([interface], law, distance=1.0, **options)
+
+
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0, 3.0])
+def test_the_rate_and_its_slope(exponent):
+    """k p (p/p_ref)^(m - 1); under m = 1 rounded off where p is small, so that the slope stays finite."""
+    law, p = WearLaw(2e-13, exponent, 4e5), np.array([1e5, 4e5, 9e5])
+    rate, slope = law.rate(p, 0.0)
+    np.testing.assert_allclose(rate, 2e-13 * p * (p / 4e5) ** (exponent - 1), rtol=1e-14)
+    np.testing.assert_allclose(slope, exponent * rate / p, rtol=1e-14)
+    for rounded in (0.0, 1e5):
+        ends = [law.rate(p + d, rounded)[0] for d in (-1.0, 1.0)]
+        np.testing.assert_allclose(law.rate(p, rounded)[1], (ends[1] - ends[0]) / 2, rtol=1e-8)
+    if exponent < 1:
+        rate, slope = law.rate(np.array([0.0, 1e5]), 1e5)
+        assert rate[0] == 0 and slope[0] == pytest.approx(2e-13 * (1e5 / 4e5) ** (exponent - 1))
+        assert rate[1] == pytest.approx(2e-13 * 1e5 * (math.sqrt(2) * 1e5 / 4e5) ** (exponent - 1))
+
+
+def test_the_distance_from_which_on_values_stay_small():
+    s = [0.0, 1.0, 2.0, 4.0]
+    assert last_beyond(s, [0.1, -0.2, 0.1, 0.2], 0.2) == 0.0
+    assert last_beyond(s, [3.0, 0.0, -2.0, 0.0], 0.5) == pytest.approx(3.5)
+    assert last_beyond(s, [0.0, -1.0, -0.4, 0.0], 0.7) == pytest.approx(1.5)
+    assert last_beyond(s, [1.0, 0.0, 0.0, 3.0], 0.5) == math.inf
+
+
+def test_every_number_of_a_state_between_two_is_interpolated():
+    a = WearState(1.0, np.array([0.0, 2]), np.array([4.0, 8]), 10.0, 1.0, True, 2.0, 3.0, 4.0)
+    b = WearState(3.0, np.array([4.0, 6]), np.array([0.0, 4]), 30.0, 3.0, False, 6.0, 7.0, 8.0)
+    found = at([a, b], 1.5)
+    assert (found.s, found.torque, found.force, found.forward) == (1.5, 15.0, 1.5, False)
+    assert (found.removed, found.pressed, found.work) == (3.0, 4.0, 5.0)
+    assert found.depth.tolist() == [1, 3] and found.pressure.tolist() == [3, 7]
+    assert at([a, b], 0.5) is a and at([a, b], 3.0) is b
+    assert at([a, b], 4.0).torque == 40.0  # beyond the last one: straight on
+
+
+def test_rubs_together_are_block_by_block_and_wear_as_each_alone():
+    (one, _), (two, _) = (winkler(lambda phi, k=k: 2e-6 * np.cos(k * phi), elements=8) for k in (2, 3))
+    both = together([one, two])
+    n = len(one.area)
+    for whole, parts in ((both.problem.A, (one.problem.A, two.problem.A)), (both.weight, (one.weight, two.weight))):
+        assert (whole[:n, :n] == parts[0]).all() and (whole[n:, n:] == parts[1]).all()
+        assert not whole[:n, n:].any() and not whole[n:, :n].any()
+    assert both.problem.B.shape == (2 * n, 2) and both.problem.C.shape == (2, 2 * n) and len(both.problem.h) == 2
+    steps = UNIT * np.array([0.2, 0.6])
+    alone = [run_on([interface], LAW, steps)[-1] for interface in (one, two)]
+    for state in (run_on([both], LAW, steps)[-1], run_on([one, two], LAW, steps)[-1]):
+        np.testing.assert_allclose(state.depth, np.concatenate([s.depth for s in alone]), rtol=1e-9)
+        assert state.torque == pytest.approx(sum(s.torque for s in alone), rel=1e-12)
+        assert state.removed == pytest.approx(sum(s.removed for s in alone), rel=1e-12)
+        assert state.s == steps[-1]
+
+
+def test_steps_keep_their_tolerance_and_end_where_they_are_asked_to():
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
+    fine = run([interface], LAW, distance=3 * UNIT, tolerance=1e-5)
+    coarse = run([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
+    assert coarse[-1].s == fine[-1].s == 3 * UNIT
+    assert 3 < len(coarse) < len(fine) / 5
+    for state in coarse:
+        exact = at(fine, state.s).pressure
+        assert np.linalg.norm(state.pressure - exact) < 1e-2 * np.linalg.norm(exact)
+    assert max(b.s - a.s for a, b in pairwise(coarse)) < 4.001 * (coarse[-1].s - coarse[-4].s)
+    stopped = run([interface], LAW, until=lambda state: state.removed > 0.3 * coarse[-1].removed)
+    assert stopped[-2].removed <= 0.3 * coarse[-1].removed < stopped[-1].removed
+    third = run([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
+    assert [s.s for s in third] == [s.s for s in coarse]  # nothing is kept from one run to the next
+
+
+def test_a_drum_that_turns_back_and_forth():
+    """Each way as far as it is told; at a turn the depth stays, and the pressure is that of the other way."""
+    (ahead, _), (back, _) = (winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8, mu=mu) for mu in (MU, -MU))
+    states = run([ahead], LAW, backward=[back], reverse=UNIT, distance=2.5 * UNIT, tolerance=1e-2)
+    turns = [i for i, (a, b) in enumerate(pairwise(states)) if a.forward != b.forward]
+    assert [states[i].s for i in turns] == pytest.approx([UNIT, 2 * UNIT], rel=1e-12)
+    assert [states[i].forward for i in (0, turns[0], turns[1], -1)] == [True, True, False, True]
+    assert states[-1].s == 2.5 * UNIT
+    for i in turns:
+        assert states[i + 1].s == states[i].s and (states[i + 1].depth == states[i].depth).all()
+        assert states[i + 1].removed == states[i].removed and states[i + 1].work == states[i].work
+    (turned,) = run_on([back], LAW, [])
+    assert states[turns[0] + 1].torque * turned.torque > 0 > states[turns[0]].torque * turned.torque
+
+
+def test_explicit_steps_add_up_what_they_wear():
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
+    states = explicit([interface], LAW, 0.1 * UNIT, 3)
+    assert [s.s for s in states] == pytest.approx([0, 0.1 * UNIT, 0.2 * UNIT, 0.3 * UNIT])
+    for a, b in pairwise(states):
+        np.testing.assert_allclose(b.depth - a.depth, LAW.coefficient * 0.1 * UNIT * a.pressure, rtol=1e-9, atol=1e-20)
+        assert b.removed - a.removed == pytest.approx(float(interface.area @ (b.depth - a.depth)), rel=1e-9)
+        assert b.pressed - a.pressed == pytest.approx(0.1 * UNIT * float(interface.area @ a.pressure), rel=1e-9)
+        assert b.work - a.work == pytest.approx(0.1 * UNIT * a.torque, rel=1e-9)
+
+
+def test_what_never_settles_or_locks_is_given_up(monkeypatch):
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
+    monkeypatch.setattr("drumlin.wear.archard.MOST_STEPS", 5)
+    with pytest.raises(NoAnswer, match="not settled after 5 steps"):
+        run([interface], LAW, tolerance=1e-4)
+    C = -interface.problem.C
+    with pytest.raises(NoAnswer, match="self-locking"):
+        run([interface._replace(problem=interface.problem._replace(C=C, h=-interface.problem.h))], LAW, distance=UNIT)
+
+
+def test_margins_are_taken_off_on_both_sides():
+    where = np.array([0, 1, 1, 1, 0, 1, 1, 1, 1, 1], bool)
+    assert _eroded(where, 1, beyond=False).astype(int).tolist() == [0, 0, 1, 0, 0, 0, 1, 1, 1, 0]
+    assert _eroded(where, 1, beyond=True).astype(int).tolist() == [0, 0, 1, 0, 0, 0, 1, 1, 1, 1]
+    p = np.where(np.arange(40) < 20, 0.0, 1.0) * (1 + 0.1 * (-1.0) ** np.arange(40))
+    # 1.1 and 0.9 in turn from node 20 on; the node before it might be a checkerboard's, so that 24 to 34 count
+    assert ripple(p) == pytest.approx(0.1 / math.sqrt((6 * 1.1**2 + 5 * 0.9**2) / 11), rel=1e-9)
+    assert math.isnan(ripple(np.where(np.arange(40) < 8, 1.0, 0.0)))

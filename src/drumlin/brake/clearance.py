@@ -88,3 +88,23 @@ def one_turn(brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float])
     solve: any model, such as `respond` on one scene: the bodies stay. Raises what it raises.
     """
     return [solve(vary(brake, {"drum.angle": angle})) for angle in angles]
+
+
+def ground_to(brake: Brake, mismatch: float) -> dict[str, float]:
+    """Changes (of `vary`): every lining ground to a radius that is greater than the drum's by the mismatch [m]."""
+    return {f"shoe[{i}].lining.misfit.radius": brake.drum.radius + mismatch for i in range(len(brake.shoes))}
+
+
+def set_off(brake: Brake, size: float) -> dict[str, float]:
+    """Changes: every lining's circle moved by `size` [m] along the radius of its hinge, away from the drum's centre."""
+    slopes = [along_hinge(brake, i, "lining.misfit.offset") for i in range(len(brake.shoes))]
+    return {key: size * slope for part in slopes for key, slope in part.items()}
+
+
+def along_hinge(brake: Brake, index: int, key: str) -> dict[str, float]:
+    """How the point `key` of shoe `index` moves along the radius of its hinge: what 1 m adds to its coordinates."""
+    hinge = brake.shoes[index].hinge
+    return {
+        f"shoe[{index}].{key}.x": hinge.x / hinge.radius,
+        f"shoe[{index}].{key}.y": hinge.y / hinge.radius,
+    }

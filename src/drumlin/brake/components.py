@@ -30,6 +30,9 @@ from drumlin.brake.fields import (
 )
 from drumlin.brake.units import deg
 
+Friction = Annotated[float, Field(ge=0, le=1e6, strict=True)]
+"""A friction coefficient."""
+
 
 class Section(NamedTuple):
     """A rectangular section: thickness in the brake's plane and width across it [m], and its material."""

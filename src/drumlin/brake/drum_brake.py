@@ -18,7 +18,7 @@ from pydantic import (
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.components import STEP, Actuation, AnyBody, Backing, Beam, Body, Drum, Lining, Ring
+from drumlin.brake.components import STEP, Actuation, AnyBody, Backing, Beam, Body, Drum, Friction, Lining, Ring
 from drumlin.brake.fields import Name, Part, Place, Title, check_names
 from drumlin.brake.units import deg, mm
 
@@ -55,7 +55,8 @@ class Shoe(Part):
     """One shoe with its lining, hinged at a pin; without `body` the shoe is rigid.
 
     `mesh`: a mesh file in place of the parametric mesh. Its coordinates are the brake's or, so that a shoe and
-    its mirror image can share one file, those of the shoe's own `frame`.
+    its mirror image can share one file, those of the shoe's own `frame`. `mesh_interference` says that a contact line
+    deep in the drum is meant.
 
     With a `pivot` the shoe has a second freedom: `hinge` is the pin of a lever, the actuation acts on
     the lever, and the shoe turns about the pivot at the lever's end.
@@ -72,6 +73,7 @@ class Shoe(Part):
     mesh: Path | None = None
     mesh_unit: Literal["m", "mm"] = "m"
     mesh_frame: Literal["brake", "shoe"] = "brake"
+    mesh_interference: bool = False
 
     @property
     def sign(self) -> int:
@@ -107,7 +109,7 @@ class Brake(Part):
 
     title: Title
     rotation: Literal["counter-clockwise", "clockwise"]
-    friction: Annotated[float, Field(ge=0, le=1e6, strict=True)]
+    friction: Friction
     drum: Drum
     shoes: Annotated[tuple[Shoe, ...], Field(alias="shoe", min_length=1)]
 

@@ -238,7 +238,7 @@ def lacking(brake: Brake) -> list[str]:
 def _bytes(body: Body | RingBody) -> int:
     """What a condensed body keeps, about: its matrices."""
     n = len(body.line.nodes)
-    return 8 * (4 + 2) * n**2 + 24 * int(body.condensed.A.nnz)
+    return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)
 
 
 @dataclass(frozen=True)
@@ -290,35 +290,36 @@ def pin_of(shoe: Shoe) -> Floats:
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
     parts = assemble(brake, shoe, mesher, seconds)
-    line, n = parts.line, len(parts.line.nodes)
     with clock(seconds, "condensation"):
-        condensed = condense(parts.K, parts.ties, parts.loads, 2 * n)
+        condensed = condense(parts.K, parts.ties, parts.loads, 2 * len(parts.line.nodes))
+    made = partial(Body, parts.mesh, parts.basis, parts.line)
     with clock(seconds, "coupling"):
-        coupling = couple(line, shoe.lining.width, radial(shoe.sign))
-        Y = condensed.half(np.hstack([-coupling.N.T, condensed.load_c]))
-        pressing = -Y[:, :n].T
-        closing, holding = pressing @ Y, condensed.L_fc @ Y
-        closing_dragged = held_dragged = None
-        if brake.friction > 0:
-            Y = condensed.half(coupling.T.T)
-            closing_dragged, held_dragged = pressing @ Y, condensed.L_fc @ Y
-        x, y = line.xy - pin_of(shoe)[:, None]
-        turned = np.column_stack([-y, x]).ravel()
-        return Body(
-            mesh=parts.mesh,
-            basis=parts.basis,
-            line=line,
-            coupling=coupling,
-            condensed=condensed,
-            load_centre=parts.load_centre,
-            turned=turned,
-            closing_pressed=closing[:, :n],
-            closing_loaded=closing[:, n:],
-            closing_dragged=closing_dragged,
-            held_pressed=holding[:, :n],
-            held_loaded=holding[:, n:] - condensed.load_f,
-            held_dragged=held_dragged,
-        )
+        return coupled(made, shoe, parts.line, condensed, parts.load_centre, friction=brake.friction > 0)
+
+
+def coupled(
+    made: Callable[..., Body], shoe: Shoe, line: ContactLine, condensed: Condensed, centre: Floats, *, friction: bool
+) -> Body:
+    """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the rest of a Body."""
+    n = len(line.nodes)
+    coupling = couple(line, shoe.lining.width, radial(shoe.sign))
+    forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
+    Y = condensed.half(np.hstack(forces))
+    closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
+    pressed, loaded, dragged = slice(n), slice(n, n + 3), slice(n + 3, None)
+    x, y = line.xy - pin_of(shoe)[:, None]
+    return made(
+        coupling=coupling,
+        condensed=condensed,
+        load_centre=centre,
+        turned=np.column_stack([-y, x]).ravel(),
+        closing_pressed=closing[:, pressed],
+        closing_loaded=closing[:, loaded],
+        closing_dragged=closing[:, dragged] if friction else None,
+        held_pressed=holding[:, pressed],
+        held_loaded=holding[:, loaded] - condensed.load_f,
+        held_dragged=holding[:, dragged] if friction else None,
+    )
 
 
 def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:

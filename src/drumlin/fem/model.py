@@ -5,12 +5,14 @@ force, line of action, clearance and penalty, in milliseconds on the same scene.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import (
     Scene,
@@ -25,12 +27,14 @@ from drumlin.fem.refinement import Refined, refine, whole
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, relative_balance, untouched, worst
 from drumlin.response.resultants import cross
 
+OVERLAP = 0.01  # of the lining's thickness, from which on a mesh that lies in the drum is said
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
 lining's own compression p t/E, and the pressure is off by about as much; each response states by how much."""
 REFINED_FROM = 1e-9  # relative imbalance from which on the condensed bodies have lost too many digits
 MOST_REFINED = 60_000  # unknowns of a group of shoes up to which that is done before it must be: it takes seconds
 LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
+LARGEST_LOSS = 1e-6  # relative, of a condensed body
 LARGEST_CORRECTION = 1e-6  # relative, of the pressures, by the last step of a refinement
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
@@ -66,7 +70,7 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         iterations=max(answer.steps for answer in answers.values()),
         seconds=seconds,
         left_out=scene.left_out,
-        notes=tuple(answers[i].note for i in sorted(answers)),
+        notes=(*_overlaps(scene, brake), *(answers[i].note for i in sorted(answers))),
     )
 
 
@@ -82,6 +86,17 @@ class _Answer:
     balance: Balance
     steps: int
     note: str
+
+
+def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
+    """A warning for each shoe's own mesh that lies in the drum."""
+    for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
+        deep = float((shoe.sign * (np.hypot(*body.line.xy) - brake.drum.radius)).max())
+        if shoe.mesh is not None and deep > OVERLAP * shoe.lining.thickness:
+            yield (
+                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the drum; "
+                "its pressure is that of the lining squeezed out of there"
+            )
 
 
 def _untouched(shoe: Shoe) -> _Answer:
@@ -101,7 +116,8 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
         answers[i] = _answer(group, k, size * found.p[part], size * float(found.y[k]), change[part], found.steps)
     small = sum(body.unknowns for body in group.bodies) <= MOST_REFINED
-    if _imbalance(answers) < (REFINED_FROM if small else LARGEST_IMBALANCE):
+    lost = max(body.condensed.lost for body in group.bodies)
+    if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small else LARGEST_IMBALANCE):
         return answers
     try:
         refined = refined_group(group, found.active)

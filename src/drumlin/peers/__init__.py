@@ -6,7 +6,8 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput
 from drumlin.peers.peer import Peer, PeerMissing
 
-PEERS = ("calculix", "getfem")
+PEERS = {"calculix": "CalculiX", "getfem": "GetFEM"}
+"""The peers, and how they write their names."""
 
 __all__ = ["PEERS", "Peer", "PeerMissing", "missing", "solve"]
 

@@ -1,6 +1,6 @@
 """GetFEM as a peer: the brake goes to a script as numbers, another Python runs it, its answer comes back.
 
-The script, studies/error_vs_runtime/getfem_brake.py, needs a Python that imports getfem (a Debian package, for the
+The script, getfem_brake.py beside this module, needs a Python that imports getfem (a Debian package, for the
 system's Python) and nothing of drumlin. Lengths go in drum radii, stresses in moduli of the lining.
 """
 
@@ -37,9 +37,8 @@ from drumlin.peers.peer import (
 )
 from drumlin.response.response import Balance, ShoeResponse
 from drumlin.response.resultants import angle_near
-from drumlin.studies import REPOSITORY
 
-SCRIPT = REPOSITORY / "studies" / "error_vs_runtime" / "getfem_brake.py"
+SCRIPT = Path(__file__).with_name("getfem_brake.py")
 INSTALL = "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
 FORMULATIONS = ("full slip", "coulomb")
 FURTHER = 0.9  # of the friction coefficient, in the further load case
@@ -74,8 +73,6 @@ def solve(
     if formulation not in FORMULATIONS:
         raise BadInput(f"formulation = {formulation!r}: unknown; allowed: {', '.join(FORMULATIONS)}")
     interpreter = python()
-    if not SCRIPT.is_file():
-        raise PeerMissing(f"{SCRIPT}: GetFEM's script is not there; it comes with drumlin's source")
     shoes = loaded_shoes(brake, elements, kind, mesher)
     touching = [loaded for loaded in shoes if loaded.approaches]
     result, spent = _run(interpreter, _problem(brake, touching, formulation, repeats))
@@ -130,7 +127,8 @@ def _run(interpreter: str, problem: dict[str, Any]) -> tuple[dict[str, Any], flo
     with tempfile.TemporaryDirectory(prefix="drumlin-getfem-") as folder:
         source, target = Path(folder) / "problem.npz", Path(folder) / "result.json"
         np.savez(source, **problem)
-        ended = run_process([interpreter, str(SCRIPT), str(source), str(target)], Path(folder), LONGEST)
+        script = shutil.copy(SCRIPT, folder)  # beside this module `import getfem` would find this module
+        ended = run_process([interpreter, str(script), str(source), str(target)], Path(folder), LONGEST)
         if ended.status or not target.is_file():
             said = (ended.output.strip() or "nothing").splitlines()[-1]
             raise NoAnswer(f"GetFEM: its process ended with status {ended.status}: {said[:200]}")

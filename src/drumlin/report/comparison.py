@@ -11,7 +11,7 @@ from drumlin.errors import NoAnswer
 from drumlin.files import write_text
 from drumlin.models import refusals
 from drumlin.report import figures
-from drumlin.report.page import Figure, Section, Source, Table, Text, versions, write_page
+from drumlin.report.page import fill, versions
 from drumlin.response.response import Response
 
 
@@ -35,8 +35,11 @@ def panels(comparison: Comparison) -> list[tuple[str, dict[str, Any]]]:
     return made
 
 
-def field_picture(brake: Brake, response: Response, folder: Path, name: str, **options: Any) -> Figure | Text:
-    """Write name.vtu and, where off-screen rendering works, name.png; the figure, or a line that says why not."""
+def draw_fields(brake: Brake, response: Response, folder: Path, name: str, **options: Any) -> str | None:
+    """Write name.vtu and, where off-screen rendering works, name.png; says why there is no picture, None if there is.
+
+    `options`: those of the scene. A page shows what came of it by the macro `fields`.
+    """
     from drumlin.fem.assembly import prepare  # noqa: PLC0415
     from drumlin.fem.fields import fields, ring_fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
     from drumlin.report.render import render  # noqa: PLC0415
@@ -47,14 +50,7 @@ def field_picture(brake: Brake, response: Response, folder: Path, name: str, **o
         parts.append(ring_fields(scene, brake, response))
     write_vtu(folder / f"{name}.vtu", parts)
     title = f"{brake.title}, drum turns {brake.rotation}"
-    reason = render(folder / f"{name}.vtu", folder / f"{name}.png", brake, title)
-    if reason is not None:
-        return Text(reason)
-    return Figure(
-        folder / f"{name}.png",
-        f"Von Mises stress on the deformed shoes and the drum's pressure on the linings. "
-        f"All fields are in {name}.vtu, which ParaView opens.",
-    )
+    return render(folder / f"{name}.vtu", folder / f"{name}.png", brake, title)
 
 
 def results_json(comparisons: Sequence[Comparison], **more: Any) -> str:
@@ -89,30 +85,25 @@ def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str,
     table = comparison.rows
     write_text(folder / "results.csv", as_csv(table))
     write_text(folder / "results.json", results_json([comparison]))
-    curve = figures.save(figures.pressures(panels(comparison)), folder / "pressure.svg")
-    blocks: list[Any] = [
-        Figure(curve, "Pressure on the linings."),
-        Table(table, COLUMNS, "Every model; errors against the finite elements. Run times are medians of 3 runs."),
-    ]
+    figures.save(figures.pressures(panels(comparison)), folder / "pressure.svg")
     fem = comparison.responses.get("fem")
-    if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
-        blocks.append(
-            field_picture(
-                brake, fem, folder, "fields", **{k: v for k, v in options.items() if k in {"elements", "kind"}}
-            )
-        )
+    drawn = fem is not None and any(shoe.contact_arcs for shoe in fem.shoes)
+    not_drawn = None
+    if fem is not None and drawn:
+        chosen = {k: v for k, v in options.items() if k in {"elements", "kind"}}
+        not_drawn = draw_fields(brake, fem, folder, "fields", **chosen)
     notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]
     notes += [f"{name}: does not apply: {reason}" for name, reason in refusals(brake).items()]
     left = [f"{o.model} left out {line}" for o in comparison.outcomes if o.response for line in o.response.left_out]
-    page = folder / "index.html"
-    write_page(
-        page,
-        f"{brake.title}: models side by side",
-        f"Drum turning {brake.rotation}, friction {brake.friction:g}.",
-        [
-            Section("Results", blocks),
-            Section("What each model says of itself", [Source("notes", "\n".join(notes + left))]),
-            Section("The brake", [Source("brake file", source)]),
-        ],
+    page = fill(
+        Path(__file__).with_name("comparison.html"),
+        folder / "index.html",
+        brake=brake,
+        rows=table,
+        columns=COLUMNS,
+        drawn=drawn,
+        not_drawn=not_drawn,
+        notes=notes + left,
+        source_text=source,
     )
     return Written(table, notes, page)

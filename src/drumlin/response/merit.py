@@ -18,6 +18,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
+from drumlin.response.limits import warnings
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse, contact_resultant
 from drumlin.response.resultants import cross, integrate
 
@@ -25,9 +26,15 @@ B = TypeVar("B", bound=Brake | FlatBrake)
 
 
 def double_delta(brake: Brake, shoe: Shoe) -> int:
-    """dD of the UWA notes, eq. 6: +1 for an external shoe whose lining the drum drags away from the hinge
-    and for an internal shoe whose lining it drags towards the hinge, else -1."""
-    return -shoe.sign * brake.spin * shoe.frame.sense
+    """dD of the UWA notes, eq. 6: +1 where a moment that drags as the drum turns and one that presses have one sense.
+
+    That is an external shoe whose lining the drum drags away from the hinge, an internal one whose lining it drags
+    towards the hinge; else it is -1. A lining that begins beyond half a turn from its hinge is pressed by the other
+    sense, which the actuation's moment tells.
+    """
+    M = shoe.actuation.moment_about(shoe.hinge)
+    beyond = shoe.arc[1] > math.pi and M * -shoe.sign * shoe.frame.sense < 0
+    return shoe.sign * brake.spin * shoe.frame.sense * (1 if beyond else -1)
 
 
 def merit(brake: Brake, index: int, response: ShoeResponse) -> Merit:
@@ -60,7 +67,8 @@ def _near(angle: float, shoe: Shoe) -> float:
 
 
 def _over(a: float, b: float) -> float | None:
-    return a / b if b else None
+    """a / b; None where that is no number, or too large for one."""
+    return a / b if b and math.isfinite(a / b) else None
 
 
 def barecki_shoe_factor(mu: Values, angle: Values, psi: Values, delta: Values, gamma: Values, sense: int) -> Floats:
@@ -88,13 +96,14 @@ def flat_merit(brake: FlatBrake, index: int, response: ShoeResponse) -> FlatMeri
 
 
 def with_merits(brake: AnyBrake, response: Response) -> Response:
-    """The response with the figures of merit of its shoes and, on a drum, the load of the drum's bearings."""
+    """The response with the figures of merit of its shoes, the load of a drum's bearings, and warnings as notes."""
     shoes = enumerate(response.shoes)
     if isinstance(brake, FlatBrake):
         return replace(response, merits=tuple(flat_merit(brake, i, shoe) for i, shoe in shoes))
     return replace(
         response,
         merits=tuple(merit(brake, i, shoe) for i, shoe in shoes),
+        notes=(*warnings(brake, {shoe.name: shoe.peak_pressure for shoe in response.shoes}), *response.notes),
         bearing_load=-np.sum(
             [contact_resultant(brake, i, shoe).force for i, shoe in enumerate(response.shoes)], axis=0
         ),

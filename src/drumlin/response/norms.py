@@ -10,7 +10,11 @@ from drumlin.response.resultants import GAUSS, WEIGHTS
 
 
 def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE) -> float:
-    """L2 norm over theta of p_a - p_b, relative to that of p_b, outside zones of `edge` [rad] at the lining's ends."""
+    """L2 norm over theta of p_a - p_b, relative to that of p_b, outside zones of `edge` [rad] at the lining's ends.
+
+    Where p_b presses within those zones only, over the whole lining; where it presses nowhere: 0 if neither does p_a,
+    else infinite.
+    """
     start, end = b.theta[0] + edge, b.theta[-1] - edge
     knots = np.unique(np.concatenate([[start, end], a.theta[:: a.order], b.theta[:: b.order]]))
     knots = knots[(knots >= start) & (knots <= end)]
@@ -18,7 +22,12 @@ def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE)
     theta = (knots[:-1, None] + half * (1 + GAUSS)).ravel()
     weight = (half * WEIGHTS).ravel()
     pa, pb = a.pressure_at(theta), b.pressure_at(theta)
-    return math.sqrt(float(weight @ (pa - pb) ** 2) / float(weight @ pb**2)) if pb.any() else math.nan
+    size = float(weight @ pb**2)
+    if size > 0:
+        return math.sqrt(float(weight @ (pa - pb) ** 2) / size)
+    if edge > 0:
+        return pressure_distance(a, b, 0.0)
+    return math.inf if pa.any() else 0.0
 
 
 def vector_distance(a: Floats, b: Floats) -> float:

@@ -25,7 +25,7 @@ from drumlin.brake.file import unit_of, vary
 from drumlin.brake.plane_brake import AnyBrake
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput, DrumlinError, NoAnswer
-from drumlin.fem.assembly import Cache
+from drumlin.fem.assembly import ELEMENTS, Cache
 from drumlin.files import content_digest, replacing, write_text
 from drumlin.journal import Journal, key_of, source_stamp
 from drumlin.models import pick
@@ -59,7 +59,7 @@ def respond(case: Case, cache: Cache | None = None) -> Response:
     brake = vary(case.brake, case.changes) if case.changes else case.brake
     options = dict(case.options)
     if case.model == "fem" and "tolerance" not in options:
-        options["cache"] = cache
+        options |= {"cache": cache, "elements": options.get("elements", ELEMENTS)}
     return pick(case.model, brake).solve(brake, **options)
 
 

@@ -18,7 +18,7 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import prepare
 from drumlin.sweeps.cases import Case, Row
 from drumlin.wear import archard, run_in
-from drumlin.wear.linings import fem_rig
+from drumlin.wear.linings import fem_setup
 
 PERCENTILES = (1, 5, 50, 95, 99)
 
@@ -161,11 +161,11 @@ def healing(brake: Brake, distances: Sequence[float], *, elements: int, toleranc
     Archard's wear with the coefficient run_in.COEFFICIENT, until p and torque are settled; they stay from there on.
     """
     round_ = vary(brake, {"drum.out_of_round": []})
-    rig = fem_rig(prepare(round_, elements=elements), round_)
-    states = run_in.run_in(rig, tolerance=tolerance)
+    setup = fem_setup(prepare(round_, elements=elements), round_)
+    states = run_in.run_in(setup, tolerance=tolerance)
     found = [archard.at(states, s) for s in distances]
     return {
         "torque": [state.torque for state in found],
-        "peak_pressure": [run_in.peak(rig, state) for state in found],
-        "worn_in": run_in.target(rig).torque,
+        "peak_pressure": [run_in.peak(setup, state) for state in found],
+        "worn_in": run_in.target(setup).torque,
     }

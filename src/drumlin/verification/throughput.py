@@ -11,6 +11,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from drumlin.arrays import Floats
 from drumlin.errors import NoAnswer
 from drumlin.journal import Journal
 from drumlin.sweeps.cases import Case, Row, run
@@ -97,6 +100,48 @@ def _timed(by: str, cases: Sequence[Case], found: Workers, start: float) -> Thro
     ready = time.perf_counter()
     rows = run(cases, executor=found.executor, workers=found.workers)
     return Throughput(by, found.workers, len(cases), ready - start, time.perf_counter() - ready, rows)
+
+
+def rates(measured: Sequence[Throughput]) -> list[Row]:
+    """A row a measurement: all of it but the rows of its cases, cases a second (`rate`), `gain` over one worker."""
+    found = []
+    for one in measured:
+        alone = next(other for other in measured if other.by == one.by)
+        row = {key: value for key, value in one._asdict().items() if key != "rows"}
+        found.append(row | {"rate": one.rate, "gain": one.rate / alone.rate})
+    return found
+
+
+def torques(rows: Sequence[Row]) -> Floats:
+    """Torques of the rows that have one [N m]."""
+    return np.array([row["torque"] for row in rows if row["status"] == "solved"])
+
+
+def coarser(cases: Sequence[Case], elements: Sequence[int], fine: int) -> list[Row]:
+    """Time a case, and the largest error of the torque against `fine`, by so many elements along each lining."""
+    true = torques(run([case._replace(options={"elements": fine}) for case in cases]))
+    rows = []
+    for n in elements:
+        start = time.process_time()
+        found = torques(run([case._replace(options={"elements": n}) for case in cases]))
+        spent = time.process_time() - start
+        error = float(np.abs(found / true - 1).max())
+        rows.append({"elements": n, "nodes": 2 * n + 1, "seconds": spent / len(cases), "error": error})
+    return rows
+
+
+def torque_spread(rows: Sequence[Row]) -> Row:
+    """Mean [N m] and relative standard deviation of the torque, and what 2.5 % and 97.5 % of it are below [N m]."""
+    torque = torques(rows)
+    low, high = np.percentile(torque, [2.5, 97.5])
+    return {
+        "cases": len(rows),
+        "failed": len(rows) - len(torque),
+        "mean": torque.mean(),
+        "spread": torque.std(ddof=1) / torque.mean(),
+        "low": low,
+        "high": high,
+    }
 
 
 class Kill(NamedTuple):

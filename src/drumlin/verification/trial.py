@@ -1,8 +1,8 @@
-"""A trial: what becomes of a case of `drumlin.extremes`, and whether that is right.
+"""A trial: what becomes of a case of `verification.extreme_cases`, and whether that is right.
 
 Every trial ends in one of OUTCOMES. An answer is right where its own forces balance and its pressures and gaps are
 complementary to 1e-8, and where six digits of its torque agree with the whole system refined in long double
-(`drumlin.fem.whole`), or as many as its condition allows. A refusal is right where it names a physical reason.
+(`fem.refinement`), or as many as its condition allows. A refusal is right where it names a physical reason.
 """
 
 import dataclasses

@@ -5,7 +5,6 @@ Its errors are those of its response against a reference; its time is the proces
 a unit of work that is measured at once, so that ratios hold where the machine's pace changes.
 """
 
-import importlib
 import math
 import multiprocessing
 import subprocess
@@ -20,6 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drumlin import peers
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.errors import BadInput, DrumlinError
@@ -45,7 +45,7 @@ ERRORS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
 
 
 class Method(NamedTuple):
-    """A way to solve a brake. `family`: one of FAMILIES; `options`: its own, plain data."""
+    """A way to solve a brake. `family`: of FAMILIES or PEER_FAMILIES; `options`: its own, plain data."""
 
     family: str
     name: str
@@ -97,7 +97,7 @@ def _unknowns(scene: Scene) -> int:
     return sum(body.unknowns for body in bodies) + (0 if scene.ring is None else int(2 * scene.ring.basis.N))
 
 
-def _adapted(brake: Brake, *, tolerance: float, kind: str = DEFAULT_KIND) -> Solved:
+def _adapted(brake: Brake, *, tolerance: float, kind: str | None = None) -> Solved:
     return Solved(solve(brake, tolerance=tolerance, kind=kind, penalty=math.inf))
 
 
@@ -115,7 +115,7 @@ FAMILIES: Mapping[str, Callable[..., Solved]] = {
     "weak penalty": _mesh,
     "pointwise penalty": _pointwise,
 }
-PEERS = {"GetFEM": "drumlin.peers.getfem", "CalculiX": "drumlin.peers.calculix"}
+PEER_FAMILIES = {written: name for name, written in peers.PEERS.items()}
 
 
 def solved(brake: Brake, method: Method) -> Solved:
@@ -231,7 +231,7 @@ def _grown(brake: Brake, method: Method) -> int:
 
 def process_seconds(brake_file: Path, *options: str, repeats: int = REPEATS) -> float:
     """Wall-clock seconds of a whole `drumlin solve` of a brake file, from the start of its process; the median."""
-    command = [sys.executable, "-c", "from drumlin.cli.main import main; main()", "solve", str(brake_file), *options]
+    command = [sys.executable, "-c", "from drumlin.cli import main; main()", "solve", str(brake_file), *options]
     samples = []
     for _ in range(repeats):
         start = time.perf_counter()
@@ -245,7 +245,6 @@ def peer_row(
 ) -> dict[str, Any]:
     """The row of a peer, by drumlin.peers; times are those that it states, medians of the repeats, ratios to the unit
     that is timed before each; option `even`: on a mesh that is graded nowhere."""
-    solve_by = importlib.import_module(PEERS[method.family]).solve  # only where peers are asked for
     row: dict[str, Any] = dict(method.case)
     options = dict(method.options)
     if options.pop("even", False):
@@ -255,7 +254,7 @@ def peer_row(
     try:
         for _ in range(repeats):
             beside.append(median(_spent(unit) for _ in range(REPEATS)))
-            answers.append(solve_by(brake, **options))
+            answers.append(peers.solve(PEER_FAMILIES[method.family], brake, **options))
     except DrumlinError as error:
         return row | {"seconds": time.perf_counter() - start, "status": _said(error)}
     samples = [answer.seconds for answer in answers]
@@ -313,4 +312,14 @@ def series_name(row: Mapping[str, Any]) -> str:
         return "lifted" if row.get("lift") else "as published"
     if "penalty" in row:
         return f"{row.get('kind', DEFAULT_KIND)}, {row['penalty']:g} E/t"
-    return str(row.get("kind", DEFAULT_KIND)) + (", even" if row["family"] in PEERS and row.get("even") else "")
+    return str(row.get("kind", DEFAULT_KIND)) + (", even" if row["family"] in PEER_FAMILIES and row.get("even") else "")
+
+
+def unit_seconds(rows: Iterable[Mapping[str, Any]]) -> float:
+    """Seconds of the unit, from the rows' times and ratios; the median."""
+    return median(row["seconds"] / row["ratio"] for row in rows if "ratio" in row)
+
+
+def spread(rows: Iterable[Mapping[str, Any]]) -> float:
+    """The interquartile range of the repeats over their median; the median of the rows with REPEATS or more."""
+    return median((row["upper"] - row["lower"]) / row["seconds"] for row in rows if row.get("repeats", 0) >= REPEATS)

@@ -35,7 +35,7 @@ ROUNDED = 1e-3  # of the mean pressure: below it an exponent under 1 is rounded 
 NEWTON = 1e-11
 
 
-class Rub(NamedTuple):
+class WearInterface(NamedTuple):
     """Linings that bear together, n contact unknowns x: the terms of the equations above.
 
     `problem`: contact problem of the unworn linings; `loaded` (n,): the part of its q that the actuation makes;
@@ -51,7 +51,7 @@ class Rub(NamedTuple):
     torque: Floats
 
 
-class Law(NamedTuple):
+class WearLaw(NamedTuple):
     """dh/ds = coefficient p (p/reference)^(exponent - 1): coefficient [1/Pa] at the pressure `reference` [Pa]."""
 
     coefficient: float
@@ -70,10 +70,10 @@ class Law(NamedTuple):
 
 
 @dataclass(frozen=True)
-class State:
+class WearState:
     """The linings after the sliding distance `s` [m].
 
-    `depth` (n,) [m] worn off and `pressure` (n,) [Pa] at the contact unknowns of all rubs, one after the other;
+    `depth` (n,) [m] worn off and `pressure` (n,) [Pa] at the contact unknowns of all interfaces, one after the other;
     `torque` [N m] of all; `force`: factor on the actuation; `forward`: whether the drum turns as the brake says.
     From the start on, by the method's own quadrature: `removed` [m^3] the integral of the rate, `pressed` [N m]
     that of the normal force over s, and `work` [N m^2] that of the torque over s.
@@ -90,29 +90,29 @@ class State:
     work: float
 
 
-Rubs = Sequence[Rub]
+WearInterfaces = Sequence[WearInterface]
 
 
 def run(
-    forward: Rubs,
-    law: Law,
+    forward: WearInterfaces,
+    law: WearLaw,
     *,
-    backward: Rubs = (),
+    backward: WearInterfaces = (),
     reverse: float = math.inf,
     torque: float | None = None,
     distance: float = math.inf,
     tolerance: float = TOLERANCE,
-    until: Callable[[State], bool] = lambda _: False,
-) -> list[State]:
+    until: Callable[[WearState], bool] = lambda _: False,
+) -> list[WearState]:
     """Wear linings in over the sliding `distance` [m], or until `until(state)`; states from the unworn one on.
 
-    forward: the rubs, each in equilibrium by itself; backward: the same with the drum turning the other way, which it
-    does every `reverse` [m]: the state is then there twice, before and after. torque [N m]: of all rubs, held by
+    forward: the interfaces, each in equilibrium by itself; backward: the same with the drum turning back, which it
+    does every `reverse` [m]: the state is then there twice, before and after. torque [N m]: of all interfaces, held by
     the actuation; else the actuation stays. Each step's error of p (L2) is below `tolerance`.
     Raises BadInput, and NoAnswer: no equilibrium, not converged, self-locking.
     """
     if reverse < math.inf and not backward:
-        raise BadInput(f"reverse = {reverse:g}: needs the rubs of the drum turning backward")
+        raise BadInput(f"reverse = {reverse:g}: needs the interfaces of the drum turning backward")
     for name, value in {"distance": distance, "reverse": reverse, "torque": 1.0 if torque is None else torque}.items():
         if not value > 0:
             raise BadInput(f"{name} = {value:g}: must be greater than 0")
@@ -150,7 +150,7 @@ def run(
     return states
 
 
-def _check(law: Law, tolerance: float, distance: float) -> None:
+def _check(law: WearLaw, tolerance: float, distance: float) -> None:
     if not 0 < tolerance <= 0.1:
         raise BadInput(f"tolerance = {tolerance:g}: must be greater than 0 and at most 0.1")
     if not law.coefficient >= 0:
@@ -161,9 +161,9 @@ def _check(law: Law, tolerance: float, distance: float) -> None:
         raise BadInput("coefficient = 0: nothing wears, so that a distance must be given")
 
 
-def run_on(rubs: Rubs, law: Law, stations: Sequence[float]) -> list[State]:
+def run_on(interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]) -> list[WearState]:
     """The same in steps that end at the growing distances `stations` [m], whatever their error."""
-    machine = _Machine(rubs, law, None)
+    machine = _Machine(interfaces, law, None)
     states = [machine.start()]
     for s in stations:
         after, _ = machine.step(states[-1], s - states[-1].s)
@@ -171,10 +171,10 @@ def run_on(rubs: Rubs, law: Law, stations: Sequence[float]) -> list[State]:
     return states
 
 
-def together(rubs: Rubs) -> Rub:
-    """Rubs as one: block by block."""
-    problems = [rub.problem for rub in rubs]
-    return Rub(
+def together(interfaces: WearInterfaces) -> WearInterface:
+    """WearInterfaces as one: block by block."""
+    problems = [interface.problem for interface in interfaces]
+    return WearInterface(
         problem=active_set.Problem(
             A=scipy.linalg.block_diag(*(p.A for p in problems)),
             q=np.concatenate([p.q for p in problems]),
@@ -182,63 +182,68 @@ def together(rubs: Rubs) -> Rub:
             C=scipy.linalg.block_diag(*(p.C for p in problems)),
             h=np.concatenate([p.h for p in problems]),
         ),
-        weight=scipy.linalg.block_diag(*(rub.weight for rub in rubs)),
-        loaded=np.concatenate([rub.loaded for rub in rubs]),
-        pressure=np.concatenate([rub.pressure for rub in rubs]),
-        area=np.concatenate([rub.area for rub in rubs]),
-        torque=np.concatenate([rub.torque for rub in rubs]),
+        weight=scipy.linalg.block_diag(*(interface.weight for interface in interfaces)),
+        loaded=np.concatenate([interface.loaded for interface in interfaces]),
+        pressure=np.concatenate([interface.pressure for interface in interfaces]),
+        area=np.concatenate([interface.area for interface in interfaces]),
+        torque=np.concatenate([interface.torque for interface in interfaces]),
     )
 
 
-def at_torque(rub: Rub, torque: float) -> active_set.Problem:
+def at_torque(interface: WearInterface, torque: float) -> active_set.Problem:
     """The contact problem with the torque [N m] given in place of the size f of the actuation.
 
     With q + (f - 1) loaded and C x = f h the first row of C gives f = (C x)_0 / h_0: put into the others, f becomes
     part of A and C, and the torque's row takes the place of the first. The sign is that of the row it replaces.
     """
-    A, q, B, C, h = rub.problem
+    A, q, B, C, h = interface.problem
     main = int(np.argmax(np.abs(h)))
     factor = C[main] / h[main]
     rows = C - np.outer(h, factor)
-    rows[main] = math.copysign(1.0, h[main]) * rub.torque * rub.pressure
+    rows[main] = math.copysign(1.0, h[main]) * interface.torque * interface.pressure
     right = np.zeros(len(h))
     right[main] = math.copysign(torque, h[main])
-    return active_set.Problem(A + np.outer(rub.loaded, factor), q - rub.loaded, B, rows, right)
+    return active_set.Problem(A + np.outer(interface.loaded, factor), q - interface.loaded, B, rows, right)
 
 
 class _Machine:
-    """Steps of rubs under one actuation and one sense of rotation; holds the last contact sets as first guesses."""
+    """Steps of interfaces under one actuation and one sense of rotation; the last contact sets are first guesses."""
 
-    def __init__(self, rubs: Rubs, law: Law, torque: float | None) -> None:
+    def __init__(self, interfaces: WearInterfaces, law: WearLaw, torque: float | None) -> None:
         self.law, self.held = law, torque
-        self.rubs = list(rubs) if torque is None else [together(rubs)]
-        ends = np.cumsum([0] + [len(rub.area) for rub in self.rubs])
+        self.interfaces = list(interfaces) if torque is None else [together(interfaces)]
+        ends = np.cumsum([0] + [len(interface.area) for interface in self.interfaces])
         self.parts = [slice(a, b) for a, b in pairwise(ends.tolist())]
-        self.problems = [rub.problem if torque is None else at_torque(rub, torque) for rub in self.rubs]
-        self.area = np.concatenate([rub.area for rub in self.rubs])
-        self.lever = np.concatenate([rub.torque for rub in self.rubs])
-        self.sets: list[Bools | None] = [None] * len(self.rubs)
+        self.problems = [
+            interface.problem if torque is None else at_torque(interface, torque) for interface in self.interfaces
+        ]
+        self.area = np.concatenate([interface.area for interface in self.interfaces])
+        self.lever = np.concatenate([interface.torque for interface in self.interfaces])
+        self.sets: list[Bools | None] = [None] * len(self.interfaces)
         self.forward = True
 
-    def start(self) -> State:
+    def start(self) -> WearState:
         p, *_ = self._bear(np.zeros(len(self.area)), 0.0)
         return self._state(0.0, np.zeros(len(p)), p, (0.0, 0.0, 0.0))
 
-    def turned(self, state: State, forward: bool) -> State:
+    def turned(self, state: WearState, forward: bool) -> WearState:
         """The same linings with the drum turning this way."""
         self.forward = forward
         p, *_ = self._bear(state.depth, 0.0)
         return self._state(state.s, state.depth, p, (state.removed, state.pressed, state.work))
 
-    def first(self, state: State, tolerance: float) -> float:
+    def first(self, state: WearState, tolerance: float) -> float:
         """A step [m] that is short even for the fastest ripple."""
         rate = float(self.law.rate(np.full(1, state.pressure.max(initial=1.0)), 0.0)[1][0])
         if rate == 0:
             return math.inf
-        ratios = [np.diagonal(rub.problem.A) / (np.diagonal(rub.weight) * rub.pressure) for rub in self.rubs]
+        ratios = [
+            np.diagonal(interface.problem.A) / (np.diagonal(interface.weight) * interface.pressure)
+            for interface in self.interfaces
+        ]
         return math.sqrt(tolerance) * float(min(np.abs(ratio).min() for ratio in ratios)) / rate
 
-    def step(self, state: State, ds: float) -> tuple[State, float]:
+    def step(self, state: WearState, ds: float) -> tuple[WearState, float]:
         """The state after ds [m], and the error of its pressure: of the first order, relative, L2."""
         if math.isinf(ds):
             raise BadInput("nothing wears: a distance must be given")
@@ -249,8 +254,8 @@ class _Machine:
         miss = GAMMA * ds * (r2 - r1)
         dp = np.concatenate(
             [
-                rub.pressure * tangent(rub.weight @ miss[part])
-                for rub, part, tangent in zip(self.rubs, self.parts, tangents, strict=True)
+                interface.pressure * tangent(interface.weight @ miss[part])
+                for interface, part, tangent in zip(self.interfaces, self.parts, tangents, strict=True)
             ]
         )
         size = math.sqrt(float(np.abs(self.area) @ p2**2))
@@ -266,13 +271,13 @@ class _Machine:
         )
         return self._state(state.s + ds, depth, p2, sums), error
 
-    def _state(self, s: float, depth: Floats, p: Floats, sums: tuple[float, float, float]) -> State:
+    def _state(self, s: float, depth: Floats, p: Floats, sums: tuple[float, float, float]) -> WearState:
         force = 1.0
         if self.held is not None:
-            (rub,) = self.rubs
-            main = int(np.argmax(np.abs(rub.problem.h)))
-            force = float(rub.problem.C[main] @ (p / rub.pressure)) / float(rub.problem.h[main])
-        return State(s, depth, p, float(self.lever @ p), force, self.forward, *sums)
+            (interface,) = self.interfaces
+            main = int(np.argmax(np.abs(interface.problem.h)))
+            force = float(interface.problem.C[main] @ (p / interface.pressure)) / float(interface.problem.h[main])
+        return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *sums)
 
     def _bear(self, depth: Floats, ds: float) -> tuple[Floats, Floats, list[Callable[[Floats], Floats]]]:
         """p and rate (n,) that hold after a wear of ds rate(p) on top of `depth`, and the tangents dx(dw)."""
@@ -284,20 +289,20 @@ class _Machine:
         )
 
     def _bear_one(self, i: int, depth: Floats, ds: float) -> tuple[Floats, Floats, Callable[[Floats], Floats]]:
-        rub, (A, q, B, C, h) = self.rubs[i], self.problems[i]
-        q = q + rub.weight @ depth
+        interface, (A, q, B, C, h) = self.interfaces[i], self.problems[i]
+        q = q + interface.weight @ depth
         linear = self.law.exponent == 1 or ds == 0
         p = self._guess(i, A, q, B, C, h)
-        rounded = ROUNDED * float(rub.area @ p) / float(rub.area.sum())
+        rounded = ROUNDED * float(interface.area @ p) / float(interface.area.sum())
         for _ in range(1 if linear else 60):
             rate, slope = self.law.rate(p, rounded)
-            softer = A + ds * rub.weight * (slope * rub.pressure)
-            shift = ds * (rub.weight @ (rate - slope * p))
+            softer = A + ds * interface.weight * (slope * interface.pressure)
+            shift = ds * (interface.weight @ (rate - slope * p))
             solved = active_set.solve(active_set.Problem(softer, q + shift, B, C, h), self.sets[i])
             if not solved.regular and self.held is None:
                 raise NoAnswer("self-locking, no stable equilibrium")
             self.sets[i] = solved.active
-            new = rub.pressure * solved.p
+            new = interface.pressure * solved.p
             change, p = float(np.abs(new - p).max()), new
             if linear or change <= NEWTON * float(np.abs(p).max()):
                 return p, self.law.rate(p, rounded)[0], solved.tangent
@@ -309,12 +314,12 @@ class _Machine:
             return np.zeros(len(q))
         found = active_set.solve(active_set.Problem(A, q, B, C, h), self.sets[i])
         self.sets[i] = found.active
-        return self.rubs[i].pressure * found.p
+        return self.interfaces[i].pressure * found.p
 
 
-def explicit(rubs: Rubs, law: Law, ds: float, steps: int) -> list[State]:
+def explicit(interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int) -> list[WearState]:
     """The same by explicit steps of ds [m] on the nodal pressures: what not to do, for comparison."""
-    machine = _Machine(rubs, law, None)
+    machine = _Machine(interfaces, law, None)
     states = [machine.start()]
     for _ in range(steps):
         before = states[-1]
@@ -353,7 +358,7 @@ def _eroded(where: Bools, margin: int, *, beyond: bool) -> Bools:
     return found
 
 
-def at(states: Sequence[State], s: float) -> State:
+def at(states: Sequence[WearState], s: float) -> WearState:
     """The state at the sliding distance s [m] between two computed ones, in a straight line."""
     after = next((i for i, state in enumerate(states) if state.s >= s), len(states) - 1)
     b = states[after]
@@ -365,7 +370,7 @@ def at(states: Sequence[State], s: float) -> State:
     def mid(x: float, y: float) -> float:
         return (1 - t) * x + t * y
 
-    return State(
+    return WearState(
         s,
         (1 - t) * a.depth + t * b.depth,
         (1 - t) * a.pressure + t * b.pressure,

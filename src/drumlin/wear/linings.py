@@ -19,22 +19,23 @@ from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment
 from drumlin.response.resultants import cross
-from drumlin.wear.archard import Rub
+from drumlin.wear.archard import WearInterface
 
 Guide = Literal["hinge", "radius"]
 
 
 class Surface(NamedTuple):
-    """The lining of shoe `shoe` among the unknowns of its rig.
+    """The lining of shoe `shoe` among the unknowns of its setup.
 
-    `part`: its unknowns in all, `local`: in its rub, number `rub`; `rows`: its rows of that rub's C; `theta` (n,) [rad]
-    and `forward`: the slice that makes it grow; `order` of the interpolation; `approach` (n, k): closing of the gap
+    `part`: its unknowns in all, `local`: in its interface, number `interface`; `rows`: its rows of that one's C;
+    `theta` (n,) [rad] and `forward`: the slice that makes it grow; `order` of the interpolation; `approach` (n, k):
+    closing of the gap
     per unit of each rigid motion.
     """
 
     shoe: int
     name: str
-    rub: int
+    interface: int
     part: slice
     local: slice
     rows: slice
@@ -53,12 +54,12 @@ class Surface(NamedTuple):
         return self.theta[self.forward]
 
 
-class Rig(NamedTuple):
-    """A brake ready to be worn in: its rubs, and where each lining lies in them."""
+class WearSetup(NamedTuple):
+    """A brake ready to be worn in: its interfaces, and where each lining lies in them."""
 
     brake: Brake
     model: str
-    rubs: tuple[Rub, ...]
+    interfaces: tuple[WearInterface, ...]
     surfaces: tuple[Surface, ...]
 
     @property
@@ -67,9 +68,9 @@ class Rig(NamedTuple):
         lining = self.brake.shoes[self.surfaces[0].shoe].lining
         return lining.material.E / lining.thickness
 
-    def part(self, rub: int) -> slice:
-        """The unknowns of a rub among all."""
-        parts = [surface.part for surface in self.surfaces if surface.rub == rub]
+    def part(self, interface: int) -> slice:
+        """The unknowns of an interface among all."""
+        parts = [surface.part for surface in self.surfaces if surface.interface == interface]
         return slice(parts[0].start, parts[-1].stop)
 
 
@@ -80,8 +81,8 @@ class Motions(NamedTuple):
     work: Floats
 
 
-def fem_rig(scene: Scene, brake: Brake, *, penalty: float = math.inf, guide: Guide = "hinge") -> Rig:
-    """The rig of a brake on a prepared scene of finite elements.
+def fem_setup(scene: Scene, brake: Brake, *, penalty: float = math.inf, guide: Guide = "hinge") -> WearSetup:
+    """The setup of a brake on a prepared scene of finite elements.
 
     guide: "hinge", the shoes turn about their hinges, and rigid ones about their pivots too; "radius", rigid shoes
     that move along the middle radius of their linings, the guide bearing what else acts on them.
@@ -96,7 +97,7 @@ def fem_rig(scene: Scene, brake: Brake, *, penalty: float = math.inf, guide: Gui
         for body, shoe, moves in zip(scene.bodies, brake.shoes, motions, strict=True)
     ]
     touching = [i for i, presses in enumerate(pressing) if presses]
-    rubs, surfaces = list[Rub](), list[Surface]()
+    interfaces, surfaces = list[WearInterface](), list[Surface]()
     for group in grouped(scene, brake, touching, penalty):
         size, problem = group.unit_force, group.problem
         problem = problem._replace(q=size * problem.q, h=size * problem.h)  # newtons
@@ -107,9 +108,9 @@ def fem_rig(scene: Scene, brake: Brake, *, penalty: float = math.inf, guide: Gui
             (i, shoe.frame.theta(body.line.phi), body.line.order, _approach(body, shoe, motions[i]))
             for i, body, shoe in zip(group.members, group.bodies, group.shoes, strict=True)
         ]
-        surfaces += _surfaces(brake, surfaces, len(rubs), placed)
-        rubs.append(
-            Rub(
+        surfaces += _surfaces(brake, surfaces, len(interfaces), placed)
+        interfaces.append(
+            WearInterface(
                 problem=problem,
                 loaded=problem.q - group.masses @ gap,
                 weight=group.masses,
@@ -118,18 +119,18 @@ def fem_rig(scene: Scene, brake: Brake, *, penalty: float = math.inf, guide: Gui
                 torque=brake.friction * np.concatenate([body.coupling.lever for body in group.bodies]),
             )
         )
-    return _rig(brake, "fem", rubs, surfaces)
+    return _setup(brake, "fem", interfaces, surfaces)
 
 
-def foundation_rig(brake: Brake, *, sections: int = foundation.SECTIONS, lift: Iterable[str] = ()) -> Rig:
-    """The rig of a post brake on the foundation model; options as of foundation.solve. Raises BadInput, NoAnswer."""
+def foundation_setup(brake: Brake, *, sections: int = foundation.SECTIONS, lift: Iterable[str] = ()) -> WearSetup:
+    """The setup of a post brake on the foundation model; options as of foundation.solve. Raises BadInput, NoAnswer."""
     reason = foundation.why_not(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
     names = foundation.lifted(brake, lift)
     touching = [i for i, shoe in enumerate(brake.shoes) if pressing_moment(shoe) > 0]
     together = brake.drum.ring is not None and "own-pressure" in names
-    rubs, surfaces = list[Rub](), list[Surface]()
+    interfaces, surfaces = list[WearInterface](), list[Surface]()
     for group in [touching] if together and touching else [[i] for i in touching]:
         posts, _, problem = foundation.system(brake, group, sections, names)
         widths = [brake.shoes[i].lining.width for i in group]
@@ -138,9 +139,9 @@ def foundation_rig(brake: Brake, *, sections: int = foundation.SECTIONS, lift: I
             (i, shoe_angles(p.axis, brake.shoes[i], p.theta), 1, p.closing[:1].T)
             for i, p in zip(group, posts, strict=True)
         ]
-        surfaces += _surfaces(brake, surfaces, len(rubs), placed)
-        rubs.append(
-            Rub(
+        surfaces += _surfaces(brake, surfaces, len(interfaces), placed)
+        interfaces.append(
+            WearInterface(
                 problem=problem,
                 loaded=problem.q - np.concatenate([p.gap for p in posts]),
                 weight=np.eye(len(area)),
@@ -149,7 +150,7 @@ def foundation_rig(brake: Brake, *, sections: int = foundation.SECTIONS, lift: I
                 torque=brake.friction * brake.drum.radius * area,
             )
         )
-    return _rig(brake, "foundation", rubs, surfaces)
+    return _setup(brake, "foundation", interfaces, surfaces)
 
 
 def motions_of(body: Body, shoe: Shoe, guide: Guide) -> Motions:
@@ -183,9 +184,9 @@ def _approach(body: Body, shoe: Shoe, motions: Motions) -> Floats:
 
 
 def _surfaces(
-    brake: Brake, before: Sequence[Surface], rub: int, placed: list[tuple[int, Floats, int, Floats]]
+    brake: Brake, before: Sequence[Surface], interface: int, placed: list[tuple[int, Floats, int, Floats]]
 ) -> list[Surface]:
-    """The surfaces of a rub's shoes: shoe, theta, order and approach of each."""
+    """The surfaces of an interface's shoes: shoe, theta, order and approach of each."""
     offset, first, row, found = sum(len(s.theta) for s in before), 0, 0, []
     for i, theta, order, approach in placed:
         n, k = approach.shape
@@ -193,7 +194,7 @@ def _surfaces(
             Surface(
                 shoe=i,
                 name=brake.shoes[i].name,
-                rub=rub,
+                interface=interface,
                 part=slice(offset + first, offset + first + n),
                 local=slice(first, first + n),
                 rows=slice(row, row + k),
@@ -207,7 +208,7 @@ def _surfaces(
     return found
 
 
-def _rig(brake: Brake, model: str, rubs: list[Rub], surfaces: list[Surface]) -> Rig:
-    if not rubs:
+def _setup(brake: Brake, model: str, interfaces: list[WearInterface], surfaces: list[Surface]) -> WearSetup:
+    if not interfaces:
         raise NoAnswer("no contact: no shoe is turned towards the drum, so that nothing wears")
-    return Rig(brake, model, tuple(rubs), tuple(surfaces))
+    return WearSetup(brake, model, tuple(interfaces), tuple(surfaces))

@@ -20,8 +20,8 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
 from drumlin.wear import archard
-from drumlin.wear.archard import Law, State
-from drumlin.wear.linings import Rig, Surface
+from drumlin.wear.archard import WearLaw, WearState
+from drumlin.wear.linings import Surface, WearSetup
 
 COEFFICIENT = 1e-14
 """k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings. In units of 1/(k E/t) nothing depends
@@ -37,22 +37,22 @@ class Target(NamedTuple):
     torque: float
 
 
-def target(rig: Rig, law: Law | None = None, torque: float | None = None) -> Target:
+def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = None) -> Target:
     """Where all points of each lining wear as its shoe moves: p = (approach . y)^(1/m), in equilibrium.
 
     torque [N m]: held, else the actuation stays. Raises NoAnswer where the rigid shoe has no equilibrium or would
     not press everywhere.
     """
     exponent = 1.0 if law is None else law.exponent
-    p = np.concatenate([_worn_pressure(rig, surface, exponent) for surface in rig.surfaces])
-    size = sum(float(rub.torque @ p[rig.part(i)]) for i, rub in enumerate(rig.rubs))
+    p = np.concatenate([_worn_pressure(setup, surface, exponent) for surface in setup.surfaces])
+    size = sum(float(interface.torque @ p[setup.part(i)]) for i, interface in enumerate(setup.interfaces))
     return Target(p, size) if torque is None else Target(p * torque / size, torque)
 
 
-def _worn_pressure(rig: Rig, surface: Surface, exponent: float) -> Floats:
-    rub = rig.rubs[surface.rub]
-    C = rub.problem.C[surface.rows, surface.local] / rub.pressure[surface.local]
-    h = rub.problem.h[surface.rows]
+def _worn_pressure(setup: WearSetup, surface: Surface, exponent: float) -> Floats:
+    interface = setup.interfaces[surface.interface]
+    C = interface.problem.C[surface.rows, surface.local] / interface.pressure[surface.local]
+    h = interface.problem.h[surface.rows]
     said = f"shoe {surface.name!r}"
 
     def pressure(y: Any) -> Floats:
@@ -87,11 +87,11 @@ class Distance(NamedTuple):
     torque: float
 
 
-def distance(rig: Rig, state: State, goal: Target) -> Distance:
+def distance(setup: WearSetup, state: WearState, goal: Target) -> Distance:
     """The relative distances of a state from the target."""
-    worst = max(
-        norm(s, s.along(state.pressure - goal.pressure)) / norm(s, s.along(goal.pressure)) for s in rig.surfaces
-    )
+    sizes = [norm(s, s.along(goal.pressure)) for s in setup.surfaces]
+    apart = [norm(s, s.along(state.pressure - goal.pressure)) for s in setup.surfaces]
+    worst = max((a / size for a, size in zip(apart, sizes, strict=True) if size), default=0.0)
     return Distance(worst, state.torque / goal.torque - 1 if goal.torque else 0.0)
 
 
@@ -102,51 +102,57 @@ def norm(surface: Surface, values: Floats) -> float:
     return math.sqrt(float((v**2 * w).sum()))
 
 
-def settled(rig: Rig, goal: Target, within: float = SETTLED) -> Callable[[State], bool]:
+def settled(setup: WearSetup, goal: Target, within: float = SETTLED) -> Callable[[WearState], bool]:
     """Whether p and torque of a state are within a fraction of the target."""
-    return lambda state: max(map(abs, distance(rig, state, goal))) <= within
+    return lambda state: max(map(abs, distance(setup, state, goal))) <= within
 
 
 def run_in(
-    rig: Rig,
-    law: Law | None = None,
+    setup: WearSetup,
+    law: WearLaw | None = None,
     *,
-    backward: Rig | None = None,
-    until: Callable[[State], bool] | None = None,
+    backward: WearSetup | None = None,
+    until: Callable[[WearState], bool] | None = None,
     **options: Any,
-) -> list[State]:
+) -> list[WearState]:
     """Wear a brake in by `law`, by default Archard's: options as in archard.run; until settled, or over `distance`.
 
-    backward: the rig of the same brake with the drum turning the other way, for `reverse`.
+    backward: the setup of the same brake with the drum turning the other way, for `reverse`. Raises BadInput, NoAnswer.
     """
-    law = law or Law(COEFFICIENT)
+    for surface in setup.surfaces:  # p is compared without one element at each end
+        count = (len(surface.angles) - 1) // surface.order
+        if count < 3:
+            raise BadInput(
+                f"shoe {surface.name!r}: its lining has {count} elements; wear needs at least 3 (--elements)"
+            )
+    law = law or WearLaw(COEFFICIENT)
     torque = options.get("torque")
     if until is None and "distance" not in options:
         if backward is not None:
             raise BadInput("a brake whose drum turns both ways does not settle: a distance must be given")
-        until = settled(rig, target(rig, law, torque))
+        until = settled(setup, target(setup, law, torque))
     return archard.run(
-        rig.rubs,
+        setup.interfaces,
         law,
-        backward=backward.rubs if backward else (),
+        backward=backward.interfaces if backward else (),
         until=until or (lambda _: False),
         **options,
     )
 
 
-def unit_distance(rig: Rig, law: Law) -> float:
+def unit_distance(setup: WearSetup, law: WearLaw) -> float:
     """1/(k K) [m]: the sliding distance over which a rigid shoe's Winkler lining forgets its shape, by e."""
-    return 1 / (law.coefficient * rig.stiffness) if law.coefficient else math.inf
+    return 1 / (law.coefficient * setup.stiffness) if law.coefficient else math.inf
 
 
-def worn(rig: Rig, state: State) -> Brake:
+def worn(setup: WearSetup, state: WearState) -> Brake:
     """The brake with the depth worn off added to the clearance of its linings."""
     changes = {}
-    for surface in rig.surfaces:
+    for surface in setup.surfaces:
         theta = surface.angles
-        clearance = rig.brake.shoes[surface.shoe].lining.clearance_at(theta) + surface.along(state.depth)
+        clearance = setup.brake.shoes[surface.shoe].lining.clearance_at(theta) + surface.along(state.depth)
         changes[f"shoe[{surface.shoe}].lining.clearance"] = np.column_stack([theta, clearance]).tolist()
-    return vary(rig.brake, changes)
+    return vary(setup.brake, changes)
 
 
 class Life(NamedTuple):
@@ -160,7 +166,12 @@ class Life(NamedTuple):
 
 
 def life(
-    rig: Rig, states: Sequence[State], goal: Target, law: Law, within: float = 0.01, part: float = WORN_OUT
+    setup: WearSetup,
+    states: Sequence[WearState],
+    goal: Target,
+    law: WearLaw,
+    within: float = 0.01,
+    part: float = WORN_OUT,
 ) -> Life:
     """How much of a lining's life is spent away from the law.
 
@@ -168,15 +179,15 @@ def life(
     at the rate of the law. The lining's own loss of thickness is not fed back into its stiffness.
     """
     end = math.inf
-    for surface in rig.surfaces:
-        allowed = part * rig.brake.shoes[surface.shoe].lining.thickness
+    for surface in setup.surfaces:
+        allowed = part * setup.brake.shoes[surface.shoe].lining.thickness
         deepest = [float(state.depth[surface.part].max()) for state in states]
         if deepest[-1] >= allowed:
             end = min(end, float(np.interp(allowed, deepest, [state.s for state in states])))
         elif law.coefficient > 0:
             rate = float(law.rate(goal.pressure[surface.part], 0.0)[0].max())
             end = min(end, states[-1].s + (allowed - deepest[-1]) / rate)
-    s, far = [state.s for state in states], [distance(rig, state, goal) for state in states]
+    s, far = [state.s for state in states], [distance(setup, state, goal) for state in states]
     pressure = archard.last_beyond(s, [d.pressure for d in far], within)
     return Life(end, pressure / end, archard.last_beyond(s, [d.torque for d in far], within) / end)
 
@@ -193,19 +204,19 @@ class Checks(NamedTuple):
     ripple: float
 
 
-def checks(rig: Rig, states: Sequence[State], law: Law) -> Checks:
+def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Checks:
     """The balances and the checkerboard of a run."""
-    end, brake = states[-1], rig.brake
-    area = np.concatenate([rub.area for rub in rig.rubs])
+    end, brake = states[-1], setup.brake
+    area = np.concatenate([interface.area for interface in setup.interfaces])
     scale = end.removed or 1.0
     by_energy = math.nan
     if brake.friction > 0 and law.exponent == 1:
         shape = sum(
             brake.shoes[s.shoe].lining.width * brake.drum.radius * _integral(s, s.along(end.depth))
-            for s in rig.surfaces
+            for s in setup.surfaces
         )
         by_energy = abs(shape - law.coefficient * end.work / (brake.friction * brake.drum.radius)) / scale
-    ripples = [archard.ripple(s.along(state.pressure)) for state in states[1:] for s in rig.surfaces]
+    ripples = [archard.ripple(s.along(state.pressure)) for state in states[1:] for s in setup.surfaces]
     seen = [ripple for ripple in ripples if not math.isnan(ripple)]
     return Checks(abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=math.nan))
 
@@ -215,26 +226,26 @@ def _integral(surface: Surface, values: Floats) -> float:
     return float((v * w).sum())
 
 
-def peak(rig: Rig, state: State) -> float:
+def peak(setup: WearSetup, state: WearState) -> float:
     """The largest nodal pressure [Pa], more than half a lining's thickness from its ends."""
     peaks = []
-    for surface in rig.surfaces:
+    for surface in setup.surfaces:
         theta, p = surface.angles, surface.along(state.pressure)
-        peaks.append(nodal_peak(theta, p, edge_zone(rig.brake.shoes[surface.shoe], rig.brake.drum.radius)))
+        peaks.append(nodal_peak(theta, p, edge_zone(setup.brake.shoes[surface.shoe], setup.brake.drum.radius)))
     return max(peaks)
 
 
-def as_dict(rig: Rig, states: Sequence[State], goal: Target, law: Law) -> dict[str, Any]:
+def as_dict(setup: WearSetup, states: Sequence[WearState], goal: Target, law: WearLaw) -> dict[str, Any]:
     """A run as plain data for JSON: SI; values of each lining by growing theta."""
 
     def linings(values: Floats) -> list[list[float]]:
-        return [surface.along(values).tolist() for surface in rig.surfaces]
+        return [surface.along(values).tolist() for surface in setup.surfaces]
 
     return {
-        "model": rig.model,
+        "model": setup.model,
         "law": law._asdict(),
-        "unit_distance": unit_distance(rig, law) if law.coefficient else None,
-        "shoes": [{"name": surface.name, "theta": surface.angles.tolist()} for surface in rig.surfaces],
+        "unit_distance": unit_distance(setup, law) if law.coefficient else None,
+        "shoes": [{"name": surface.name, "theta": surface.angles.tolist()} for surface in setup.surfaces],
         "worn_in": {"torque": goal.torque, "pressure": linings(goal.pressure)},
         "states": [
             {
@@ -242,9 +253,9 @@ def as_dict(rig: Rig, states: Sequence[State], goal: Target, law: Law) -> dict[s
                 "forward": state.forward,
                 "torque": state.torque,
                 "force": state.force,
-                "peak_pressure": peak(rig, state),
-                "pressure_from_law": distance(rig, state, goal).pressure,
-                "torque_from_law": distance(rig, state, goal).torque,
+                "peak_pressure": peak(setup, state),
+                "pressure_from_law": distance(setup, state, goal).pressure,
+                "torque_from_law": distance(setup, state, goal).torque,
                 "worn_volume": state.removed,
                 "depth": linings(state.depth),
                 "pressure": linings(state.pressure),
@@ -254,32 +265,34 @@ def as_dict(rig: Rig, states: Sequence[State], goal: Target, law: Law) -> dict[s
     }
 
 
-def report_lines(rig: Rig, states: Sequence[State], goal: Target, law: Law, lines: int = 24) -> list[str]:
+def report_lines(
+    setup: WearSetup, states: Sequence[WearState], goal: Target, law: WearLaw, lines: int = 24
+) -> list[str]:
     """A run as lines of text: some of its states, evenly spread, then what became of it."""
-    unit = unit_distance(rig, law)
-    force = rig.brake.shoes[rig.surfaces[0].shoe].actuation.force
+    unit = unit_distance(setup, law)
+    force = setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     said = [
-        f"{rig.brake.title}: {rig.model}, {rig.brake.motion}, mu = {rig.brake.friction:g}, "
+        f"{setup.brake.title}: {setup.model}, {setup.brake.motion}, mu = {setup.brake.friction:g}, "
         f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:g}, 1/(k K) = {unit * 1e-3:.5g} km",
         f"{'s [km]':>12}{'s k K':>11}{'torque [N m]':>14}{'force [N]':>12}{'peak p [MPa]':>14}{'p off law [%]':>15}"
         f"{'T off law [%]':>15}{'worn depth [mm]':>17}",
     ]
     for i in sorted({round(x) for x in np.linspace(0, len(states) - 1, lines)}):
         state = states[i]
-        off = distance(rig, state, goal)
+        off = distance(setup, state, goal)
         said.append(
             f"{state.s * 1e-3:12.5g}{state.s / unit:11.4g}{state.torque:14.6g}{state.force * force:12.5g}"
-            f"{peak(rig, state) * 1e-6:14.4g}{100 * off.pressure:15.3f}{100 * off.torque:+15.4f}"
+            f"{peak(setup, state) * 1e-6:14.4g}{100 * off.pressure:15.3f}{100 * off.torque:+15.4f}"
             f"{state.depth.max() * 1e3:17.4g}"
         )
     said.append(f"worn in (law): torque {goal.torque:.6g} N m")
     if law.coefficient > 0:
-        spent = life(rig, states, goal, law)
+        spent = life(setup, states, goal, law)
         said.append(
             f"life: {spent.distance * 1e-3:.5g} km to {WORN_OUT:.0%} of the thickness; of it p is more than 1 % off "
             f"the law for {_part(spent.pressure)}, the torque for {_part(spent.torque)}"
         )
-    balance = checks(rig, states, law)
+    balance = checks(setup, states, law)
     said.append(
         f"worn volume {states[-1].removed * 1e9:.5g} mm^3; balance: volume {balance.volume:.1e}, energy "
         f"{balance.energy:.1e}; checkerboard at most {balance.ripple:.1e}; {len(states) - 1} steps"

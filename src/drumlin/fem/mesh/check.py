@@ -19,9 +19,11 @@ from drumlin.response.resultants import angle_near
 
 ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
 APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
+MOST_PAIRS = 1000  # nodes in one place that are counted
 LARGEST = 1e6  # drum's radii that a mesh may reach: beyond it not even the checks are sure
 BENT = 0.5  # of an edge's length, by which its middle node may lie off its middle: half a circle
 OFF = 0.01  # of the drum's radius, by which the contact may lie off it: the pressure is that on the drum's circle
+DEEP = 0.1  # of the lining's thickness, by which its mesh may lie in the drum without the file's saying so
 STEEP = 0.1  # slope against the drum at which an edge of the contact is no part of a round lining
 UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
 
@@ -33,6 +35,7 @@ def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
     _check_elements(mesh, shoe, fault)
     _check_boundaries(mesh, fault)
     _check_contact(mesh, shoe, radius, fault)
+    _check_ends(mesh, shoe, fault)
     return mesh
 
 
@@ -76,6 +79,9 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             f"{fault}: reaches {size:.3g} m far; must be a shoe in a drum of radius {mm(radius)} "
             f"(coordinates are read in {shoe.mesh_unit})"
         )
+    cells = np.unique(np.round(mesh.doflocs / (APART * size)), axis=1)  # many in one place make far more pairs
+    if cells.shape[1] < mesh.doflocs.shape[1] - MOST_PAIRS:
+        raise BadInput(f"{fault}: many nodes stand in one place; merge them, the parts are bonded")
     pairs = scipy.spatial.cKDTree(mesh.doflocs.T).query_pairs(APART * size, output_type="ndarray")
     if len(pairs):
         raise BadInput(f"{fault}: {len(pairs)} pairs of nodes stand in one place; merge them, the parts are bonded")
@@ -146,6 +152,12 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             f"{fault}: the group contact lies up to {mm(off)} off the drum's radius {mm(radius)}; "
             f"must be within {mm(OFF * radius)} of it (coordinates are read in {shoe.mesh_unit})"
         )
+    deep = float((shoe.sign * (r - radius)).max())
+    if deep > DEEP * shoe.lining.thickness and not shoe.mesh_interference:
+        raise BadInput(
+            f"{fault}: the group contact lies up to {mm(deep)} in the drum, over {DEEP:g} of the lining's thickness "
+            f"of {mm(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
+        )
     steep = (np.abs(np.diff(r, axis=0)) > STEEP * np.hypot(*np.diff(line, axis=1))).any(axis=0)
     if steep.any():
         where = _some(mesh, mesh.f2t[0, facets[steep]], shoe)
@@ -166,3 +178,15 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     steps = steps[:, np.argsort(steps[0])]
     if not (np.array_equal(steps[0], np.arange(len(phi) - 1)) and np.array_equal(steps[1], steps[0] + 1)):
         raise BadInput(f"{fault}: the group contact must be one line without gaps or turns, one edge after the other")
+
+
+def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:
+    nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
+    if "actuation" in nodes:
+        pin = np.array([shoe.hinge.radius, 0.0])
+        away = {name: math.dist(pin, mesh.p[:, nodes[name]].mean(axis=1)) for name in ("hinge", "actuation")}
+        if away["hinge"] > away["actuation"]:
+            raise BadInput(
+                f"{fault}: the group hinge lies {mm(away['hinge'])} from the pin, the group actuation "
+                f"{mm(away['actuation'])}; must be the nearer one (are they swapped?)"
+            )

@@ -1,0 +1,134 @@
+"""Which method is enough for an accuracy: the fastest that keeps a target on each brake, and what peers take for it.
+
+Rows are those of `verification.work_precision`, with the `brake` that they belong to; floors are by brake, what its
+reference does not know.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from drumlin.verification.work_precision import PEER_FAMILIES, enough
+
+TARGETS = {"torque_error": (0.1, 0.05, 0.01, 1e-3, 1e-4), "pressure_error": (0.1, 0.05, 0.01, 5e-3, 1e-3)}
+NAMES = {"torque_error": "torque", "pressure_error": "p (L2)"}
+HALF = 5e-3  # of p, at which peers are compared
+AIMS = {"GetFEM": (20, 200), "CalculiX": (200, None)}  # times as long as drumlin, cold and for a further load case
+
+Row = Mapping[str, Any]
+Floors = Mapping[str, float]
+
+
+def of_brake(rows: Iterable[Row], name: str) -> list[Row]:
+    """The rows of one brake."""
+    return [row for row in rows if row["brake"] == name]
+
+
+def offered(rows: Iterable[Row]) -> list[Row]:
+    """The rows among which one is recommended: not the peers, nor the penalties that are there to be compared, which
+    cost what the exact contact on the same mesh costs, or more."""
+    return [row for row in rows if row["family"] not in (*PEER_FAMILIES, "weak penalty", "pointwise penalty")]
+
+
+def best_rows(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[dict[str, Any]]:
+    """For each brake and target the fastest method whose error is at most the target."""
+    found = []
+    for name in floors:
+        there = offered(of_brake(rows, name))
+        for key, targets in TARGETS.items():
+            for target in targets:
+                fit = enough(there, key, target, floors[name])
+                row = {"brake": name, "quantity": NAMES[key], "target": target}
+                if fit:
+                    row |= {k: fit[0].get(k) for k in ("family", "method", "seconds", "ratio", "further")}
+                    row["error"] = fit[0][key]
+                    if fit[0]["family"] == "law":
+                        row["method"] = " or ".join(r["model"] for r in fit if r["family"] == "law")
+                else:
+                    below = target < floors[name][key]
+                    row["family"] = "not claimed: below what the reference knows" if below else "none of those tried"
+                found.append(row)
+    return found
+
+
+class Advice(NamedTuple):
+    """What keeps a target: methods in words, each with the brakes on which it is the fastest, most brakes first."""
+
+    quantity: str
+    target: float
+    keep: list[tuple[str, list[str]]]
+
+
+def advice(best: Sequence[Row]) -> list[Advice]:
+    """`best_rows` by target instead of by brake."""
+    found = []
+    for key, targets in TARGETS.items():
+        for target in targets:
+            where: dict[str, list[str]] = {}
+            for row in best:
+                if (row["quantity"], row["target"]) == (NAMES[key], target):
+                    where.setdefault(_said(row), []).append(row["brake"])
+            found.append(Advice(NAMES[key], target, sorted(where.items(), key=lambda item: -len(item[1]))))
+    return found
+
+
+def _said(row: Row) -> str:
+    """What a row recommends, in words."""
+    family, method = row["family"], row.get("method")
+    if method is None:
+        return str(family)
+    if family == "law":
+        return f"the {method} law"
+    return f"{family} ({method})"
+
+
+def fastest_seconds(rows: Sequence[Row], floors: Mapping[str, Floors], target: float) -> list[float]:
+    """Seconds of the fastest method with at most this error of p, of each brake that has one."""
+    fit = [enough(offered(of_brake(rows, name)), "pressure_error", target, known) for name, known in floors.items()]
+    return [found[0]["seconds"] for found in fit if found]
+
+
+class PeerTimes(NamedTuple):
+    """A peer on a brake: its fastest solve within HALF and drumlin's (None where either has none), the times cold and
+    for a further load case that are aimed at, and (peer's, drumlin's) rows on one mesh that are not these two."""
+
+    peer: str
+    best: Row | None
+    own: Row | None
+    aims: tuple[float | None, float | None]
+    alike: list[tuple[Row, Row]]
+
+
+class AgainstPeers(NamedTuple):
+    """What the peers take on one brake; `even`: the finest row of a peer on a mesh that is graded nowhere, and
+    drumlin's fastest within HALF, or None."""
+
+    brake: str
+    times: list[PeerTimes]
+    even: tuple[Row, Row] | None
+
+
+def against_peers(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[AgainstPeers]:
+    """The peers on each brake on which some were tried."""
+    names = dict.fromkeys(row["brake"] for row in rows if row["family"] in PEER_FAMILIES)
+    return [_against_peers(name, of_brake(rows, name), floors[name]) for name in names]
+
+
+def _against_peers(name: str, rows: Sequence[Row], floors: Floors) -> AgainstPeers:
+    processes = [row for row in rows if row["family"] == "graded mesh" and "process" in row]
+    own = enough(processes, "pressure_error", HALF, floors)
+    times = []
+    for peer, aims in AIMS.items():
+        theirs = enough([row for row in rows if row["family"] == peer], "pressure_error", HALF, floors)
+        if not (own and theirs):
+            times.append(PeerTimes(peer, None, None, aims, []))
+            continue
+        pairs = [
+            (other, mine)
+            for other in theirs
+            for mine in [r for r in own if (r["kind"], r["elements"]) == (other["kind"], other["elements"])][:1]
+            if not other.get("even") and (other, mine) != (theirs[0], own[0])
+        ]
+        times.append(PeerTimes(peer, theirs[0], own[0], aims, pairs))
+    even = [r for r in rows if r["family"] in PEER_FAMILIES and r.get("even") and r["status"] == "converged"]
+    last = max(even, key=lambda row: row["elements"]) if even else None
+    return AgainstPeers(name, times, (last, own[0]) if last and own else None)

@@ -1,0 +1,187 @@
+"""The error that a response states against the one that it has.
+
+The truth comes from curved triangles, which share nothing with the finite elements that are judged but the brake; how
+far its own last meshes moved it is its uncertainty. All errors are relative: of p in L2 outside EDGE_ZONE at the
+lining's ends, the worst shoe's; of the torque, that of the whole brake; of the peak pressure away from the ends and of
+the hinge reaction, the worst shoe's.
+"""
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake import Brake, Shoe
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.response.response import EDGE_ZONE, Response
+from drumlin.verification import triangles
+from drumlin.verification.triangles import ShoeSolution
+
+QUANTITIES = ("pressure", "torque", "peak", "reaction")
+TOLERANCES = (1e-2, 1e-3, 1e-4)
+GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(8)
+SAMPLES = 4001  # angles at which a peak is looked for, besides the nodes
+
+
+class Pressed(Protocol):
+    """What a pressure is compared of."""
+
+    @property
+    def theta(self) -> Floats:
+        """Angles [rad] of its nodes."""
+
+    def pressure_at(self, theta: Floats) -> Floats:
+        """Pressure [Pa] at angles [rad]."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The solution of each shoe on the finest mesh; `unsure`: relative uncertainties by QUANTITIES, from how far the
+    last steps of the sequence went; `seconds` of processor time it took."""
+
+    shoes: Sequence[ShoeSolution]
+    unsure: Mapping[str, float]
+    seconds: float
+
+
+def truth(brake: Brake) -> Truth:
+    """The truth of a brake. Raises as `triangles.solve`."""
+    begin = time.process_time()
+    first, second, last = triangles.sequence(brake)
+    early, late = errors(brake, first, second), errors(brake, second, last)
+    unsure = {name: limit(early[name], late[name]) for name in QUANTITIES}
+    return Truth(last, unsure, time.process_time() - begin)
+
+
+def limit(early: float, late: float) -> float:
+    """What is left after two steps of a sequence that went so far: the last one over r - 1, where each step is r times
+    shorter than the one before, r between 2 and 4."""
+    return late / (min(max(early / late, 2.0), 4.0) - 1) if late else 0.0
+
+
+def errors(brake: Brake, found: Sequence[Any], true: Sequence[ShoeSolution]) -> dict[str, float]:
+    """Relative errors of the shoes `found` (ShoeResponse or ShoeSolution), by QUANTITIES."""
+    trios = list(zip(brake.shoes, found, true, strict=True))
+    torque = math.fsum(shoe.torque for shoe in true)
+    off = math.fsum(a.torque - b.torque for _, a, b in trios)
+    return {
+        "pressure": max(pressure_error(a, b) for _, a, b in trios),
+        "torque": abs(off) / torque if torque else 0.0,
+        "peak": max(_peak_error(shoe, brake.drum.radius, a, b) for shoe, a, b in trios),
+        "reaction": max(
+            float(np.linalg.norm(a.hinge_reaction - b.hinge_reaction) / np.linalg.norm(b.hinge_reaction))
+            for _, a, b in trios
+        ),
+    }
+
+
+def pressure_error(found: Pressed, true: ShoeSolution) -> float:
+    """L2 norm over theta of the error of p, relative to that of p, outside EDGE_ZONE at the lining's ends."""
+    first, last = true.theta[0] + EDGE_ZONE, true.theta[-1] - EDGE_ZONE
+    if first >= last:
+        return math.nan
+    knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
+    knots = knots[(knots >= first) & (knots <= last)]
+    half = 0.5 * np.diff(knots)[:, None]
+    theta, weight = knots[:-1, None] + half * (1 + GAUSS), half * WEIGHTS
+    p = true.pressure_at(theta)
+    size = float(np.sum(weight * p**2))
+    return math.sqrt(float(np.sum(weight * (found.pressure_at(theta) - p) ** 2)) / size) if size else math.nan
+
+
+def peak(shoe: Shoe, R: float, found: Pressed) -> float:
+    """Largest pressure [Pa] more than half a lining thickness from the lining's ends; of all where there is nothing."""
+    zone = shoe.lining.thickness / (2 * R)
+    start, end = shoe.lining.start + zone, shoe.lining.end - zone
+    if start >= end:
+        return math.nan
+    inside = found.theta[(found.theta > start) & (found.theta < end)]
+    return float(found.pressure_at(np.concatenate([inside, np.linspace(start, end, SAMPLES)])).max())
+
+
+def _peak_error(shoe: Shoe, R: float, found: Any, true: ShoeSolution) -> float:
+    """Relative error of the peak that a response states, or of a solution's own; nan where all p is at the ends."""
+    most = peak(shoe, R, true)
+    own = float(found.peak_pressure) if hasattr(found, "peak_pressure") else peak(shoe, R, found)
+    return abs(own / most - 1) if most else math.nan
+
+
+def row(
+    brake: Brake, tolerance: float, solve: Callable[..., Response], true: Truth | None, failure: str = ""
+) -> dict[str, Any]:
+    """Stated and true errors of a brake solved to a tolerance: one row.
+
+    Keys "stated_", "true_" and "unsure_" with QUANTITIES, nan where there is none; `outcome`: "reached", "not reached",
+    "no truth" or "failed", with its `reason`. true: None where the truth itself failed, with `failure`.
+    """
+    begin = time.process_time()
+    base: dict[str, Any] = {"tolerance": tolerance, "title": brake.title, "reason": failure}
+    try:
+        response = solve(brake, tolerance=tolerance)
+    except NoAnswer as error:
+        outcome = "not reached" if "not reached" in str(error) else "failed"
+        return base | {"outcome": outcome, "reason": str(error), "seconds": time.process_time() - begin}
+    except (BadInput, ArithmeticError, ValueError, AssertionError) as error:
+        reason = f"{type(error).__name__}: {error}"
+        return base | {"outcome": "failed", "reason": reason, "seconds": time.process_time() - begin}
+    base["seconds"] = time.process_time() - begin
+    stated = {f"stated_{name}": float((response.error or {}).get(name, math.nan)) for name in QUANTITIES}
+    if true is None:
+        return base | stated | {"outcome": "no truth"}
+    off = errors(brake, response.shoes, true.shoes)
+    return (
+        base
+        | stated
+        | {"outcome": "reached"}
+        | {f"true_{name}": off[name] for name in QUANTITIES}
+        | {f"unsure_{name}": true.unsure[name] for name in QUANTITIES}
+    )
+
+
+def ratio(one: Mapping[str, Any], name: str) -> float:
+    """Stated over true error; with what the truth is unsure of taken off the true one. nan where nothing is stated, inf
+    where nothing is left to be seen."""
+    stated, true, unsure = (float(one.get(f"{which}_{name}", math.nan)) for which in ("stated", "true", "unsure"))
+    if math.isnan(stated + true + unsure):
+        return math.nan
+    seen = true - unsure
+    return stated / seen if seen > 0 else math.inf
+
+
+def summary(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """For each tolerance and quantity: rows, part of them reached, part with the true error above the stated one, and
+    above twice it, median of stated over true where the truth is known four times better than the error."""
+    table = []
+    for tolerance in sorted({one["tolerance"] for one in rows}, reverse=True):
+        mine = [one for one in rows if one["tolerance"] == tolerance and one["outcome"] != "no truth"]
+        for name in QUANTITIES:
+            ratios = np.array([ratio(one, name) for one in mine])
+            judged = ~np.isnan(ratios)
+            sure = [
+                one[f"stated_{name}"] / one[f"true_{name}"]
+                for one, known in zip(mine, judged, strict=True)
+                if known and one[f"true_{name}"] > 4 * one[f"unsure_{name}"]
+            ]
+            n = max(1, int(judged.sum()))
+            table.append(
+                {
+                    "tolerance": tolerance,
+                    "quantity": name,
+                    "brakes": len(mine),
+                    "reached": sum(one["outcome"] == "reached" for one in mine) / max(1, len(mine)),
+                    "judged": int(judged.sum()),
+                    "above": float((ratios[judged] < 1).sum()) / n,
+                    "above_twice": float((ratios[judged] < 0.5).sum()) / n,
+                    "smallest": float(ratios[judged].min()) if judged.any() else math.nan,
+                    "median": float(np.median(sure)) if sure else math.nan,
+                    "missed": sum(
+                        one.get(f"true_{name}", 0.0) - one.get(f"unsure_{name}", 0.0) > tolerance for one in mine
+                    )
+                    / max(1, len(mine)),
+                }
+            )
+    return table

@@ -1,0 +1,134 @@
+"""Shoes meshed by triangles, and condensed to the faces of their linings."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from drumlin.arrays import Floats, Ints
+from drumlin.brake import Brake, Shoe, clearance
+from drumlin.verification.triangles import lagrange
+from drumlin.verification.triangles.lagrange import Nodes
+from drumlin.verification.triangles.outline import Outline
+from drumlin.verification.triangles.triangulation import Triangles
+
+GAUSS, WEIGHTS = legendre.leggauss(8)
+
+
+class Shaped(NamedTuple):
+    """A meshed body: triangles, nodes, stiffness of each triangle, and the nodes on its surface by growing s."""
+
+    shape: Outline
+    mesh: Triangles
+    nodes: Nodes
+    K: Floats
+    surface: Ints
+    degree: int
+
+
+def shaped(shape: Outline, mesh: Triangles, degree: int) -> Shaped:
+    """The body on a triangulation."""
+    nodes = lagrange.nodes_of(mesh, shape.place, degree)
+    K = lagrange.stiffness(mesh, nodes, shape.layers, degree)
+    surface = np.flatnonzero(nodes.at[:, 1] == 0)
+    return Shaped(shape, mesh, nodes, K, surface[np.argsort(nodes.at[surface, 0])], degree)
+
+
+@dataclass(frozen=True)
+class Face:
+    """A lining's face: angles `theta` (n,) [rad] of its nodes, growing, normals and tangents (n, 2), `mass` (n, n) =
+    b Int psi_i psi_j ds [m^2]; forces on its nodes move it by `compliance` (2n, 2n), its actuation by `loaded` (2n,),
+    a turn about the pin by `turned` (2n,)."""
+
+    theta: Floats
+    xy: Floats
+    normal: Floats
+    tangent: Floats
+    mass: Floats
+    compliance: Floats
+    loaded: Floats
+    turned: Floats
+    gap: Floats
+    degree: int
+    unknowns: int
+
+
+def edge_nodes(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -> Ints:
+    """Node numbers (k, degree + 1) along edges of triangles."""
+    inner = 3 + edge[:, None] * (degree - 1) + np.arange(degree - 1)
+    local = np.concatenate([edge[:, None], inner, ((edge + 1) % 3)[:, None]], axis=1)
+    return nodes.of[tri[:, None], local]
+
+
+def trace(degree: int, at: Floats) -> tuple[Floats, Floats]:
+    """Lagrange's polynomials on the nodes of an edge and their slopes at `at` (q,) in [0, 1]: (degree + 1, q)."""
+    nodes = lagrange.lobatto(degree)
+    V = np.linalg.inv(legendre.legvander(2 * nodes - 1, degree))
+    value = legendre.legvander(2 * at - 1, degree)
+    unit = np.eye(degree + 1)
+    slope = np.stack([2 * legendre.legval(2 * at - 1, legendre.legder(e)) for e in unit], axis=1)
+    return (value @ V).T, (slope @ V).T
+
+
+def along(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
+    """Shape functions (degree + 1, q), points (k, q, 2) and ds (k, q) of Gauss's rule on edges with nodes xy
+    (k, degree + 1, 2)."""
+    psi, slope = trace(degree, 0.5 + 0.5 * GAUSS)
+    x, dx = (np.einsum("kac,aq->kqc", xy, values) for values in (psi, slope))
+    return psi, x, np.hypot(dx[..., 0], dx[..., 1]) * 0.5 * WEIGHTS
+
+
+def _end_load(body: Shaped, force: Floats, point: Floats) -> Floats:
+    """Nodal forces (2N,) of a force (2,) whose line passes through `point` (2,): evenly spread over the loaded end, and
+    a couple that grows linearly from its centre."""
+    at = body.mesh.at
+    assert body.shape.loaded is not None
+    on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (at[..., 1] >= len(body.shape.layers) - 1 - 1e-12)
+    tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
+    of = edge_nodes(body.nodes, tri, edge, body.degree)
+    psi, x, ds = along(body.nodes.xy[of], body.degree)
+    centre = np.einsum("kqc,kq->c", x, ds) / ds.sum()
+    arm = x - centre
+    lever = point - centre
+    couple = lever[0] * force[1] - lever[1] * force[0]
+    turning = np.stack([-arm[..., 1], arm[..., 0]], axis=-1) * couple / float(np.einsum("kqc,kqc,kq->", arm, arm, ds))
+    nodal = np.einsum("aq,kqc,kq->kac", psi, force / ds.sum() + turning, ds)
+    loads = np.zeros_like(body.nodes.xy)
+    np.add.at(loads, of, nodal)
+    return loads.ravel()
+
+
+def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
+    """A shoe condensed to its lining's face."""
+    shape, nodes, kept = body.shape, body.nodes, body.surface
+    if shape.held is None:
+        fixed = nodes.at[:, 1] > len(shape.layers) - 1e-12
+        loads = np.zeros((2 * len(nodes.xy), 1))
+    else:
+        fixed = (np.abs(nodes.at[:, 0] - shape.held) < 1e-12) & (nodes.at[:, 1] > len(shape.layers) - 1 - 1e-12)
+        loads = _end_load(body, shoe.actuation.vector, shoe.actuation.point.xy)[:, None]
+    theta = shape.origin + shape.turn * nodes.at[kept, 0]
+    kept, theta = kept[:: shape.turn], theta[:: shape.turn]
+    compliance = lagrange.condense(body.K, nodes, np.repeat(fixed, 2), kept, loads)
+    er = np.stack([np.cos(theta), np.sin(theta)], axis=1)
+    place = np.empty(len(nodes.xy), dtype=np.int64)
+    place[kept] = np.arange(len(kept))
+    of = place[edge_nodes(nodes, *body.mesh.surface, body.degree)]
+    psi, _, ds = along(nodes.xy[kept][of], body.degree)
+    mass = np.zeros((len(kept), len(kept)))
+    np.add.at(mass, (of[:, :, None], of[:, None, :]), shoe.lining.width * np.einsum("aq,bq,kq->kab", psi, psi, ds))
+    arm = nodes.xy[kept] - shoe.hinge.xy
+    return Face(
+        theta=theta,
+        xy=nodes.xy[kept],
+        normal=shoe.sign * er,
+        tangent=np.stack([-er[:, 1], er[:, 0]], axis=1),
+        mass=mass,
+        compliance=compliance.of,
+        loaded=compliance.loaded[:, 0],
+        turned=np.stack([-arm[:, 1], arm[:, 0]], axis=1).ravel(),
+        gap=clearance.gap(brake, shoe, theta),
+        degree=body.degree,
+        unknowns=2 * len(nodes.xy),
+    )

@@ -1,0 +1,211 @@
+"""Curved triangles of any degree in plane stress, and their condensation to the displacements of some nodes.
+
+Shape functions are Lagrange's on nodes that are those of Gauss and Lobatto on each edge; the map is interpolated on the
+same nodes. What is inside is eliminated once, by dense fronts.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from scipy.linalg import inv, solve_triangular
+from scipy.linalg.lapack import dpotrf
+from skfem.quadrature import get_quadrature_tri
+
+from drumlin.arrays import Bools, Floats, Ints
+from drumlin.errors import NoAnswer
+from drumlin.verification.triangles.triangulation import Layer, Map, Triangles, edges_of
+
+LEAF = 8  # triangles of which a part is not halved any more
+
+
+@cache
+def lobatto(degree: int) -> Floats:
+    """Nodes of Gauss and Lobatto on [0, 1]: (degree + 1,)."""
+    inner = legendre.Legendre.basis(degree).deriv().roots() if degree > 1 else np.zeros(0)
+    return 0.5 + 0.5 * np.concatenate([[-1.0], np.sort(np.real(inner)), [1.0]])
+
+
+@cache
+def reference_nodes(degree: int) -> Floats:
+    """Barycentric coordinates (n, 3) of a triangle's nodes: corners, edges 01, 12, 20 from end to end, the inside."""
+    x = lobatto(degree)[1:-1]
+    zero = 0 * x
+    edges = [np.stack([1 - x, x, zero], 1), np.stack([zero, 1 - x, x], 1), np.stack([x, zero, 1 - x], 1)]
+    full = lobatto(degree)
+    inside = [
+        (full[i], full[j], full[k]) for i in range(1, degree) for j in range(1, degree - i) for k in [degree - i - j]
+    ]
+    inner = np.array(inside).reshape(-1, 3)
+    return np.concatenate([np.eye(3), *edges, inner / inner.sum(axis=1, keepdims=True)])
+
+
+def _polynomials(degree: int, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
+    """Products of Legendre polynomials in x and y up to the degree in all, and their slopes: (n, points)."""
+    V = legendre.legvander(2 * np.asarray(x) - 1, degree).T, legendre.legvander(2 * np.asarray(y) - 1, degree).T
+    slope = np.array([2 * legendre.legval(2 * np.asarray(x) - 1, legendre.legder(e)) for e in np.eye(degree + 1)])
+    other = np.array([2 * legendre.legval(2 * np.asarray(y) - 1, legendre.legder(e)) for e in np.eye(degree + 1)])
+    pairs = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    return (
+        np.array([V[0][i] * V[1][j] for i, j in pairs]),
+        np.array([slope[i] * V[1][j] for i, j in pairs]),
+        np.array([V[0][i] * other[j] for i, j in pairs]),
+    )
+
+
+@cache
+def shape_functions(degree: int) -> tuple[Floats, Floats, Floats]:
+    """Shape functions (n, q) and slopes (n, 2, q) at the points of a rule of twice the degree, and its weights (q,)."""
+    nodes = reference_nodes(degree)
+    X, W = get_quadrature_tri(2 * degree)
+    at_nodes, _, _ = _polynomials(degree, nodes[:, 1], nodes[:, 2])
+    value, dx, dy = _polynomials(degree, X[0], X[1])
+    inverse = np.linalg.inv(at_nodes)
+    return inverse @ value, np.stack([inverse @ dx, inverse @ dy], axis=1), W
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """`of` (m, n): the node numbers of each triangle; `at` (N, 2): s, d of a node (of one of its triangles); `xy`
+    (N, 2) [m]."""
+
+    of: Ints
+    at: Floats
+    xy: Floats
+
+
+def nodes_of(mesh: Triangles, place: Map, degree: int) -> Nodes:
+    """The nodes of all triangles: corners, edges, insides."""
+    edges, of_edge = edges_of(mesh)
+    corners = int(mesh.vertices.max()) + 1
+    inner = degree - 1
+    m = len(mesh.vertices)
+    parts = [mesh.vertices]
+    for e in range(3):
+        first, last = mesh.vertices[:, e], mesh.vertices[:, (e + 1) % 3]
+        along = np.where((first < last)[:, None], np.arange(inner), np.arange(inner)[::-1])
+        parts.append(corners + of_edge[:, e : e + 1] * inner + along)
+    n = (degree + 1) * (degree + 2) // 2
+    inside = n - 3 * degree
+    parts.append(corners + len(edges) * inner + np.arange(m)[:, None] * inside + np.arange(inside))
+    of = np.concatenate(parts, axis=1)
+    used, of = np.unique(of, return_inverse=True)
+    of = of.reshape(m, n)
+    at = np.zeros((len(used), 2))
+    at[of] = np.einsum("nk,mkc->mnc", reference_nodes(degree), mesh.at)
+    return Nodes(of, at, place(at[:, 0], at[:, 1]))
+
+
+def stiffness(mesh: Triangles, nodes: Nodes, layers: list[Layer], degree: int) -> Floats:
+    """Plane-stress stiffness (m, 2n, 2n) of each triangle, unknown 2 i + c for component c of its node i [N/m]."""
+    _, slopes, weights = shape_functions(degree)
+    n = slopes.shape[0]
+    found = np.empty((len(mesh.layer), 2 * n, 2 * n))
+    for part in np.array_split(np.arange(len(mesh.layer)), max(1, len(mesh.layer) // 2000)):
+        x = nodes.xy[nodes.of[part]]  # (m, n, 2)
+        J = np.einsum("mnc,ndq->mqcd", x, slopes)
+        det = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
+        if (det * np.sign(det[:, :1]) <= 0).any():
+            raise AssertionError("a triangle is turned over")
+        inverse = np.stack([J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]], -1).reshape(J.shape)
+        G = np.einsum("ndq,mqdc->mncq", slopes, inverse / det[..., None, None])  # d psi_n / d x_c
+        E, nu, width = (
+            np.array([getattr(one, key) for one in layers])[mesh.layer[part]] for key in ("E", "nu", "width")
+        )
+        mu, lam = width * E / (2 * (1 + nu)), width * E * nu / (1 - nu**2)  # of plane stress
+        H = np.einsum("mncq,mq,mkdq->mnckd", G, np.abs(det) * weights, G, optimize=True)
+        K = lam[:, None, None, None, None] * H + mu[:, None, None, None, None] * H.transpose(0, 1, 4, 3, 2)
+        same = mu[:, None, None] * (H[:, :, 0, :, 0] + H[:, :, 1, :, 1])
+        K[:, :, 0, :, 0] += same
+        K[:, :, 1, :, 1] += same
+        found[part] = K.reshape(len(part), 2 * n, 2 * n)
+    return found
+
+
+@dataclass(frozen=True)
+class Compliance:
+    """`of` (2n, 2n): displacements of the kept nodes under forces on them; `loaded` (2n, l) under l further loads,
+    whose work with themselves is `work` (l, l)."""
+
+    of: Floats
+    loaded: Floats
+    work: Floats
+
+
+class Front(NamedTuple):
+    """What is left of a part of a body: unknowns `dofs` (k,) that others share or that are kept, growing, each with the
+    number of `triangles` here; stiffness (k, k) and loads (k, l) on them, and the loads' work (l, l) on those gone."""
+
+    dofs: Ints
+    triangles: Ints
+    K: Floats
+    loads: Floats
+    work: Floats
+
+
+def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) -> Compliance:
+    """The compliance of the `kept` nodes where the unknowns `held` (2N,) are held, and displacements under `loads`
+    (2N, l).
+
+    K (m, 2n, 2n): stiffness of each triangle. The triangles are halved by number, again and again, across the longer
+    side; parts are joined in the reverse order, and what no other triangle shares is eliminated by dense Cholesky
+    factors as soon as that is so.
+    """
+    dofs = (2 * nodes.of[:, :, None] + np.arange(2)).reshape(len(nodes.of), -1)
+    triangles = np.bincount(dofs.ravel(), minlength=2 * len(nodes.xy))
+    triangles[(2 * kept[:, None] + np.arange(2)).ravel()] += 1  # never whole
+    centres = nodes.xy[nodes.of].mean(axis=1)
+    place = np.empty(2 * len(nodes.xy), dtype=np.int64)
+    loads = np.where(held[:, None], 0.0, loads)
+    columns = loads.shape[1]
+
+    def joined(parts: list[Front]) -> Front:
+        """Parts joined; what is whole now eliminated."""
+        all_dofs, where = np.unique(np.concatenate([part.dofs for part in parts]), return_inverse=True)
+        count = np.bincount(where, np.concatenate([part.triangles for part in parts])).astype(int)
+        gone = count == triangles[all_dofs]
+        order, n = np.concatenate([all_dofs[gone], all_dofs[~gone]]), int(gone.sum())
+        place[order] = np.arange(len(order))
+        S, f = np.zeros((len(order), len(order))), np.zeros((len(order), columns))
+        for part in parts:
+            at = place[part.dofs]
+            S[at[:, None], at] += part.K
+            f[at] += part.loads
+        work = np.sum([part.work for part in parts], axis=0)
+        if n == 0:
+            return Front(order, count, S, f, work)
+        f[:n] += loads[order[:n]]
+        L, info = dpotrf(S[:n, :n], lower=1, clean=0)
+        if info:
+            raise NoAnswer("singular stiffness")
+        Y = solve_triangular(L, np.hstack([S[:n, n:], f[:n]]), lower=True, check_finite=False)
+        coupled, own = Y[:, : len(order) - n], Y[:, len(order) - n :]
+        return Front(
+            order[n:], count[~gone], S[n:, n:] - coupled.T @ coupled, f[n:] - coupled.T @ own, work + own.T @ own
+        )
+
+    def front(members: Ints) -> Front:
+        """The front of these triangles."""
+        if len(members) <= LEAF:
+            free = ~held[dofs[members]]
+            none = np.zeros((columns, columns))
+            return joined(
+                [
+                    Front(d[on], np.ones(on.sum(), dtype=int), k[np.ix_(on, on)], np.zeros((on.sum(), columns)), none)
+                    for d, k, on in zip(dofs[members], K[members], free, strict=True)
+                ]
+            )
+        x = centres[members]
+        order = members[np.argsort(x[:, int(np.argmax(np.ptp(x, axis=0)))], kind="stable")]
+        return joined([front(order[: len(order) // 2]), front(order[len(order) // 2 :])])
+
+    whole = front(np.arange(len(centres)))
+    order = (2 * kept[:, None] + np.arange(2)).ravel()
+    at = np.searchsorted(whole.dofs, order)  # growing, and nothing else is left
+    S, f = whole.K[np.ix_(at, at)], whole.loads[at] + loads[order]
+    compliance = inv(0.5 * (S + S.T))
+    compliance = 0.5 * (compliance + compliance.T)
+    loaded = compliance @ f
+    return Compliance(compliance, loaded, whole.work + f.T @ loaded)

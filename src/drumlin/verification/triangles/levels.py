@@ -1,0 +1,114 @@
+"""Solutions on a sequence of meshes."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from drumlin.arrays import Bools, Floats
+from drumlin.brake import Brake, Shoe, clearance
+from drumlin.errors import NoAnswer
+from drumlin.verification.triangles.contact import contact
+from drumlin.verification.triangles.face import Face, face, shaped
+from drumlin.verification.triangles.outline import Level, Outline, Sharp, draft, outline
+from drumlin.verification.triangles.ring import rim, with_ring
+from drumlin.verification.triangles.solution import ShoeSolution, solution
+
+ENDS = 13  # halvings at most towards an end of the contact, where p is small, and a kink of the gap
+SLACK = 1e-9  # of the lining, of places that are its ends
+NARROWEST = 1e-4  # contact to whose width triangles are made
+
+
+FINDING, PASSES = Level(3, 8, 1.4, 1.0), 6  # the contact's ends, found again and again
+SAME = 2e-3  # of an arc, by which its ends still move when they are found
+LEVELS = (Level(3, 10, 1.2, 1.0), Level(4, 13, 0.7, 0.8), Level(5, 15, 0.7, 0.8))
+
+
+def pressed(brake: Brake) -> list[int]:
+    """Shoes that their actuation turns towards the drum."""
+    found = []
+    for i, shoe in enumerate(brake.shoes):
+        theta = np.linspace(shoe.lining.start, shoe.lining.end, 41)
+        e = np.stack([np.cos(theta), np.sin(theta)], axis=1)
+        arm = brake.drum.radius * e - shoe.hinge.xy
+        closing = shoe.sign * (-arm[:, 1] * e[:, 0] + arm[:, 0] * e[:, 1])
+        if (closing * shoe.actuation.moment_about(shoe.hinge) > 0).any():
+            found.append(i)
+    return found
+
+
+def _wavelength(brake: Brake) -> float:
+    highest = max((part.order for part in brake.drum.out_of_round if part.amplitude), default=0)
+    return 2 * math.pi * brake.drum.radius / max(highest, 1)
+
+
+def solve(brake: Brake, level: Level, before: Sequence[ShoeSolution] | None = None) -> list[ShoeSolution]:
+    """The solution of each shoe on meshes of one level, graded to the contact's ends of an earlier solution.
+
+    Raises BadInput for what is not meshed, NoAnswer where a shoe does not touch or no contact settles.
+    """
+    shoes = list(brake.shoes)
+    if len(pressed(brake)) < len(shoes):
+        raise NoAnswer("a shoe that is not turned towards the drum")
+    earlier = [None] * len(shoes) if before is None else list(before)
+    drafts = []
+    for shoe, its in zip(shoes, earlier, strict=True):
+        shape = outline(shoe, brake.drum.radius)
+        drafts.append(draft(shape, _sharp(shoe, shape, its, level), level, _wavelength(brake)))
+    meshes, opposite = [one.mesh for one in drafts], None
+    if brake.drum.ring is not None:
+        meshes, opposite = with_ring(brake, drafts, level)
+    faces = [
+        face(brake, shoe, shaped(one.shape, mesh, level.degree))
+        for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
+    ]
+    firsts = [_touching(one, its) for one, its in zip(faces, earlier, strict=True)]
+    if opposite is not None:
+        found = contact(brake, faces, shoes, rim(brake, opposite, faces), firsts)
+    else:
+        found = [contact(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[0] for i in range(len(shoes))]
+    return [solution(brake, shoe, one, its) for shoe, one, its in zip(shoes, faces, found, strict=True)]
+
+
+def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: Level) -> Sharp:
+    """Kinks of a lining's gap, and the ends of its contact that are not the lining's, triangles in proportion to it."""
+    lining = shoe.lining
+    places = [(angle, shape.least) for angle in clearance.kinks(lining)]
+    for arc in [] if before is None else before.arcs:
+        width = max((arc[1] - arc[0]) * shape.length, NARROWEST * shape.least)
+        places += [(float(end), min(shape.least, width / 4)) for end in arc]
+    slack = SLACK * (lining.end - lining.start)
+    inside = [one for one in places if lining.start + slack < one[0] < lining.end - slack]
+    angle, length = np.reshape(inside, (-1, 2)).T
+    return Sharp((angle - shape.origin) * shape.turn, length * 0.5 ** min(ENDS, level.halvings))
+
+
+def _touching(one: Face, before: ShoeSolution | None) -> Bools:
+    """Nodes of a face in contact as far as is known: all, or those of an earlier solution's arcs."""
+    if before is None:
+        return np.ones(len(one.theta), dtype=bool)
+    inside = [(one.theta > a - SLACK) & (one.theta < b + SLACK) for a, b in before.arcs]
+    return np.any(inside, axis=0)
+
+
+def sequence(brake: Brake, levels: Sequence[Level] = LEVELS) -> list[list[ShoeSolution]]:
+    """The solutions on a sequence of meshes, each graded to the ends of the contact that the one before found; before
+    them coarse ones until these ends settle.
+
+    Raises as `solve`.
+    """
+    before = None
+    for _ in range(PASSES):
+        after = solve(brake, FINDING, before)
+        same = before is not None and all(_same_arcs(a.arcs, b.arcs) for a, b in zip(before, after, strict=True))
+        before = after
+        if same:
+            break
+    found: list[list[ShoeSolution]] = []
+    for level in levels:
+        found.append(solve(brake, level, found[-1] if found else before))
+    return found
+
+
+def _same_arcs(a: Floats, b: Floats) -> bool:
+    return a.shape == b.shape and bool((np.abs(a - b).max(axis=1) < SAME * np.diff(b, axis=1)[:, 0]).all())

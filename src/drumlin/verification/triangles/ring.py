@@ -1,0 +1,142 @@
+"""The elastic ring: its mesh, whose edges match those of the linings, and its compliance under them."""
+
+import math
+
+import numpy as np
+
+from drumlin.arrays import Floats, Ints
+from drumlin.brake import Brake
+from drumlin.brake.components import Section
+from drumlin.errors import BadInput
+from drumlin.verification.triangles import lagrange
+from drumlin.verification.triangles.contact import Rim
+from drumlin.verification.triangles.face import Face, Shaped, along, edge_nodes, shaped
+from drumlin.verification.triangles.outline import Draft, Level, Outline
+from drumlin.verification.triangles.triangulation import Layer, Triangles, graded, matched, spaced, start
+
+SLACK = 1e-12  # rad, of angles that are the same
+ROUNDS = 20
+TURN = 2 * math.pi
+
+
+def with_ring(brake: Brake, drafts: list[Draft], level: Level) -> tuple[list[Triangles], Shaped]:
+    """The linings' meshes and the ring's, whose edges match."""
+    ring, R = brake.drum.ring, brake.drum.radius
+    section = None if ring is None else ring.section
+    if section is None:
+        raise BadInput("its ring has no section to mesh")
+    sign = brake.shoes[0].sign
+    if any(shoe.sign != sign for shoe in brake.shoes):
+        raise BadInput("shoes inside and outside of one ring")
+    first = min(shoe.lining.start for shoe in brake.shoes)
+    turns = [TURN * math.floor((shoe.lining.start - first) / TURN + SLACK) for shoe in brake.shoes]
+
+    def on_ring(i: int, s: Floats) -> Floats:
+        """Angles on the ring of places on the face of shoe i."""
+        shape = drafts[i].shape
+        return shape.origin + shape.turn * s - turns[i]
+
+    def on_face(i: int, theta: Floats) -> Floats:
+        shape = drafts[i].shape
+        return np.sort((theta + turns[i] - shape.origin) * shape.turn)
+
+    def place(s: Floats, d: Floats) -> Floats:
+        r = R + sign * section.thickness * d
+        return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
+
+    under = []
+    for i, one in enumerate(drafts):
+        face = one.shape.layers[0]
+        within = (one.s > face.start - SLACK) & (one.s < face.end + SLACK)
+        under.append(np.sort(on_ring(i, one.s[within])))
+    least = min(*(one.shape.least for one in drafts), section.thickness)
+    s, d = _grid(under, section, R, least, level.size)
+    layer = Layer(-math.inf, math.inf, section.material.E, section.material.nu, section.width)
+    shape = Outline(place, [layer], np.array([section.thickness]), s[[0, -1]], np.zeros((0, 2)), None, None, 0.0, 1, R)
+    ends = np.concatenate([part[[0, -1]] for part in under])
+    sharp = np.concatenate([on_ring(i, one.sharp.s) for i, one in enumerate(drafts)])
+    smallest = np.concatenate(
+        [np.full(len(ends), least * 0.5**level.halvings), *(one.sharp.smallest for one in drafts)]
+    )
+    at = np.concatenate([ends, sharp])
+    mesh = graded(start(s, [d], [layer], TURN), place, place(at, 0 * at), smallest, level.steep)
+    meshes = [one.mesh for one in drafts]
+    for _ in range(ROUNDS):
+        before = len(mesh.layer), [len(one.layer) for one in meshes]
+        above = [on_ring(i, np.unique(one.surface_spans())) for i, one in enumerate(meshes)]
+        mesh = matched(mesh, np.unique(np.concatenate(above)), SLACK)
+        breaks = np.unique(mesh.surface_spans())
+        meshes = [matched(one, on_face(i, breaks), SLACK) for i, one in enumerate(meshes)]
+        if before == (len(mesh.layer), [len(one.layer) for one in meshes]):
+            return meshes, shaped(shape, mesh, level.degree)
+    raise AssertionError("ring and linings do not match")
+
+
+def _grid(under: list[Floats], section: Section, R: float, least: float, size: float) -> tuple[Floats, Floats]:
+    """The ring's first lines: those of the linings, and what lies between them; and across."""
+    parts = sorted(under, key=lambda part: float(part[0]))
+    t = section.thickness
+    lines = []
+    for part, after in zip(parts, [*parts[1:], parts[0] + TURN], strict=True):
+        gap = np.array([part[-1], after[0]])
+
+        def between(x: float, gap: Floats = gap) -> float:
+            return min(2.5 * t * size / R, least * size / R + 0.5 * float(np.abs(gap - x).min()))
+
+        lines += [part, spaced(gap, between)[1:-1]]
+    across = spaced(np.array([0.0, 1.0]), lambda x: min(0.5, least * size / t + min(x, 1 - x)))
+    return np.concatenate([*lines, [parts[0][0] + TURN]]), across
+
+
+def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
+    """The ring condensed to the nodes opposite to those of the faces. A free ring's rim carries what balances the
+    contact, spread as its rigid motions are, and does not move in the mean."""
+    nodes = ring.nodes
+    chosen, of = _opposite(brake, ring, faces)
+    outer = np.flatnonzero(nodes.at[:, 1] > 1 - SLACK)
+    held = np.zeros((len(nodes.xy), 2), dtype=bool)
+    assert brake.drum.ring is not None
+    if brake.drum.ring.support == "fixed":
+        held[outer] = True
+        return Rim(lagrange.condense(ring.K, nodes, held.ravel(), chosen, np.zeros((held.size, 0))).of, of)
+    on = ring.mesh.at[..., 1] > 1 - SLACK
+    tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
+    edges = edge_nodes(nodes, tri, edge, ring.degree)
+    psi, x, ds = along(nodes.xy[edges], ring.degree)
+    spread = np.zeros((len(nodes.xy), 2, 3))
+    np.add.at(spread, edges, np.einsum("aq,kqcl,kq->kacl", psi, _motions(x), ds / ds.sum()))
+    loads = spread.reshape(-1, 3)
+    rigid = _motions(nodes.xy).reshape(-1, 3)
+    right, left = (outer[which(nodes.xy[outer, 0])] for which in (np.argmax, np.argmin))
+    held[right] = held[left, 1] = True
+    found = lagrange.condense(ring.K, nodes, held.ravel(), chosen, loads)
+    own = rigid[(2 * chosen[:, None] + np.arange(2)).ravel()]
+    # Forces f are met by -loads l on the rim, l = (rigid^T loads)^-1 own^T f; then the mean motion is taken away.
+    share = np.linalg.solve(rigid.T @ loads, own.T)
+    moved = found.of - found.loaded @ share
+    mean = found.loaded.T - found.work @ share
+    return Rim(moved - own @ np.linalg.solve(loads.T @ rigid, mean), of)
+
+
+def _motions(xy: Floats) -> Floats:
+    """The rigid motions (..., 2, 3) of points (..., 2): along x, along y, turn about the origin."""
+    x, y = xy[..., 0], xy[..., 1]
+    one, zero = np.ones_like(x), np.zeros_like(x)
+    return np.stack([np.stack([one, zero, -y], axis=-1), np.stack([zero, one, x], axis=-1)], axis=-2)
+
+
+def _opposite(brake: Brake, ring: Shaped, faces: list[Face]) -> tuple[Ints, list[Ints]]:
+    """The ring's nodes opposite to those of all faces, and which of them are those of each face."""
+    xy = ring.nodes.xy[ring.surface]
+    chosen, of, count = [], [], 0
+    for one in faces:
+        middle, half = 0.5 * (one.theta[0] + one.theta[-1]), 0.5 * (one.theta[-1] - one.theta[0])
+        away = np.angle((xy[:, 0] + 1j * xy[:, 1]) * np.exp(-1j * middle))
+        under = np.flatnonzero(np.abs(away) < half + SLACK)
+        under = under[np.argsort(away[under])]
+        if len(under) != len(one.theta) or np.abs(xy[under] - one.xy).max() > 1e-9 * brake.drum.radius:
+            raise AssertionError("ring and lining do not match")
+        chosen.append(ring.surface[under])
+        of.append(count + np.arange(len(under)))
+        count += len(under)
+    return np.concatenate(chosen), of

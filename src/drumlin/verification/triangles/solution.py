@@ -1,0 +1,98 @@
+"""What a shoe does, from the forces on the nodes of its lining's face."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from drumlin.arrays import Bools, Floats
+from drumlin.brake import Brake, Shoe
+from drumlin.verification.triangles import lagrange
+from drumlin.verification.triangles.contact import Found
+from drumlin.verification.triangles.face import GAUSS, WEIGHTS, Face, trace
+
+
+@dataclass(frozen=True)
+class ShoeSolution:
+    """What one shoe does: `theta` (n,) [rad], growing, `pressure` (n,) [Pa] at the nodes of Gauss and Lobatto of pieces
+    of degree `order`, 0 where it is open; `torque` [N m]; `hinge_reaction` (2,) [N] of the pin on the shoe; `arcs`
+    (k, 2) [rad] in contact; `unknowns` of its mesh."""
+
+    theta: Floats
+    pressure: Floats
+    order: int
+    torque: float
+    normal_force: float
+    hinge_reaction: Floats
+    arcs: Floats
+    unknowns: int
+
+    @cached_property
+    def _barycentric(self) -> Floats:
+        x = lagrange.lobatto(self.order)
+        return np.array([1 / np.prod([a - b for b in x if b != a]) for a in x])
+
+    def pressure_at(self, theta: Floats) -> Floats:
+        """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
+        at = np.asarray(theta, dtype=float)
+        ends = self.theta[:: self.order]
+        piece = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, len(ends) - 2)
+        nodes = piece[..., None] * self.order + np.arange(self.order + 1)
+        off = at[..., None] - self.theta[nodes]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            weight = self._barycentric / off
+            value = (weight * self.pressure[nodes]).sum(axis=-1) / weight.sum(axis=-1)
+        hit = np.abs(off) < 1e-15
+        value = np.where(hit.any(axis=-1), (hit * self.pressure[nodes]).sum(axis=-1), value)
+        return np.where((at >= ends[0]) & (at <= ends[-1]), value, 0.0)
+
+
+def solution(brake: Brake, shoe: Shoe, one: Face, found: Found) -> ShoeSolution:
+    """The solution of a shoe: its pressure has the forces of the nodes in contact as its moments there."""
+    a = np.flatnonzero(found.active)
+    p = np.zeros(len(one.theta))
+    p[a] = np.linalg.solve(one.mass[np.ix_(a, a)], found.force[a])
+    drag = brake.friction * brake.spin
+    on_normal = -(found.force[:, None] * one.normal).sum(axis=0)
+    on_tangent = drag * (found.force[:, None] * one.tangent).sum(axis=0)
+    return ShoeSolution(
+        theta=one.theta,
+        pressure=p,
+        order=one.degree,
+        torque=brake.friction * brake.drum.radius * float(found.force.sum()),
+        normal_force=float(np.hypot(*on_normal)),
+        hinge_reaction=-(on_normal + on_tangent + shoe.actuation.vector),
+        arcs=_arcs(one.theta, p, found.active, one.degree),
+        unknowns=one.unknowns,
+    )
+
+
+def _arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Floats:
+    """Arcs [rad] of contact (k, 2). An end inside the lining is where F^(2/3) vanishes, F the force between it and the
+    next two ends of pieces: p rises there as the root of the distance."""
+    steps = np.diff(np.concatenate([[0], active.astype(int), [0]]))
+    firsts, lasts = np.flatnonzero(steps == 1), np.flatnonzero(steps == -1) - 1
+    last = len(theta) - 1
+    return np.array(
+        [
+            (_end(theta, p, i, degree), -_end(-theta[::-1], p[::-1], last - j, degree))
+            for i, j in zip(firsts.tolist(), lasts.tolist(), strict=True)
+        ]
+    ).reshape(-1, 2)
+
+
+def _end(theta: Floats, p: Floats, node: int, degree: int) -> float:
+    if node == 0:
+        return float(theta[0])
+    near = (node - 1) // degree * degree + degree  # the end of the piece in which contact begins
+    far = near + degree
+    if far >= len(theta):
+        return float(theta[node])
+    psi, _ = trace(degree, 0.5 + 0.5 * GAUSS)
+    weight = psi @ (0.5 * WEIGHTS)
+    F = np.cumsum([(theta[b] - theta[b - degree]) * float(weight @ p[b - degree : b + 1]) for b in (near, far)])
+    if not 0 < F[0] < F[1]:
+        return float(theta[node])
+    f = F ** (2 / 3)
+    end = theta[near] - f[0] * (theta[far] - theta[near]) / (f[1] - f[0])
+    return float(np.clip(end, theta[node - 1], theta[node]))

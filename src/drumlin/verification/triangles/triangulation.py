@@ -1,0 +1,164 @@
+"""Triangulations graded geometrically to given points, in the coordinates (s, d) of a layered body.
+
+s runs along the body, d counts its layers: layer j fills j <= d <= j + 1. Triangles are halved by newest-vertex
+bisection, which keeps their shapes (Mitchell 1989, the closure after Funken, Praetorius & Wissgott 2011), until each
+is no longer than its distance from the nearest of the points asks.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from drumlin.arrays import Bools, Floats, Ints
+
+Map = Callable[[Floats, Floats], Floats]  # s, d (...) -> points (..., 2) [m]
+MOST_ROUNDS = 200  # of bisection
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A layer of a body: from s = `start` to `end`, its material's E [Pa] and nu, its width [m]."""
+
+    start: float
+    end: float
+    E: float
+    nu: float
+    width: float
+
+
+@dataclass(frozen=True)
+class Triangles:
+    """`vertices` (m, 3): numbers of the corners, the edge that is halved next between the first two; `at` (m, 3, 2):
+    their s, d; `layer` (m,)."""
+
+    vertices: Ints
+    at: Floats
+    layer: Ints
+
+    @property
+    def surface(self) -> tuple[Ints, Ints]:
+        """Triangles and their edges (0: first to second corner, 1, 2) on d = 0."""
+        on = self.at[:, :, 1] == 0
+        tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
+        return tri, edge
+
+    def surface_spans(self) -> Floats:
+        """(k, 2): s at both ends of each edge on d = 0, the smaller first."""
+        tri, edge = self.surface
+        return np.sort(np.stack([self.at[tri, edge, 0], self.at[tri, (edge + 1) % 3, 0]], axis=1), axis=1)
+
+
+def start(s: Floats, d: Sequence[Floats], layers: Sequence[Layer], period: float | None = None) -> Triangles:
+    """Two triangles for each cell of the grid of `s` (n,) and the `d` of each layer, where the layer is.
+
+    period: where a closed body begins again; then s ends there.
+    """
+    depths = np.unique(np.concatenate(d))
+    count = len(s) - (period is not None)
+    i = np.repeat(np.arange(len(s) - 1), len(depths) - 1)
+    j = np.tile(np.arange(len(depths) - 1), len(s) - 1)
+    layer = np.floor(0.5 * (depths[j] + depths[j + 1])).astype(int)
+    middle = 0.5 * (s[i] + s[i + 1])
+    ends = np.array([[one.start, one.end] for one in layers])
+    there = (middle > ends[layer, 0]) & (middle < ends[layer, 1])
+    i, j, layer = i[there], j[there], layer[there]
+
+    def corner(a: int, b: int) -> tuple[Ints, Floats]:
+        at = np.stack([s[i + a], depths[j + b]], axis=1)
+        return ((i + a) % count) * len(depths) + j + b, at
+
+    flip = (i + j) % 2 == 1  # diagonals to and fro: no slant
+    quads = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)]
+    numbers = np.stack([number for number, _ in quads], axis=1)
+    places = np.stack([at for _, at in quads], axis=1)
+    numbers[flip], places[flip] = np.roll(numbers[flip], -1, axis=1), np.roll(places[flip], -1, axis=1)
+    halves = [[2, 0, 1], [0, 2, 3]]
+    return Triangles(
+        np.concatenate([numbers[:, half] for half in halves]),
+        np.concatenate([places[:, half] for half in halves]),
+        np.concatenate([layer, layer]),
+    )
+
+
+def edges_of(mesh: Triangles) -> tuple[Ints, Ints]:
+    """The edges (k, 2) by the numbers of their ends, the smaller first, and those (m, 3) of each triangle."""
+    pairs = np.sort(np.stack([mesh.vertices, np.roll(mesh.vertices, -1, axis=1)], axis=2), axis=2)
+    flat = pairs.reshape(-1, 2)
+    size = int(mesh.vertices.max()) + 1
+    _, first, number = np.unique(flat[:, 0] * size + flat[:, 1], return_index=True, return_inverse=True)
+    return flat[first], number.reshape(-1, 3)
+
+
+def bisect(mesh: Triangles, marked: Bools) -> Triangles:
+    """The marked (m,) triangles halved, and others as far as they must be."""
+    edges, of = edges_of(mesh)
+    halved = np.zeros(len(edges), dtype=bool)
+    halved[of[marked, 0]] = True
+    while True:
+        due = halved[of].any(axis=1) & ~halved[of[:, 0]]
+        if not due.any():
+            break
+        halved[of[due, 0]] = True
+    number = np.cumsum(halved) - 1 + int(mesh.vertices.max()) + 1
+    v = np.concatenate([mesh.vertices, number[of]], axis=1)  # corners 0 1 2, middles 3 4 5 of the edges 01 12 20
+    at = np.concatenate([mesh.at, 0.5 * (mesh.at + np.roll(mesh.at, -1, axis=1))], axis=1)
+    cut = halved[of]
+    kinds = [
+        (~cut[:, 0], [[0, 1, 2]]),
+        (cut[:, 0] & ~cut[:, 1] & ~cut[:, 2], [[2, 0, 3], [1, 2, 3]]),
+        (cut[:, 0] & cut[:, 1] & ~cut[:, 2], [[2, 0, 3], [3, 1, 4], [2, 3, 4]]),
+        (cut[:, 0] & ~cut[:, 1] & cut[:, 2], [[3, 2, 5], [0, 3, 5], [1, 2, 3]]),
+        (cut.all(axis=1), [[3, 2, 5], [0, 3, 5], [3, 1, 4], [2, 3, 4]]),
+    ]
+    parts = [(v[which][:, one], at[which][:, one], mesh.layer[which]) for which, ones in kinds for one in ones]
+    return Triangles(*(np.concatenate([part[k] for part in parts]) for k in range(3)))
+
+
+def graded(mesh: Triangles, place: Map, points: Floats, smallest: Floats, steep: float) -> Triangles:
+    """Halved until no triangle is longer than `steep` times its centre's distance from each of the points (k, 2) [m].
+
+    Those nearer to a point than `smallest` (k,) [m] may be as long as that.
+    """
+    for _ in range(MOST_ROUNDS):
+        corners = place(mesh.at[..., 0], mesh.at[..., 1])
+        size = np.hypot(*np.moveaxis(corners - np.roll(corners, -1, axis=1), 2, 0)).max(axis=1)
+        centre = corners.mean(axis=1)
+        allowed = np.full(len(size), np.inf)
+        for point, least in zip(points, smallest, strict=True):
+            np.minimum(allowed, np.maximum(steep * np.hypot(*(centre - point).T), least), out=allowed)
+        marked = size > allowed
+        if not marked.any():
+            return mesh
+        mesh = bisect(mesh, marked)
+    raise AssertionError("the triangulation does not end")
+
+
+def matched(first: Triangles, breaks: Floats, slack: float) -> Triangles:
+    """`first` with each edge on its surface halved that has one of the growing `breaks` (k,) of s within it."""
+    for _ in range(MOST_ROUNDS):
+        tri, _ = first.surface
+        spans = first.surface_spans()
+        within = np.searchsorted(breaks, spans[:, 1] - slack) > np.searchsorted(breaks, spans[:, 0] + slack)
+        if not within.any():
+            return first
+        marked = np.zeros(len(first.layer), dtype=bool)
+        marked[tri[within]] = True
+        first = bisect(first, marked)
+    raise AssertionError("the surfaces do not match")
+
+
+def spaced(breaks: Floats, size: Callable[[float], float]) -> Floats:
+    """Points from the first to the last of the growing `breaks`, all of them among them, with steps of about
+    size(x)."""
+    points = [np.array(breaks[:1])]
+    for a, b in pairwise(breaks.tolist()):
+        x = np.linspace(a, b, 400)
+        density = np.array([1 / size(float(one)) for one in x])
+        count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
+        whole = max(1, int(np.ceil(count[-1] - 1e-9)))
+        inner = np.interp(np.arange(1, whole + 1) * count[-1] / whole, count, x)
+        inner[-1] = b
+        points.append(inner)
+    return np.concatenate(points)

@@ -1,0 +1,75 @@
+"""The brakes of the study: all that finite elements cover, and those of which parts are left out."""
+
+from pathlib import Path
+from typing import Any
+
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import read_brake, vary
+from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.errors import DrumlinError
+from drumlin.models import applicable, refusals
+
+STUDIES = Path(__file__).parents[1]
+MAIN = STUDIES / "double_shoe" / "brake.toml"
+IRON, LAYER = {"E": 1.2e11, "nu": 0.25}, {"E": 1e10, "nu": 0.3}
+
+
+def covered() -> tuple[dict[str, Path], dict[str, str]]:
+    """The brake files of studies/ that finite elements cover, by name, and why each other one is left out."""
+    found, refused = {}, {}
+    for path in sorted(STUDIES.glob("*/*.toml")):
+        name = f"{path.parent.name}/{path.stem}"
+        try:
+            brake = read_any(path)
+        except DrumlinError:
+            continue  # data of a study, no brake
+        if isinstance(brake, FlatBrake) or "fem" in refusals(brake):
+            models = ", ".join(model.name for model in applicable(brake))
+            refused[name] = f"{refusals(brake)['fem']}; only {models}, and nothing to judge by"
+        else:
+            found[name] = path
+    return found, refused
+
+
+def _ring(support: str, thickness: float = 0.015, E: float = 1.2e11) -> dict[str, Any]:
+    material = {**IRON, "E": E}
+    return {"drum.ring": {"thickness": thickness, "width": 0.04, "material": material, "support": support}}
+
+
+def _backing(thickness: float = 0.005, E: float = 1e10) -> dict[str, Any]:
+    return {"shoe.backing": {"thickness": thickness, "material": {**LAYER, "E": E}}}
+
+
+def simplified(*, short: bool = False) -> dict[str, Brake]:
+    """The brakes of the table of what leaving things out costs, by name."""
+    main = read_brake(MAIN)
+    found = {
+        "double shoe": main,
+        "double shoe, ring fixed": vary(main, _ring("fixed")),
+    }
+    if short:
+        return found
+    return found | {
+        "double shoe, ring free": vary(main, _ring("free")),
+        "double shoe, backing": vary(main, _backing()),
+        "double shoe, mu = 0": vary(main, {"friction": 0.0}),
+        "flexible double shoe": read_brake(STUDIES / "double_shoe" / "flexible.toml"),
+        "post brake": read_brake(STUDIES / "post_brake" / "brake.toml"),
+    }
+
+
+def stiff_to_soft(*, short: bool = False) -> dict[str, Brake]:
+    """Brakes on which predictions are held against the truth, without timing."""
+    main = read_brake(MAIN)
+    shoes = {f"shoe E = {E:.0e} Pa": vary(main, {"shoe.body.material.E": E}) for E in (2.1e12, 2.1e13, 2.1e14, 2.1e15)}
+    if short:
+        return dict(list(shoes.items())[::2])
+    free = {f"free ring, E = {E:.0e} Pa": vary(main, _ring("free", 0.03, E)) for E in (1e9, 1.2e11, 2e12, 2e13, 2e14)}
+    fixed = {f"fixed ring, E = {E:.0e} Pa": vary(main, _ring("fixed", 0.015, E)) for E in (3e8, 1e9, 1e10, 1e13)}
+    layers = {f"backing E = {E:.0e} Pa": vary(main, _backing(0.003, E)) for E in (3e8, 3e9, 1e11)}
+    rigid = {
+        f"rigid shoe, backing E = {E:.0e} Pa": vary(main, {"shoe.body": None} | _backing(0.003, E))
+        for E in (3e8, 3e9, 3e10)
+    }
+    friction = {f"rigid shoe, mu = {mu:g}": vary(main, {"shoe.body": None, "friction": mu}) for mu in (0.02, 0.5)}
+    return shoes | free | fixed | layers | rigid | friction

@@ -1,0 +1,120 @@
+"""Error over run time, a marker a solve, a colour a family of methods; what is left out: predicted over true change."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from drumlin.report.figures import STYLE
+from drumlin.verification.work_precision import series
+
+COLORS = {
+    "law": "#c8553d",
+    "foundation": "#2a9d5c",
+    "even mesh": "#8a8f98",
+    "graded mesh": "#0b6e99",
+    "adapted mesh": "#1d2733",
+    "weak penalty": "#7fb8d4",
+    "pointwise penalty": "#d19a1b",
+    "GetFEM": "#7a5195",
+    "CalculiX": "#6b8e23",
+}
+MARKERS = {"quad2": "s", "quad1": "D", "tri2": "^", "tri1": "v", "sine": "*", "cosine": "P", "uniform": "X"}
+PANELS = {"torque_error": "error of the torque [%]", "pressure_error": "error of p, L2, worst shoe [%]"}
+LOOKS = {  # what is left out -> marker, colour
+    "ring": ("o", "#0b6e99"),
+    "coupling": ("D", "#7a5195"),
+    "shoe": ("s", "#c8553d"),
+    "backing": ("^", "#2a9d5c"),
+    "drag": ("v", "#d19a1b"),
+    "curvature": ("P", "#8a8f98"),
+    "all but curvature": ("*", "#1d2733"),
+}
+LEAST = 1e-6  # changes below it are of no interest
+CHANGES = (("shoes", "shoes' torques (sum of sizes)"), ("pressure", "pressure p (L2, worst shoe)"))
+
+
+def work_precision(title: str, rows: Sequence[Mapping[str, Any]], floors: Mapping[str, float]) -> Figure:
+    """Errors of torque and p over the seconds of a cold solve, log-log; the reference's floor is shaded."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10.6, 4.9), layout="constrained")
+        grid = figure.subplots(1, 2)
+        for axes, (key, label) in zip(grid, PANELS.items(), strict=True):
+            _panel(axes, rows, key, floors[key])
+            axes.set_ylabel(label)
+            axes.set_xlabel("run time of a cold solve [ms]")
+        grid[0].set_title(title)
+        handles: list[Any] = [
+            mpl.lines.Line2D([], [], color=COLORS[family], lw=3, label=family) for family in _families(rows)
+        ]
+        marks = {series_.split(",")[0] for (_, series_) in series(rows)}
+        handles += [
+            mpl.lines.Line2D([], [], color="#444444", marker=marker, ls="", ms=6, label=name)
+            for name, marker in MARKERS.items()
+            if name in marks
+        ]
+        handles.append(mpl.patches.Patch(color="#e9d8c3", label="below what the reference knows"))
+        figure.legend(handles=handles, loc="outside right upper", fontsize=8.5)
+    return figure
+
+
+def _families(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    found = {row["family"] for row in rows if row["status"] == "converged"}
+    return [family for family in COLORS if family in found]
+
+
+def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float) -> None:
+    lowest = max(100 * floor, 1e-8)
+    smallest = lowest / 3
+    for (family, name), members in series(rows).items():
+        seconds = np.array([row["seconds"] for row in members]) * 1e3
+        error = np.maximum(np.array([row[key] for row in members]) * 100, smallest)
+        spread = np.array([[row["seconds"] - row["lower"], row["upper"] - row["seconds"]] for row in members]).T * 1e3
+        light = family in {"even mesh", "weak penalty"}
+        axes.errorbar(
+            seconds, error, xerr=spread, color=COLORS[family], marker=MARKERS.get(name.split(",")[0], "o"),
+            ms=9 if family == "law" else 4.5, lw=1.0 if light else 1.5, alpha=0.75 if light else 1.0,
+            ls="" if family == "law" else ":" if name.endswith("even") else "-", elinewidth=0.8,
+        )  # fmt: skip
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    top = max(100 * row[key] for row in rows if row["status"] == "converged")
+    axes.set_ylim(smallest * 0.8, 2.0 * max(top, lowest))
+    axes.axhspan(smallest * 0.8, lowest, color="#e9d8c3", alpha=0.7, lw=0)
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.minorticks_off()
+
+
+def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
+    """Predicted over true change of the shoes' torques and of p, log-log, a marker for each thing left out.
+
+    Line: equal; band: within a factor 2. rows: of `omission_table.omissions`. Changes below LEAST are not drawn.
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10.4, 4.4), layout="constrained")
+        grid = figure.subplots(1, len(CHANGES))
+        for axes, (key, title) in zip(grid, CHANGES, strict=True):
+            for part, (marker, color) in LOOKS.items():
+                points = [
+                    (row[key], row[f"predicted_{key}"])
+                    for row in rows
+                    if row["part"] == part and min(row.get(key) or 0.0, row.get(f"predicted_{key}") or 0.0) > LEAST
+                ]
+                if points:
+                    x, y = zip(*points, strict=True)
+                    axes.plot(
+                        [100 * v for v in x], [100 * v for v in y],
+                        marker, ms=7 if marker != "*" else 10, color=color, mec="white", mew=0.6, ls="", label=part,
+                    )  # fmt: skip
+            ends = [100 * LEAST, 1000]
+            axes.plot(ends, ends, color="#1d2733", lw=1, zorder=1)
+            axes.fill_between(ends, [v / 2 for v in ends], [v * 2 for v in ends], color="#0b6e99", alpha=0.10, lw=0)
+            axes.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
+            axes.set_title(f"Change of the {title}")
+            axes.set_xlabel("true change [%]")
+        grid[0].set_ylabel("change predicted beforehand [%]")
+        handles = {h.get_label(): h for axes in grid for h in axes.get_lines() if h.get_marker() != "None"}
+        figure.legend(handles.values(), handles.keys(), loc="outside right center", title="left out")
+    return figure

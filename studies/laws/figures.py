@@ -1,0 +1,117 @@
+"""Figures of the rigid-shoe laws: merit over friction, equivalent friction, torque over speed, pressures, drawings."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from drumlin.brake.plane_brake import AnyBrake
+from drumlin.laws.shapes import SHORT, Layout, equivalent_friction
+from drumlin.laws.simscape import DoubleShoe
+from drumlin.report.drawing import draw_brake
+from drumlin.report.figures import STYLE, color_of, name_of
+from drumlin.response.response import ShoeResponse
+
+HIGHEST = 4.0  # of eta and S in a figure; both grow without bound towards locking
+
+
+def drawing(brakes: Sequence[tuple[str, AnyBrake]]) -> Figure:
+    """Brakes side by side, each under its title."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2 * len(brakes), 4.8), layout="constrained")
+        for axes, (title, brake) in zip(figure.subplots(1, len(brakes), squeeze=False).flat, brakes, strict=True):
+            draw_brake(axes, brake)
+            axes.set_title(title)
+    return figure
+
+
+def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.02) -> Figure:
+    """eta and S of short shoes over mu: a line for each angle theta_m [rad] from the hinge, dD = +1 and -1."""
+    mu = np.linspace(1e-3, 1.2, 600)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10.4, 4.2), layout="constrained")
+        panels = figure.subplots(1, 2)
+        for angle, color in zip(angles, ("#0b6e99", "#c8553d", "#2a9d5c", "#7a5195"), strict=False):
+            for dD, style in ((1, "-"), (-1, "--")):
+                shoe = Layout(angle - arc, angle + arc, 1.0, a_over_r, dD)
+                label = f"θm = {math.degrees(angle):.0f}°, δΔ = {dD:+d}"
+                for axes, merit in zip(panels, (SHORT.mechanical_advantage, SHORT.sensitivity), strict=True):
+                    axes.plot(mu, merit(mu, shoe), style, color=color, lw=1.8, label=label)
+                mu_lock = float(SHORT.locking_friction(shoe))
+                if mu_lock < mu[-1]:
+                    for axes in panels:
+                        axes.axvline(mu_lock, color=color, lw=0.8, ls=":")
+        for axes, title in zip(panels, ("mechanical advantage η = T/M", "sensitivity S = (μ/η) dη/dμ"), strict=True):
+            axes.set_title(title)
+            axes.set_xlabel("friction coefficient μ")
+            axes.set_ylim(0, HIGHEST)
+            axes.set_xlim(0, mu[-1])
+        panels[0].legend(fontsize=8)
+    return figure
+
+
+def friction_over_arc() -> Figure:
+    """mu'/mu over the arc of a block, for p = p_0 cos and for a uniform pressure."""
+    half = np.radians(np.linspace(0.5, 90, 180))
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.2, 3.8), layout="constrained")
+        axes = figure.subplots()
+        axes.plot(
+            np.degrees(2 * half), equivalent_friction(half), color=color_of("cosine"), lw=1.8, label="p = p₀ cos θ"
+        )
+        axes.plot(
+            np.degrees(2 * half), half / np.sin(half), color=color_of("uniform"), lw=1.8, label="uniform pressure"
+        )
+        axes.set_xlabel("arc of the lining 2θ₀ [deg]")
+        axes.set_ylabel("friction force T/R over μN:  μ′/μ")
+        axes.set_xlim(0, 180)
+        axes.set_ylim(1, None)
+        axes.legend()
+    return figure
+
+
+def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float) -> Figure:
+    """Torque of the double-shoe block over the speed, through zero; dashed with another viscous coefficient."""
+    omega = np.linspace(-4, 4, 801) * block.omega_threshold
+    sticky = DoubleShoe(**{**vars(block), "mu_visc": viscous})
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.2, 3.8), layout="constrained")
+        axes = figure.subplots()
+        for force, color in zip(forces, ("#8a8f98", "#2a9d5c", "#0b6e99", "#c8553d"), strict=False):
+            axes.plot(omega, block.torque(force, omega), color=color, lw=1.8, label=f"F = {force:g} N")
+            axes.plot(omega, sticky.torque(force, omega), "--", color=color, lw=1.2)
+        for side in (-1, 1):
+            axes.axvline(side * block.omega_threshold, color="#5b6875", lw=0.8, ls=":")
+        axes.set_xlabel("speed ω [rad/s]; dotted: ± threshold")
+        axes.set_ylabel("torque T [N m]")
+        axes.legend(title=f"dashed: μ_visc = {viscous:g} N m s/rad")
+    return figure
+
+
+def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
+    """p over the angle for several laws on one axis, and their shapes over the place along the lining.
+
+    `shoes`: {law: response of one shoe}; the law "linear" of a plane is drawn only as a shape.
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10.4, 4.2), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        for (law, shoe), style in zip(shoes.items(), ("-", "-", "--", "-", "--", "-", "-"), strict=False):
+            look = {"color": color_of(law), "lw": 1.8, "ls": style, "label": name_of(law)}
+            theta, p = shoe.curve()
+            if law != "linear":
+                left.plot(np.degrees(theta), p * 1e-6, **look)
+            place = (theta - theta[0]) / np.ptp(theta)
+            right.plot(place, p / np.trapezoid(p, place), **look)
+        left.set_title("under the same force")
+        left.set_xlabel("angle on the drum θ [deg]")
+        left.set_ylabel("pressure p [MPa]")
+        right.set_title("shapes: p over its mean")
+        right.set_xlabel("place along the lining, 0 to 1")
+        right.set_ylabel("p / mean")
+        for axes in (left, right):
+            axes.set_ylim(0, None)
+        right.legend(fontsize=8)
+    return figure

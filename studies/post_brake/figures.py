@@ -1,0 +1,155 @@
+"""Figures of the post brake: beams, brake path, friction, clearance, and maps of a model's error."""
+
+from collections.abc import Mapping, Sequence
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+
+from drumlin.arrays import Floats
+from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.drum_brake import Brake
+from drumlin.report.figures import STYLE, color_of, name_of
+from drumlin.verification.post_brake_rows import Curve, ErrorMap, Merits, Offsets
+
+BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)  # regions of a map: error within 1, 5, 20 %, beyond
+SHADES = ("#1f7a4d", "#8cc9a1", "#f2dda4", "#d98d78")
+
+
+def beams(brake: Brake, found: Sequence[Mapping[str, Curve]]) -> Figure:
+    """The deformation r of each post along it, by each elastic model."""
+    panels = [
+        (f"{shoe.name} post", {name: (x, r * 1e3) for name, (x, r) in models.items()})
+        for shoe, models in zip(brake.shoes, found, strict=True)
+    ]
+    return curves(panels, "along the beam from the hinge [m]", "relative deformation r [mm]", zero=True)
+
+
+def clearance(offsets: Offsets) -> Figure:
+    """Torque of each shoe off nominal over the error of the lining's radius."""
+    panels = [
+        (shoe, {name: _columns(values, 1e3, 1e2) for name, values in models.items()})
+        for shoe, models in offsets.items()
+    ]
+    return curves(panels, "radius of the lining − radius of the drum [mm]", "torque off nominal [%]", zero=True)
+
+
+def merits(brake: Brake, found: Merits, key: str, label: str) -> Figure:
+    """One figure of merit of each shoe over the friction; angles in degrees from the hinge's foot normal."""
+    panels = []
+    for shoe in brake.shoes:
+        middle = 0.5 * (shoe.lining.start + shoe.lining.end)
+        models = {}
+        for model, values in found[shoe.name].items():
+            mu, y = np.array([(mu, getattr(merit, key)) for mu, merit in values]).T
+            if key == "resultant_angle":
+                y = np.degrees(y - middle) * axis_of(shoe.hinge.xy, shoe.actuation.point.xy).sense
+            models[model] = (mu, y)
+        panels.append((f"{shoe.name} shoe", models))
+    return curves(panels, "friction coefficient μ", label)
+
+
+def _columns(values: Sequence[tuple[float, float]], x: float, y: float) -> Curve:
+    a, b = np.array(values).T
+    return a * x, b * y
+
+
+def curves(
+    panels: Sequence[tuple[str, Mapping[str, Curve]]], xlabel: str, ylabel: str, columns: int = 2, *, zero: bool = False
+) -> Figure:
+    """Panels (title, {model: (x, y)}) side by side, one scale for all; a model's curve has its own colour.
+
+    A model's name may go on after a space; the words behind it tell curves of one model apart, dashed.
+    """
+    with mpl.rc_context(STYLE):
+        lines = -(-len(panels) // columns)
+        figure = Figure(figsize=(5.2 * columns, 3.3 * lines), layout="constrained")
+        grid = figure.subplots(lines, columns, squeeze=False, sharey=True)
+        for axes, (title, models) in zip(grid.flat, panels, strict=False):
+            for name, (x, y) in models.items():
+                model, _, rest = name.partition(" ")
+                points = len(x) < 12
+                axes.plot(
+                    x, y, marker="o" if points else None, ms=4, lw=0 if points else 1.8, ls="--" if rest else "-",
+                    color=color_of(model), label=f"{name_of(model)} {rest}".strip(),
+                )  # fmt: skip
+            axes.set_title(title)
+            axes.set_xlabel(xlabel)
+            if zero:
+                axes.axhline(0, color="#5b6875", lw=0.8)
+        for axes in grid[:, 0]:
+            axes.set_ylabel(ylabel)
+        for axes in grid.flat[len(panels) :]:
+            axes.set_visible(False)
+        grid.flat[0].legend(fontsize=8)
+    return figure
+
+
+def rim(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
+    """Displacement around the rim in polar axes, inwards towards the centre: `own`, the paper's rim of each shoe, by
+    its name; `one`, the rim of all shoes, by model."""
+    panels = (
+        ("as printed: each with its twin opposite", {f"foundation {name}": _mm(z) for name, z in own.items()}),
+        ("both shoes on one rim", {f"{model} both shoes": _mm(z) for model, z in one.items()}),
+    )
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2 * len(panels), 4.8), layout="constrained")
+        grid = figure.subplots(1, len(panels), squeeze=False, subplot_kw={"projection": "polar"})
+        largest = max(float(np.abs(z).max()) for _, models in panels for _, z in models.values())
+        for axes, (title, models) in zip(grid.flat, panels, strict=True):
+            turn = np.linspace(0, 2 * np.pi, 200)
+            axes.plot(turn, np.zeros(200), color="#1d2733", lw=1, label="unloaded")
+            for (name, (theta, z)), style in zip(models.items(), ("-", "--", ":"), strict=False):
+                model, _, rest = name.partition(" ")
+                axes.plot(theta, -z, lw=1.8, ls=style, color=color_of(model), label=f"{name_of(model)}, {rest}")
+            axes.set_ylim(-3 * largest, 1.3 * largest)
+            axes.set_yticks([-largest, 0, largest], [f"{-v:+.2g}" for v in (-largest, 0, largest)], fontsize=7)
+            axes.set_title(f"{title} [mm]")
+            axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.07), ncols=2)
+    return figure
+
+
+def _mm(curve: Curve) -> Curve:
+    theta, z = curve
+    return theta, z * 1e3
+
+
+def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]) -> Figure:
+    """Maps of errors, one row each of `rows`; every cell is one pair of solutions, its number is the error in %.
+
+    `mark`: in each row, the place of the study's own brake.
+    """
+    with mpl.rc_context(STYLE):
+        columns = len(rows[0])
+        figure = Figure(figsize=(4.3 * columns, 3.9 * len(rows)), layout="constrained")
+        grid = figure.subplots(len(rows), columns, squeeze=False, sharex=True, sharey=True)
+        shades = ListedColormap(SHADES)
+        norm = BoundaryNorm([0, 1, 2, 3, 4], 4)
+        for line, panels, place in zip(grid, rows, mark, strict=True):
+            for axes, one in zip(line, panels, strict=True):
+                region = np.digitize(np.abs(one.error), BOUNDS[1:-1])
+                shown = np.ma.masked_where(np.isnan(one.error), region)
+                axes.pcolormesh(_edges(one.x), _edges(one.y), shown, cmap=shades, norm=norm, edgecolor="white", lw=0.5)
+                for i, y in enumerate(one.y):
+                    for j, x in enumerate(one.x):
+                        axes.text(x, y, f"{one.error[i, j] * 100:+.0f}", ha="center", va="center", fontsize=7)
+                axes.plot(*place, marker="s", ms=15, mfc="none", mec="#1d2733", mew=1.4)
+                axes.set_xscale("log")
+                axes.set_yscale("log")
+                axes.grid(False)
+                axes.set_title(one.title, fontsize=9)
+                axes.label_outer()
+            line[0].set_ylabel("ring: k R⁴/EI_r")
+        for axes in grid[-1]:
+            axes.set_xlabel("beam: k R⁴/EI")
+        words = ("within 1 %", "within 5 %", "within 20 %", "beyond 20 %")
+        handles = [mpl.patches.Patch(color=shade, label=word) for shade, word in zip(SHADES, words, strict=True)]
+        figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    return figure
+
+
+def _edges(centres: Floats) -> Floats:
+    """Edges (n + 1,) of cells round geometrically spaced centres (n,)."""
+    ratio = np.sqrt(centres[1] / centres[0])
+    return np.append(centres / ratio, centres[-1] * ratio)

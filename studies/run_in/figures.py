@@ -1,0 +1,166 @@
+"""Figures of linings that run in."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from drumlin.report.figures import COLORS, STYLE
+from drumlin.verification.run_in_limits import Board, Reversals, Run
+from drumlin.wear.archard import at
+from drumlin.wear.linings import Surface
+from drumlin.wear.run_in import peak
+
+NEW, LATE, LAW = COLORS["fem"], "#1d2733", COLORS["sine"]
+DISTANCE = "sliding distance s k K"
+
+
+class Series(NamedTuple):
+    """A line of a figure: its label, x, y and, where it has to be a certain one, its colour."""
+
+    label: str
+    x: Sequence[float]
+    y: Sequence[float]
+    color: str | None = None
+
+
+def pressures(one: Run, curves: Sequence[float]) -> Figure:
+    """p(theta) over the sliding distance [1/(k K)]: curves at some, and all as a picture; a row a lining."""
+    setup, states = one.setup, one.states
+    with mpl.rc_context(STYLE):
+        rows = len(setup.surfaces)
+        figure = Figure(figsize=(10.6, 3.5 * rows), layout="constrained")
+        grid = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.0, 1.0))
+        top = 1.15 * peak(setup, states[0])
+        shades = mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, len(curves)))
+        for (left, right), surface in zip(grid, setup.surfaces, strict=True):
+            theta = np.degrees(surface.angles)
+            for s, shade in zip(curves, shades, strict=True):
+                p = surface.along(at(states, s * one.unit).pressure)
+                left.plot(theta, p * 1e-6, color=shade, lw=1.6, label=f"s k K = {s:g}" if s else "new")
+            left.plot(theta, surface.along(one.goal.pressure) * 1e-6, color=LAW, lw=1.6, ls="--", label="law")
+            left.set(ylim=(0, top * 1e-6), xlim=(theta[0], theta[-1]), ylabel="pressure p [MPa]")
+            left.set_title(f"{surface.name} shoe")
+            _over_distance(right, one, surface, top)
+            right.set_title(f"{surface.name} shoe, over the distance; white: no contact")
+        for axes in grid[-1]:
+            axes.set_xlabel("angle on the drum θ [deg]")
+        grid[0, 0].legend(fontsize=8, ncols=2)
+        bar = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top * 1e-6), "viridis")
+        figure.colorbar(bar, ax=grid[:, 1].tolist(), label="pressure p [MPa]", shrink=0.8)
+    return figure
+
+
+def _over_distance(axes: Axes, one: Run, surface: Surface, top: float) -> None:
+    """p over theta and the logarithm of the distance, contact's ends as the border of the colour."""
+    end = one.states[-1].s / one.unit
+    levels = np.geomspace(end * 1e-4, end, 240)
+    p = np.array([surface.along(at(one.states, s * one.unit).pressure) for s in levels])
+    axes.pcolormesh(
+        np.degrees(surface.angles), levels, np.where(p > 0, p, np.nan), cmap="viridis", vmin=0, vmax=top,
+        shading="gouraud" if (p > 0).all() else "nearest", rasterized=True,
+    )  # fmt: skip
+    axes.set_yscale("log")
+    axes.set_ylabel(DISTANCE)
+    axes.grid(False)
+
+
+def torques(runs: Sequence[Run]) -> Figure:
+    """Torque off the law of each run over the distance."""
+    return lines([torque_off(one, one.name) for one in runs], "torque off the law [%]", law="law", band=0.1)
+
+
+def torque_off(one: Run, label: str, color: str | None = None) -> Series:
+    """Torque off the law [%] over the distance."""
+    return Series(label, one.distances(), [100 * (s.torque / one.goal.torque - 1) for s in one.states], color)
+
+
+def held(one: Run) -> Figure:
+    """The force that holds the law's torque."""
+    force = [100 * (state.force - 1) for state in one.states]
+    series = Series("force for the law's torque", one.distances(), force)
+    return lines([series], "force off the brake's own [%]", law="law: no change")
+
+
+def reversal(main: Run, turned: Reversals) -> Figure:
+    """Torque and pressure of the main brake off its laws as the drum turns both ways."""
+    one = replace(main, states=turned.states)
+    far = Series("p off the law (L2) / 10", one.distances(), [10 * x for x in turned.far], LATE)
+    return lines([torque_off(one, "torque off the law", NEW), far], "distance from the law [%]", law="law", log=False)
+
+
+def lines(
+    series: Sequence[Series], ylabel: str, *, law: str | None = None, band: float = 0.0, log: bool = True
+) -> Figure:
+    """Lines over the sliding distance; a line at 0 called `law`, with a band about it."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8.6, 4.2), layout="constrained")
+        axes = figure.subplots()
+        if law is not None:
+            axes.axhline(0, color=LAW, lw=1.6, ls="--", label=law)
+        if band:
+            axes.axhspan(-band, band, color=LAW, alpha=0.12, lw=0)
+        shades = mpl.colormaps["viridis"](np.linspace(0, 0.9, max(len(series), 2)))
+        for one, shade in zip(series, shades, strict=False):
+            axes.plot(one.x, one.y, lw=1.6, color=one.color or shade, label=one.label)
+        if log:
+            axes.set_xscale("symlog", linthresh=0.01, linscale=0.3)
+            ticks = [0.0, *10.0 ** np.arange(-2, math.ceil(math.log10(max(max(one.x) for one in series))) + 1)]
+            axes.set_xticks(ticks, ["0", *(f"{tick:g}" for tick in ticks[1:])])
+            axes.set_xlim(0, 1.1 * max(max(one.x) for one in series))
+        axes.set_xlabel(f"{DISTANCE} (0: new)" if log else DISTANCE)
+        axes.set_ylabel(ylabel)
+        axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5))
+    return figure
+
+
+def profiles(one: Run, curves: Sequence[float]) -> Figure:
+    """Worn depth over the angle at some distances, and the arcs in contact over the distance; a column a lining."""
+    setup, states, unit = one.setup, one.states, one.unit
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2 * len(setup.surfaces), 5.6), layout="constrained")
+        grid = figure.subplots(2, len(setup.surfaces), squeeze=False, sharey="row", sharex="col")
+        shades = mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, len(curves)))
+        end = states[-1].s / unit
+        levels = np.geomspace(end * 1e-4, end, 200)
+        for column, surface in zip(grid.T, setup.surfaces, strict=True):
+            theta = np.degrees(surface.angles)
+            for s, shade in zip(curves, shades, strict=True):
+                depth = surface.along(at(states, s * unit).depth)
+                column[0].plot(theta, depth * 1e6, color=shade, lw=1.6, label=f"s k K = {s:g}")
+            column[0].set_yscale("symlog", linthresh=1)
+            column[0].set_title(f"{surface.name} shoe")
+            touching = np.array([surface.along(at(states, s * unit).pressure) > 0 for s in levels])
+            column[1].contourf(theta, levels, touching, levels=[0.5, 1.5], colors=[COLORS["fem"]], alpha=0.35)
+            column[1].set_yscale("log")
+            column[1].set_xlabel("angle on the drum θ [deg]")
+        grid[0, 0].set_ylabel("worn depth [µm]")
+        grid[1, 0].set_ylabel(f"{DISTANCE}, in contact: filled")
+        grid[0, -1].legend(fontsize=8)
+    return figure
+
+
+def checkerboard(surface: Surface, boards: Sequence[Board]) -> Figure:
+    """Nodal p(theta) over the most loaded third of one lining by several ways to step; titles carry the ripple."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10.6, 3.6), layout="constrained")
+        grid = figure.subplots(1, len(boards), sharey=True, squeeze=False)[0]
+        theta = np.degrees(surface.angles)
+        third = (theta[-1] - theta[0]) / 3
+        smooth = surface.along(boards[0].state.pressure)
+        start = min(max(theta[smooth.argmax()] - third / 2, theta[0]), theta[-1] - third)
+        for axes, board in zip(grid, boards, strict=True):
+            p = surface.along(board.state.pressure) * 1e-6
+            axes.plot(theta, p, color=COLORS["fem"], lw=0.8, marker="o", ms=2.2)
+            said = f"{board.title}\ncheckerboard {board.ripple:.1e}\ntorque {board.state.torque:.2f} N m"
+            axes.set_title(said, fontsize=8.5)
+            axes.set_xlim(start, start + third)
+            axes.set_xlabel("angle on the drum θ [deg]")
+        grid[0].set_ylim(0, 4 * smooth.max() * 1e-6)
+        grid[0].set_ylabel("nodal pressure p [MPa]")
+    return figure

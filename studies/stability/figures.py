@@ -1,0 +1,198 @@
+"""Outcomes and digits over the knobs, digits over condition, soft penalties; limits of self-locking, torque to them."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
+
+from drumlin.report.figures import STYLE, color_of
+
+COLORS = {  # outcomes: answers blue to green, refusals warm, faults black
+    "answer": "#0b6e99",
+    "no contact": "#7fb7cf",
+    "self-locking": "#e3a33b",
+    "out of reach": "#f0cf8a",
+    "no equilibrium": "#c98a5b",
+    "arithmetic": "#c8553d",
+    "bad input": "#b7a6c9",
+    "not converged": "#000000",
+    "traceback": "#000000",
+    "inaccurate": "#000000",
+}
+LEVELS = [0, 4, 6, 8, 10, 12, 14, 16]
+DIGITS = ListedColormap(["#c8553d", "#e3a33b", "#efe3b0", "#cfe3d4", "#8fc4b7", "#3f93a8", "#0b5a80"])
+REFUSED = "#e6e6e6"
+
+SHADES = ("#0b6e99", "#2a9d5c", "#d19a1b")
+
+Row = Mapping[str, Any]
+
+
+def strips(rows: Sequence[Row], knobs: Sequence[str]) -> Figure:
+    """Every case of every sweep as a cell in the sweep's line, coloured by its outcome, the digits written in."""
+    with mpl.rc_context(STYLE | {"axes.grid": False}):
+        longest = max(sum(row["knob"] == knob for row in rows) for knob in knobs)
+        figure = Figure(figsize=(12.5, 0.36 * len(knobs) + 1.5), layout="constrained")
+        axes = figure.subplots()
+        for line, knob in enumerate(knobs):
+            for place, row in enumerate(row for row in rows if row["knob"] == knob):
+                color = COLORS[row["outcome"]]
+                axes.add_patch(Rectangle((place, line), 0.94, 0.84, color=color, lw=0))
+                if row.get("digits") is not None:
+                    axes.text(place + 0.47, line + 0.45, f"{row['digits']:.0f}", ha="center", va="center",
+                              color="white", fontsize=7)  # fmt: skip
+        axes.set_xlim(0, longest)
+        axes.set_ylim(len(knobs), 0)
+        axes.set_yticks(np.arange(len(knobs)) + 0.42, knobs)
+        axes.set_xticks([])
+        axes.tick_params(length=0)
+        for side in ("left", "bottom"):
+            axes.spines[side].set_visible(False)
+        _legend(figure, rows)
+    return figure
+
+
+def grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, str]) -> Figure:
+    """Outcome and digits over two knobs, the values in the order of the cases."""
+    across = sorted({row["knobs"][x] for row in rows})
+    up = sorted({row["knobs"][y] for row in rows})
+    with mpl.rc_context(STYLE | {"axes.grid": False}):
+        figure = Figure(figsize=(12.5, 0.36 * len(up) + 2.1), layout="constrained")
+        left, right = figure.subplots(1, 2, sharey=True)
+        norm = BoundaryNorm(LEVELS, DIGITS.N)
+        for row in rows:
+            at = (across.index(row["knobs"][x]), up.index(row["knobs"][y]))
+            left.add_patch(Rectangle(at, 0.96, 0.94, color=COLORS[row["outcome"]], lw=0))
+            digits = row.get("digits")
+            color = REFUSED if digits is None else DIGITS(norm(min(digits, 15.99)))
+            right.add_patch(Rectangle(at, 0.96, 0.94, color=color, lw=0))
+            if digits is not None:
+                dark = digits >= 12 or digits < 4
+                right.text(at[0] + 0.48, at[1] + 0.47, f"{digits:.1f}", ha="center", va="center", fontsize=8,
+                           color="white" if dark else "#1d2733")  # fmt: skip
+        for axes, title in ((left, "outcome"), (right, "digits of the torque")):
+            axes.set_title(title)
+            axes.set_xlim(0, len(across))
+            axes.set_ylim(0, len(up))
+            axes.set_xticks(np.arange(len(across)) + 0.48, [short(v) for v in across])
+            axes.set_yticks(np.arange(len(up)) + 0.47, [short(v) for v in up])
+            axes.tick_params(length=0)
+            axes.set_xlabel(labels[0])
+        left.set_ylabel(labels[1])
+        _legend(figure, rows)
+    return figure
+
+
+def condition(rows: Sequence[Row]) -> Figure:
+    """Digits of the torque against its condition, with the digits that this leaves to double precision."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(7.2, 4.2), layout="constrained")
+        axes = figure.subplots()
+        for key, color, label in (
+            (False, "#0b6e99", "condensed bodies, double precision"),
+            (True, "#c8553d", "refined: condensation had lost too many digits"),
+        ):
+            chosen = [r for r in rows if r.get("torque_condition") and r["refined"] is key]
+            axes.semilogx([r["torque_condition"] for r in chosen], [r["digits"] for r in chosen], "o", ms=4, alpha=0.65,
+                          color=color, mec="none", label=label)  # fmt: skip
+        k = np.array([1.0, 1e16])
+        left = -np.log10(k * np.finfo(float).eps)
+        axes.semilogx(k, left, color="#1d2733", lw=1.2, label="what its condition leaves to double precision")
+        axes.axhline(6, color="#c8553d", lw=1, ls=":")
+        axes.set_xlim(1, 1e15)
+        axes.set_ylim(0, 16.5)
+        axes.set_xlabel("condition of the torque relative to each entry of the whole system [-]")
+        axes.set_ylabel("digits of the torque that survive")
+        axes.legend(loc="lower left")
+    return figure
+
+
+def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
+    """Relative change of the torque by a finite penalty over the penalty, with the line of slope -1."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(7.2, 4.2), layout="constrained")
+        axes = figure.subplots()
+        for (name, values), marker, color in zip(series.items(), "os", ("#0b6e99", "#c8553d"), strict=False):
+            penalty, change = np.array([(a, e) for a, e in values if e > 0]).T
+            axes.loglog(penalty, change, marker=marker, ms=5, lw=1.3, color=color, label=name)
+            middle = np.flatnonzero(penalty >= 1e3)[0]
+            guide = penalty[middle - 1 : middle + 7]
+            axes.loglog(guide, 2.5 * change[middle] * penalty[middle] / guide, color="#8a8f98", lw=1, ls="--")
+        axes.plot([], [], color="#8a8f98", lw=1, ls="--", label="slope −1")
+        axes.axhline(1e-5, color="#c8553d", lw=1, ls=":")
+        axes.axvline(1e6, color="#8a8f98", lw=0.8, ls=":")
+        axes.set_xlabel("penalty, multiple of E/t of the lining [-]")
+        axes.set_ylabel("|torque / torque of exact contact − 1| [-]")
+        axes.legend()
+    return figure
+
+
+def limits(panels: Sequence[tuple[str, Mapping[str, Sequence[Row]]]], law: float) -> Figure:
+    """mu_lock over the factor on the stiffness of each panel's part: (part, {name: rows})."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2 * len(panels), 3.6), layout="constrained")
+        grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)
+        for axes, (part, curves) in zip(grid.flat, panels, strict=True):
+            for (name, rows), color in zip(curves.items(), SHADES, strict=False):
+                x, y = ([row[key] for row in rows] for key in ("factor", "mu_lock"))
+                axes.semilogx(x, y, marker="o", ms=3, lw=1.6, color=color, label=name)
+            axes.axhline(law, color=color_of("sine"), ls="--", lw=1.4, label="sine law")
+            axes.set_title(f"Stiffness of the {part}")
+            axes.set_xlabel(f"modulus of the {part}, times its own [-]")
+            axes.legend()
+        grid[0, 0].set_ylabel("limit of self-locking μ [-]")
+    return figure
+
+
+def poles(rows: Sequence[Row]) -> Figure:
+    """Torque over friction with both limits, and torque times the distance from the limit over that distance.
+
+    rows: `name`, `mu`, `torque` [N m], `mu_lock`, `law_mu`, `law_torque` [N m], `law`.
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10.4, 3.8), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        highest = 6e3
+        for row, color in zip(rows, SHADES, strict=False):
+            mu, T, end = np.array(row["mu"]), np.array(row["torque"]), row["mu_lock"]
+            left.plot(mu, T * 1e-3, color=color, lw=1.8, label=f"finite elements, {row['name']}")
+            left.axvline(end, color=color, lw=1, ls=":")
+            right.loglog(1 - mu / end, T * (end - mu), color=color, lw=1.8, label=row["name"])
+        row = rows[0]
+        left.plot(
+            row["law_mu"], np.array(row["law_torque"]) * 1e-3, color=color_of("sine"), ls="--", lw=1.6, label="sine law"
+        )
+        left.axvline(row["law"], color=color_of("sine"), lw=1, ls=":")
+        left.set_ylim(0, highest * 1e-3)
+        left.set_xlim(0, 1.08 * max(row["mu_lock"] for row in rows))
+        left.set_title("Torque towards the limits (dotted)")
+        left.set_xlabel("friction coefficient μ [-]")
+        left.set_ylabel("torque T [kN m]")
+        left.legend(loc="upper left", fontsize=8.5)
+        right.invert_xaxis()
+        right.set_title("Torque times distance from its limit")
+        right.set_xlabel("distance from the limit 1 − μ/μ_lock [-]")
+        right.set_ylabel("T (μ_lock − μ) [N m]")
+        right.legend()
+    return figure
+
+
+def short(value: float) -> str:
+    """A value for a tick: powers of ten as such."""
+    if value == 0 or math.isinf(value):
+        return "0" if value == 0 else "∞"
+    power = math.log10(abs(value))
+    if abs(power) >= 3 and abs(power - round(power)) < 1e-9:
+        return f"$10^{{{round(power)}}}$"
+    return f"{value:.3g}"
+
+
+def _legend(figure: Figure, rows: Sequence[Row]) -> None:
+    there = {row["outcome"] for row in rows}
+    handles = [Patch(color=color, label=name) for name, color in COLORS.items() if name in there]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))

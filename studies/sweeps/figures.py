@@ -1,0 +1,53 @@
+"""The figures of the study of sweeps."""
+
+from collections.abc import Mapping, Sequence
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from drumlin.report.figures import STYLE
+from drumlin.verification.throughput import Throughput, torques
+
+COLORS = {"processes": "#0b6e99", "Dask workers": "#d19a1b", "Dask workers that keep memory": "#2a9d5c"}
+
+
+def throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
+    """Cases a second as bars, a panel a sweep."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.6, 3.4), layout="constrained")
+        for axes, (name, those) in zip(figure.subplots(1, 2), measured.items(), strict=True):
+            for place, one in enumerate(those):
+                axes.bar(place, one.rate, color=COLORS[one.by], width=0.62, label=one.by if one.workers == 1 else None)
+                axes.annotate(
+                    f"{one.rate:.3g}",
+                    (place, one.rate),
+                    ha="center",
+                    va="bottom",
+                    xytext=(0, 2),
+                    textcoords="offset points",
+                )
+            axes.set_xticks(range(len(those)), [str(one.workers) for one in those])
+            axes.set_xlabel("workers")
+            axes.set_title(name)
+            axes.set_ylabel("throughput [cases/s]")
+            axes.set_ylim(0, 1.25 * max(one.rate for one in those))
+            axes.grid(visible=False, axis="x")
+        figure.axes[0].legend()
+    return figure
+
+
+def torque(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
+    """The distribution of the torque, a panel a sweep; lines: median, 2.5 % and 97.5 %."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.6, 3.2), layout="constrained")
+        panels = figure.subplots(1, 2, sharex=True)
+        for axes, (name, those), color in zip(panels, measured.items(), ("#0b6e99", "#2a9d5c"), strict=True):
+            drawn = torques(those[0].rows)
+            axes.hist(drawn, bins="auto", color=color, alpha=0.75)
+            for percent in (2.5, 50, 97.5):
+                axes.axvline(np.percentile(drawn, percent), color="#1d2733", lw=1, ls="-" if percent == 50 else "--")
+            axes.set_title(f"{name.partition(':')[0]}, {len(drawn)} cases")
+            axes.set_xlabel("torque [N m]")
+            axes.set_ylabel("cases")
+    return figure

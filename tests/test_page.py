@@ -1,0 +1,59 @@
+"""A page filled from a template: what is escaped, embedded and left out, and what is refused."""
+
+import base64
+
+import jinja2
+import pytest
+
+from drumlin.report.page import fill
+
+TEMPLATE = """{% extends "base.html" %}
+{% from "blocks.html" import figure, table, fields %}
+{% block title %}{{ name }}{% endblock %}
+{% block lead %}off by {{ error|form("+.1%") }}{% endblock %}
+{% block body %}
+{% call figure("dot.png") %}a <b>dot</b> of {{ name }}{% endcall %}
+{% set columns = [Column("a", "first", "mm", 1e3, ".1f"), Column("b", "second"), Column("c", "third")] %}
+{% call table(rows, columns) %}rows{% endcall %}
+{{ fields("none", "no screen") }}
+{% endblock %}
+"""
+
+
+@pytest.fixture
+def page(tmp_path):
+    (tmp_path / "dot.png").write_bytes(b"dot")
+    (tmp_path / "page.html").write_text(TEMPLATE)
+
+    def made(**values):
+        given = {"name": "<x> & y", "error": 0.0123, "rows": [{"a": 2e-3, "b": "<w>"}, {"shoe": "all"}]}
+        return fill(tmp_path / "page.html", tmp_path / "index.html", **(given | values)).read_text()
+
+    return made
+
+
+def test_values_are_escaped_and_prose_is_not(page):
+    text = page()
+    assert "<title>&lt;x&gt; &amp; y</title>" in text and "<h1>&lt;x&gt; &amp; y</h1>" in text
+    assert "<figcaption>a <b>dot</b> of &lt;x&gt; &amp; y</figcaption>" in text
+    assert 'alt="a dot of &lt;x&gt; &amp; y"' in text
+    assert "off by +1.2%" in text and "<p>no screen</p>" in text
+
+
+def test_a_figure_beside_the_page_is_embedded(page):
+    assert f"data:image/png;base64,{base64.b64encode(b'dot').decode()}" in page()
+
+
+def test_a_column_that_no_row_fills_is_left_out(page):
+    text = page()
+    assert '<th>first <span class="unit">[mm]</span></th><th class="text">second</th></tr>' in text
+    assert '<tr class=""><td>2.0</td><td class="text">&lt;w&gt;</td></tr>' in text
+    assert '<tr class="whole"><td>–</td><td>–</td></tr>' in text
+    assert '<tr class="failed"><td>1.0</td></tr>' in page(rows=[{"a": 1e-3, "status": "failed: x"}])
+
+
+def test_what_is_not_given_is_an_error_and_leaves_no_page(page, tmp_path):
+    (tmp_path / "page.html").write_text(TEMPLATE.replace("{{ name }}{% endcall %}", "{{ nmae }}{% endcall %}"))
+    with pytest.raises(jinja2.UndefinedError, match="nmae"):
+        page()
+    assert not (tmp_path / "index.html").exists()

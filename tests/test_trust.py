@@ -1,0 +1,188 @@
+"""What once gave a wrong number, or none where there is one: each case stays here."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import drumlin
+from drumlin.brake import vary
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.response.norms import pressure_distance
+from drumlin.response.response import Balance, Response, ShoeResponse
+
+
+def _pressing(pressure):
+    """A response over 1 rad with these nodal pressures [Pa], linear between them."""
+    theta = np.linspace(0, 1, len(pressure))
+    arcs = ((0.0, 1.0),)
+    return ShoeResponse("s", 1.0, 1.0, False, 1.0, np.zeros(2), arcs, theta, np.array(pressure, float), order=1)
+
+
+def test_a_distance_of_pressures_is_never_nan():
+    nothing, even, spike = _pressing([0] * 1001), _pressing([1] * 1001), _pressing([1] + [0] * 1000)
+    assert pressure_distance(nothing, nothing) == 0
+    assert pressure_distance(even, nothing) == math.inf
+    assert pressure_distance(nothing, even) == pytest.approx(1)
+    # The spike lies in the zone that is left out: then the whole lining counts. Int (1 - spike)^2 over Int spike^2.
+    h = 1e-3
+    assert pressure_distance(even, spike) == pytest.approx(math.sqrt((h / 3 + 1 - h) / (h / 3)), rel=1e-9)
+
+
+def test_an_answer_that_is_not_finite_is_none():
+    with pytest.raises(NoAnswer, match="not finite"):
+        Response("fem", (_pressing([1, math.nan, 1]),), Balance(0.0, 0.0))
+
+
+def test_a_contact_within_the_lining_s_end_has_a_peak_pressure():
+    """Of 50 N on a lining whose clearance leaves only its last 0.1 deg."""
+    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
+    gap = [["-70 deg", "1 mm"], ["54.9 deg", "1 mm"], ["55 deg", "0 mm"]]
+    brake = vary(brake, {"shoe[0].lining.clearance": gap, "shoe.actuation.force": "50 N"})
+    shoe = drumlin.solve(brake).shoes[0]
+    assert shoe.peak_pressure > 0
+    assert shoe.peak_pressure == pytest.approx(shoe.pressure.max())
+
+
+THIN = """
+title = "thin flexible shoe that presses at its very end"
+rotation = "clockwise"
+friction = 0.0
+drum = { radius = "17 mm" }
+[[shoe]]
+name = "s"
+side = "internal"
+hinge = { radius = "12.5 mm", angle = "116 deg" }
+actuation = { force = "218 N", direction = "-5 deg", point = { radius = "12.8 mm", angle = "37 deg" } }
+[shoe.lining]
+start = "40 deg"
+end = "96 deg"
+thickness = "0.87 mm"
+width = "25 mm"
+material = { E = "2 GPa", nu = 0.37 }
+[shoe.body]
+thickness = "0.47 mm"
+width = "2 mm"
+start = "36 deg"
+end = "97 deg"
+material = { E = "340 GPa", nu = 0.23 }
+"""
+
+
+def test_a_shoe_is_not_taken_as_rigid_where_that_cannot_be_judged(tmp_path):
+    """Its contact is a tenth of a degree long; taken as rigid it pressed by 47.5 N, in truth by 38.6 N."""
+    file = tmp_path / "thin.toml"
+    file.write_text(THIN)
+    response = drumlin.solve(drumlin.read_brake(file), tolerance=1e-2)
+    assert response.shoes[0].normal_force == pytest.approx(38.6, abs=0.1)
+    assert all(math.isfinite(value) for value in response.error.values())
+    json.dumps(response.as_dict(), allow_nan=False)
+
+
+@pytest.mark.parametrize("model", ["fem", "sine", "foundation"])
+@pytest.mark.parametrize("friction", [1e-320, 1e-300, 1e-160, 1e-12])
+def test_next_to_no_friction_leaves_numbers(model, friction):
+    name = "post_brake" if model == "foundation" else "double_shoe"
+    brake = vary(drumlin.read_brake(f"studies/{name}/brake.toml"), {"friction": friction})
+    response = drumlin.solve(brake, model)
+    json.dumps(response.as_dict(), allow_nan=False)
+    assert 0 < response.torque < 1e7 * friction
+
+
+BEYOND = """
+title = "lining beyond half a turn from its hinge"
+rotation = "clockwise"
+friction = 0.3
+drum = { radius = "150 mm" }
+[[shoe]]
+name = "s"
+side = "internal"
+hinge = { radius = "100 mm", angle = "0 deg" }
+actuation = { force = "2 kN", direction = "-90 deg", point = { x = "-50 mm", y = "0 mm" } }
+[shoe.lining]
+start = "200 deg"
+end = "300 deg"
+thickness = "8 mm"
+width = "40 mm"
+material = { E = "300 MPa", nu = 0.25 }
+"""
+
+
+@pytest.mark.parametrize(("start", "end"), [("100 deg", "250 deg"), ("200 deg", "300 deg"), ("150 deg", "200 deg")])
+@pytest.mark.parametrize("rotation", ["clockwise", "counter-clockwise"])
+@pytest.mark.parametrize("direction", ["90 deg", "-90 deg"])
+def test_eta_is_its_own_formula_wherever_the_lining_lies(tmp_path, start, end, rotation, direction):
+    """eta = T/M = 1/(m - dD n), UWA notes eq. 6, also where the lining reaches beyond half a turn from the hinge."""
+    file = tmp_path / "beyond.toml"
+    file.write_text(BEYOND)
+    changes = {"rotation": rotation, "shoe[0].lining.start": start, "shoe[0].lining.end": end}
+    brake = vary(drumlin.read_brake(file), changes | {"shoe[0].actuation.direction": direction, "friction": 0.08})
+    merit = drumlin.solve(brake, elements=20).merits[0]
+    if merit.m is not None:
+        assert merit.mechanical_advantage == pytest.approx(1 / (merit.m - merit.double_delta * merit.n), rel=1e-5)
+
+
+def test_shoes_that_lie_in_each_other_are_said():
+    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
+    changes = {"shoe[1].lining.start": "40 deg", "shoe[1].lining.end": "165 deg"}
+    changes |= {"shoe[1].body.start": "35 deg", "shoe[1].body.end": "170 deg", "friction": 0.1}
+    for model in ("fem", "cosine"):
+        assert not any("lie in each other" in note for note in drumlin.solve(brake, model).notes)
+        found = [n for n in drumlin.solve(vary(brake, changes), model).notes if "lie in each other" in n]
+        assert len(found) == 1
+        assert "'right' and 'left'" in found[0]
+        assert "from 40 deg to 55 deg" in found[0]
+
+
+def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
+    """p/E: 5 % is beyond small strains; ten times the lining's thickness is no answer."""
+    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
+    small = drumlin.solve(brake, elements=20)
+    E = 300e6
+    strain = small.shoes[1].peak_pressure / E
+    assert not any("strained" in note for note in small.notes)
+    said = drumlin.solve(vary(brake, {"shoe.actuation.force": 2000 * 0.06 / strain}), elements=20)
+    assert any(note.startswith("warning: shoe 'left': the lining is strained by up to 6 %") for note in said.notes)
+    with pytest.raises(NoAnswer, match="pressed in by 11 times its thickness"):
+        drumlin.solve(vary(brake, {"shoe.actuation.force": 2000 * 11 / strain}), elements=20)
+
+
+def _meshed(tmp_path, change):
+    """The right shoe of the main brake with a mesh of its own, whose groups or nodes are changed."""
+    from drumlin.fem.assembly import prepare
+    from drumlin.fem.mesh.file import write_mesh
+
+    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
+    brake = brake.model_copy(update={"shoes": brake.shoes[:1]})
+    mesh = change(prepare(brake, elements=20).bodies[0].mesh)
+    path = tmp_path / "shoe.msh"
+    write_mesh(path, mesh, brake.shoes[0])
+    return vary(brake, {"shoe[0].mesh": path})
+
+
+def test_a_mesh_with_hinge_and_actuation_swapped_is_refused(tmp_path):
+    def swapped(mesh):
+        names = {"hinge": "actuation", "actuation": "hinge"}
+        return replace(mesh, _boundaries={names.get(name, name): where for name, where in mesh.boundaries.items()})
+
+    with pytest.raises(BadInput, match="swapped"):
+        drumlin.solve(_meshed(tmp_path, swapped))
+
+
+@pytest.mark.parametrize(("depth", "outcome"), [(0.0, "fine"), (0.2e-3, "warning"), (1.0e-3, "refused")])
+def test_a_mesh_that_lies_in_the_drum_is_said_and_then_refused(tmp_path, depth, outcome):
+    """The lining is 8 mm thick: a hundredth of that is said, a tenth must be meant."""
+
+    def pressed(mesh):
+        r = np.hypot(*mesh.doflocs)
+        return replace(mesh, doflocs=mesh.doflocs * (1 + depth / 0.150 * (r / 0.150) ** 40))
+
+    brake = _meshed(tmp_path, pressed)
+    if outcome == "refused":
+        with pytest.raises(BadInput, match="mesh_interference"):
+            drumlin.solve(brake)
+        brake = vary(brake, {"shoe[0].mesh_interference": True})
+    notes = drumlin.solve(brake).notes
+    assert any("in the drum" in note for note in notes) == (outcome != "fine")
