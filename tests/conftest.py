@@ -55,10 +55,10 @@ class Skips:
     KEY = "drumlin/skipped"
 
     def __init__(self, config: pytest.Config) -> None:
-        assert config.cache is not None
-        self.cache, self.again, self.found = config.cache, config.getoption("--skipped"), list[str]()
+        self.cache: Any = getattr(config, "cache", None)  # there is none with -p no:cacheprovider
+        self.again, self.found = config.getoption("--skipped"), list[str]()
         self.failed = self.again or config.getoption("--no-skips")
-        self.notes = not hasattr(config, "workerinput") and not config.option.collectonly
+        self.notes = self.cache and not hasattr(config, "workerinput") and not config.option.collectonly
 
     def pytest_collection_modifyitems(self, config: pytest.Config, items: list[pytest.Item]) -> None:
         if self.again:

@@ -14,11 +14,11 @@ import pytest
 
 from conftest import STUDY
 from drumlin.brake.file import read_brake
-from drumlin.cli.main import main
+from drumlin.cli import main
 from drumlin.cli.terminal import print_table
 from drumlin.fem.solve import solve
 
-DRUMLIN = [sys.executable, "-c", "from drumlin.cli.main import main; main()"]
+DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
 
 
 def process(*words, **options):
@@ -188,7 +188,7 @@ def test_help_answers_in_under_half_a_second():
 def test_solving_loads_neither_pyvista_nor_matplotlib(tmp_path):
     code = (
         "import sys; sys.argv = ['drumlin', 'solve', sys.argv[1], '--json', sys.argv[2], '--elements', '10']\n"
-        "from drumlin.cli.main import main\n"
+        "from drumlin.cli import main\n"
         "try: main()\n"
         "except SystemExit as end: assert not end.code\n"
         "assert 'skfem' in sys.modules\n"

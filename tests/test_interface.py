@@ -4,11 +4,14 @@ import math
 
 import numpy as np
 import pytest
+import skfem
 
 import pair
 from drumlin.brake.file import vary
 from drumlin.contact import active_set
 from drumlin.fem.assembly import prepare
+from drumlin.fem.body import scalar_basis
+from drumlin.fem.interface import ContactLine, contact_line, couple, radial
 from drumlin.fem.ring import couple_ring
 from drumlin.response.resultants import cross, integrate, resultant
 
@@ -123,3 +126,54 @@ def test_an_external_lining_sees_its_drum_from_the_other_side(brake):
     )
     body = prepare(external, elements=10).bodies[0]
     assert np.hypot(*body.basis.doflocs).min() == pytest.approx(brake.drum.radius, rel=1e-12)
+
+
+STRAIGHT = {  # a straight edge of length 1: Int psi_i psi_j
+    1: np.array([[2, 1], [1, 2]]) / 6,
+    2: np.array([[4, 2, -1], [2, 16, 2], [-1, 2, 4]]) / 30,
+}
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
+    """Two edges, of lengths 2 and 1, on the line x = 3 from y = -1 to 2; directions are given, not radial."""
+    y = np.array([-1.0, 0, 1, 1.5, 2])[:: 3 - order]
+    line = ContactLine(
+        np.arange(len(y)), np.array([np.full(len(y), 3.0), y]), y, np.arange(order + 1)[:, None] + [0, order]
+    )
+    found = couple(line, 0.5, lambda x: (np.ones_like(x) * [[[0.6]], [[0.8]]], np.ones_like(x) * [[[-0.8]], [[0.6]]]))
+    M = np.zeros((len(y), len(y)))
+    for first, length in ((0, 2.0), (order, 1.0)):
+        M[first : first + order + 1, first : first + order + 1] += 0.5 * length * STRAIGHT[order]
+    assert line.order == order
+    assert pytest.approx(M, abs=1e-15) == found.M
+    assert found.area == pytest.approx(M.sum(axis=1), abs=1e-15)
+    for matrix, (a, b) in ((found.N, (0.6, 0.8)), (found.T, (-0.8, 0.6))):
+        assert matrix[:, 0::2] == pytest.approx(a * M, abs=1e-15) and matrix[:, 1::2] == pytest.approx(b * M, abs=1e-15)
+    lever = 0.5 * sum(end / 2 * math.hypot(3, end) + 9 / 2 * math.asinh(end / 3) for end in (1.0, 2.0))
+    assert found.lever.sum() == pytest.approx(lever, rel=1e-7)  # 0.5 Int sqrt(9 + y^2) dy
+
+
+@pytest.mark.parametrize("kind", ["quad2", "quad1"])
+@pytest.mark.parametrize("turned", [0.0, 3.0, -3.1])
+def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, turned):
+    """Edges in any order and sense; angles within half a turn of the middle, also across 180 deg."""
+    angles = turned + np.linspace(-0.5, 0.5, 6)
+    mesh = pair.sector(angles, np.array([0.0, 0.1, 0.2]), 1.0, 1)
+    if kind == "quad1":
+        mesh = skfem.MeshQuad(mesh.p, mesh.t, _boundaries=mesh.boundaries)
+    basis = scalar_basis(mesh)
+    facets = np.random.default_rng(0).permutation(mesh.boundaries["contact"])
+    line = contact_line(basis, facets, turned + 0.1)
+    order = 2 if kind == "quad2" else 1
+    assert line.order == order
+    assert line.phi == pytest.approx(np.linspace(angles[0], angles[-1], 5 * order + 1), abs=1e-12)
+    assert line.xy == pytest.approx(basis.doflocs[:, line.nodes])
+    assert line.pieces == pytest.approx(np.arange(order + 1)[:, None] + order * np.arange(5))
+
+
+def test_normals_point_from_the_lining_to_the_drum_and_tangents_along_growing_angles():
+    for sign in (1, -1):
+        n, e = radial(sign)(np.array([[3.0, 0.0], [4.0, -2.0]]))
+        assert n == pytest.approx(sign * np.array([[0.6, 0], [0.8, -1]]))
+        assert e == pytest.approx(np.array([[-0.8, 1], [0.6, 0]]))

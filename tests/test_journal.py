@@ -1,13 +1,17 @@
-"""A journal keeps finished cases, drops a torn line, and belongs to one state of the program and one run."""
+"""A journal keeps finished cases, loses none but damaged ones, and belongs to one state of the program and one run."""
 
 import errno
+import json
 import math
 import os
+import random
 
 import pytest
 
 from drumlin.errors import BadInput
 from drumlin.journal import Journal
+
+CASES = 40
 
 
 def test_cases_survive_and_are_not_computed_again(tmp_path):
@@ -16,7 +20,7 @@ def test_cases_survive_and_are_not_computed_again(tmp_path):
         assert journal.once({"n": 1, "mu": 0.3}, lambda: {"torque": math.inf}) == {"torque": math.inf}
     with Journal(path, "a") as journal:
         assert journal.once({"mu": 0.3, "n": 1}, lambda: pytest.fail("computed again")) == {"torque": math.inf}
-        assert len(journal) == 1
+        assert len(journal) == 1 and not journal.notes
 
 
 @pytest.mark.parametrize("cut", range(1, 40, 6))
@@ -33,19 +37,85 @@ def test_a_torn_last_line_is_dropped(tmp_path, cut):
         assert journal[{"n": 2}] == {"torque": 2.0} and len(journal) == 2
 
 
-def test_another_program_begins_anew(tmp_path):
-    with Journal(tmp_path / "j.jsonl", "a") as journal:
-        journal.add({"n": 1}, {})
-    with Journal(tmp_path / "j.jsonl", "b") as journal:
-        assert len(journal) == 0
-        journal.add({"n": 3}, {})
-    with Journal(tmp_path / "j.jsonl", "b") as journal:
-        assert {"n": 3} in journal
+def filled(path, stamp="a"):
+    with Journal(path, stamp) as journal:
+        for n in range(CASES):
+            journal.add({"n": n}, {"torque": n / 7})
+    return path.read_bytes()
+
+
+def damaged(data, rng):
+    """Flipped bits, lost, doubled and zeroed stretches, in up to five places."""
+    data = bytearray(data)
+    for _ in range(rng.randint(1, 5)):
+        at, length = rng.randrange(len(data)), rng.randrange(1, 200)
+        match rng.randrange(5):
+            case 0 | 1:
+                data[at] ^= 1 << rng.randrange(8)
+            case 2:
+                del data[at : at + length]
+            case 3:
+                data[at:at] = data[at : at + length]
+            case 4:
+                data[at : at + length] = bytes(len(data[at : at + length]))
+        if not data:
+            break
+    return bytes(data)
+
+
+@pytest.mark.parametrize("seed", range(100))
+def test_damage_costs_the_damaged_records_alone(tmp_path, seed):
+    """What is read is right; all else is missing, and the next run has the whole."""
+    path = tmp_path / "journal"
+    whole = filled(path)
+    data = damaged(whole, random.Random(seed))
+    sound = sum(line in data.split(b"\n") for line in whole.split(b"\n")[1:-1])
+    path.write_bytes(data)
+    for _ in range(2):
+        with Journal(path, "a") as journal:
+            assert CASES >= len(journal) >= sound - 1  # the last one may have lost its end of line
+            assert all(journal[{"n": n}] == {"torque": n / 7} for n in range(CASES) if {"n": n} in journal)
+            if data.startswith(whole[:17]) and data.count(b"\n") == CASES + 1 and len(journal) < CASES:
+                assert "damaged lines are skipped" in journal.notes[0]
+            for n in range(CASES):
+                journal.once({"n": n}, lambda n=n: {"torque": n / 7})
+    with Journal(path, "a") as journal:
+        assert len(journal) == CASES
+
+
+def test_a_damaged_head_costs_nothing(tmp_path):
+    """Nor does one that reads as another drumlin's."""
+    for head in (b'{"stomp": "a"}', b'{"stamp": "b"}', b"\0\0\0", b"[[[["):
+        path = tmp_path / "journal"
+        data = filled(path)
+        path.write_bytes(head + data[data.index(b"\n") :])
+        with Journal(path, "a") as journal:
+            assert len(journal) == CASES and "1 damaged lines" in journal.notes[0]
+        path.unlink()
+
+
+def test_the_journal_of_another_program_is_kept_aside(tmp_path):
+    path = tmp_path / "j.jsonl"
+    old = filled(path, "a")
+    for number, stamp in ((1, "b"), (2, "c")):
+        with Journal(path, stamp) as journal:
+            assert len(journal) == 0 and journal.notes == [
+                f"{path}: was of another drumlin and is kept as j.jsonl.{number}; every case is solved anew"
+            ]
+            journal.add({"n": 3}, {})
+        with Journal(path, stamp) as journal:
+            assert {"n": 3} in journal and not journal.notes
+    assert (tmp_path / "j.jsonl.1").read_bytes() == old
+    (tmp_path / "j.jsonl.1").replace(path)
+    with Journal(path, "a") as journal:
+        assert len(journal) == CASES
 
 
 def test_two_runs_at_a_time_are_refused(tmp_path):
     with Journal(tmp_path / "j.jsonl"), pytest.raises(BadInput, match="another run"):
         Journal(tmp_path / "j.jsonl")
+    with Journal(tmp_path / "j.jsonl", "a"), pytest.raises(BadInput, match="another run"):  # moved aside and anew
+        Journal(tmp_path / "j.jsonl", "a")
 
 
 def test_a_finished_journal_is_kept_aside(tmp_path):
@@ -55,11 +125,45 @@ def test_a_finished_journal_is_kept_aside(tmp_path):
     assert (tmp_path / "cases.jsonl").exists() and not (tmp_path / "journal.jsonl").exists()
 
 
-def test_a_file_that_is_no_journal_is_left_alone(tmp_path):
-    (tmp_path / "notes").write_text("torque: 447 N m\n")
+FOREIGN = {
+    "text": b"torque: 447 N m\n",
+    "without an end of line": b"torque: 447 N m",
+    "a brace": b"{",
+    "JSON": b'{"torque": 447}\n',
+    "a list": b"[1, 2]\n[3]\n",
+    "lines": b'{"a": 1}\n' * 5000,
+    "a table": b"case,torque\n0,447.0\n",
+    "deep": b"[" * 100_000 + b"\n",
+    "a number": b"9" * 5000 + b"\n",
+    "zeros": bytes(3_000_000),
+    "bytes": bytes(range(256)) * 40,
+    "nearly": b'{"stamp": "x", "y": 1}\n',
+    "no text": b'{"stamp": 3}\n',
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_a_file_that_is_no_journal_is_left_alone(tmp_path, name):
+    (tmp_path / "notes").write_bytes(FOREIGN[name])
     with pytest.raises(BadInput, match="is no journal"):
-        Journal(tmp_path / "notes")
-    assert (tmp_path / "notes").read_text() == "torque: 447 N m\n"
+        Journal(tmp_path / "notes", "a")
+    assert (tmp_path / "notes").read_bytes() == FOREIGN[name] and list(tmp_path.iterdir()) == [tmp_path / "notes"]
+
+
+def test_an_empty_file_and_a_torn_first_line_are_new_journals(tmp_path):
+    for data in (b"", b'{"stamp": "a', b'{"stamp": "a"}'):
+        (tmp_path / "j").write_bytes(data)
+        with Journal(tmp_path / "j", "a") as journal:
+            assert not len(journal) and not journal.notes
+        assert json.loads((tmp_path / "j").read_text()) == {"stamp": "a"}
+
+
+def test_paths_that_cannot_be_files(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "file").touch()
+    for name in (".", "pipe", "file/journal", "a\0b", "a" * 5000):
+        with pytest.raises(BadInput, match="cannot be written"):
+            Journal(tmp_path / name)
 
 
 def test_a_full_disk_is_said_in_one_line(tmp_path, monkeypatch):

@@ -10,7 +10,7 @@ import pytest
 
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.cli.main import main
+from drumlin.cli import main
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS, pick

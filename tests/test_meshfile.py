@@ -121,7 +121,7 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
  1.
 """
     )
-    mesh = read_inp(tmp_path / "m.inp")
+    mesh = read_inp((tmp_path / "m.inp").read_text())
     assert mesh.cells_dict["quad"].tolist() == [[0, 1, 4, 3], [1, 2, 5, 4]]
     assert mesh.cell_sets_dict["left"]["quad"].tolist() == [0]
     assert mesh.cell_sets_dict["right"]["quad"].tolist() == [1]

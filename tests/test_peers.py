@@ -266,7 +266,7 @@ def test_absent_peers_say_how_to_install_them(monkeypatch):
 def test_export_command(tmp_path):
     from typer.testing import CliRunner
 
-    from drumlin.cli.main import app
+    from drumlin.cli.commands import app
 
     away = (STUDIES / "double_shoe" / "brake.toml").read_text().replace('"2 kN"', '"-2 kN"', 1)
     (tmp_path / "my brake.toml").write_text(away)

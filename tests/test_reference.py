@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 import independent
 from conftest import ROOT, STUDY
 from drumlin.brake.file import read_brake, vary
-from drumlin.cli.main import app
+from drumlin.cli.commands import app
 from drumlin.errors import BadInput
 from drumlin.fem.solve import solve
 from drumlin.laws import sine

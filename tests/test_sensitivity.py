@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from conftest import STUDY
 from drumlin.brake.file import vary
-from drumlin.cli import main as cli
+from drumlin.cli import commands as cli
 from drumlin.errors import DrumlinError, NoAnswer
 from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond

@@ -12,7 +12,8 @@ from typer.testing import CliRunner
 import independent
 from conftest import ROOT, STUDY
 from drumlin.brake.file import read_brake
-from drumlin.cli.main import app, main
+from drumlin.cli import main
+from drumlin.cli.commands import app
 from drumlin.studies import load
 from drumlin.verification.run_in_limits import run_row
 

@@ -12,7 +12,7 @@ from conftest import ROOT, STUDY
 from drumlin.brake.file import read_brake, unit_of, vary
 from drumlin.errors import BadInput
 from drumlin.fem import assembly
-from drumlin.fem.assembly import Kept
+from drumlin.fem.assembly import Cache
 from drumlin.fem.solve import solve
 from drumlin.journal import Journal
 from drumlin.sweeps.cases import Case, run, solved, table, write_table
@@ -163,8 +163,8 @@ def test_shared_bodies_change_no_digit(brake, flexible):
     changes += [{"drum.ring": ring, "friction": mu} for mu in (0.2, 0.3)]
     changes += [{"rotation": "clockwise", "shoe.lining.clearance": 1e-4}]
     cases = [Case(base, change, "fem", {"elements": 12}) for change in changes for base in (brake, flexible)]
-    kept = Kept()
-    shared = [solved(case, kept) for case in reversed(cases)][::-1]
+    cache = Cache()
+    shared = [solved(case, cache) for case in reversed(cases)][::-1]
     assert shared == [solved(case) for case in cases] == run(cases)
     assert all(row["status"] == "solved" for row in shared)
     own = [solve(vary(case.brake, case.changes), elements=12).torque for case in cases]
@@ -172,11 +172,11 @@ def test_shared_bodies_change_no_digit(brake, flexible):
 
 
 def test_room_for_bodies_is_kept_to():
-    kept, made = Kept(room=10), []
+    cache, made = Cache(room=10), []
     for key in (1, 2, 1, 3, 2, 1):
-        assert kept.get(key, lambda key=key: made.append(key) or key, lambda _: 5) == key
+        assert cache.get(key, lambda key=key: made.append(key) or key, lambda _: 5) == key
     assert made == [1, 2, 3, 2, 1]  # 1 was used after 2, so that 3 took the place of 2, and 2 then that of 1
-    assert kept.get(9, lambda: 9, lambda _: 100) == 9
+    assert cache.get(9, lambda: 9, lambda _: 100) == 9
 
 
 @pytest.mark.parametrize("count", [1, 7])

@@ -4,9 +4,13 @@ import importlib.util
 import json
 import os
 import random
+import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -15,7 +19,8 @@ from conftest import STUDY
 from drumlin.sweeps.cases import run, table, write_table
 from drumlin.sweeps.file import read_sweep
 
-DRUMLIN = [sys.executable, "-c", "from drumlin.cli.main import main; main()", "sweep"]
+LIMIT = 300  # s that a busy machine may take; a hang takes for ever
+MAIN = "from drumlin.cli import main; main()"
 PYTHON = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 SWEEP = """
 brake = "{brake}"
@@ -45,8 +50,9 @@ def undisturbed(sweep_file):
     return path.read_bytes()
 
 
-def start(*arguments: object) -> subprocess.Popen[str]:
-    return subprocess.Popen([*DRUMLIN, *map(str, arguments)], env=PYTHON, stdout=subprocess.PIPE, text=True)
+def start(*arguments: object, program: str = MAIN, stderr: int | None = None) -> subprocess.Popen[str]:
+    command = [sys.executable, "-c", program, "sweep", *map(str, arguments)]
+    return subprocess.Popen(command, env=PYTHON, stdout=subprocess.PIPE, stderr=stderr, text=True)
 
 
 def rows_in(journal: Path) -> int:
@@ -54,57 +60,170 @@ def rows_in(journal: Path) -> int:
 
 
 def wait_for(rows: int, journal: Path, process: subprocess.Popen[str]) -> None:
-    end = time.monotonic() + 60
+    end = time.monotonic() + LIMIT
     while rows_in(journal) < rows:
         assert process.poll() is None and time.monotonic() < end, "ended before it could be stopped"
         time.sleep(0.002)
 
 
-def test_killed_at_five_random_moments(sweep_file, undisturbed, tmp_path):
-    output, journal = tmp_path / "out.csv", tmp_path / "out.csv.journal"
-    moments = sorted(random.Random(8).sample(range(10, 260), 5))
-    for k, moment in enumerate(moments):
-        process = start(sweep_file, "--output", output, "--jobs", 2 if k == 2 else 1)
+def keys_in(journal: Path) -> list[str]:
+    return [json.loads(line)["key"] for line in journal.read_text().splitlines()[1:]]
+
+
+def finished(output: Path, *how: object) -> list[str]:
+    """Let a sweep finish; the keys of all cases that its runs solved."""
+    process = start(*how, "--output", output)
+    said, _ = process.communicate(timeout=LIMIT)
+    assert process.returncode == 0 and said.startswith("300 cases: ")
+    return keys_in(output.with_name("out.csv.journal"))
+
+
+def killed_at(moments: list[int], sweep_file: Path, folder: Path, jobs: list[int]) -> bytes:
+    """The table of a sweep that was killed when its journal had so many rows; no case may be solved twice."""
+    output, journal = folder / "out.csv", folder / "out.csv.journal"
+    for moment, number in zip(moments, jobs, strict=True):
+        process = start(sweep_file, "--output", output, "--jobs", number)
         wait_for(moment, journal, process)
         process.kill()
-        process.communicate(timeout=20)  # ends when no process holds its output: the workers end, too
+        process.communicate(timeout=LIMIT)  # ends when no process holds its output: the workers end, too
         assert not output.exists()
-    process = start(sweep_file, "--output", output, "--jobs", 2)
-    said, _ = process.communicate(timeout=60)
-    assert process.returncode == 0 and said.startswith("300 cases: ")
-    keys = [json.loads(line)["key"] for line in journal.read_text().splitlines()[1:]]
-    assert len(keys) == len(set(keys)) == 300  # what had finished was not solved again
-    assert output.read_bytes() == undisturbed
+    keys = finished(output, sweep_file, "--jobs", 2)
+    assert len(keys) == len(set(keys)) == 300
+    return output.read_bytes()
 
 
-@pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="needs the extra drumlin[distributed]")
-def test_a_dask_worker_is_killed(sweep_file, undisturbed, tmp_path):
-    known = tmp_path / "scheduler.json"
-    started = []
+def test_killed_at_five_random_moments(sweep_file, undisturbed, tmp_path):
+    moments = sorted(random.Random(8).sample(range(10, 260), 5))
+    assert killed_at(moments, sweep_file, tmp_path, [1, 1, 2, 1, 1]) == undisturbed
 
-    def dask(name: str, *arguments: str) -> subprocess.Popen[bytes]:
-        command = [sys.executable, "-m", f"distributed.cli.dask_{name}", "--scheduler-file", str(known), *arguments]
-        with (tmp_path / f"{name}{len(started)}.log").open("wb") as log:
-            started.append(subprocess.Popen(command, env=PYTHON, stdout=log, stderr=log, cwd=tmp_path))
-        return started[-1]
 
+def worker_of(process: subprocess.Popen[str]) -> int:
+    """A worker process of a sweep."""
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    return next(
+        int(child) for child in children if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text(errors="replace")
+    )
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs /proc to find a worker")
+def test_killed_worker_processes_cost_nothing(sweep_file, undisturbed, tmp_path):
     output, journal = tmp_path / "out.csv", tmp_path / "out.csv.journal"
-    try:
-        dask("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show")
-        while not known.exists():
-            assert started[0].poll() is None
-            time.sleep(0.05)
-        address = json.loads(known.read_text())["address"]
-        worker = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1")
-        doomed = dask("worker", *worker)
-        dask("worker", *worker)
-        process = start(sweep_file, "--output", output, "--scheduler", address)
-        wait_for(60, journal, process)
-        doomed.kill()
-        said, _ = process.communicate(timeout=90)
-        assert process.returncode == 0 and said.startswith("300 cases: ")
-    finally:
-        for process_ in started:
-            process_.kill()
-            process_.wait()
+    process = start(sweep_file, "--output", output, "--jobs", 2)
+    for moment in (20, 90, 200):
+        wait_for(moment, journal, process)
+        os.kill(worker_of(process), signal.SIGKILL)
+    said, _ = process.communicate(timeout=LIMIT)
+    assert process.returncode == 0 and said.startswith("300 cases: ")
+    keys = keys_in(journal)
+    assert len(keys) == len(set(keys)) == 300
     assert output.read_bytes() == undisturbed
+
+
+def test_one_and_two_jobs_and_a_damaged_journal_give_the_same_bytes(sweep_file, undisturbed, tmp_path):
+    output, journal = tmp_path / "out.csv", tmp_path / "out.csv.journal"
+    finished(output, sweep_file, "--jobs", 1)
+    assert output.read_bytes() == undisturbed
+    data = bytearray(journal.read_bytes())
+    for at in random.Random(3).sample(range(len(data)), 20):
+        data[at] ^= 1
+    journal.write_bytes(data)
+    process = start(sweep_file, "--output", output, "--jobs", 2, stderr=subprocess.PIPE)
+    _, noted = process.communicate(timeout=LIMIT)
+    assert process.returncode == 0 and "damaged lines are skipped" in noted and noted.count("\n") == 1
+    assert output.read_bytes() == undisturbed
+
+
+needs_dask = pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="needs drumlin[distributed]")
+
+
+class Cluster:
+    """A Dask scheduler and its workers on the loopback interface."""
+
+    def __init__(self, folder: Path) -> None:
+        self.known, self.folder, self.started = folder / "scheduler.json", folder, []
+        self.scheduler = self.start("scheduler", "--port", "0", "--no-show")
+        while not self.known.exists():
+            assert self.scheduler.poll() is None
+            time.sleep(0.05)
+        self.address = json.loads(self.known.read_text())["address"]
+
+    def start(self, name: str, *more: str) -> subprocess.Popen[bytes]:
+        here = ("--scheduler-file", str(self.known), "--host", "127.0.0.1", "--no-dashboard")
+        command = [sys.executable, "-m", f"distributed.cli.dask_{name}", *here, *more]
+        with (self.folder / f"{name}{len(self.started)}.log").open("wb") as log:
+            self.started.append(subprocess.Popen(command, env=PYTHON, stdout=log, stderr=log, cwd=self.folder))
+        return self.started[-1]
+
+    def worker(self) -> subprocess.Popen[bytes]:
+        return self.start("worker", "--nthreads", "1", "--no-nanny")
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    made = Cluster(tmp_path)
+    yield made
+    for process in made.started:
+        process.send_signal(signal.SIGCONT)
+        process.kill()
+        process.wait()
+
+
+@needs_dask
+def test_a_dask_worker_is_killed(sweep_file, undisturbed, tmp_path, cluster):
+    output, journal = tmp_path / "out.csv", tmp_path / "out.csv.journal"
+    doomed = cluster.worker()
+    cluster.worker()
+    process = start(sweep_file, "--output", output, "--scheduler", cluster.address)
+    wait_for(60, journal, process)
+    doomed.kill()
+    said, _ = process.communicate(timeout=LIMIT)
+    assert process.returncode == 0 and said.startswith("300 cases: ")
+    assert output.read_bytes() == undisturbed
+
+
+IMPATIENT = """
+import drumlin.sweeps.cases, drumlin.sweeps.workers as workers
+workers.ANSWER, workers.HEARD, workers.FIRST, drumlin.sweeps.cases.QUIET = 4.0, 6.0, 4.0, 1.0
+from drumlin.cli import main
+main()
+"""
+
+
+@needs_dask
+@pytest.mark.parametrize("fault", ["last worker killed", "scheduler stopped"])
+def test_a_lost_cluster_is_one_line_and_the_finished_cases_stay(sweep_file, undisturbed, tmp_path, cluster, fault):
+    output, journal = tmp_path / "out.csv", tmp_path / "out.csv.journal"
+    worker = cluster.worker()
+    how = [sweep_file, "--output", output, "--scheduler", cluster.address]
+    process = start(*how, program=IMPATIENT, stderr=subprocess.PIPE)
+    wait_for(30, journal, process)
+    of = cluster.scheduler if "scheduler" in fault else worker
+    of.send_signal(signal.SIGKILL if "killed" in fault else signal.SIGSTOP)
+    _, said = process.communicate(timeout=LIMIT)
+    *waiting, last = said.splitlines()
+    assert process.returncode == 3 and "finished cases are kept in" in last and cluster.address in last
+    assert all("waiting for workers since" in line for line in waiting)
+    keys = finished(output, sweep_file, "--jobs", 1)
+    assert len(keys) == len(set(keys)) == 300
+    assert output.read_bytes() == undisturbed
+
+
+@needs_dask
+@pytest.mark.parametrize("banner", [b"", b"220 mail.example ready\r\n"])
+def test_what_is_no_scheduler_is_refused_in_one_line(sweep_file, tmp_path, banner):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        taken = []
+
+        def serve() -> None:
+            with suppress(OSError):
+                while True:
+                    taken.append(server.accept()[0])
+                    taken[-1].sendall(banner)
+
+        threading.Thread(target=serve, daemon=True).start()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        how = [sweep_file, "--output", tmp_path / "out.csv", "--scheduler", address]
+        _, said = start(*how, program=IMPATIENT, stderr=subprocess.PIPE).communicate(timeout=LIMIT)
+    for one in taken:
+        one.close()
+    assert said == f"drumlin: --scheduler = '{address}': no Dask scheduler answers there\n"

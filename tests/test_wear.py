@@ -9,9 +9,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drumlin.contact import active_set
-from drumlin.errors import BadInput
+from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.interface import ContactLine, couple, radial
-from drumlin.wear.archard import WearInterface, WearLaw, at, explicit, ripple, run, run_on
+from drumlin.wear.archard import (
+    WearInterface,
+    WearLaw,
+    WearState,
+    _eroded,
+    at,
+    explicit,
+    last_beyond,
+    ripple,
+    run,
+    run_on,
+    together,
+)
 
 K, RADIUS, WIDTH, PIN, FORCE, MU = 4e10, 0.15, 0.04, 0.125, 250.0, 0.25
 LAW = WearLaw(1e-13)
@@ -156,3 +168,117 @@ def test_bad_input_is_named(law, options, word):
     interface, _ = winkler(np.zeros_like)
     with pytest.raises(BadInput, match=word):
         run([interface], law, distance=1.0, **options)
+
+
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0, 3.0])
+def test_the_rate_and_its_slope(exponent):
+    """k p (p/p_ref)^(m - 1); under m = 1 rounded off where p is small, so that the slope stays finite."""
+    law, p = WearLaw(2e-13, exponent, 4e5), np.array([1e5, 4e5, 9e5])
+    rate, slope = law.rate(p, 0.0)
+    np.testing.assert_allclose(rate, 2e-13 * p * (p / 4e5) ** (exponent - 1), rtol=1e-14)
+    np.testing.assert_allclose(slope, exponent * rate / p, rtol=1e-14)
+    for rounded in (0.0, 1e5):
+        ends = [law.rate(p + d, rounded)[0] for d in (-1.0, 1.0)]
+        np.testing.assert_allclose(law.rate(p, rounded)[1], (ends[1] - ends[0]) / 2, rtol=1e-8)
+    if exponent < 1:
+        rate, slope = law.rate(np.array([0.0, 1e5]), 1e5)
+        assert rate[0] == 0 and slope[0] == pytest.approx(2e-13 * (1e5 / 4e5) ** (exponent - 1))
+        assert rate[1] == pytest.approx(2e-13 * 1e5 * (math.sqrt(2) * 1e5 / 4e5) ** (exponent - 1))
+
+
+def test_the_distance_from_which_on_values_stay_small():
+    s = [0.0, 1.0, 2.0, 4.0]
+    assert last_beyond(s, [0.1, -0.2, 0.1, 0.2], 0.2) == 0.0
+    assert last_beyond(s, [3.0, 0.0, -2.0, 0.0], 0.5) == pytest.approx(3.5)
+    assert last_beyond(s, [0.0, -1.0, -0.4, 0.0], 0.7) == pytest.approx(1.5)
+    assert last_beyond(s, [1.0, 0.0, 0.0, 3.0], 0.5) == math.inf
+
+
+def test_every_number_of_a_state_between_two_is_interpolated():
+    a = WearState(1.0, np.array([0.0, 2]), np.array([4.0, 8]), 10.0, 1.0, True, 2.0, 3.0, 4.0)
+    b = WearState(3.0, np.array([4.0, 6]), np.array([0.0, 4]), 30.0, 3.0, False, 6.0, 7.0, 8.0)
+    found = at([a, b], 1.5)
+    assert (found.s, found.torque, found.force, found.forward) == (1.5, 15.0, 1.5, False)
+    assert (found.removed, found.pressed, found.work) == (3.0, 4.0, 5.0)
+    assert found.depth.tolist() == [1, 3] and found.pressure.tolist() == [3, 7]
+    assert at([a, b], 0.5) is a and at([a, b], 3.0) is b
+    assert at([a, b], 4.0).torque == 40.0  # beyond the last one: straight on
+
+
+def test_rubs_together_are_block_by_block_and_wear_as_each_alone():
+    (one, _), (two, _) = (winkler(lambda phi, k=k: 2e-6 * np.cos(k * phi), elements=8) for k in (2, 3))
+    both = together([one, two])
+    n = len(one.area)
+    for whole, parts in ((both.problem.A, (one.problem.A, two.problem.A)), (both.weight, (one.weight, two.weight))):
+        assert (whole[:n, :n] == parts[0]).all() and (whole[n:, n:] == parts[1]).all()
+        assert not whole[:n, n:].any() and not whole[n:, :n].any()
+    assert both.problem.B.shape == (2 * n, 2) and both.problem.C.shape == (2, 2 * n) and len(both.problem.h) == 2
+    steps = UNIT * np.array([0.2, 0.6])
+    alone = [run_on([interface], LAW, steps)[-1] for interface in (one, two)]
+    for state in (run_on([both], LAW, steps)[-1], run_on([one, two], LAW, steps)[-1]):
+        np.testing.assert_allclose(state.depth, np.concatenate([s.depth for s in alone]), rtol=1e-9)
+        assert state.torque == pytest.approx(sum(s.torque for s in alone), rel=1e-12)
+        assert state.removed == pytest.approx(sum(s.removed for s in alone), rel=1e-12)
+        assert state.s == steps[-1]
+
+
+def test_steps_keep_their_tolerance_and_end_where_they_are_asked_to():
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
+    fine = run([interface], LAW, distance=3 * UNIT, tolerance=1e-5)
+    coarse = run([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
+    assert coarse[-1].s == fine[-1].s == 3 * UNIT
+    assert 3 < len(coarse) < len(fine) / 5
+    for state in coarse:
+        exact = at(fine, state.s).pressure
+        assert np.linalg.norm(state.pressure - exact) < 1e-2 * np.linalg.norm(exact)
+    assert max(b.s - a.s for a, b in pairwise(coarse)) < 4.001 * (coarse[-1].s - coarse[-4].s)
+    stopped = run([interface], LAW, until=lambda state: state.removed > 0.3 * coarse[-1].removed)
+    assert stopped[-2].removed <= 0.3 * coarse[-1].removed < stopped[-1].removed
+    third = run([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
+    assert [s.s for s in third] == [s.s for s in coarse]  # nothing is kept from one run to the next
+
+
+def test_a_drum_that_turns_back_and_forth():
+    """Each way as far as it is told; at a turn the depth stays, and the pressure is that of the other way."""
+    (ahead, _), (back, _) = (winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8, mu=mu) for mu in (MU, -MU))
+    states = run([ahead], LAW, backward=[back], reverse=UNIT, distance=2.5 * UNIT, tolerance=1e-2)
+    turns = [i for i, (a, b) in enumerate(pairwise(states)) if a.forward != b.forward]
+    assert [states[i].s for i in turns] == pytest.approx([UNIT, 2 * UNIT], rel=1e-12)
+    assert [states[i].forward for i in (0, turns[0], turns[1], -1)] == [True, True, False, True]
+    assert states[-1].s == 2.5 * UNIT
+    for i in turns:
+        assert states[i + 1].s == states[i].s and (states[i + 1].depth == states[i].depth).all()
+        assert states[i + 1].removed == states[i].removed and states[i + 1].work == states[i].work
+    (turned,) = run_on([back], LAW, [])
+    assert states[turns[0] + 1].torque * turned.torque > 0 > states[turns[0]].torque * turned.torque
+
+
+def test_explicit_steps_add_up_what_they_wear():
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
+    states = explicit([interface], LAW, 0.1 * UNIT, 3)
+    assert [s.s for s in states] == pytest.approx([0, 0.1 * UNIT, 0.2 * UNIT, 0.3 * UNIT])
+    for a, b in pairwise(states):
+        np.testing.assert_allclose(b.depth - a.depth, LAW.coefficient * 0.1 * UNIT * a.pressure, rtol=1e-9, atol=1e-20)
+        assert b.removed - a.removed == pytest.approx(float(interface.area @ (b.depth - a.depth)), rel=1e-9)
+        assert b.pressed - a.pressed == pytest.approx(0.1 * UNIT * float(interface.area @ a.pressure), rel=1e-9)
+        assert b.work - a.work == pytest.approx(0.1 * UNIT * a.torque, rel=1e-9)
+
+
+def test_what_never_settles_or_locks_is_given_up(monkeypatch):
+    interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
+    monkeypatch.setattr("drumlin.wear.archard.MOST_STEPS", 5)
+    with pytest.raises(NoAnswer, match="not settled after 5 steps"):
+        run([interface], LAW, tolerance=1e-4)
+    C = -interface.problem.C
+    with pytest.raises(NoAnswer, match="self-locking"):
+        run([interface._replace(problem=interface.problem._replace(C=C, h=-interface.problem.h))], LAW, distance=UNIT)
+
+
+def test_margins_are_taken_off_on_both_sides():
+    where = np.array([0, 1, 1, 1, 0, 1, 1, 1, 1, 1], bool)
+    assert _eroded(where, 1, beyond=False).astype(int).tolist() == [0, 0, 1, 0, 0, 0, 1, 1, 1, 0]
+    assert _eroded(where, 1, beyond=True).astype(int).tolist() == [0, 0, 1, 0, 0, 0, 1, 1, 1, 1]
+    p = np.where(np.arange(40) < 20, 0.0, 1.0) * (1 + 0.1 * (-1.0) ** np.arange(40))
+    # 1.1 and 0.9 in turn from node 20 on; the node before it might be a checkerboard's, so that 24 to 34 count
+    assert ripple(p) == pytest.approx(0.1 / math.sqrt((6 * 1.1**2 + 5 * 0.9**2) / 11), rel=1e-9)
+    assert math.isnan(ripple(np.where(np.arange(40) < 8, 1.0, 0.0)))

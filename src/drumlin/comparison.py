@@ -15,6 +15,7 @@ import numpy as np
 
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import NoAnswer
+from drumlin.files import cell
 from drumlin.models import applicable
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, ShoeResponse
@@ -159,12 +160,12 @@ def arcs_text(shoe: ShoeResponse, unit: str = "deg") -> str:
 
 
 def as_csv(table: Sequence[dict[str, Any]]) -> str:
-    """A table in SI units as CSV text; columns: every key that occurs."""
+    """A table in SI units as CSV text; columns: every key that occurs. No text in it is a spreadsheet's formula."""
     keys = list(dict.fromkeys(key for row in table for key in row))
     text = io.StringIO()
     writer = csv.DictWriter(text, keys, lineterminator="\n")
     writer.writeheader()
-    writer.writerows(table)
+    writer.writerows({key: cell(value) for key, value in row.items()} for row in table)
     return text.getvalue()
 
 

@@ -5,6 +5,7 @@ A study whose `study` takes a `journal`, too, keeps each finished case in it and
 
 import importlib
 import inspect
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -17,25 +18,31 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 def load(name: str) -> tuple[ModuleType, Path]:
-    """The module of a study and the folder that holds studies/ and reports/: here, or where drumlin's source is.
+    """The module of a study and the folder that holds studies/ and reports/.
 
-    Raises BadInput, naming the studies that there are.
+    A name is one of drumlin's own studies. Another's, which is code that is run, is loaded by its path only, such as
+    ./studies/NAME or studies/NAME/study.py. Raises BadInput, naming the studies that there are.
     """
-    found: list[str] = []
-    for root in dict.fromkeys([Path.cwd(), REPOSITORY]):
-        files = {path.parent.name: path for path in sorted((root / "studies").glob("*/study.py"))}
-        found += [known for known in files if known not in found]
-        if name in files:
-            if str(root) not in sys.path:
-                sys.path.insert(0, str(root))  # for the study's other files, and in the processes that it starts
-            return importlib.import_module(f"studies.{name}.study"), root
-    raise BadInput(f"NAME = {name!r}: no such study; allowed: {', '.join(found) or 'none here (no studies/)'}")
+    own = {path.parent.name: path for path in sorted((REPOSITORY / "studies").glob("*/study.py"))}
+    file = own.get(name)
+    if file is None and len(Path(name).parts) > 1:
+        given = Path(os.path.abspath(name))  # noqa: PTH100  (links stay: the folder above is that of the name)
+        file = given if given.name == "study.py" else given / "study.py"
+    if file is None or not os.path.isfile(file) or file.parents[1].name != "studies":  # noqa: PTH113  (NUL is no file)
+        raise BadInput(
+            f"NAME = {name!r}: no such study; allowed: {', '.join(own) or 'none of its own here'}, "
+            "or the path of another one: .../studies/NAME"
+        )
+    root = file.parents[2]
+    if str(root) not in sys.path:
+        sys.path.insert(0, str(root))  # for the study's other files, and in the processes that it starts
+    return importlib.import_module(f"studies.{file.parent.name}.study"), root
 
 
 def run(name: str, folder: Path | None, *, short: bool, say: Callable[[str], None]) -> Path:
     """Run a study and write its report into `folder`, by default reports/NAME; returns the page."""
     module, root = load(name)
-    folder = folder or root / "reports" / name
+    folder = folder or root / "reports" / module.__name__.split(".")[1]
     if "journal" not in inspect.signature(module.study).parameters:
         page: Path = module.report(module.study(short=short, say=say), folder)
         return page

@@ -1,4 +1,4 @@
-"""Error over run time, a marker a solve, a colour a family of methods; predicted over true change of what is left out."""
+"""Error over run time, a marker a solve, a colour a family of methods; what is left out: predicted over true change."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -90,7 +90,7 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
 def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Predicted over true change of the shoes' torques and of p, log-log, a marker for each thing left out.
 
-    Line: equal; band: within a factor 2. rows: of `omission_table.omissions`. Changes (fractions) below LEAST are not drawn.
+    Line: equal; band: within a factor 2. rows: of `omission_table.omissions`. Changes below LEAST are not drawn.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 4.4), layout="constrained")

@@ -100,10 +100,11 @@ def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
         left, right = figure.subplots(1, 2)
         for (law, shoe), style in zip(shoes.items(), ("-", "-", "--", "-", "--", "-", "-"), strict=False):
             look = {"color": color_of(law), "lw": 1.8, "ls": style, "label": name_of(law)}
+            theta, p = shoe.curve()
             if law != "linear":
-                left.plot(np.degrees(shoe.theta), shoe.pressure * 1e-6, **look)
-            place = (shoe.theta - shoe.theta[0]) / np.ptp(shoe.theta)
-            right.plot(place, shoe.pressure / np.trapezoid(shoe.pressure, place), **look)
+                left.plot(np.degrees(theta), p * 1e-6, **look)
+            place = (theta - theta[0]) / np.ptp(theta)
+            right.plot(place, p / np.trapezoid(p, place), **look)
         left.set_title("under the same force")
         left.set_xlabel("angle on the drum θ [deg]")
         left.set_ylabel("pressure p [MPa]")

@@ -1,4 +1,4 @@
-"""Every rigid-shoe law on its worked examples and on every kind of brake: what it assumes, gives, and where it fails."""
+"""Every rigid-shoe law on worked examples and on every kind of brake: what it assumes, gives, and where it fails."""
 
 import json
 import math

@@ -19,7 +19,7 @@ TINTS = {NEW: "#a9d3e5", WORN: "#b5dfc6"}
 
 
 def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
-    """p(theta) of mismatches [um], from blue to red, and the law, a panel a shoe; cut at 2.2 times the peak of the fit."""
+    """p(theta) of mismatches [um], blue to red, and the law, a panel a shoe; cut at 2.2 times the peak of the fit."""
     highest = 2.2 * max(shoe.peak_pressure for shoe in family[0.0].shoes)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.4 * len(law.shoes), 3.7), layout="constrained")
@@ -135,7 +135,7 @@ def histograms(drawn: Drawn, nominal: Mapping[str, float]) -> Figure:
 
 
 def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
-    """Sobol indices, by state and quantity, as bars with their confidence intervals, in the order of the first totals."""
+    """Sobol indices, by state and quantity, as bars with confidence intervals, in the order of the first totals."""
     panels = (
         ("Torque, new", found["new"]["torque"]),
         ("Torque, worn in", found["worn in"]["torque"]),

@@ -27,7 +27,7 @@ from drumlin.response.response import Response
 from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.cases import Case, Row
 from drumlin.sweeps.tolerances import Shares, Tolerance, cases, draw, healing, numbers, shares
-from drumlin.sweeps.workers import crew
+from drumlin.sweeps.workers import executor
 from drumlin.verification import misfit_rows
 from drumlin.verification.misfit_rows import QUANTITIES, STATES, Drawn
 from drumlin.wear.run_in import COEFFICIENT
@@ -108,11 +108,11 @@ def study(
     }
     tolerances = assumed(brake)
     deviates = draw(tolerances, n, SEED)
-    with crew(setting.jobs) as (executor, workers):
+    with executor(setting.jobs) as (pool, workers):
 
         def solve(what: str, several: Sequence[Case]) -> list[Row]:
             return sweep.run(
-                several, executor=executor, workers=workers, journal=journal,
+                several, executor=pool, workers=workers, journal=journal,
                 done=lambda finished, of: say(f"{what}: {finished} of {of}"),
             )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Outcomes and digits over the knobs, digits against condition, soft penalties; limits of self-locking, torque up to them."""
+"""Outcomes and digits over the knobs, digits over condition, soft penalties; limits of self-locking, torque to them."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -11,8 +11,10 @@ from pydantic import ValidationError
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Part, unit_in
 from drumlin.errors import BadInput
+from drumlin.files import keep_input, read_text
+from drumlin.texts import check_toml
 
-LARGEST_FILE = 1_000_000  # bytes; a brake file has a few thousand
+LARGEST_FILE = 500_000  # bytes; a brake file has a few thousand
 
 
 def _line(error: ValidationError, data: Any) -> str:
@@ -61,27 +63,37 @@ def brake_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Pa
     shoes = tuple(
         shoe if shoe.mesh is None else shoe.model_copy(update={"mesh": base / shoe.mesh}) for shoe in brake.shoes
     )
+    for shoe in shoes:
+        if shoe.mesh is not None:
+            keep_input(shoe.mesh)
     return brake.model_copy(update={"shoes": shoes})
+
+
+def toml_text(path: Path) -> str:
+    """The text of a brake file; raises BadInput where it cannot be read."""
+    return read_text(path, LARGEST_FILE, "a brake file")
+
+
+def toml_data(text: str, path: Path) -> dict[str, Any]:
+    """The data of the text of the brake file `path`; raises BadInput where it is not TOML."""
+    try:
+        check_toml(text)
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise BadInput(f"{path}: is not TOML ({error})") from error
 
 
 def read_toml(path: Path) -> dict[str, Any]:
     """The data of a brake file; raises BadInput where the file cannot be read or is not TOML."""
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; not a brake file")
-        return tomllib.loads(path.read_bytes().decode())
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise BadInput(f"{path}: is not TOML ({error})") from error
+    return toml_data(toml_text(path), path)
 
 
-def read_brake(path: Path) -> Brake:
-    """The brake described by the TOML file `path`, every quantity with its unit.
+def read_brake(path: Path, text: str | None = None) -> Brake:
+    """The brake described by the TOML file `path`, every quantity with its unit; `text`: what it holds, if known.
 
     Raises BadInput with one line that names the key, the value and what is allowed.
     """
-    data = read_toml(path)
+    data = read_toml(path) if text is None else toml_data(text, path)
     try:
         return brake_from(data, unit_required=True, base=path.parent)
     except BadInput as error:
@@ -121,7 +133,7 @@ def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
     found: list[Part] = [brake]
     *path, last = _steps(key)
     for step in path:
-        if step.isdigit():
+        if _is_number(step):
             found = found[int(step) : int(step) + 1]
             continue
         below = [getattr(part, _name(part, step, key)) for part in found]
@@ -155,10 +167,14 @@ def _steps(key: str) -> list[str]:
     return key.replace("[", ".").replace("]", "").split(".")
 
 
+def _is_number(step: str) -> bool:
+    return step.isascii() and step.isdigit() and len(step) < 9
+
+
 def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
     head, *rest = steps
     if isinstance(data, list | tuple):
-        if head.isdigit() and int(head) < len(data):
+        if _is_number(head) and int(head) < len(data):
             targets, rest_of = [data[int(head)]], rest
         else:
             targets, rest_of = list(data), steps

@@ -14,7 +14,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.components import Actuation, Friction
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Length, Name, Part, Place, Thickness, Title, check_names
-from drumlin.brake.file import brake_from, read_toml, validated
+from drumlin.brake.file import brake_from, read_toml, toml_data, validated
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput
 
@@ -105,12 +105,13 @@ class FlatBrake(Part):
 AnyBrake = Brake | FlatBrake
 
 
-def read_any(path: Path | str) -> AnyBrake:
+def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
     """The brake described by a TOML file: with [plane] one on a plane, else one on a drum.
 
     Parameters
     ----------
     path : path of the file, every quantity in it with its unit
+    text : what the file holds, if known
 
     Returns
     -------
@@ -122,7 +123,7 @@ def read_any(path: Path | str) -> AnyBrake:
         for a file that cannot be read or is no brake: one line that names the key, the value and what is allowed
     """
     path = Path(path)
-    data = read_toml(path)
+    data = read_toml(path) if text is None else toml_data(text, path)
     try:
         if "plane" in data:
             return validated(FlatBrake, data, unit_required=True)

@@ -9,6 +9,7 @@ import re
 from typing import Any
 
 from drumlin.errors import BadInput
+from drumlin.texts import LONGEST_QUANTITY
 
 # A number, then a unit: words with one-digit powers, joined by blank, * or /, the last denominator perhaps in
 # brackets. Nothing that pint would have to evaluate: m^9^9^9 would take it for ever.
@@ -71,12 +72,22 @@ def _by_pint(unit: str, si: str) -> float:
     return float(factor / si_factor)
 
 
+def _float(value: int | float) -> float:
+    """A number as a float; infinite where an integer is too large for one."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
 def to_si(value: object, si: str, *, unit_required: bool) -> float:
     """`value`, a text with its unit or (unless `unit_required`) a number in SI, as a number in SI.
 
     Raises ValueError with a line that says what is allowed.
     """
     if isinstance(value, str):
+        if len(value) > LONGEST_QUANTITY:
+            raise ValueError(f"must be {NAMES[si]} in at most {LONGEST_QUANTITY} characters, such as {EXAMPLES[si]!r}")
         match = _QUANTITY.fullmatch(value)
         if match is None:
             raise ValueError(f"must be {NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}")
@@ -86,7 +97,7 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
     elif unit_required:
         raise ValueError(f"has no unit; write {NAMES[si]} such as {EXAMPLES[si]!r}")
     else:
-        number = float(value)
+        number = _float(value)
     if not abs(number) <= LARGEST:
         raise ValueError(f"must be finite and at most {LARGEST:g} in SI units")
     return number if abs(number) >= SMALLEST else 0.0

@@ -7,6 +7,9 @@ from contextlib import contextmanager
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
+from drumlin.errors import file_fault
+from drumlin.texts import one_line
+
 if TYPE_CHECKING:
     from drumlin.brake.plane_brake import AnyBrake
     from drumlin.response.response import FlatMerit, Merit, Response
@@ -15,6 +18,29 @@ SAME = ("case", "rotation")  # columns that are the same in all rows of one brak
 LEAST = ["self_energising", "contact", "reaction_error", "reaction", "peak_error", "peak_pressure", "seconds"]
 WIDTH = 200  # characters, where the output is no terminal
 STATUS_WIDTH = 10  # a status is folded
+LONGEST = 10_000  # characters of a line
+
+
+def tell(line: str, *, at_once: bool = False) -> None:
+    """Print a line of an answer; what is not printable in it, as in the name of a file, is escaped."""
+    with _printing():
+        print(one_line(line, LONGEST), flush=at_once)
+
+
+def note(line: str) -> None:
+    """A line beside the output."""
+    print(f"drumlin: {one_line(line)}", file=sys.stderr)
+
+
+@contextmanager
+def _printing() -> Iterator[None]:
+    """Raise DrumlinError where standard output takes no more; that its reader has seen enough is no fault."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise file_fault("standard output", "written", error) from error
 
 
 @contextmanager
@@ -50,33 +76,33 @@ def print_response(brake: "AnyBrake", response: "Response") -> None:
     from drumlin.comparison import arcs_text
     from drumlin.response.response import FlatMerit
 
-    print(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
+    tell(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
     forces = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]
-    print(f"braking force {sum(forces):.6g} N" if forces else f"torque {response.torque:.6g} N m")
+    tell(f"braking force {sum(forces):.6g} N" if forces else f"torque {response.torque:.6g} N m")
     for shoe, merit in zip(response.shoes, response.merits, strict=True):
         x, y = shoe.hinge_reaction
         effect, unit = f"torque {shoe.torque:.6g} N m", "deg"
         if isinstance(merit, FlatMerit):
             effect, unit = f"braking force {merit.braking_force:.6g} N", "mm"
         touching = f"contact {arcs_text(shoe, unit)} {unit}" if shoe.contact_arcs else "no contact"
-        print(
+        tell(
             f"  shoe {shoe.name!r}: {effect}"
             f"{', self-energising' if shoe.self_energising else ''}; normal force {shoe.normal_force:.6g} N; "
             f"peak pressure {shoe.peak_pressure * 1e-6:.4g} MPa; hinge reaction ({x:.6g}, {y:.6g}) N; "
             f"{touching}"
         )
-        print(f"    {_merit_text(merit)}")
+        tell(f"    {_merit_text(merit)}")
     spent = ", ".join(f"{phase} {seconds * 1e3:.1f}" for phase, seconds in response.seconds.items())
     if spent:
-        print(f"  {response.iterations} active-set steps; balance: force {response.balance.force:.1e}, "
+        tell(f"  {response.iterations} active-set steps; balance: force {response.balance.force:.1e}, "
               f"moment {response.balance.moment:.1e}; ms: {spent}")  # fmt: skip
     if response.error is not None:
-        print(f"  estimated error: p {response.error['pressure']:.1e} (L2, worst shoe), "
+        tell(f"  estimated error: p {response.error['pressure']:.1e} (L2, worst shoe), "
               f"torque {response.error['torque']:.1e}")  # fmt: skip
     for line in response.notes:
-        print(f"  {line}")
+        tell(f"  {line}")
     for line in response.left_out:
-        print(f"  left out: {line}")
+        tell(f"  left out: {line}")
 
 
 def _merit_text(merit: "Merit | FlatMerit") -> str:
@@ -110,6 +136,7 @@ def print_table(table: Sequence[dict[str, Any]]) -> None:
         grid.add_column(heads[key], justify="left" if left else "right", no_wrap=key != "status", overflow="fold")
     for row in zip(*(cells[key] for key in shown), strict=True):
         grid.add_row(*row)
-    console.print(grid)
+    with _printing():
+        console.print(grid)
     if cut:
-        print(f"not shown here, the terminal is too narrow: {', '.join(cut)}")
+        tell(f"not shown here, the terminal is too narrow: {', '.join(cut)}")

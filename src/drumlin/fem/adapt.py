@@ -18,14 +18,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.errors import BadInput, NoAnswer
+from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, prepare, shape_of
+from drumlin.fem.hp.adapt import check_tolerance
+from drumlin.fem.hp.levels import Respond
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.mesh.grading import Division, refine
 from drumlin.response.norms import pressure_distance
@@ -41,24 +43,13 @@ Divide = Callable[..., Division]
 Points = dict[tuple[object, ...], list[float]]
 
 
-class Respond(Protocol):
-    """What answers for a brake on a scene, from the contact of an earlier response."""
-
-    def __call__(self, scene: Scene, brake: Brake, *, start: Response | None = None) -> Response:
-        """The response."""
-
-
 def adapt(brake: Brake, tolerance: float, respond: Respond, kind: str = DEFAULT_KIND) -> Response:
     """The response whose estimated errors of p and of the torque are at most `tolerance` (relative).
 
     Raises NoAnswer, saying what was reached, where the meshes that are allowed do not suffice; BadInput for a
     tolerance out of range and for a brake with a mesh file, which cannot be refined.
     """
-    if not 0 < tolerance < 1:
-        raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
-    for shoe in brake.shoes:
-        if shoe.mesh is not None:
-            raise BadInput(f"--tolerance = {tolerance:g}: shoe {shoe.name!r} has a mesh file, which is not refined")
+    check_tolerance(brake, tolerance)
     responses: list[Response] = []
     error: dict[str, float] = {}
     unknowns = 0

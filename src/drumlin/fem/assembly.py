@@ -21,6 +21,7 @@ from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, e
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
+from drumlin.files import content_digest
 from drumlin.response.resultants import cross
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
@@ -121,11 +122,11 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     )
 
 
-class Kept:
-    """What was made last, by what it was made from, so that the next scenes need not make it again.
+class Cache:
+    """Bodies that were made last, by what they were made from, so that the next scenes need not make them again.
 
-    A value depends on its key alone, never on what else was made before. `room` [bytes]: beyond it the value that
-    was used longest ago goes first; the one in use always stays.
+    A body depends on its key alone, never on what else was made before. `room` [bytes]: beyond it the body that was
+    used longest ago goes first; the one in use always stays. (functools.lru_cache counts entries, not bytes.)
     """
 
     def __init__(self, room: int = ROOM) -> None:
@@ -140,6 +141,11 @@ class Kept:
         while len(self._values) > 1 and sum(bytes_ for bytes_, _ in self._values.values()) > self._room:
             self._values.popitem(last=False)
         return self._values[key][1]
+
+
+def content(shoe: Shoe) -> str | None:
+    """A digest of a shoe's mesh file, which may change under its name."""
+    return None if shoe.mesh is None else content_digest(shoe.mesh)
 
 
 def bare(brake: Brake) -> Brake:
@@ -176,13 +182,13 @@ def prepare(
     elements: int = ELEMENTS,
     kind: str = DEFAULT_KIND,
     mesher: Mesher | None = None,
-    kept: Kept | None = None,
+    cache: Cache | None = None,
 ) -> Scene:
     """Mesh and condense the bodies of a brake; shoes of one shape share one body.
 
     elements: number along each parametric lining; kind: "quad2", "quad1", "tri2" or "tri1"; mesher: what makes
     the mesh of a shoe without a file in the place of shoe_mesh: `elements` then count for an elastic ring only.
-    kept: bodies of earlier scenes, taken from there and put there; not with a mesher. Raises BadInput for a brake
+    cache: bodies of earlier scenes, taken from there and put there; not with a mesher. Raises BadInput for a brake
     that finite elements do not cover, and for a mesh file that cannot serve.
     """
     reason = why_not(brake)
@@ -193,14 +199,14 @@ def prepare(
     seconds: Seconds = {}
     made: dict[tuple[object, ...], Body] = {}
     bodies = []
-    kept = Kept() if kept is None or mesher is not None else kept
+    cache = Cache() if cache is None or mesher is not None else cache
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
     setting = (elements, kind)
     for shoe in brake.shoes:
         key = shape_of(brake, shoe)
         if key not in made:
-            made[key] = kept.get(
-                (_bare(shoe), brake.drum.radius, brake.friction > 0, setting),
+            made[key] = cache.get(
+                (_bare(shoe), brake.drum.radius, brake.friction > 0, setting, content(shoe)),
                 partial(_body, brake, shoe, mesher, seconds),
                 _bytes,
             )
@@ -210,7 +216,8 @@ def prepare(
     if brake.drum.ring is not None:
         with clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
-            ring = kept.get((bare(brake), setting), partial(ring_body, brake, brake.drum.ring, lines, elements), _bytes)
+            key = (bare(brake), setting, *map(content, brake.shoes))
+            ring = cache.get(key, partial(ring_body, brake, brake.drum.ring, lines, elements), _bytes)
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
@@ -231,7 +238,7 @@ def lacking(brake: Brake) -> list[str]:
 def _bytes(body: Body | RingBody) -> int:
     """What a condensed body keeps, about: its matrices."""
     n = len(body.line.nodes)
-    return 8 * (4 + 2) * n**2 + 24 * int(body.condensed.A.nnz)
+    return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)
 
 
 @dataclass(frozen=True)
@@ -283,35 +290,36 @@ def pin_of(shoe: Shoe) -> Floats:
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
     parts = assemble(brake, shoe, mesher, seconds)
-    line, n = parts.line, len(parts.line.nodes)
     with clock(seconds, "condensation"):
-        condensed = condense(parts.K, parts.ties, parts.loads, 2 * n)
+        condensed = condense(parts.K, parts.ties, parts.loads, 2 * len(parts.line.nodes))
+    made = partial(Body, parts.mesh, parts.basis, parts.line)
     with clock(seconds, "coupling"):
-        coupling = couple(line, shoe.lining.width, radial(shoe.sign))
-        Y = condensed.half(np.hstack([-coupling.N.T, condensed.load_c]))
-        pressing = -Y[:, :n].T
-        closing, holding = pressing @ Y, condensed.L_fc @ Y
-        closing_dragged = held_dragged = None
-        if brake.friction > 0:
-            Y = condensed.half(coupling.T.T)
-            closing_dragged, held_dragged = pressing @ Y, condensed.L_fc @ Y
-        x, y = line.xy - pin_of(shoe)[:, None]
-        turned = np.column_stack([-y, x]).ravel()
-        return Body(
-            mesh=parts.mesh,
-            basis=parts.basis,
-            line=line,
-            coupling=coupling,
-            condensed=condensed,
-            load_centre=parts.load_centre,
-            turned=turned,
-            closing_pressed=closing[:, :n],
-            closing_loaded=closing[:, n:],
-            closing_dragged=closing_dragged,
-            held_pressed=holding[:, :n],
-            held_loaded=holding[:, n:] - condensed.load_f,
-            held_dragged=held_dragged,
-        )
+        return coupled(made, shoe, parts.line, condensed, parts.load_centre, friction=brake.friction > 0)
+
+
+def coupled(
+    made: Callable[..., Body], shoe: Shoe, line: ContactLine, condensed: Condensed, centre: Floats, *, friction: bool
+) -> Body:
+    """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the rest of a Body."""
+    n = len(line.nodes)
+    coupling = couple(line, shoe.lining.width, radial(shoe.sign))
+    forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
+    Y = condensed.half(np.hstack(forces))
+    closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
+    pressed, loaded, dragged = slice(n), slice(n, n + 3), slice(n + 3, None)
+    x, y = line.xy - pin_of(shoe)[:, None]
+    return made(
+        coupling=coupling,
+        condensed=condensed,
+        load_centre=centre,
+        turned=np.column_stack([-y, x]).ravel(),
+        closing_pressed=closing[:, pressed],
+        closing_loaded=closing[:, loaded],
+        closing_dragged=closing[:, dragged] if friction else None,
+        held_pressed=holding[:, pressed],
+        held_loaded=holding[:, loaded] - condensed.load_f,
+        held_dragged=holding[:, dragged] if friction else None,
+    )
 
 
 def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:

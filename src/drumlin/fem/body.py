@@ -6,8 +6,9 @@ Y = L_cc^-1 G gives the work G^T S_cc^-1 G = Y^T Y of nodal forces G, and L_fc Y
 forces that hold the frame meanwhile.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,13 +36,21 @@ class Ties(NamedTuple):
     region: Ints
 
 
+class Inside(NamedTuple):
+    """Stiffness `A` on the reduced unknowns `ties`, and the unit loads (unknowns, l) on them."""
+
+    A: Any
+    ties: Ties
+    loads: Floats
+
+
 @dataclass(frozen=True)
 class Condensed:
     """A body seen from its 2n contact displacements and its frame.
 
     `L_cc` (2n, 2n) lower triangular, `L_fc` (3, 2n): see above. `load_c` (2n, l) and `load_f` (3, l): unit loads
-    condensed to contact and frame; `load_work` (l, l): their work with both held. `A`, `ties`, `loads`: stiffness on
-    the reduced unknowns and what recovers the inside from it.
+    condensed to contact and frame; `load_work` (l, l): their work with both held. `inside`: makes, where it is asked
+    for, what recovers the inside. `lost`: the relative error that round-off of the elimination leaves, as far as known.
     """
 
     L_cc: Floats
@@ -49,9 +58,18 @@ class Condensed:
     load_c: Floats
     load_f: Floats
     load_work: Floats
-    A: Any
-    ties: Ties
-    loads: Floats
+    inside: Callable[[], Inside]
+    lost: float = 0.0
+
+    @property
+    def ties(self) -> Ties:
+        """The reduced unknowns."""
+        return self.inside().ties
+
+    @property
+    def loads(self) -> Floats:
+        """The unit loads (unknowns, l) on the reduced unknowns."""
+        return self.inside().loads
 
     def half(self, forces: Floats) -> Floats:
         """Y = L_cc^-1 forces, for nodal forces (2n, m) on the contact nodes."""
@@ -68,10 +86,11 @@ class Condensed:
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacements (2 nodes, m) [m] of m cases: nodal (2n, m), frame (3, m), loads (l, m) as above."""
-        right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
+        A, ties, unit = self.inside()
+        right = unit[:-FRAME] @ loads - A[:-FRAME, -FRAME:] @ frame
         right[len(right) - len(nodal) :] += nodal
-        u = splu(self.A[:-FRAME, :-FRAME], permc_spec="MMD_AT_PLUS_A").solve(right)
-        return np.asarray(self.ties.matrix @ np.vstack([u, frame]))
+        u = splu(A[:-FRAME, :-FRAME], permc_spec="MMD_AT_PLUS_A").solve(right)
+        return np.asarray(ties.matrix @ np.vstack([u, frame]))
 
 
 def scalar_basis(mesh: Any) -> Any:
@@ -90,6 +109,8 @@ def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]], *, pr
     The gradients of all shape functions meet in one batched matrix product an element, instead of one
     form evaluation a pair of shape functions.
     """
+    if hasattr(basis, "stiffness"):  # a grid of columns knows its own
+        return basis.stiffness(materials, precise=precise)
     gradients, dx = (
         _precise_gradients(basis) if precise else (np.array([psi[0].grad for psi in basis.basis]), basis.dx)
     )  # (a, i, elements, points), (elements, points)
@@ -164,4 +185,4 @@ def condense(K: Any, ties: Ties, loads: Floats, contact: int) -> Condensed:
     if info:
         raise NoAnswer(SINGULAR)
     L_fc = scipy.linalg.solve_triangular(L_cc, S[:contact, contact:], lower=True, check_finite=False).T
-    return Condensed(L_cc, L_fc, left[:contact], left[contact:], work, A, ties, loads)
+    return Condensed(L_cc, L_fc, left[:contact], left[contact:], work, partial(Inside, A, ties, loads))

@@ -2,22 +2,27 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake
-from drumlin.contact import active_set, stick_slip
+from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Scene, actuation
 from drumlin.fem.group import ShoeGroup, grouped, turns_towards
 from drumlin.fem.model import PENALTY, respond
 
-HALVINGS = 8  # of an increment that does not settle
+HALVINGS = 4  # of an increment that does not settle
+OTHER_WAY: dict[str, Any] = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
+# Full slip is looked for from the rotation FIRST [rad] on, in increments by which the moment would reach that of the
+# sliding drum, but between OVER and FASTEST times the rotation so far.
+FIRST, OVER, FASTEST, MOST_INCREMENTS = 1e-7, 0.25, 30.0, 100
+MARGIN = 1.1  # beyond it, for other increments come to full slip a little later
 
 
 @dataclass(frozen=True)
@@ -92,6 +97,28 @@ def _tangential(group: ShoeGroup, k: int) -> tuple[Floats, ...]:
     )
 
 
+class _Held(NamedTuple):
+    """A group of shoes and its stick-slip problem at rest of the drum, per newton.
+
+    `lever` (n,): q_s grows by it per radian of the drum in the sense of the brake's rotation. `rest`: the force on,
+    the drum at rest; `spent`: what that has dissipated [J per newton squared].
+    """
+
+    group: ShoeGroup
+    problem: Problem
+    lever: Floats
+    rest: Increment
+    spent: float
+
+    def torque(self, at: Increment) -> float:
+        """The moment that holds the drum [N m], positive against the sense of the brake's rotation."""
+        return float(self.group.unit_force**2 * (self.lever @ at.t))
+
+    def turned(self, increment: Increment, start: float, end: float) -> Iterator[Increment]:
+        """The increments from one at the rotation `start` to `end` [rad]."""
+        return turned(self.problem, self.lever, self.group.brake.friction, increment, start, end)
+
+
 def hold(
     scene: Scene,
     brake: Brake,
@@ -102,40 +129,70 @@ def hold(
 ) -> list[Hold]:
     """Turn the drum through `rotations` [rad], positive in the sense of the brake's rotation, after the force is on.
 
-    The force is applied at rest of the drum, then each rotation is one increment, halved where stick and slip do
-    not settle. Raises NoAnswer: a shoe that does not touch, no equilibrium, not converged.
+    The force comes on while the drum rests, in as many increments as there are rotations where there is a gap to
+    close: how far it closes under little force decides where the lining sticks. Then each rotation is one increment.
+    The energy converges by the first order of the increment; the moment hardly needs it where the drum is not turned
+    back. Raises NoAnswer: a shoe that does not touch, self-locking with its limit, no equilibrium, not converged.
     """
-    if brake.friction == 0 or scene.brake.friction == 0:
-        raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
-    groups = grouped(scene, brake, list(range(len(brake.shoes))), penalty)
-    for i, shoe in enumerate(brake.shoes):
-        if not turns_towards(scene.bodies[i], shoe):
-            raise NoAnswer(f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it")
     paths = []
-    for group in groups:
-        say(f"holding: {', '.join(shoe.name for shoe in group.shoes)}")
-        paths.append((group, *_path(group, rotations)))
+    for held in _held(scene, brake, len(rotations), penalty):
+        say(f"holding: {held.group.names}")
+        paths.append((held, *_path(held, rotations)))
     return [_state(brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
 
 
-def _path(group: ShoeGroup, rotations: Floats) -> tuple[list[Increment], list[float]]:
-    """Increments at the rotations, and the energy [J per newton squared] dissipated up to each."""
-    problem, lever = holding_problem(group)
-    brake, size = group.brake, group.unit_force
-    n = len(lever)
-    rest = History(np.zeros(n), np.zeros(n))
-    normal = active_set.Problem(problem.A_wp, problem.q_w, problem.B_w, problem.C_p, problem.h)
-    touching = active_set.solve(normal).active
-    increment = stick_slip.solve(problem, brake.friction, rest, np.where(touching, STICK, OPEN))
-    done, spent, reached = [], [], 0.0
-    energy = _slip_work(problem, increment, rest)
+def _held(scene: Scene, brake: Brake, increments: int, penalty: float) -> Iterator[_Held]:
+    """The groups of shoes, the force on and the drum at rest. Raises NoAnswer and BadInput as `hold` does."""
+    if brake.friction == 0 or scene.brake.friction == 0:
+        raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
+    for i, shoe in enumerate(brake.shoes):
+        if not turns_towards(scene.bodies[i], shoe):
+            raise NoAnswer(f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it")
+    for group in grouped(scene, brake, list(range(len(brake.shoes))), penalty):
+        problem, lever = holding_problem(group)
+        still = replace(group, brake=brake.model_copy(update={"friction": 0.0}))
+        start = np.where(still.answer().active, STICK, OPEN)
+        gap = group.masses @ (np.concatenate(group.gaps) / group.unit_force)
+        try:
+            rest, spent = _pressed(problem, gap, brake.friction, start, increments)
+        except NoAnswer as error:
+            group.answer()  # raises where the brake locks itself
+            raise NoAnswer(f"{group.names}: {error}, the drum at rest") from error
+        yield _Held(group, problem, lever * (brake.spin / group.unit_force), rest, spent)
+
+
+def _pressed(problem: Problem, gap: Floats, friction: float, state: Ints, increments: int) -> tuple[Increment, float]:
+    """The increment in which the force is fully on, and what the slip on the way has dissipated.
+
+    gap (n,): weighted, without force. Where it is none everywhere all grows with the force, and one increment is
+    exact; else they grow like cubes, for most happens under little force.
+    """
+    history, energy = History(np.zeros(len(gap)), np.zeros(len(gap))), 0.0
+    for share in np.linspace(0, 1, max(increments, 1) + 1)[1:] ** 3 if gap.any() else np.ones(1):
+        part = problem._replace(q_w=gap + share * (problem.q_w - gap), q_s=share * problem.q_s, h=share * problem.h)
+        increment = stick_slip.solve(part, friction, history, state)
+        energy += _slip_work(problem, increment, history)
+        history, state = increment.history, increment.state
+    return increment, energy
+
+
+def _path(held: _Held, rotations: Floats) -> tuple[list[Increment], list[float]]:
+    """Increments at the rotations, and the energy [J] dissipated up to each."""
+    group, brake = held.group, held.group.brake
+    increment, reached, energy = held.rest, 0.0, held.spent
+    done, spent = [], []
     for rotation in rotations:
-        for step in turned(problem, lever * (brake.spin / size), brake.friction, increment, reached, float(rotation)):
-            energy += _slip_work(problem, step, increment.history)
-            increment = step
+        try:
+            for step in held.turned(increment, reached, float(rotation)):
+                energy += _slip_work(held.problem, step, increment.history)
+                increment = step
+        except NoAnswer as error:
+            way = brake if rotation > reached else brake.model_copy(update={"rotation": OTHER_WAY[brake.rotation]})
+            replace(group, brake=way).answer()  # raises where the drum locks that way
+            raise NoAnswer(f"{group.names}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         done.append(increment)
-        spent.append(energy * size**2)
+        spent.append(energy * group.unit_force**2)
     return done, spent
 
 
@@ -144,7 +201,7 @@ def turned(
 ) -> Iterator[Increment]:
     """The increments from a converged one at the rotation `start` to `end` [rad], q_s growing by lever (n,) a radian.
 
-    One, where its states settle; else halves of it. Raises NoAnswer where 2^-8 of it does not settle.
+    One, where its states settle; else halves of it. Raises NoAnswer where 2^-4 of it does not settle.
     """
     reached, pieces = start, 1
     while reached != end or start == end:
@@ -169,15 +226,15 @@ def _slip_work(problem: Problem, after: Increment, before: History) -> float:
     return float(after.t @ slip)
 
 
-def _state(brake: Brake, paths: list[tuple[ShoeGroup, list[Increment], list[float]]], k: int, rotation: float) -> Hold:
+def _state(brake: Brake, paths: list[tuple[_Held, list[Increment], list[float]]], k: int, rotation: float) -> Hold:
     found: dict[int, tuple[Floats, Floats, Floats, Ints]] = {}
     torque = dissipated = 0.0
-    for group, increments, spent in paths:
+    for held, increments, spent in paths:
         dissipated += spent[k]
-        size = group.unit_force
+        torque += held.torque(increments[k])
+        group, size = held.group, held.group.unit_force
         for i, body, shoe, part in zip(group.members, group.bodies, group.shoes, group.parts, strict=True):
             p, t, state = size * increments[k].p[part], size * increments[k].t[part], increments[k].state[part]
-            torque += brake.spin * float(body.coupling.lever @ t)
             forward = slice(None, None, shoe.frame.sense)
             found[i] = (shoe.frame.theta(body.line.phi)[forward], p[forward], t[forward], state[forward])
     order = sorted(found)
@@ -196,19 +253,47 @@ def _state(brake: Brake, paths: list[tuple[ShoeGroup, list[Increment], list[floa
     )
 
 
-def full_slip_rotation(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> float:
-    """A rotation of the drum [rad] after which every touching node slips, found by doubling. Raises NoAnswer."""
-    rotation = 1e-7
-    target = respond(scene, brake, penalty=penalty).torque
-    while rotation < 0.2:
+def full_slip_rotation(scene: Scene, brake: Brake, *, increments: int = 20, penalty: float = PENALTY) -> float:
+    """A rotation of the drum [rad] after which every touching node slips, at the moment of the sliding drum.
+
+    increments: in which the force comes on, see `hold`. Raises NoAnswer: self-locking with its limit, a shoe that does
+    not touch, not converged.
+    """
+    shoes = respond(scene, brake, penalty=penalty).shoes
+    ends = []
+    for held in _held(scene, brake, increments, penalty):
+        target = sum(shoes[i].torque for i in held.group.members)
         try:
-            states = hold(scene, brake, rotation * np.linspace(0.25, 1, 4), penalty=penalty)
-        except NoAnswer:
-            break
-        if states[-1].sticking == 0 and math.isclose(states[-1].torque, target, rel_tol=1e-6):
-            return rotation
-        rotation *= 2
-    raise NoAnswer("the drum does not come to slip everywhere within small rotations")
+            ends.append(_slipping(held, target, FORWARD if brake.spin > 0 else BACKWARD))
+        except NoAnswer as error:
+            raise NoAnswer(f"{held.group.names}: {error}") from error
+    return MARGIN * max(ends)
+
+
+def _slipping(held: _Held, target: float, way: int) -> float:
+    """A rotation [rad] after which all touching nodes slip one way: that is an answer of the sliding drum.
+
+    Raises NoAnswer also where it is another one than that with the moment `target` [N m].
+    """
+    increment, reached, step = held.rest, 0.0, FIRST
+    for _ in range(MOST_INCREMENTS):
+        before = held.torque(increment)
+        *_, increment = held.turned(increment, reached, reached + step)
+        torque, reached = held.torque(increment), reached + step
+        if np.isin(increment.state, [OPEN, way]).all():
+            if math.isclose(torque, target, rel_tol=1e-6):
+                return reached
+            raise NoAnswer(
+                f"more than one answer: held it comes to slip everywhere at {torque:.5g} N m, "
+                f"at once it slides at {target:.5g} N m"
+            )
+        lacking = (target - torque) / (torque - before) if torque > before else math.inf
+        step = min(max(step * lacking, OVER * reached), FASTEST * reached)
+    sticking = np.count_nonzero(increment.state == STICK)
+    raise NoAnswer(
+        f"not converged: after a rotation of {reached:.3g} rad {sticking} of {len(increment.state)} nodes still stick, "
+        f"at {torque:.5g} of the sliding drum's {target:.5g} N m"
+    )
 
 
 def as_dict(states: list[Hold]) -> list[dict[str, Any]]:

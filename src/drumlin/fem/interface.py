@@ -106,22 +106,23 @@ def radial(sign: int) -> Directions:
 
 def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
     """The coupling of a lining of this width b [m] with a counterface of known directions; see `radial`."""
-    n = len(line.nodes)
+    n, m = len(line.nodes), line.pieces.shape[1]
     psi, x, ds = edge_points(line.xy[:, line.pieces])
     r, weight = np.hypot(*x), width * ds
     normal, tangent = directions(x)
-    pair = np.einsum("aq,bq->abq", psi, psi)
-    rows = np.broadcast_to(line.pieces[:, None], (len(psi), *line.pieces.shape))
-    columns = np.broadcast_to(line.pieces[None], rows.shape)
+    pair = (psi[:, None] * psi).reshape(len(psi) ** 2, -1).T  # (q, a b)
+    at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()
 
     def gather(factor: Floats) -> Floats:
-        matrix = np.zeros((n, n))
-        np.add.at(matrix, (rows, columns), np.einsum("abq,iq->abi", pair, weight * factor))
-        return matrix
+        return _summed(at, (weight * factor) @ pair, n * n).reshape(n, n)
 
     def interleave(vectors: Floats) -> Floats:
-        matrix = np.empty((n, 2 * n))
-        matrix[:, 0::2], matrix[:, 1::2] = gather(vectors[0]), gather(vectors[1])
-        return matrix
+        return np.stack([gather(vectors[0]), gather(vectors[1])], axis=-1).reshape(n, 2 * n)
 
-    return Coupling(gather(np.ones_like(r)), interleave(normal), interleave(tangent), gather(r).sum(axis=1))
+    lever = _summed(line.pieces.T.ravel(), (weight * r) @ psi.T, n)
+    return Coupling(gather(np.ones_like(r)), interleave(normal), interleave(tangent), lever)
+
+
+def _summed(at: Ints, values: Floats, count: int) -> Floats:
+    """Sums (count,) of the values that have the same place `at`."""
+    return np.bincount(at, values.ravel(), count).astype(float, copy=False)

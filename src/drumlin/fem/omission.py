@@ -5,7 +5,7 @@ To first order it is the pressure's answer to the gap  F p  that the omitted fle
 it goes as the ratio of stiffnesses; but contact may also open or close, and nothing is calibrated.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -17,8 +17,9 @@ from drumlin.brake.components import Beam, Body
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import assembly
-from drumlin.fem.adapt import Respond, adapt
 from drumlin.fem.assembly import Scene
+from drumlin.fem.hp.adapt import Tolerance, adapt, check_tolerance
+from drumlin.fem.hp.levels import Respond
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.reduced import sketcher, with_closed_forms
 from drumlin.response.norms import pressure_distance
@@ -82,13 +83,16 @@ class Change(NamedTuple):
     """Relative changes that an omission makes: torque of the brake, p (L2 outside the edge zones, worst shoe).
 
     `shoes`: the changes of the shoes' torques, all counted with one sign, relative to the torque of the brake: a bound
-    on its own change, in which they cancel in part; `reaction`: of the hinge reactions, the worst.
+    on its own change, in which they cancel in part; `reaction`: of the hinge reactions, the worst; `peak`
+    and `each`: of the peak pressures and of the shoes' own torques, the worst.
     """
 
     torque: float
     pressure: float
     shoes: float
     reaction: float
+    peak: float
+    each: float
 
 
 def change(simple: Response, whole: Response) -> Change:
@@ -101,6 +105,8 @@ def change(simple: Response, whole: Response) -> Change:
         max(_pressure(a, b) for a, b in pairs),
         sum(map(abs, off)) / size,
         max(_length(a.hinge_reaction - b.hinge_reaction) / (_length(b.hinge_reaction) or 1.0) for a, b in pairs),
+        max(abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0) for a, b in pairs),
+        max(abs(a.torque - b.torque) / (b.torque or 1.0) for a, b in pairs),
     )
 
 
@@ -178,16 +184,18 @@ def predict(brake: Brake, names: Sequence[str], respond: Respond, sketch: Make |
     return change(respond(*scene_without(brake, names, sketch)), whole)
 
 
-def adapt_without(brake: Brake, tolerance: float, respond: Respond, kind: str) -> Response:
+def adapt_without(brake: Brake, tolerance: float, respond: Respond) -> Response:
     """`adapt`, without the ring and the shoes' elasticity where that is predicted to stay below the tolerance.
 
     Predicted changes count SAFETY times and are part of the response's error. Afterwards what is left out is added
     in closed form to the final meshes: where that changes more than the tolerance leaves room for, the brake is
     solved again with everything.
     """
+    check_tolerance(brake, tolerance)
+    whole = Tolerance(tolerance, tolerance)
     names, predicted = _chosen(brake, SHARE * tolerance, respond)
     if not names:
-        return adapt(brake, tolerance, respond, kind)
+        return adapt(brake, whole, respond)
     simple, used = simplified(brake, names), list[Scene]()
 
     def keeping(scene: Scene, brake: Brake, *, start: Response | None = None) -> Response:
@@ -195,24 +203,27 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond, kind: str) -
         return respond(scene, brake, start=start)
 
     try:
-        found = adapt(simple, tolerance - _size(predicted), keeping, kind)
+        found = adapt(simple, Tolerance(*[tolerance - _size(predicted)] * 2), keeping)
         seen = change(found, respond(with_closed_forms(used[0], brake), brake, start=found))
     except NoAnswer:  # of the simpler brake, or of the whole one: then it says so itself
-        return adapt(brake, tolerance, respond, kind)
-    assert found.error is not None
+        return adapt(brake, whole, respond)
     largest = Change(*map(max, predicted, seen))
-    error = {
-        "pressure": found.error["pressure"] + SAFETY * largest.pressure,
-        "torque": found.error["torque"] + SAFETY * largest.shoes,
-    }
-    if not max(error.values()) <= tolerance:
-        return adapt(brake, tolerance, respond, kind)
+    more = {"pressure": largest.pressure, "torque": largest.each, "peak": largest.peak, "reaction": largest.reaction}
+    shoes = tuple(replace(shoe, error=_with(shoe.error, more)) for shoe in found.shoes)
+    error = _with(found.error, more | {"torque": largest.shoes})
+    if not max(error["pressure"], error["torque"]) <= tolerance:
+        return adapt(brake, whole, respond)
     lines = [
         f"{' and '.join(names)}: taken as rigid, predicted to change torque by at most {predicted.shoes:.1e}, "
         f"p by {predicted.pressure:.1e} (L2); on the final mesh {seen.shoes:.1e} and {seen.pressure:.1e}"
     ]
     kept = [line for line in found.left_out if line not in assembly.lacking(simple)]
-    return replace(found, error=error, left_out=(*kept, *assembly.lacking(brake), *lines))
+    return replace(found, error=error, shoes=shoes, left_out=(*kept, *assembly.lacking(brake), *lines))
+
+
+def _with(error: Mapping[str, float] | None, more: Mapping[str, float]) -> dict[str, float]:
+    """Errors with what was left out."""
+    return {name: value + SAFETY * more[name] for name, value in (error or {}).items()}
 
 
 def _size(predicted: Change) -> float:
@@ -222,7 +233,7 @@ def _size(predicted: Change) -> float:
 
 def _chosen(brake: Brake, allowed: float, respond: Respond) -> tuple[tuple[str, ...], Change]:
     """What of SAVING may be left out within `allowed`, and the change that is predicted; () where nothing may."""
-    nothing, has = Change(0.0, 0.0, 0.0, 0.0), present(brake)
+    nothing, has = Change(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), present(brake)
     if any(shoe.mesh is not None for shoe in brake.shoes) or assembly.why_not(brake) is not None:
         return (), nothing
     candidates = [names for names in SAVING if set(names) <= set(has)]

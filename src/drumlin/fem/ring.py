@@ -45,7 +45,7 @@ class RingBody:
     pressed: tuple[Floats, ...]
     dragged: tuple[Floats, ...]
     coupled: tuple[tuple[Floats, Floats], ...]
-    free: "_Free | None"
+    free: "Free | None"
 
     def displacement(self, pressures: list[Floats], drag: float) -> Floats:
         """Displacement of all nodes (2, nodes) [m] under the pressures (n_i,) [Pa] of the linings, drag = mu s."""
@@ -127,7 +127,20 @@ def ring_body(brake: Brake, ring: Ring, linings: tuple[ContactLine, ...], elemen
         ties = tie(basis, line.nodes, support[:0], np.zeros(2), determinate(basis, support))
         rim = rim_loads(basis, mesh.boundaries["support"])
         condensed = condense(K, ties, ties.matrix.T @ rim, n)
-        free = _Free.of(basis, rim, condensed, line)
+        free = Free.of(basis, rim, condensed, line)
+    return coupled_ring(brake, linings, mesh, basis, line, condensed, free)
+
+
+def coupled_ring(
+    brake: Brake,
+    linings: tuple[ContactLine, ...],
+    mesh: Any,
+    basis: Any,
+    line: ContactLine,
+    condensed: Condensed,
+    free: "Free | None",
+) -> RingBody:
+    """A condensed ring, coupled with the linings, given by their contact lines in the shoes' frames."""
     coupled = tuple(
         couple_ring(replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T), line, shoe.lining.width, shoe.sign)
         for shoe, lining in zip(brake.shoes, linings, strict=True)
@@ -231,7 +244,7 @@ def determinate(basis: Any, support: Ints) -> Ints:
 
 
 @dataclass(frozen=True)
-class _Free:
+class Free:
     """A free ring: contact forces f are met by rim forces -B lambda, and the mean motion of the rim is zero.
 
     With R the rigid motions,  lambda = (R^T B)^-1 R^T f;  held at three determinate unknowns, which then carry
@@ -245,7 +258,7 @@ class _Free:
     root: Floats
 
     @classmethod
-    def of(cls, basis: Any, rim: Floats, condensed: Condensed, line: ContactLine) -> "_Free":
+    def of(cls, basis: Any, rim: Floats, condensed: Condensed, line: ContactLine) -> "Free":
         x, y = basis.doflocs
         rigid = np.zeros((basis.N, 2, FRAME))
         rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
@@ -257,7 +270,7 @@ class _Free:
         )
 
 
-def _half(condensed: Condensed, forces: Floats, free: _Free | None) -> Floats:
+def _half(condensed: Condensed, forces: Floats, free: Free | None) -> Floats:
     """W (m, k) with W^T W the work of the displacements under nodal forces (2n, k)."""
     Y = condensed.half(forces)
     if free is None:

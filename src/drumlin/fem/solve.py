@@ -1,12 +1,14 @@
-"""A brake by finite elements from the file up: meshed, condensed, solved, adapted to a tolerance where one is given."""
+"""A brake by finite elements from the file up: divided, condensed, solved, finer until its error is small enough."""
 
 from functools import partial
 
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput
-from drumlin.fem.assembly import ELEMENTS, Kept, prepare
+from drumlin.fem.adapt import adapt as adapt_meshes
+from drumlin.fem.assembly import ELEMENTS, Cache, prepare
+from drumlin.fem.hp.adapt import DEFAULT, adapt
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.model import PENALTY, respond
+from drumlin.fem.model import PENALTY, check_penalty, respond
 from drumlin.fem.omission import adapt_without
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
@@ -16,20 +18,30 @@ def solve(
     brake: Brake,
     *,
     elements: int | None = None,
-    kind: str = DEFAULT_KIND,
+    kind: str | None = None,
     tolerance: float | None = None,
     penalty: float = PENALTY,
-    kept: Kept | None = None,
+    cache: Cache | None = None,
 ) -> Response:
-    """Mesh, condense and solve a brake: prepare, then respond; with a `tolerance` on meshes adapted to it.
+    """Divide, condense and solve a brake, finer and finer until its estimated errors are below a tolerance.
 
-    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the mesh and
-    of what is left out for it. Raises NoAnswer where it is not reached, BadInput where `elements` are given too.
-    kept: bodies of earlier solves, see `prepare`.
+    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the division and
+    of what is left out for it; NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is
+    reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind`
+    on meshes of that kind. BadInput is raised for elements and a tolerance together. cache: bodies of earlier solves on
+    meshes, see `prepare`.
     """
-    if tolerance is None:
-        scene = prepare(brake, elements=ELEMENTS if elements is None else elements, kind=kind, kept=kept)
-        return with_merits(brake, respond(scene, brake, penalty=penalty))
-    if elements is not None:
+    answer = partial(respond, penalty=penalty)
+    if tolerance is not None and elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
-    return with_merits(brake, adapt_without(brake, tolerance, partial(respond, penalty=penalty), kind))
+    if tolerance is not None and kind is not None:  # a studied method
+        found = adapt_meshes(brake, tolerance, answer, kind)
+    elif tolerance is not None:
+        found = adapt_without(brake, tolerance, answer)
+    elif elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes):
+        check_penalty(penalty)
+        found = adapt(brake, DEFAULT, answer, must=False)
+    else:
+        elements = ELEMENTS if elements is None else elements
+        found = answer(prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache), brake)
+    return with_merits(brake, found)

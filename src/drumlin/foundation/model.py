@@ -88,7 +88,12 @@ class System(NamedTuple):
 
 
 def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> System:
-    """The contact problem of a group of shoes; its pressures are the normal forces of the sectors [N]."""
+    """The contact problem of a group of shoes; its pressures are the normal forces of the sectors [N].
+
+    Raises BadInput where there are too few or too many `sections`.
+    """
+    if not 4 <= sections <= 4000:
+        raise BadInput(f"--sections = {sections}: must be from 4 to 4000")
     posts = tuple(
         post(
             brake, brake.shoes[i], sections,
@@ -155,8 +160,6 @@ def solve(
     reason = why_not(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
-    if not 4 <= sections <= 4000:
-        raise BadInput(f"--sections = {sections}: must be from 4 to 4000")
     names, clock = lifted(brake, lift), time.perf_counter()
     shoes = brake.shoes
     touching = [i for i in range(len(shoes)) if pressing_moment(shoes[i]) > 0]

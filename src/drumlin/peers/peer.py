@@ -126,6 +126,7 @@ def shoe_response(
         self_energising=friction_about_pin * actuation_about_pin > 0,
         hinge_reaction=frame.to_brake(forces.reaction),
         turn=None if turn is None else frame.sense * turn,
+        located=False,  # what a peer leaves beside the contact has no ends to find
     )
     p = response.pressure
     arcs = contact_arcs(response.theta, np.where(p > NOTHING * p.max(), p, 0.0), order)

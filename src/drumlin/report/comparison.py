@@ -11,7 +11,7 @@ from drumlin.errors import NoAnswer
 from drumlin.files import write_text
 from drumlin.models import refusals
 from drumlin.report import figures
-from drumlin.report.page import Figure, Text, fill, versions
+from drumlin.report.page import fill, versions
 from drumlin.response.response import Response
 
 
@@ -51,18 +51,6 @@ def draw_fields(brake: Brake, response: Response, folder: Path, name: str, **opt
     write_vtu(folder / f"{name}.vtu", parts)
     title = f"{brake.title}, drum turns {brake.rotation}"
     return render(folder / f"{name}.vtu", folder / f"{name}.png", brake, title)
-
-
-def field_picture(brake: Brake, response: Response, folder: Path, name: str, **options: Any) -> Figure | Text:
-    """What `draw_fields` makes, for a page whose sections are given as data."""
-    reason = draw_fields(brake, response, folder, name, **options)
-    if reason is not None:
-        return Text(reason)
-    return Figure(
-        folder / f"{name}.png",
-        f"Von Mises stress on the deformed shoes and the drum's pressure on the linings. "
-        f"All fields are in {name}.vtu, which ParaView opens.",
-    )
 
 
 def results_json(comparisons: Sequence[Comparison], **more: Any) -> str:

@@ -1,6 +1,7 @@
 """Figures by matplotlib: pressures over the lining, convergence. Each function returns a figure to save."""
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -53,8 +54,12 @@ NAMES = {
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write a figure whole or not at all; the ending says the format. Returns `path`."""
-    with replacing(path) as partial:
+    """Write a figure whole or not at all, the same bits for the same figure; the ending says the format.
+
+    Returns `path`. A letter that the font lacks is drawn as a box.
+    """
+    with mpl.rc_context(STYLE), replacing(path) as partial, warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from")
         figure.savefig(partial, dpi=160, metadata={"Date": None} if path.suffix == ".svg" else None)
     return path
 

@@ -8,7 +8,6 @@ import os
 import platform
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,46 +18,6 @@ from drumlin.comparison import Column
 from drumlin.files import write_text
 
 _MEDIA = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
-
-
-@dataclass(frozen=True)
-class Text:
-    """A paragraph; `html` may hold inline markup and comes from the program, never from a brake file."""
-
-    html: str
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A picture file, embedded in the page."""
-
-    path: Path
-    caption: str
-
-
-@dataclass(frozen=True)
-class Table:
-    """Rows as dictionaries in SI; the columns say how people read them. Columns that no row has are left out."""
-
-    rows: Sequence[dict[str, Any]]
-    columns: Sequence[Column]
-    caption: str
-
-
-@dataclass(frozen=True)
-class Source:
-    """A file shown as it is."""
-
-    name: str
-    text: str
-
-
-@dataclass(frozen=True)
-class Section:
-    """A heading and what stands under it."""
-
-    heading: str
-    blocks: Sequence[Text | Figure | Table | Source]
 
 
 PACKAGES = ("numpy", "scipy", "scikit-fem", "meshio", "pyvista", "matplotlib")
@@ -106,7 +65,6 @@ def fill(template: Path, page: Path, **values: Any) -> Path:
         lstrip_blocks=True,
     )
     environment.filters["form"] = format
-    environment.tests["kind"] = lambda block, name: type(block).__name__ == name
     environment.globals |= {
         "embedded": lambda name: embedded(page.parent / name),
         "filled": filled,
@@ -122,8 +80,3 @@ def fill(template: Path, page: Path, **values: Any) -> Path:
     )
     write_text(page, text)
     return page
-
-
-def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -> None:
-    """A page whose sections are given as data."""
-    fill(Path(__file__).with_name("sections.html"), path, title=title, lead=lead, sections=sections)

@@ -14,9 +14,18 @@ from typing import Any
 import numpy as np
 
 from drumlin.brake.drum_brake import Brake
+from drumlin.errors import ended
+from drumlin.files import replacing
+from drumlin.texts import one_line
 
 TIMEOUT = 120  # s
 SCALAR = "von Mises stress [MPa]"
+CHILD = "import sys; sys.path.append(sys.argv.pop(1)); from drumlin.report.render import main; sys.exit(main())"
+"""With -P nothing is imported from the current folder; drumlin itself from where it is, if it is not installed."""
+
+
+class NoPicture(Exception):
+    """The process that draws has ended without a picture."""
 
 
 def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
@@ -27,21 +36,26 @@ def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
         "forces": [[*shoe.actuation.point.xy, *shoe.actuation.vector] for shoe in brake.shoes],
         "title": title,
     }
-    picture.unlink(missing_ok=True)  # an old picture must not stand for a new result
-    partial = picture.with_name(f".{picture.name}")
-    command = [sys.executable, "-m", "drumlin.report.render", str(fields), str(partial), json.dumps(marks)]
+    command = [sys.executable, "-P", "-c", CHILD, str(Path(__file__).parents[2]), str(fields)]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT, check=False)
-        if done.returncode == 0:
-            partial.replace(picture)
-            return None
-        lines = done.stderr.strip().splitlines()
-        reason = lines[-1][:200] if lines else f"exit status {done.returncode}"
+        with replacing(picture) as partial:
+            _drawn([*command, str(partial), json.dumps(marks)])
+        return None
+    except NoPicture as error:
+        if picture.is_file():
+            picture.unlink()  # an old picture must not stand for a new result
+        return f"no field picture: off-screen rendering is not possible here ({one_line(str(error), 200)})"
+
+
+def _drawn(command: list[str]) -> None:
+    """Run a process that draws. Raises NoPicture with the last that it said."""
+    try:
+        done = subprocess.run(command, capture_output=True, timeout=TIMEOUT, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:
-        reason = type(error).__name__
-    finally:
-        partial.unlink(missing_ok=True)
-    return f"no field picture: off-screen rendering is not possible here ({reason})"
+        raise NoPicture(type(error).__name__) from error
+    if done.returncode:
+        lines = done.stderr.decode(errors="replace").strip().splitlines()
+        raise NoPicture(lines[-1] if lines else f"exit status {done.returncode}")
 
 
 def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
@@ -132,5 +146,11 @@ def _round_down(value: float) -> float:
     return max((step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)), default=power)
 
 
-if __name__ == "__main__":
-    draw(Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3]))
+def main() -> int:
+    """Draw, in a process of its own, by its arguments; returns its exit status."""
+
+    def drawn() -> int:
+        draw(Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3]))
+        return 0
+
+    return ended(drawn)

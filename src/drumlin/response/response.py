@@ -12,11 +12,13 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import FlatShoe
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
-from drumlin.response.resultants import Resultant, contact_arcs, cross, resultant
+from drumlin.response.resultants import Resultant, contact_arcs, cross, largest, resultant
 from drumlin.response.show import as_html, as_text, plot
 
 EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
+STEP = math.radians(0.2)
+"""Longest step [rad] of a curve that is drawn or written."""
 
 
 @dataclass(frozen=True)
@@ -49,11 +51,12 @@ class ShoeResponse:
     degree `order`; consecutive pieces share their end node. `torque` >= 0 [N m] is the size of the torque on the
     drum, which opposes its rotation; `normal_force` [N] the size of the vector sum of the normal forces;
     `hinge_reaction` (2,) [N] the force of the pin on the shoe. `peak_pressure` [Pa] is the largest pressure; of
-    elastic models the largest nodal one more than half a lining thickness from the lining's ends, where a sharp
+    elastic models the largest one more than half a lining thickness from the lining's ends, where a sharp
     edge has no bound. `turn` [rad] is the rotation of the shoe about its pin, where a model knows it.
     `pivot_reaction` (2,) [N] is the force of the pivot on the shoe, where there is one; `lumped` the contact's
     forces, where a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
-    `deformation` of beam and ring, of the foundation model.
+    `deformation` of beam and ring, of the foundation model. `error`: estimated relative errors "pressure" (L2 outside
+    the edge zones), "torque", "peak" and "reaction", None where nothing was estimated.
 
     Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
     """
@@ -72,6 +75,7 @@ class ShoeResponse:
     lumped: Resultant | None = None
     pivot_reaction: Floats | None = None
     deformation: Deformation | None = None
+    error: Mapping[str, float] | None = None
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
@@ -86,8 +90,26 @@ class ShoeResponse:
             value += y[..., i] * np.prod([(theta - x[..., j]) / (x[..., i] - x[..., j]) for j in others], axis=0)
         return np.where((theta >= self.theta[0]) & (theta <= self.theta[-1]), value, 0.0)
 
+    def curve(self) -> tuple[Floats, Floats]:
+        """The pressure as a curve to draw and to write: angles (m,) [rad] and p >= 0 (m,) [Pa] there.
+
+        Its own nodes, or where pieces are of a high degree so many points that straight lines or parabolas between them
+        will do: an even number of even steps a piece. A polynomial may dip below zero between its nodes, a pressure
+        not.
+        """
+        if self.order <= 2:
+            return self.theta, self.pressure
+        ends = self.theta[:: self.order]
+        counts = 2 * np.maximum(self.order, np.ceil(np.diff(ends) / (2 * STEP))).astype(int)
+        theta = np.concatenate(
+            [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)]
+        )
+        theta = np.append(theta, ends[-1])
+        return theta, np.maximum(self.pressure_at(theta), 0.0)
+
     def as_dict(self) -> dict[str, Any]:
-        """The response as plain data for JSON (units as in the attributes)."""
+        """The response as plain data for JSON (units as in the attributes); the pressure as `curve` has it."""
+        theta, pressure = self.curve()
         data: dict[str, Any] = {
             "name": self.name,
             "torque": self.torque,
@@ -96,9 +118,11 @@ class ShoeResponse:
             "peak_pressure": self.peak_pressure,
             "hinge_reaction": [float(x) for x in self.hinge_reaction],
             "contact_arcs": [list(arc) for arc in self.contact_arcs],
-            "theta": [float(x) for x in self.theta],
-            "pressure": [float(x) for x in self.pressure],
+            "theta": theta.tolist(),
+            "pressure": pressure.tolist(),
         }
+        if self.error is not None:
+            data["error"] = dict(self.error)
         if self.pivot_reaction is not None:
             data["pivot_reaction"] = [float(x) for x in self.pivot_reaction]
         if self.deformation is not None:
@@ -232,12 +256,14 @@ def pressed_shoe(
 ) -> ShoeResponse:
     """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
 
-    radius: of the drum [m]; located: the ends of the contact are located within their elements; more: other
-    attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
+    radius: of the drum [m]; located: the ends of the contact and the peak are located within their elements; more:
+    other attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
-    theta, pressure = theta[forward], pressure[forward]
-    peak = nodal_peak(theta, pressure, edge_zone(shoe, radius))
+    theta, pressure, zone = theta[forward], pressure[forward], edge_zone(shoe, radius)
+    peak = largest(theta, pressure, order, zone) if located else nodal_peak(theta, pressure, zone)
+    if not peak > 0:  # pressed at its ends alone
+        peak = largest(theta, pressure, order)
     check_strain(shoe, peak)
     return ShoeResponse(
         name=shoe.name,
@@ -256,8 +282,10 @@ def pressed_shoe(
 
 
 def edge_zone(shoe: Shoe, radius: float) -> float:
-    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep."""
-    return shoe.lining.thickness / (2 * radius)
+    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep; a quarter
+    of its length where that is all of it."""
+    zone, length = shoe.lining.thickness / (2 * radius), shoe.lining.end - shoe.lining.start
+    return zone if 2 * zone < length else 0.25 * length
 
 
 def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:

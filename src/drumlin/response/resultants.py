@@ -1,13 +1,15 @@
 """Resultants of a pressure distribution, and where it ends: integrals of piecewise polynomials over an arc."""
 
+import math
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from drumlin.arrays import Floats
 
-GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(6)
+GAUSS, WEIGHTS = legendre.leggauss(12)
 
 
 class Resultant(NamedTuple):
@@ -28,23 +30,33 @@ def cross(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
+@cache
+def lobatto(order: int) -> Floats:
+    """Gauss-Lobatto points (order + 1,) on [-1, 1]: the nodes of a polynomial of this degree; up to 2 evenly spaced."""
+    inner = np.sort(legendre.legroots(legendre.legder(np.eye(order + 1)[order])).real) if order > 1 else np.zeros(0)
+    return np.concatenate([[-1.0], 0.5 * (inner - inner[::-1]), [1.0]])
+
+
+@cache
+def _coefficients(order: int) -> Floats:
+    """Coefficients in Legendre's polynomials of the shape functions: (order + 1, order + 1), a column each."""
+    return np.asarray(np.linalg.inv(legendre.legvander(lobatto(order), order)), dtype=float)
+
+
 def angle_near(middle: float, xy: Floats) -> Floats:
     """Angles [rad] of the points xy (2, ...), within half a turn of `middle` [rad]."""
     return np.asarray(middle + np.angle(np.exp(-1j * middle) * (xy[0] + 1j * xy[1])))
 
 
 def shape(order: int, xi: Floats) -> Floats:
-    """Lagrange shape functions of degree `order` on nodes evenly spaced over [-1, 1]: (order + 1, len(xi))."""
-    nodes = np.linspace(-1, 1, order + 1)
-    return np.array(
-        [np.prod([(xi - b) / (a - b) for j, b in enumerate(nodes) if j != i], axis=0) for i, a in enumerate(nodes)]
-    ).reshape(order + 1, len(xi))
+    """Lagrange shape functions of degree `order` on the nodes `lobatto` at xi (any shape): (order + 1, *xi.shape)."""
+    return np.moveaxis(legendre.legvander(xi, order) @ _coefficients(order), -1, 0)
 
 
 def slopes(order: int, xi: Floats) -> Floats:
     """Derivatives of these shape functions at xi (any shape): (order + 1, *xi.shape)."""
-    nodes = np.linspace(-1, 1, order + 1)
-    return np.array([np.polyval(np.polyder(np.polyfit(nodes, row, order)), xi) for row in np.eye(order + 1)])
+    derivative = legendre.legder(_coefficients(order))
+    return np.moveaxis(legendre.legvander(xi, order - 1) @ derivative, -1, 0)
 
 
 @cache
@@ -58,6 +70,30 @@ def gauss_points(theta: Floats, values: Floats, order: int) -> tuple[Floats, Flo
     half = 0.5 * np.diff(ends)[:, None]
     pieces = np.arange(len(ends) - 1)[:, None] * order + np.arange(order + 1)
     return ends[:-1, None] + half * (1 + GAUSS), values[pieces] @ _at_gauss(order), half * WEIGHTS
+
+
+SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
+"""Where in a piece its largest value is looked for; between them a parabola tells."""
+
+
+def largest(theta: Floats, values: Floats, order: int, zone: float = 0.0) -> float:
+    """Largest value of a piecewise polynomial more than `zone` [rad] from its ends; everywhere where nothing else
+    is.
+    """
+    first, last = float(theta[0]) + zone, float(theta[-1]) - zone
+    ends = theta[::order]
+    low, high = (ends[:-1], ends[1:]) if first >= last else (np.maximum(ends[:-1], first), np.minimum(ends[1:], last))
+    on = np.flatnonzero(low < high)
+    half, middle = 0.5 * (ends[on + 1] - ends[on]), 0.5 * (ends[on + 1] + ends[on])
+    xi = (0.5 * (low + high)[on] - middle)[:, None] + 0.5 * (high - low)[on][:, None] * SAMPLES
+    pieces = values[on[:, None] * order + np.arange(order + 1)]
+    found = np.einsum("aij,ia->ij", shape(order, xi / half[:, None]), pieces)
+    i, j = np.unravel_index(found.argmax(), found.shape)
+    if j in {0, len(SAMPLES) - 1}:
+        return float(found[i, j])
+    x, y = SAMPLES[j - 1 : j + 2], found[i, j - 1 : j + 2]
+    a, b, c = np.polyfit(x - x[1], y, 2)
+    return float(max(y[1], c - b * b / (4 * a))) if a < 0 else float(y[1])
 
 
 def integrate(theta: Floats, values: Floats, order: int) -> float:
@@ -118,7 +154,7 @@ def _end(theta: Floats, pressure: Floats, node: int, order: int) -> float:
     if pressure[node] > 0 or i + 2 * order >= len(theta):
         return float(theta[node])
     near, far = i + order, i + 2 * order
-    f = [integrate(theta[i : k + 1], pressure[i : k + 1], order) ** (2 / 3) for k in (near, far)]
+    f = [max(integrate(theta[i : k + 1], pressure[i : k + 1], order), 0.0) ** (2 / 3) for k in (near, far)]
     if f[1] <= f[0]:
         return float(theta[node])
     end = theta[near] - f[0] * (theta[far] - theta[near]) / (f[1] - f[0])

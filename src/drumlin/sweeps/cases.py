@@ -8,6 +8,7 @@ import hashlib
 import importlib
 import json
 import math
+import os
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -24,16 +25,19 @@ from drumlin.brake.file import unit_of, vary
 from drumlin.brake.plane_brake import AnyBrake
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput, DrumlinError, NoAnswer
-from drumlin.fem.assembly import Kept
-from drumlin.files import replacing, write_text
-from drumlin.journal import Journal, source_stamp
+from drumlin.fem.assembly import ELEMENTS, Cache
+from drumlin.files import content_digest, replacing, write_text
+from drumlin.journal import Journal, key_of, source_stamp
 from drumlin.models import pick
 from drumlin.response.response import FlatMerit, Response
+from drumlin.sweeps.workers import waiting_since
 
 Row = dict[str, Any]
 
+QUIET = 20.0  # s without an answer, then it is said that workers are waited for
 CHUNK_SECONDS = 0.1  # of work sent to a worker at a time: what a kill can lose of it
 MOST_IN_CHUNK = 64
+OTHER = "executor: its workers run another drumlin, or other libraries, than this one; install the same there"
 LOADS = ("title", "rotation", "friction", "clearance", "misfit", "out_of_round", "angle", "force", "direction", "point")
 """Keys that leave the bodies as they are: cases that differ in others are solved one group after the other."""
 
@@ -47,26 +51,52 @@ class Case(NamedTuple):
     options: Mapping[str, Any] = {}
 
 
-def respond(case: Case, kept: Kept | None = None) -> Response:
-    """The response of a case; finite elements take bodies from those `kept` and put theirs there.
+def respond(case: Case, cache: Cache | None = None) -> Response:
+    """The response of a case; finite elements take bodies from the cache and put theirs there.
 
     Raises BadInput, NoAnswer.
     """
     brake = vary(case.brake, case.changes) if case.changes else case.brake
     options = dict(case.options)
     if case.model == "fem" and "tolerance" not in options:
-        options["kept"] = kept
+        options |= {"cache": cache, "elements": options.get("elements", ELEMENTS)}
     return pick(case.model, brake).solve(brake, **options)
 
 
-def solved(case: Case, kept: Kept | None = None) -> Row:
+class Answer(NamedTuple):
+    """A row, whether it is the case's own (kept in a journal), and else whether a further attempt may change it."""
+
+    row: Row
+    lasting: bool = True
+    again: bool = False
+
+
+def solved(case: Case, cache: Cache | None = None) -> Row:
     """The row of a case: its numbers by name (see `row_of`), or why it has none. Never raises."""
+    return attempt(case, cache).row
+
+
+def attempt(case: Case, cache: Cache | None = None) -> Answer:
+    """The answer to a case. Never raises.
+
+    Answers and refusals of physics and input last; want of memory, files and workers passes; faults of drumlin neither.
+    """
     try:
-        return row_of(vary(case.brake, case.changes), respond(case, kept))
-    except DrumlinError as error:
-        return {"status": f"failed: {error}"}
+        return Answer(row_of(vary(case.brake, case.changes), respond(case, cache)))
     except Exception as error:  # a fault of one case must not cost the others; its row says what it was
-        return {"status": f"failed: unexpected {type(error).__name__}: {error}"}
+        said = str(error) if isinstance(error, DrumlinError) else f"unexpected {type(error).__name__}: {error}"
+        passing, files = _passing(error), mesh_files(case.brake, case.changes)
+        lasting = isinstance(error, DrumlinError) and not passing and "none" not in map(content_digest, files)
+        return Answer({"status": f"failed: {' '.join(said.split())}"}, lasting, passing)
+
+
+def _passing(error: BaseException | None) -> bool:
+    """Whether memory or the system, not the case, made an error."""
+    while error is not None:
+        if isinstance(error, MemoryError | OSError):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def row_of(brake: AnyBrake, response: Response) -> Row:
@@ -114,13 +144,17 @@ def run(
     workers: int = 1,
     journal: Journal | None = None,
     done: Callable[[int, int], None] = lambda finished, of: None,
+    say: Callable[[str], None] = lambda words: None,
 ) -> list[Row]:
     """The rows of the cases, in their order.
 
     executor: who solves, in chunks, at most a few for each of its `workers` at a time; None: this process. journal:
     where each row is kept as it comes; cases that it has are not solved again. done: told how many cases have
-    finished. Raises NoAnswer where the workers die (what has finished is in the journal), BadInput where they run
-    another drumlin.
+    finished. say: told in a line when workers are waited for. What fails for a passing reason (no memory, a dead
+    worker) is tried twice more, alone; if it fails still, its row says why and is not kept.
+
+    Raises NoAnswer where no workers are left (what has finished is in the journal), BadInput where they run another
+    drumlin.
     """
     journal = Journal() if journal is None else journal
     keys = list(keys_of(cases))
@@ -128,11 +162,27 @@ def run(
     missing.sort(key=lambda i: (cases[i].model, body_key(cases[i]), i))
     finished = len(cases) - len(missing)
     done(finished, len(cases))
-    for i, row in _in_process(cases, missing) if executor is None else _by(executor, workers, cases, missing):
-        journal.add(keys[i], row)
-        finished += 1
-        done(finished, len(cases))
-    return [journal[key] for key in keys]
+    passing: dict[str, Row] = {}
+    for further in (2, 1, 0):
+        again = []
+        found = (
+            _in_process(cases, missing)
+            if executor is None
+            else _by(executor, workers, cases, missing, further < 2, say)
+        )
+        for i, answer in found:
+            if answer.lasting:
+                journal.add(keys[i], answer.row)
+                passing.pop(key_of(keys[i]), None)
+            else:
+                passing[key_of(keys[i])] = answer.row
+            if answer.again and further:
+                again.append(i)
+            else:
+                finished += 1
+                done(finished, len(cases))
+        missing = again
+    return [passing.get(key_of(key)) or journal[key] for key in keys]
 
 
 UNITS = {
@@ -143,10 +193,10 @@ UNITS = {
 }
 
 
-def table(cases: Sequence[Case], rows: Sequence[Row]) -> list[Row]:
+def table(cases: Sequence[Case], rows: Sequence[Row], base: Path | None = None) -> list[Row]:
     """Cases and their rows as one table in SI, columns headed with name and unit: "shoe.lining.thickness [m]".
 
-    A changed value that is a table itself stands as JSON.
+    A changed value that is a table itself stands as JSON, a mesh file by its path from the folder `base`.
     """
     units: dict[str, str] = {}
     made = []
@@ -156,6 +206,8 @@ def table(cases: Sequence[Case], rows: Sequence[Row]) -> list[Row]:
         for key, value in case.changes.items():
             if key not in units:
                 units[key] = _headed(key, unit_of(case.brake, key))
+            if base is not None and names_mesh(key):
+                value = Path(os.path.relpath(value, base)).as_posix()  # noqa: PLW2901
             line[units[key]] = json.dumps(value) if isinstance(value, list | tuple) else value
         line |= {"model": case.model, "status": row["status"]}
         for name, value in row.items():
@@ -206,25 +258,40 @@ def check_output(path: Path) -> None:
 def keys_of(cases: Iterable[Case]) -> Iterator[dict[str, Any]]:
     """What tells each case from others in a journal: its brake by a digest, its changes, model and options."""
     digests: dict[int, str] = {}
+    content = cache(content_digest)
     for case in cases:
         if id(case.brake) not in digests:
             digests[id(case.brake)] = digest_of(case.brake)
         yield {
             "brake": digests[id(case.brake)],
-            "changes": dict(case.changes),
+            "changes": {
+                key: content(Path(value)) if names_mesh(key) and isinstance(value, str | Path) else value
+                for key, value in case.changes.items()
+            },
             "model": case.model,
             "options": dict(case.options),
         }
 
 
 def digest_of(brake: AnyBrake) -> str:
-    """A digest of all that a brake is, its mesh files included."""
-    digest = hashlib.sha256(brake.model_dump_json().encode())
-    for shoe in brake.shoes:
-        mesh = getattr(shoe, "mesh", None)
-        if mesh is not None and mesh.exists():
-            digest.update(mesh.read_bytes())
-    return digest.hexdigest()[:16]
+    """A digest of all that a brake is, of its mesh files what is in them, not their names."""
+    data = brake.model_dump(mode="json")
+    for shoe in data["shoes"]:
+        if shoe.get("mesh") is not None:
+            shoe["mesh"] = content_digest(Path(shoe["mesh"]))
+    return hashlib.sha256(json.dumps(data).encode()).hexdigest()[:16]
+
+
+def names_mesh(key: str) -> bool:
+    """Whether a key, written as for `vary`, takes mesh files."""
+    return key.rpartition(".")[2] == "mesh"
+
+
+def mesh_files(brake: AnyBrake, changes: Mapping[str, Any]) -> list[Path]:
+    """The mesh files of a brake and of what is changed."""
+    named = [getattr(shoe, "mesh", None) for shoe in brake.shoes]
+    named += [value for key, value in changes.items() if names_mesh(key)]
+    return [Path(path) for path in named if isinstance(path, str | Path)]
 
 
 def body_key(case: Case) -> str:
@@ -233,16 +300,16 @@ def body_key(case: Case) -> str:
     return json.dumps([others, dict(case.options)], sort_keys=True, default=str)
 
 
-def _in_process(cases: Sequence[Case], missing: Sequence[int]) -> Iterator[tuple[int, Row]]:
-    kept = Kept()
+def _in_process(cases: Sequence[Case], missing: Sequence[int]) -> Iterator[tuple[int, Answer]]:
+    bodies = Cache()
     for i in missing:
-        yield i, solved(cases[i], kept)
+        yield i, attempt(cases[i], bodies)
 
 
 class _Chunk(NamedTuple):
-    """What a worker answers: rows, the seconds that they took, and its drumlin's source."""
+    """What a worker answers: the answers, the seconds that they took, and its drumlin's source."""
 
-    rows: list[Row]
+    answers: list[Answer]
     seconds: float
     stamp: str
 
@@ -252,11 +319,11 @@ _own = threading.local()  # the bodies that a worker keeps; a worker with thread
 
 def solve_chunk(cases: Sequence[Case]) -> _Chunk:
     """Solve some cases in a worker."""
-    if not hasattr(_own, "kept"):
-        _own.kept = Kept()
+    if not hasattr(_own, "cache"):
+        _own.cache = Cache()
     start = time.perf_counter()
-    rows = [solved(case, _own.kept) for case in cases]
-    return _Chunk(rows, time.perf_counter() - start, _stamp())
+    answers = [attempt(case, _own.cache) for case in cases]
+    return _Chunk(answers, time.perf_counter() - start, _stamp())
 
 
 @cache
@@ -264,27 +331,50 @@ def _stamp() -> str:
     return source_stamp()
 
 
-def _by(executor: Executor, workers: int, cases: Sequence[Case], missing: Sequence[int]) -> Iterator[tuple[int, Row]]:
-    """Rows as they come from an executor; chunks grow until each takes CHUNK_SECONDS."""
-    size = 1
+def _by(
+    executor: Executor,
+    workers: int,
+    cases: Sequence[Case],
+    missing: Sequence[int],
+    alone: bool,
+    say: Callable[[str], None],
+) -> Iterator[tuple[int, Answer]]:
+    """Answers as they come from an executor; chunks grow until each takes CHUNK_SECONDS. `alone`: one case at a time.
+
+    What a worker takes with it as it dies fails for a passing reason.
+    """
+    size, most, at_a_time = (1, 1, 1) if alone else (1, MOST_IN_CHUNK, 2 * workers + 1)
     waiting = _Chunks(cases, missing)
     sent: dict[Future[_Chunk], list[int]] = {}
+    heard, said = time.time(), False
     try:
         while waiting.left or sent:
-            while waiting.left and len(sent) < 2 * workers + 1:
+            while waiting.left and len(sent) < at_a_time:
                 part = waiting.take(size)
                 sent[executor.submit(solve_chunk, [cases[i] for i in part])] = part
-            for future in wait(sent, return_when=FIRST_COMPLETED).done:
-                part, answer = sent.pop(future), future.result()
-                if answer.stamp != _stamp():
-                    raise BadInput("executor: its workers run another drumlin than this one; install the same there")
-                size = round(CHUNK_SECONDS * len(part) / max(answer.seconds, 1e-6))
-                size = min(max(size, 1), MOST_IN_CHUNK)
-                yield from zip(part, answer.rows, strict=True)
+            come = wait(sent, timeout=QUIET, return_when=FIRST_COMPLETED).done
+            if not come and not said:
+                say(waiting_since(heard))
+            heard, said = (time.time(), False) if come else (heard, True)
+            for future in come:
+                part, answers = sent.pop(future), []
+                try:
+                    answer = future.result()
+                    if answer.stamp != _stamp():
+                        raise BadInput(OTHER)
+                    answers = answer.answers
+                    size = round(CHUNK_SECONDS * len(part) / max(answer.seconds, 1e-6))
+                    size = min(max(size, 1), most)
+                except DrumlinError:
+                    raise
+                except ImportError as error:
+                    raise BadInput(f"{OTHER} ({error})") from error
+                except Exception as error:
+                    row = {"status": f"failed: its worker was lost ({type(error).__name__}: {error})"}
+                    answers = [Answer(row, False, True)] * len(part)
+                yield from zip(part, answers, strict=True)
     except BrokenExecutor as error:
-        raise NoAnswer(
-            f"sweep: a worker process died ({error}); what has finished is kept, the same run goes on"
-        ) from error
+        raise NoAnswer(f"sweep: the workers died ({error}); what has finished is kept, the same run goes on") from error
     finally:
         for future in sent:
             future.cancel()

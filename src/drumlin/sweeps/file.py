@@ -6,6 +6,7 @@ depend on `seed` and the key alone: another key more, or more cases, leaves the 
 
 import hashlib
 import itertools
+import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -22,10 +23,12 @@ from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
 from drumlin.brake.units import to_si
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import MOST_ELEMENTS
+from drumlin.files import content_digest
 from drumlin.foundation.model import lifted
 from drumlin.models import MODELS
-from drumlin.sweeps.cases import Case
+from drumlin.sweeps.cases import Case, mesh_files, names_mesh
 
+DEEPEST = 50  # tables and lists in one another; a sweep file has some six
 MOST_CASES = 1_000_000  # a million rows fill some 2 GB
 
 
@@ -106,7 +109,7 @@ class SweepFile(Part):
     """A sweep file as it is written."""
 
     title: Title | None = None
-    brake: str | dict[str, Any]
+    brake: Annotated[str, Field(pattern=r"^[^\x00-\x1f]*$")] | dict[str, Any]
     combine: Literal["grid", "zip", "random"] = "grid"
     cases: Annotated[int, Field(ge=1, le=MOST_CASES)] | None = None
     seed: Annotated[int, Field(ge=0)] = 0
@@ -128,22 +131,36 @@ def read_sweep(path: Path) -> Sweep:
 
     Raises BadInput with one line that names the key, the value and what is allowed.
     """
-    data = read_toml(path)
     try:
-        return sweep_from(data, path.parent)
+        data = read_toml(path)
+        _check_size(data)
+    except ValueError as error:
+        raise BadInput(f"{path}: is not TOML ({error})") from error
+    try:
+        return sweep_from(data, path.parent.resolve())
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 
 
+def _check_size(data: Any, depth: int = 0) -> None:
+    """Raise ValueError for integers and nesting beyond what TOML promises and what can be copied."""
+    if depth > DEEPEST:
+        raise ValueError(f"nested deeper than {DEEPEST}")
+    if isinstance(data, int) and not -(2**63) <= data < 2**63:
+        raise ValueError("an integer beyond 64 bits")
+    for item in data.values() if isinstance(data, dict) else data if isinstance(data, list) else ():
+        _check_size(item, depth + 1)
+
+
 def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
-    """A sweep from nested data as a sweep file has it; `base`: folder that relative paths start from.
+    """A sweep from nested data as a sweep file has it; `base`: folder that the paths of brake and meshes start from.
 
     Raises BadInput with one line.
     """
     file = validated(SweepFile, data)
     brake = _base_brake(file.brake, base)
     models = _models(file.model, brake)
-    specs = {key: spec for name, value in file.vary.items() for key, spec in _specs(brake, name, value).items()}
+    specs = {key: spec for name, value in file.vary.items() for key, spec in _specs(brake, name, value, base).items()}
     random = file.combine == "random"
     drawn = [key for key, spec in specs.items() if random or spec.values is None]
     if drawn and file.cases is None:
@@ -152,9 +169,8 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
         raise BadInput(f'cases = {file.cases}: only for distributions and combine = "random"; nothing is drawn here')
     listed = {key: spec.values for key, spec in specs.items() if key not in drawn and spec.values is not None}
     draws, repeats = {key: _draw(specs[key], key, file.seed, file.cases or 1) for key in drawn}, file.cases or 1
-    count = (
-        math.prod(map(len, listed.values())) if file.combine == "grid" else max(map(len, listed.values()), default=1)
-    )
+    lengths = [len(values) for values in listed.values()]
+    count = math.prod(lengths) if file.combine == "grid" else max(lengths, default=1)
     if count * repeats * len(models) > MOST_CASES:
         raise BadInput(f"vary: makes {count * repeats * len(models)} cases; allowed: {MOST_CASES}")
     changes = [
@@ -168,6 +184,9 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
         if reason is not None:
             raise BadInput(f"model.{name}: does not apply to this brake: {reason}")
     cases = [Case(brake, change, name, options) for change in changes for name, options in models.items()]
+    for path in {path for change in [{}, *changes] for path in mesh_files(brake, change)}:
+        if content_digest(path) == "none":
+            raise BadInput(f"mesh = {str(path)!r}: cannot be read")
     return Sweep(file.title or brake.title, brake, {key: unit_of(brake, key) for key in specs}, cases)
 
 
@@ -204,9 +223,9 @@ class _Spec(NamedTuple):
     at: Callable[[Floats], list[Any]]
 
 
-def _specs(brake: AnyBrake, name: str, given: Any) -> dict[str, _Spec]:
+def _specs(brake: AnyBrake, name: str, given: Any, base: Path) -> dict[str, _Spec]:
     """What [vary] says under a name: by key, where each shoe draws its own."""
-    said = f"vary.{name}" if name.isidentifier() else f'vary."{name}"'
+    said = f"vary.{name if name.isidentifier() else json.dumps(name, ensure_ascii=False)}"
     try:
         unit = unit_of(brake, name)
     except BadInput as error:
@@ -215,6 +234,8 @@ def _specs(brake: AnyBrake, name: str, given: Any) -> dict[str, _Spec]:
         if not given:
             raise BadInput(f"{said}: the list is empty; needs at least one value")
         values = [_value(said, value, unit) for value in given]
+        if names_mesh(name):
+            values = [str(base / value) if isinstance(value, str) else value for value in values]
         return {name: _Spec(values, lambda u: [values[i] for i in (u * len(values)).astype(int)])}
     if not isinstance(given, dict):
         raise BadInput(
@@ -227,7 +248,7 @@ def _specs(brake: AnyBrake, name: str, given: Any) -> dict[str, _Spec]:
         ends = [_number(f"{said}.from", span.start, unit), _number(f"{said}.to", span.to, unit)]
         return {name: _range(said, ends, span)}
     kind = given["distribution"]
-    if kind not in DISTRIBUTIONS:
+    if not isinstance(kind, str) or kind not in DISTRIBUTIONS:
         raise BadInput(f"{said}.distribution = {kind!r}: unknown; allowed: {', '.join(DISTRIBUTIONS)}")
     law = _part(said, DISTRIBUTIONS[kind], given)
     if not law.each_shoe:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from drumlin.sweeps.cases import Row, run, table
 from drumlin.sweeps.file import read_sweep
-from drumlin.sweeps.workers import crew
+from drumlin.sweeps.workers import executor
 
 
 def sweep(path: Path | str, *, jobs: int = 1) -> list[Row]:
@@ -26,7 +26,5 @@ def sweep(path: Path | str, *, jobs: int = 1) -> list[Row]:
         for a file that cannot be read or is no sweep, in one line
     """
     made = read_sweep(Path(path))
-    if jobs == 1:
-        return table(made.cases, run(made.cases))
-    with crew(jobs, None) as (executor, workers):
-        return table(made.cases, run(made.cases, executor=executor, workers=workers))
+    with executor(jobs) as (pool, workers):
+        return table(made.cases, run(made.cases, executor=pool, workers=workers), Path(path).parent.resolve())

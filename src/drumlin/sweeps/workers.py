@@ -1,21 +1,39 @@
-"""Who solves the cases of a sweep: processes of this machine, or the workers of a Dask cluster."""
+"""Who solves the cases of a sweep: processes of this machine, or the workers of a Dask cluster.
+
+Loads no numpy: a worker limits its threads before it does. Workers that die, stop or never answer are replaced, or
+become one line within the limits below.
+"""
 
 import importlib
+import logging
 import multiprocessing
 import os
+import pickle
 import signal
+import sys
 import threading
-from collections.abc import Iterator
-from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
-from contextlib import contextmanager
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple
 
 from drumlin.errors import BadInput, NoAnswer
 
-PATIENCE = 30.0  # s to wait for a scheduler, and for its first worker
+ANSWER = 30.0  # s within which a scheduler answers, and a process starts
+HEARD = 300.0  # s within which a Dask worker is heard of: a long factorisation can silence one for minutes
+FIRST = 60.0  # s to wait for a worker where there is none
+STARTS = 3  # times that a process is started anew before it is given up
+MAX_JOBS = 1000
+LOGGERS = ("distributed", "tornado", "asyncio")  # what they say of a lost cluster fills the screen
+
+# The dense systems are many and small: more BLAS threads make them slower, by far where processes share the cores.
+THREADS = {"OPENBLAS_NUM_THREADS": "1"}
+
+Say = Callable[[str], None]
 
 
-class Crew(NamedTuple):
+class Workers(NamedTuple):
     """An executor (None: this process itself) and how many cases it solves at a time."""
 
     executor: Executor | None
@@ -23,35 +41,99 @@ class Crew(NamedTuple):
 
 
 @contextmanager
-def crew(jobs: int | None = None, scheduler: str | None = None) -> Iterator[Crew]:
+def executor(jobs: int | None = None, scheduler: str | None = None, say: Say = lambda _: None) -> Iterator[Workers]:
     """Workers while a block runs: `jobs` processes, by default one a core, or those of a Dask `scheduler`.
 
-    Raises BadInput where they cannot be had, NoAnswer where the cluster is lost.
+    say: told in a line where workers are waited for. Raises BadInput where they cannot be had, NoAnswer where they are
+    lost.
     """
     if scheduler is not None:
         if jobs is not None:
             raise BadInput(f"--jobs = {jobs}: the scheduler has its own workers; leave out --jobs or --scheduler")
-        with _dask(scheduler) as found:
+        with _dask(scheduler, say) as found:
             yield found
         return
-    jobs = _cores() if jobs is None else jobs
-    if jobs < 1:
-        raise BadInput(f"--jobs = {jobs}: must be at least 1")
+    jobs = min(_cores(), MAX_JOBS) if jobs is None else jobs
+    if not 1 <= jobs <= MAX_JOBS:
+        raise BadInput(f"--jobs = {jobs}: must be from 1 to {MAX_JOBS}")
     if jobs == 1:
-        yield Crew(None, 1)
+        yield Workers(None, 1)
         return
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, spawn, initializer=_attach) as pool:
-        try:
-            yield Crew(pool, jobs)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    pool = _Processes(jobs)
+    try:
+        yield Workers(pool, jobs)
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
+def waiting_since(start: float) -> str:
+    """The line that says since when [time.time()] workers are waited for."""
+    return f"waiting for workers since {time.strftime('%H:%M:%S', time.localtime(start))}"
 
 
 def _cores() -> int:
     """The cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Processes(Executor):
+    """Processes, each in a pool of its own: one that dies takes its own work with it alone, and is replaced."""
+
+    def __init__(self, number: int) -> None:
+        self._pools: list[ProcessPoolExecutor | None] = [None] * number
+        self._sent: list[set[Future[Any]]] = [set() for _ in range(number)]
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Give work to the process that has least. Raises NoAnswer where processes die as they start."""
+        for sent in self._sent:
+            sent.difference_update([future for future in sent if future.done()])
+        place = min(range(len(self._sent)), key=lambda i: len(self._sent[i]))
+        try:
+            pool = self._pools[place] or _started()
+            future = pool.submit(fn, *args, **kwargs)
+        except BrokenExecutor:
+            pool = _started(sure=True)
+            future = pool.submit(fn, *args, **kwargs)
+        self._pools[place] = pool
+        self._sent[place].add(future)
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the processes."""
+        for pool in self._pools:
+            if pool is not None:
+                pool.shutdown(wait, cancel_futures=cancel_futures)
+
+
+def _started(sure: bool = False) -> ProcessPoolExecutor:
+    """A pool of one process; `sure`: that has answered. Raises NoAnswer."""
+    reason = ""
+    for _ in range(STARTS):
+        pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), initializer=_attach)
+        try:
+            with _environment():
+                alive = pool.submit(os.getpid)
+            if sure:
+                alive.result(ANSWER)
+            return pool
+        except (BrokenExecutor, OSError, MemoryError, RuntimeError) as error:  # a TimeoutError is an OSError
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            pool.shutdown(wait=False, cancel_futures=True)
+    raise NoAnswer(f"sweep: worker processes cannot be started ({reason})")
+
+
+@contextmanager
+def _environment() -> Iterator[None]:
+    """The environment that processes are started in."""
+    added = {name: value for name, value in THREADS.items() if name not in os.environ}
+    os.environ.update(added)
+    try:
+        yield
+    finally:
+        for name in added:
+            os.environ.pop(name, None)
 
 
 def _attach() -> None:
@@ -68,24 +150,160 @@ def _attach() -> None:
 
 
 @contextmanager
-def _dask(address: str) -> Iterator[Crew]:
+def _dask(address: str, say: Say) -> Iterator[Workers]:
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:
         raise BadInput("--scheduler: Dask needs the extra drumlin[distributed]") from error
-    try:
-        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:  # a TimeoutError is an OSError
-        raise BadInput(f"--scheduler = {address!r}: no Dask scheduler answers there") from error
-    try:
+    with _silent():
+        client = _client(distributed, address)
         try:
-            client.wait_for_workers(1, timeout=PATIENCE)
-        except TimeoutError as error:
-            raise NoAnswer(f"--scheduler = {address!r}: it has no workers") from error
-        threads = sum(worker["nthreads"] for worker in client.scheduler_info(n_workers=-1)["workers"].values())
-        with client.get_executor(pure=False) as executor:
-            yield Crew(executor, threads)
-    except (distributed.KilledWorker, CancelledError) as error:
-        raise NoAnswer(f"--scheduler = {address!r}: workers died again and again, or the scheduler was lost") from error
-    finally:
-        client.close()
+            threads = _first_workers(client, address, say)
+            pool = _Dask(client, address, distributed)
+            try:
+                yield Workers(pool, threads)
+            finally:
+                pool.shutdown()
+        finally:
+            with suppress(Exception):  # of a cluster that is lost there is nothing to close
+                client.close(timeout=2)
+
+
+def _client(distributed: Any, address: str) -> Any:
+    """A client of the scheduler at an address. Raises BadInput where none answers."""
+    found: Future[Any] = Future()
+
+    class Client(distributed.Client):  # type: ignore[misc]
+        def __del__(self) -> None:
+            with suppress(Exception):  # one that was never connected
+                super().__del__()
+
+    def connect() -> None:
+        try:
+            found.set_result(Client(address, timeout=ANSWER, set_as_default=False))
+        except BaseException as error:
+            found.set_exception(error)
+
+    threading.Thread(target=connect, daemon=True).start()  # a port that accepts and is silent may hold it for ever
+    try:
+        return found.result(ANSWER + 5)
+    except Exception as error:
+        raise BadInput(f"--scheduler = {address!r}: no Dask scheduler answers there") from error
+
+
+def _first_workers(client: Any, address: str, say: Say) -> int:
+    """How many cases the workers solve at a time, once there are any. Raises NoAnswer."""
+    start, said = time.time(), False
+    while True:
+        threads = sum(worker["nthreads"] for worker in _ask(client, address).values())
+        if threads:
+            return threads
+        if time.time() - start > FIRST:
+            raise NoAnswer(f"--scheduler = {address!r}: it has had no workers for {FIRST:g} s")
+        if not said:
+            say(waiting_since(start))
+            said = True
+        time.sleep(min(1.0, FIRST / 4))
+
+
+def _ask(client: Any, address: str) -> dict[str, Any]:
+    """The scheduler's workers. Raises NoAnswer where it does not answer."""
+    try:
+        known: dict[str, Any] = client.sync(client.scheduler.identity, n_workers=-1, callback_timeout=ANSWER)["workers"]
+    except Exception as error:
+        raise NoAnswer(f"--scheduler = {address!r}: the scheduler was lost, or does not answer") from error
+    return known
+
+
+class _Dask(Executor):
+    """Work for a client's workers. What waits fails in one line once the scheduler or all workers are lost."""
+
+    def __init__(self, client: Any, address: str, distributed: Any) -> None:
+        self._client, self._address, self._dask = client, address, distributed
+        self._inner: Executor = client.get_executor(pure=False)
+        self._waiting: set[Future[Any]] = set()
+        self._lost: NoAnswer | None = None
+        self._lock, self._end = threading.Lock(), threading.Event()
+        threading.Thread(target=self._watch, daemon=True).start()
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Give work to a worker. Raises NoAnswer where the cluster is lost."""
+        future: Future[Any] = Future()
+        future.set_running_or_notify_cancel()  # closing the client forgets what waits
+        with self._lock:
+            if self._lost is not None:
+                raise self._lost
+            self._waiting.add(future)
+        try:
+            inner = self._inner.submit(call, pickle.dumps((fn, args, kwargs)))
+        except Exception as error:
+            raise self._loss() from error
+        inner.add_done_callback(lambda done: self._answer(future, done))
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Watch no longer, and forget what waits."""
+        self._end.set()
+        with self._lock:
+            self._waiting.clear()
+
+    def _loss(self) -> NoAnswer:
+        return NoAnswer(f"--scheduler = {self._address!r}: the scheduler was lost, or does not answer")
+
+    def _answer(self, future: "Future[Any]", inner: "Future[Any]") -> None:
+        """Pass on what came of some work."""
+        with self._lock:
+            if future not in self._waiting:
+                return
+            self._waiting.discard(future)
+            try:
+                future.set_result(inner.result())
+            except CancelledError:
+                future.set_exception(self._loss())
+            except self._dask.KilledWorker as error:
+                future.set_exception(BrokenExecutor(f"its workers died again and again ({type(error).__name__})"))
+            except BaseException as error:
+                future.set_exception(error)
+
+    def _watch(self) -> None:
+        """Once a second: is there a scheduler, and a worker that it has heard of lately?"""
+        seen: dict[str, Any] = {}
+        heard = time.monotonic()
+        while not self._end.wait(min(1.0, ANSWER / 4)):
+            try:
+                workers = _ask(self._client, self._address)
+                now = {name: worker.get("last_seen") for name, worker in workers.items()}
+                if any(seen.get(name) != last for name, last in now.items()):
+                    heard = time.monotonic()
+                seen = now
+                limit = HEARD if workers else FIRST
+                if time.monotonic() - heard > limit:
+                    raise NoAnswer(f"--scheduler = {self._address!r}: none of its workers is heard of for {limit:g} s")
+            except NoAnswer as error:
+                with self._lock:
+                    self._lost = error
+                    for future in self._waiting:
+                        future.set_exception(error)
+                    self._waiting.clear()
+                return
+
+
+def call(work: bytes) -> Any:
+    """In a Dask worker: unpack a function and its arguments, which load numpy, once the threads are limited."""
+    if "numpy" not in sys.modules:
+        for name, value in THREADS.items():
+            os.environ.setdefault(name, value)
+    fn, args, kwargs = pickle.loads(work)
+    return fn(*args, **kwargs)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Without what Dask logs: a lost cluster is said in a line here, and its log ends where the block ends well."""
+    loggers = [logging.getLogger(name) for name in (*LOGGERS, *logging.root.manager.loggerDict)]
+    before = {logger: logger.level for logger in loggers if logger.name.split(".")[0] in LOGGERS}
+    for logger in before:
+        logger.setLevel(logging.CRITICAL + 1)
+    yield
+    for logger, level in before.items():
+        logger.setLevel(level)

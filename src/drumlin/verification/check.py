@@ -1,6 +1,7 @@
 """Somebody's p(theta), a table in a CSV file, against reference values."""
 
 import csv
+import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,10 +11,11 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.units import to_si
+from drumlin.brake.units import LARGEST, to_si
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
-from drumlin.response.response import Response
+from drumlin.files import read_text
+from drumlin.response.response import Response, ShoeResponse
 from drumlin.verification.reference import LARGEST_FILE, Reference, ShoeReference
 
 QUANTITIES = {"theta": "rad", "p": "Pa"}
@@ -47,27 +49,29 @@ class Verdict(NamedTuple):
 
 
 def curves_text(response: Response, flat: bool = False) -> str:
-    """The pressures of a response as a CSV table that `read_curves` takes, at its own nodes; `flat`: over places x."""
+    """The pressures of a response as a CSV table that `read_curves` takes, `flat`: over places x."""
     place, per_unit = ("x [mm]", 1e3) if flat else ("theta [deg]", math.degrees(1))
     return as_csv(
         [
             {"shoe": shoe.name, place: f"{x:.12g}", "p [MPa]": f"{p:.12g}"}
             for shoe in response.shoes
-            for x, p in zip(shoe.theta * per_unit, shoe.pressure * 1e-6, strict=True)
+            for x, p in zip(*curve_of(shoe, per_unit), strict=True)
         ]
     )
 
 
+def curve_of(shoe: ShoeResponse, per_unit: float) -> tuple[Floats, Floats]:
+    """The curve of a shoe: places, in units of which there are so many to SI's, and p [MPa]."""
+    theta, p = shoe.curve()
+    return theta * per_unit, p * 1e-6
+
+
 def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:
     """The curve of each shoe from a CSV file. Raises BadInput with one line: file, line, what is allowed."""
+    text = read_text(path, LARGEST_FILE, "a table of p(theta)")
     try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; not a table of p(theta)")
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = list(csv.reader(file))
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
-    except (UnicodeDecodeError, csv.Error) as error:
+        lines = list(csv.reader(io.StringIO(text, newline="")))
+    except csv.Error as error:
         raise BadInput(f"{path}: is not a CSV file ({error})") from error
     if not lines:
         raise BadInput(f"{path}: is empty; must have {ALLOWED}")
@@ -113,8 +117,10 @@ def _number(path: Path, number: int, line: Sequence[str], key: str, place: int, 
         value = float(line[place]) * factor
     except ValueError:
         value = math.nan
-    if not math.isfinite(value):
-        raise BadInput(f"{path}: line {number}: {key} = {line[place]!r}: must be a finite number")
+    if not abs(value) <= LARGEST:
+        raise BadInput(
+            f"{path}: line {number}: {key} = {line[place]!r}: must be a finite number, up to {LARGEST:g} in SI units"
+        )
     return value
 
 

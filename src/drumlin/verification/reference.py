@@ -20,14 +20,16 @@ import numpy as np
 import drumlin
 from drumlin.arrays import Bools, Floats
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.units import LARGEST
 from drumlin.errors import BadInput
 from drumlin.fem.adapt import scene_refined
 from drumlin.fem.mesh.grading import fine
 from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
-from drumlin.files import write_text
+from drumlin.files import read_text, write_text
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response, ShoeResponse, contact_resultant, edge_zone
+from drumlin.texts import check_digits
 
 FORMAT = "drumlin reference values, 1"
 DIGITS = 10  # significant digits in a file
@@ -247,23 +249,21 @@ def write_values(data: dict[str, Any], path: Path) -> None:
 
 def read_reference(path: Path) -> Reference:
     """Reference values from a file that write_values made. Raises BadInput with one line."""
+    text = read_text(path, LARGEST_FILE, "a file of reference values")
     try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise BadInput(f"{path}: larger than {LARGEST_FILE} bytes; no reference values")
-        data = json.loads(path.read_text(encoding="utf-8"))
+        check_digits(text)
+        data = json.loads(text, parse_constant=_refused)
         if data["format"] != FORMAT:
             raise BadInput(f"{path}: format = {data['format']!r}: must be {FORMAT!r}")
         return Reference(
-            data["title"],
-            data["brake_file"],
-            data["command"],
-            data["versions"],
+            _text(data["title"]),
+            _text(data["brake_file"]),
+            _text(data["command"]),
+            {_text(name): _text(version) for name, version in data["versions"].items()},
             _sure_from(data["torque"]),
             tuple(_shoe_from(shoe) for shoe in data["shoes"]),
         )
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read ({error.strerror})") from error
-    except (ValueError, LookupError, TypeError, AttributeError) as error:
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError, OverflowError) as error:
         raise BadInput(f"{path}: holds no reference values in the form of `drumlin reference`") from error
 
 
@@ -298,29 +298,59 @@ def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
     return rows
 
 
-def _sure_from(data: dict[str, Any]) -> Sure:
-    return Sure(data["value"], math.inf if data["uncertainty"] is None else float(data["uncertainty"]))
+def _refused(word: str) -> float:
+    raise ValueError(f"{word} is no number of JSON")
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError("not a text")
+    return value
+
+
+def _numbers(value: object, *shape: int) -> Floats:
+    """Finite numbers of a shape; -1: of any length. Raises ValueError, TypeError."""
+    array = np.array(value, dtype=float)
+    if array.size == 0:
+        array = array.reshape([max(length, 0) for length in shape])
+    fits = array.ndim == len(shape) and all(n in {-1, m} for n, m in zip(shape, array.shape, strict=True))
+    if not fits or not (np.abs(array) <= LARGEST).all():
+        raise ValueError("not finite numbers of the shape that is needed")
+    return array
+
+
+def _sure_from(data: dict[str, Any], *shape: int) -> Sure:
+    known = data["uncertainty"]
+    return Sure(_numbers(data["value"], *shape).tolist(), math.inf if known is None else _size(known))
+
+
+def _size(value: object) -> float:
+    """A number that is not negative."""
+    size = float(_numbers(value))
+    if size < 0:
+        raise ValueError("negative")
+    return size
 
 
 def _shoe_from(data: dict[str, Any]) -> ShoeReference:
-    first, last = data["lining"]
-    theta, pressure, uncertainty = (
-        np.array(data[key], dtype=float) for key in ("theta", "pressure", "pressure_uncertainty")
-    )
-    if not theta.shape == pressure.shape == uncertainty.shape:
-        raise ValueError("arrays of different lengths")
+    theta = _numbers(data["theta"], -1)
+    pressure, uncertainty = (_numbers(data[key], len(theta)) for key in ("pressure", "pressure_uncertainty"))
+    first, last = _numbers(data["lining"], 2).tolist()
+    if not first < last or (np.diff(theta) <= 0).any():
+        raise ValueError("angles that do not grow")
     return ShoeReference(
-        name=data["name"],
-        **{
-            key: _sure_from(data[key])
-            for key in ("torque", "contact_force", "hinge_reaction", "peak_pressure", "contact_arcs")
-        },
-        ends=(float(first), float(last)),
-        edge=float(data["edge"]),
+        name=_text(data["name"]),
+        torque=_sure_from(data["torque"]),
+        contact_force=_sure_from(data["contact_force"], 2),
+        hinge_reaction=_sure_from(data["hinge_reaction"], 2),
+        peak_pressure=_sure_from(data["peak_pressure"]),
+        contact_arcs=_sure_from(data["contact_arcs"], -1, 2),
+        ends=(first, last),
+        edge=_size(data["edge"]),
         theta=theta,
         pressure=pressure,
         uncertainty=uncertainty,
-        distance=float(data["pressure_distance"]),
+        distance=_size(data["pressure_distance"]),
     )
 
 
@@ -329,8 +359,8 @@ def stored(text: str, *folders: Path) -> Path | None:
     for folder in folders:
         for path in sorted(folder.glob("*.json")):
             try:
-                if json.loads(path.read_text(encoding="utf-8")).get("brake_file") == text:
+                if json.loads(read_text(path, LARGEST_FILE, "reference values"))["brake_file"] == text:
                     return path
-            except (OSError, ValueError, AttributeError):
+            except (BadInput, ValueError, LookupError, TypeError, RecursionError):
                 continue  # another JSON file
     return None

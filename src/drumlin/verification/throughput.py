@@ -17,7 +17,7 @@ from drumlin.arrays import Floats
 from drumlin.errors import NoAnswer
 from drumlin.journal import Journal
 from drumlin.sweeps.cases import Case, Row, run
-from drumlin.sweeps.workers import Crew, crew
+from drumlin.sweeps.workers import Workers, executor
 
 # glibc: freed memory below these sizes [bytes] is kept; the one that Dask sets turns off that the other adapts.
 KEEP = {"MALLOC_TRIM_THRESHOLD_": str(2**28), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
@@ -46,7 +46,7 @@ class Throughput(NamedTuple):
 def processes(cases: Sequence[Case], workers: int) -> Throughput:
     """The cases by processes of this machine."""
     start, before = time.perf_counter(), _processor()
-    with crew(workers) as found:
+    with executor(workers) as found:
         made = _timed("processes", cases, found, start)
     return made._replace(processor=_processor() - before)
 
@@ -69,7 +69,7 @@ def _dask(by: str, cases: Sequence[Case], workers: int, environment: dict[str, s
         distributed.LocalCluster(
             n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
         ) as cluster,
-        crew(scheduler=cluster.scheduler_address) as found,
+        executor(scheduler=cluster.scheduler_address) as found,
     ):
         made = _timed(by, cases, found, start)
     return made._replace(processor=_processor() - before)
@@ -93,7 +93,7 @@ def _processor() -> float:
     return sum(os.times()[:4])
 
 
-def _timed(by: str, cases: Sequence[Case], found: Crew, start: float) -> Throughput:
+def _timed(by: str, cases: Sequence[Case], found: Workers, start: float) -> Throughput:
     """The first cases are solved by the sine law before, to wake the workers; condensing shared bodies counts."""
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
     run(warm, executor=found.executor, workers=found.workers)

@@ -97,7 +97,7 @@ def _unknowns(scene: Scene) -> int:
     return sum(body.unknowns for body in bodies) + (0 if scene.ring is None else int(2 * scene.ring.basis.N))
 
 
-def _adapted(brake: Brake, *, tolerance: float, kind: str = DEFAULT_KIND) -> Solved:
+def _adapted(brake: Brake, *, tolerance: float, kind: str | None = None) -> Solved:
     return Solved(solve(brake, tolerance=tolerance, kind=kind, penalty=math.inf))
 
 
@@ -231,7 +231,7 @@ def _grown(brake: Brake, method: Method) -> int:
 
 def process_seconds(brake_file: Path, *options: str, repeats: int = REPEATS) -> float:
     """Wall-clock seconds of a whole `drumlin solve` of a brake file, from the start of its process; the median."""
-    command = [sys.executable, "-c", "from drumlin.cli.main import main; main()", "solve", str(brake_file), *options]
+    command = [sys.executable, "-c", "from drumlin.cli import main; main()", "solve", str(brake_file), *options]
     samples = []
     for _ in range(repeats):
         start = time.perf_counter()

@@ -89,9 +89,9 @@ class Distance(NamedTuple):
 
 def distance(setup: WearSetup, state: WearState, goal: Target) -> Distance:
     """The relative distances of a state from the target."""
-    worst = max(
-        norm(s, s.along(state.pressure - goal.pressure)) / norm(s, s.along(goal.pressure)) for s in setup.surfaces
-    )
+    sizes = [norm(s, s.along(goal.pressure)) for s in setup.surfaces]
+    apart = [norm(s, s.along(state.pressure - goal.pressure)) for s in setup.surfaces]
+    worst = max((a / size for a, size in zip(apart, sizes, strict=True) if size), default=0.0)
     return Distance(worst, state.torque / goal.torque - 1 if goal.torque else 0.0)
 
 
@@ -117,8 +117,14 @@ def run_in(
 ) -> list[WearState]:
     """Wear a brake in by `law`, by default Archard's: options as in archard.run; until settled, or over `distance`.
 
-    backward: the setup of the same brake with the drum turning the other way, for `reverse`.
+    backward: the setup of the same brake with the drum turning the other way, for `reverse`. Raises BadInput, NoAnswer.
     """
+    for surface in setup.surfaces:  # p is compared without one element at each end
+        count = (len(surface.angles) - 1) // surface.order
+        if count < 3:
+            raise BadInput(
+                f"shoe {surface.name!r}: its lining has {count} elements; wear needs at least 3 (--elements)"
+            )
     law = law or WearLaw(COEFFICIENT)
     torque = options.get("torque")
     if until is None and "distance" not in options:

@@ -3,7 +3,7 @@
 meshio's own reader knows neither CPS6 nor CPS8, the quadratic elements of plane stress.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,11 +23,12 @@ PLANES = {
 CELLS = LINES | PLANES
 NAMES = {"triangle": "CPS3", "triangle6": "CPS6", "quad": "CPS4", "quad8": "CPS8"}
 NODES = {"line": 2, "line3": 3, "triangle": 3, "triangle6": 6, "quad": 4, "quad8": 8, "quad9": 9}
+MOST_MEMBERS = 2_000_000  # of all sets together; a set may name others and ranges, and be far larger than its text
 PER_LINE = 12  # numbers on a line that is written; the formats allow 16
 
 
-def read_inp(path: Path) -> Any:
-    """The mesh of an input file as a meshio.Mesh; set names in lower case; lines of other keywords are passed over.
+def read_inp(text: str) -> Any:
+    """The mesh in the text of an input file as a meshio.Mesh; set names in lower case; other keywords are passed over.
 
     Raises ValueError with a line that says what cannot be read.
     """
@@ -37,7 +38,8 @@ def read_inp(path: Path) -> Any:
     place: dict[int, tuple[int, int]] = {}  # element label -> block, row
     node_sets: dict[str, list[int]] = {}
     element_sets: dict[str, list[int]] = {}
-    for keyword, options, rows in _sections(path):
+    room = MOST_MEMBERS
+    for keyword, options, rows in _sections(text):
         if keyword == "INCLUDE":
             raise ValueError("*INCLUDE is not followed; put nodes, elements and sets in one file")
         if keyword == "NODE":
@@ -46,7 +48,7 @@ def read_inp(path: Path) -> Any:
                     raise ValueError(f"node {label} is defined twice")
                 number[int(label)] = len(points)
                 points.append([*map(float, xyz), 0.0, 0.0][:3])
-            _members(node_sets, options.get("NSET"), [[row[0]] for row in rows])
+            room -= _members(room, node_sets, options.get("NSET"), [[row[0]] for row in rows])
         elif keyword == "ELEMENT":
             cell, labels, cells = _elements(options.get("TYPE", ""), rows)
             for row, element in enumerate(labels):
@@ -55,15 +57,17 @@ def read_inp(path: Path) -> Any:
                 place[element] = (len(blocks), row)
             rows_of = [[number[label] for label in nodes] for nodes in cells]
             blocks.append((cell, [[a, b, middle] for a, middle, b in rows_of] if cell == "line3" else rows_of))
-            _members(element_sets, options.get("ELSET"), [[str(label)] for label in labels])
+            room -= _members(room, element_sets, options.get("ELSET"), [[str(label)] for label in labels])
         elif keyword == "NSET":
-            _members(node_sets, options.get("NSET"), rows, "GENERATE" in options)
+            room -= _members(room, node_sets, options.get("NSET"), rows, "GENERATE" in options)
         elif keyword == "ELSET":
-            _members(element_sets, options.get("ELSET"), rows, "GENERATE" in options)
+            room -= _members(room, element_sets, options.get("ELSET"), rows, "GENERATE" in options)
     cell_sets: dict[str, list[Ints]] = {}
     for name, labels in element_sets.items():
-        found = [place[label] for label in labels if label in place]
-        cell_sets[name] = [np.array([row for b, row in found if b == i], dtype=np.int64) for i in range(len(blocks))]
+        found = np.array([place[label] for label in labels if label in place], dtype=np.int64).reshape(-1, 2)
+        order = np.argsort(found[:, 0], kind="stable")
+        cuts = np.searchsorted(found[order, 0], np.arange(1, len(blocks)))
+        cell_sets[name] = list(np.split(found[order, 1], cuts)) if blocks else []
     return meshio.Mesh(
         np.array(points).reshape(-1, 3),
         [(cell, np.array(cells, dtype=np.int64).reshape(-1, NODES[cell])) for cell, cells in blocks],
@@ -75,11 +79,11 @@ def read_inp(path: Path) -> Any:
     )
 
 
-def _sections(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
+def _sections(text: str) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
     """Keyword, options and data rows of each section; upper case, a row that ends with a comma goes on."""
     keyword, options, rows, goes_on = "", dict[str, str](), list[list[str]](), False
-    for text in path.read_text(encoding="utf-8", errors="replace").splitlines():
-        line = text.strip()
+    for line_text in text.splitlines():
+        line = line_text.strip()
         if not line or line.startswith("**"):
             continue
         words = [word.strip().upper() for word in line.split(",")]
@@ -109,18 +113,28 @@ def _elements(kind: str, rows: list[list[str]]) -> tuple[str, list[int], list[li
     return cell, [int(row[0]) for row in rows], [[int(word) for word in row[1:]] for row in rows]
 
 
-def _members(sets: dict[str, list[int]], name: str | None, rows: list[list[str]], ranges: bool = False) -> None:
-    """Add the rows of a set: labels, names of earlier sets, or (first, last, step)."""
+def _members(
+    room: int, sets: dict[str, list[int]], name: str | None, rows: list[list[str]], ranges: bool = False
+) -> int:
+    """Add the rows of a set: labels, names of earlier sets, or (first, last, step). Returns how many members that are.
+
+    Raises ValueError where there are more than `room`, before they fill the memory.
+    """
     if not name:
-        return
+        return 0
     members = sets.setdefault(name.lower(), [])
+    before = len(members)
     for row in rows:
         if ranges:
             first, last, step = [*map(int, row), 1][:3]
-            members += range(first, last + 1, step)
-            continue
-        for word in row:
-            members += [int(word)] if word.isdigit() else list(sets.get(word.lower(), []))
+            added: list[Sequence[int]] = [range(first, last + 1, step)]
+        else:
+            added = [[int(word)] if word.isdigit() else sets.get(word.lower(), []) for word in row]
+        for more in added:
+            if more[room + before - len(members) :]:  # the length of a range may be beyond what len can say
+                raise ValueError(f"the sets have more than {MOST_MEMBERS} members together")
+            members += more
+    return len(members) - before
 
 
 def write_inp(

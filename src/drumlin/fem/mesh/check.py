@@ -19,6 +19,7 @@ from drumlin.response.resultants import angle_near
 
 ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
 APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
+MOST_PAIRS = 1000  # nodes in one place that are counted
 LARGEST = 1e6  # drum's radii that a mesh may reach: beyond it not even the checks are sure
 BENT = 0.5  # of an edge's length, by which its middle node may lie off its middle: half a circle
 OFF = 0.01  # of the drum's radius, by which the contact may lie off it: the pressure is that on the drum's circle
@@ -78,6 +79,9 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             f"{fault}: reaches {size:.3g} m far; must be a shoe in a drum of radius {mm(radius)} "
             f"(coordinates are read in {shoe.mesh_unit})"
         )
+    cells = np.unique(np.round(mesh.doflocs / (APART * size)), axis=1)  # many in one place make far more pairs
+    if cells.shape[1] < mesh.doflocs.shape[1] - MOST_PAIRS:
+        raise BadInput(f"{fault}: many nodes stand in one place; merge them, the parts are bonded")
     pairs = scipy.spatial.cKDTree(mesh.doflocs.T).query_pairs(APART * size, output_type="ndarray")
     if len(pairs):
         raise BadInput(f"{fault}: {len(pairs)} pairs of nodes stand in one place; merge them, the parts are bonded")

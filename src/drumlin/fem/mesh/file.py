@@ -1,4 +1,4 @@
-"""A shoe's mesh in a file: Gmsh, Abaqus/CalculiX, VTU and what else meshio reads, with named groups.
+"""A shoe's mesh in a file: Gmsh, Abaqus/CalculiX or VTU, with named groups.
 
 A group is a set of cells or edges with that name (Gmsh's physical names, ELSET), a set of nodes (NSET), or
 cell or point data of that name that is 1 on its members and 0 elsewhere (VTU). A set of nodes names the
@@ -8,6 +8,8 @@ outer edges whose nodes all belong to it. Capital letters do not matter.
 import contextlib
 import dataclasses
 import io
+import stat
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,15 +20,18 @@ import skfem
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Shoe
-from drumlin.errors import BadInput
+from drumlin.errors import BadInput, reason_of
 from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.abaqus import read_inp, write_inp
 from drumlin.fem.mesh.arc import KINDS, kind_of
 from drumlin.fem.mesh.check import check, check_cells
-from drumlin.files import replacing
+from drumlin.fem.mesh.vtu import check_unpacked
+from drumlin.files import read_bytes, replacing
 
 FORMATS = (".msh", ".inp", ".vtu")
 GROUPS = ("lining", "backing", "shoe", "contact", "hinge", "actuation")
+LARGEST_FILE = 50_000_000  # bytes
+MOST_NODES = 1_000_000
 LARGEST_NUMBER = 10_000_000  # of a node in an .msh file: its reader makes an array of that length
 SCALE = {"m": 1.0, "mm": 1e-3}
 
@@ -90,24 +95,44 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
     Raises BadInput, naming `key` and the file, for a file that cannot be read or used.
     """
     fault = f"{key} = '{path}'"
-    if not path.is_file():
-        raise BadInput(f"{fault}: no such file")
-    if path.suffix.lower() == ".msh":
+    try:
+        regular = stat.S_ISREG(path.stat().st_mode)
+    except (OSError, ValueError) as error:
+        raise BadInput(f"{fault}: no such file ({reason_of(error)})") from error
+    suffix = path.suffix.lower()
+    if not regular or suffix not in FORMATS:
+        raise BadInput(f"{fault}: is not a mesh: must be a file whose name ends in {', '.join(FORMATS)}")
+    data = read_bytes(path, LARGEST_FILE, "a mesh")
+    if suffix == ".msh":
         _check_numbers(path, fault)
     said = io.StringIO()
     try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            raw = read_inp(path) if path.suffix.lower() == ".inp" else meshio.read(path)
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what is wrong with the mesh is found below
+            raw = _raw(path, suffix, data)
+    except MemoryError as error:
+        raise BadInput(f"{fault}: is not a mesh that can be read (it needs more memory than there is)") from error
     except (Exception, SystemExit) as error:  # meshio's readers fail in their own many ways
         gave_up = isinstance(error, SystemExit)
         reason = said.getvalue().strip().removeprefix("Error: ") if gave_up else f"{type(error).__name__}: {error}"
         raise BadInput(f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:120]})") from error
+    if len(raw.points) > MOST_NODES:
+        raise BadInput(f"{fault}: has {len(raw.points)} nodes; must have at most {MOST_NODES}")
     points = _plane_points(raw, fault) * SCALE[shoe.mesh_unit]
     if shoe.mesh_frame == "brake":
         points = shoe.frame.to_shoe(points)
     cell, cells, points = _plane_cells(raw, points, fault)
     mesh = _with_groups(raw, cell, *_mesh(cell, cells, points, fault), cells, fault)
     return check(mesh, shoe, radius, fault)
+
+
+def _raw(path: Path, suffix: str, data: bytes) -> Any:
+    """The mesh of a file as meshio.Mesh; `data` is its content."""
+    if suffix == ".inp":
+        return read_inp(data.decode(errors="replace"))
+    if suffix == ".vtu":
+        check_unpacked(data)
+    return meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh")
 
 
 def _check_numbers(path: Path, fault: str) -> None:

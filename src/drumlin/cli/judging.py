@@ -1,0 +1,103 @@
+"""Commands that judge answers: reference values, comparison with them, what a solve costs."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drumlin.cli.options import BrakeFile, Elements, Penalty, fem_options
+from drumlin.cli.terminal import busy, tell
+from drumlin.errors import BadInput
+
+
+def cost(
+    brake_file: BrakeFile,
+    elements: Elements = None,
+    penalty: Penalty = None,
+    by_size: Annotated[
+        bool, typer.Option("--table", help="against the unknowns, up to 1 000 000: some minutes, some 8 GiB")
+    ] = False,
+) -> None:
+    """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
+    from drumlin.brake.file import read_brake
+    from drumlin.verification.cost import measure, table
+
+    brake = read_brake(brake_file)
+    options = fem_options(elements, penalty=penalty)
+    if by_size and options:
+        raise BadInput("--table chooses the elements itself; leave out --elements and --penalty")
+    if by_size:
+        for line in table(brake):
+            tell(line, at_once=True)
+        return
+    with busy("measuring"):
+        lines = measure(brake, **options)
+    for line in lines:
+        tell(line)
+
+
+def reference(
+    brake_file: BrakeFile,
+    output: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="where to write; default: NAME.reference.json")
+    ] = None,
+) -> None:
+    """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two fine meshes."""
+    from drumlin.brake.file import read_brake, toml_text
+    from drumlin.files import check_output
+    from drumlin.verification.reference import as_dict, write_values
+    from drumlin.verification.reference import reference as make
+
+    text = toml_text(brake_file)
+    brake = read_brake(brake_file, text)
+    path = output or Path(f"{brake_file.stem}.reference.json")
+    check_output(path)
+    with busy("two fine meshes"):
+        found = make(brake, text, f"drumlin reference {brake_file.as_posix()}")
+    write_values(as_dict(found), path)
+    tell(f"torque {found.torque.value:.10g} N m, uncertainty {found.torque.uncertainty:.1e}")
+    for shoe in found.shoes:
+        tell(
+            f"  shoe {shoe.name!r}: torque {shoe.torque.value:.10g} N m, uncertainty {shoe.torque.uncertainty:.1e}; "
+            f"p uncertain by {shoe.pressure_uncertainty:.1e} of its peak away from the edges, "
+            f"{shoe.distance:.1e} in L2"
+        )
+    tell(f"reference: {path}")
+
+
+def check(
+    brake_file: BrakeFile,
+    result: Annotated[
+        Path,
+        typer.Argument(metavar="RESULT.csv", help=r"columns 'shoe', 'theta \[deg]', 'p \[MPa]'; other units as well"),
+    ],
+    known: Annotated[
+        Path | None,
+        typer.Option("--reference", metavar="FILE", help="reference values; default: stored, else made anew"),
+    ] = None,
+    tolerance: Annotated[float, typer.Option(help="of p in L2 and of the torque, relative")] = 0.01,
+) -> None:
+    """Compare anybody's p(theta) with reference values. The last line is the verdict; exit status 0 either way."""
+    from drumlin.brake.file import read_brake, toml_text
+    from drumlin.studies import REPOSITORY
+    from drumlin.verification.check import check as compare_with
+    from drumlin.verification.check import lines, read_curves
+    from drumlin.verification.reference import read_reference, stored
+    from drumlin.verification.reference import reference as make
+
+    if not 0 < tolerance < 1:
+        raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
+    text = toml_text(brake_file)
+    brake = read_brake(brake_file, text)
+    curves = read_curves(result, brake)
+    values = Path("reports") / "reference" / "values"
+    path = known or stored(text, brake_file.parent, values, REPOSITORY / values)
+    if path is None:
+        with busy("no stored reference: two fine meshes"):
+            found, said = make(brake, text, f"drumlin reference {brake_file.as_posix()}"), "made anew"
+    else:
+        found, said = read_reference(path), str(path)
+    verdicts = compare_with(brake, found, curves)
+    tell(f"reference: {said}")
+    for line in lines(verdicts, tolerance):
+        tell(line)

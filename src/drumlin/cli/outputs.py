@@ -1,0 +1,82 @@
+"""Commands that write a brake in another form: a picture, meshes, input decks."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drumlin.cli.options import BrakeFile, Elements, Kind, fem_options
+from drumlin.cli.terminal import busy, tell
+from drumlin.errors import BadInput
+
+
+def view(
+    brake_file: BrakeFile,
+    output: Annotated[Path | None, typer.Option(metavar="FILE", help="the picture, .png or .svg")] = None,
+    elements: Elements = None,
+    kind: Kind = None,
+) -> None:
+    """Draw a brake and its mesh."""
+    from drumlin.brake.plane_brake import read_any
+    from drumlin.files import check_output
+    from drumlin.report.figures import save
+    from drumlin.report.view import draw
+
+    brake = read_any(brake_file)
+    picture = output or Path(f"{brake_file.stem}.png")
+    if picture.suffix not in {".png", ".svg"}:
+        raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
+    check_output(picture)
+    with busy("drawing"):
+        save(draw(brake, **fem_options(elements, kind=kind)), picture)
+    tell(f"picture: {picture}")
+
+
+def mesh(
+    brake_file: BrakeFile,
+    output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the meshes")] = Path("meshes"),
+    name: Annotated[
+        str | None, typer.Option(help="first word of the file names; default: that of the brake file")
+    ] = None,
+    elements: Elements = None,
+    kind: Kind = None,
+    suffix: Annotated[str, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")] = "msh",
+) -> None:
+    """Write the mesh of each shoe as a file with named groups, to look at or to change."""
+    from drumlin.brake.file import read_brake
+    from drumlin.fem.assembly import prepare
+    from drumlin.fem.mesh.file import write_mesh
+    from drumlin.files import check_outputs
+
+    brake = read_brake(brake_file)
+    paths = [output / f"{name or brake_file.stem}_{shoe.name}.{suffix}" for shoe in brake.shoes]
+    check_outputs(*paths)
+    with busy("meshing"):
+        scene = prepare(brake, **fem_options(elements, kind=kind))
+        for path, shoe, body in zip(paths, brake.shoes, scene.bodies, strict=True):
+            write_mesh(path, body.mesh, shoe)
+            tell(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
+
+
+def export(
+    brake_file: BrakeFile,
+    to: Annotated[str, typer.Option("--to", metavar="calculix", help="the program that the files are for")],
+    output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the files")] = Path(),
+    elements: Elements = None,
+    kind: Kind = None,
+) -> None:
+    """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
+    from drumlin.brake.file import read_brake
+    from drumlin.files import check_folder
+    from drumlin.peers import calculix
+
+    if to != "calculix":
+        raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
+    brake = read_brake(brake_file)
+    check_folder(output)
+    with busy("writing"):
+        paths, apart = calculix.export(brake, output, brake_file.stem, **fem_options(elements, kind=kind))
+    for path in paths:
+        tell(str(path))
+    for name in apart:
+        tell(f"shoe {name!r}: no deck, its force does not turn it towards the drum")

@@ -1,0 +1,242 @@
+"""Commands that answer for a brake. Each reads, calls and prints; most of its lines are its options."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from drumlin.cli.options import BrakeFile, Elements, Kind, Penalty, fem_options
+from drumlin.cli.terminal import busy, print_response, print_table, tell
+from drumlin.errors import BadInput
+
+OPTIONS = {  # model -> its own options
+    "fem": ("elements", "kind", "penalty", "tolerance"),
+    "foundation": ("sections", "lift"),
+}
+
+
+def solve(
+    brake_file: BrakeFile,
+    model: Annotated[str, typer.Option(help="which model answers")] = "fem",
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write the response as JSON")] = None,
+    pressure: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="write the pressures as CSV, a table that check takes")
+    ] = None,
+    elements: Elements = None,
+    kind: Kind = None,
+    penalty: Penalty = None,
+    tolerance: Annotated[
+        float | None, typer.Option(help="refine until the estimated errors of p (L2) and torque are below it")
+    ] = None,
+    sections: Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")] = None,
+    lift: Annotated[
+        list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
+    ] = None,
+) -> None:
+    """Solve a brake by one model."""
+    from drumlin.brake.plane_brake import FlatBrake, read_any
+    from drumlin.files import check_outputs, write_json, write_text
+    from drumlin.models import pick
+
+    brake = read_any(brake_file)
+    check_outputs(json_file, pressure)
+    options = fem_options(elements, kind=kind, penalty=penalty) | (
+        {} if tolerance is None else {"tolerance": tolerance}
+    )
+    chosen = pick(model, brake)
+    options |= {name: value for name, value in (("sections", sections), ("lift", lift)) if value is not None}
+    for owner, names in OPTIONS.items():
+        if model != owner and set(names) & set(options):
+            *some, last = (f"--{name}" for name in names)
+            raise BadInput(f"{', '.join(some)} and {last} belong to --model {owner}, not to {model!r}")
+    with busy(f"solving by {model}"):
+        response = chosen.solve(brake, **options)
+    if json_file is not None:
+        write_json(json_file, response.as_dict())
+    if pressure is not None:
+        from drumlin.verification.check import curves_text
+
+        write_text(pressure, curves_text(response, isinstance(brake, FlatBrake)))
+    print_response(brake, response)
+
+
+def compare(
+    brake_file: BrakeFile,
+    output: Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")] = None,
+    elements: Elements = None,
+    kind: Kind = None,
+    penalty: Penalty = None,
+) -> None:
+    """Solve a brake by all models that apply, side by side, and write one report."""
+    from drumlin.brake.file import toml_text
+    from drumlin.brake.plane_brake import FlatBrake, read_any
+    from drumlin.files import check_folder
+    from drumlin.report.comparison import write_comparison
+
+    text = toml_text(brake_file)
+    brake = read_any(brake_file, text)
+    if isinstance(brake, FlatBrake):
+        raise BadInput(
+            f"{brake_file}: plane: compare takes brakes on a drum; solve this one by --model linear or short"
+        )
+    folder = output or Path("reports") / brake_file.stem
+    check_folder(folder)
+    with busy("comparing the models"):
+        result = write_comparison(brake, text, folder, fem_options(elements, kind=kind, penalty=penalty))
+    tell(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
+    print_table(result.table)
+    for line in result.notes:
+        tell(line)
+    tell(f"report: {result.page}")
+
+
+def hold(
+    brake_file: BrakeFile,
+    rotation: Annotated[
+        str | None,
+        typer.Option(metavar="ANGLE", help='how far the drum is turned, such as "0.02 deg"; default: to full slip'),
+    ] = None,
+    steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")] = None,
+    elements: Elements = None,
+    kind: Kind = None,
+    penalty: Penalty = None,
+) -> None:
+    """Hold the drum: from rest through partial slip to full slip, as it is turned against the shoes."""
+    import numpy as np
+
+    from drumlin.brake.file import read_brake
+    from drumlin.brake.units import quantity
+    from drumlin.fem.assembly import prepare
+    from drumlin.fem.holding import as_dict, full_slip_rotation
+    from drumlin.fem.holding import hold as turn
+    from drumlin.files import check_outputs, write_json
+
+    brake = read_brake(brake_file)
+    check_outputs(json_file)
+    if not 1 <= steps <= 10_000:
+        raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
+    options = fem_options(elements, kind=kind, penalty=penalty)
+    stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
+    end = None if rotation is None else quantity("--rotation", rotation, "rad")
+    with busy("holding") as say:
+        scene = prepare(brake, **options)
+        end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
+        states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
+    if json_file is not None:
+        write_json(json_file, as_dict(states))
+    tell(f"{'rotation [deg]':>15}{'moment [N m]':>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
+    for at in states:
+        tell(f"{np.degrees(at.rotation):15.6f}{at.torque:15.4f}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
+
+
+def sensitivity(
+    brake_file: BrakeFile,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write them as JSON")] = None,
+    elements: Elements = None,
+    kind: Kind = None,
+    penalty: Penalty = None,
+) -> None:
+    """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the elastic brake."""
+    from drumlin.brake.file import read_brake
+    from drumlin.fem.assembly import prepare
+    from drumlin.fem.sensitivity import as_text
+    from drumlin.fem.sensitivity import sensitivity as slopes
+    from drumlin.files import check_outputs, write_json
+
+    brake = read_brake(brake_file)
+    check_outputs(json_file)
+    options = fem_options(elements, kind=kind, penalty=penalty)
+    stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
+    with busy("sensitivity"):
+        found = slopes(prepare(brake, **options), brake, **stiffness)
+    if json_file is not None:
+        write_json(json_file, found.as_dict())
+    tell(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
+    for line in as_text(found, brake):
+        tell(line)
+
+
+def wear(
+    brake_file: BrakeFile,
+    model: Annotated[str, typer.Option(metavar="fem|foundation", help="the elastic model that is worn in")] = "fem",
+    distance: Annotated[
+        str | None,
+        typer.Option(help='sliding distance, such as "20 km", or a number of 1/(k K), K = E/t; default: until settled'),
+    ] = None,
+    coefficient: Annotated[
+        str | None, typer.Option(metavar="K", help='of wear, such as "1e-5 mm^3/(N m)"; with an exponent: at 1 MPa')
+    ] = None,
+    exponent: Annotated[float, typer.Option(help="of the pressure in the rate of wear")] = 1.0,
+    torque: Annotated[str | None, typer.Option(help="hold this torque by the force, not the force")] = None,
+    reverse: Annotated[str | None, typer.Option(help="the drum turns back after every such distance")] = None,
+    guided: Annotated[bool, typer.Option("--guided", help="rigid shoes moving along their middle radius")] = False,
+    tolerance: Annotated[float | None, typer.Option(help="relative error of p (L2) a step")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")] = None,
+    elements: Elements = None,
+    kind: Kind = None,
+    sections: Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")] = None,
+    lift: Annotated[
+        list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
+    ] = None,
+) -> None:
+    """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe law."""
+    from drumlin.brake.file import read_brake, vary
+    from drumlin.brake.units import quantity
+    from drumlin.files import check_outputs, write_json
+    from drumlin.wear.archard import WearLaw
+    from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
+    from drumlin.wear.run_in import COEFFICIENT, as_dict, report_lines, run_in, target
+    from drumlin.wear.run_in import unit_distance as unit_of
+
+    brake = read_brake(brake_file)
+    check_outputs(json_file)
+    if model not in {"fem", "foundation"}:
+        raise BadInput(f"--model = {model!r}: does not wear; allowed: fem, foundation")
+    meshing = fem_options(elements, kind=kind)
+    solving: dict[str, Any] = {
+        name: value for name, value in (("sections", sections), ("lift", lift)) if value is not None
+    }
+    if solving if model == "fem" else (meshing or guided):
+        raise BadInput("--elements, --kind and --guided belong to --model fem, --sections and --lift to foundation")
+    law = WearLaw(COEFFICIENT if coefficient is None else quantity("--coefficient", coefficient, "1/Pa"), exponent)
+    options: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
+    if torque is not None:
+        options["torque"] = quantity("--torque", torque, "N m")
+
+    def length(key: str, text: str, setup: WearSetup) -> float:
+        try:
+            number = float(text)
+        except ValueError:
+            return quantity(key, text, "m")
+        return number * unit_of(setup, law)
+
+    with busy("running in") as say:
+        if model == "fem":
+            from drumlin.fem.assembly import prepare
+
+            scene = prepare(brake, **meshing)
+
+            def setup_of(turning: Any) -> WearSetup:
+                return fem_setup(scene, turning, guide="radius" if guided else "hinge")
+        else:
+
+            def setup_of(turning: Any) -> WearSetup:
+                return foundation_setup(turning, **solving)
+
+        setup = setup_of(brake)
+        if reverse is not None:
+            other = "clockwise" if brake.spin > 0 else "counter-clockwise"
+            options |= {
+                "backward": setup_of(vary(brake, {"rotation": other})),
+                "reverse": length("--reverse", reverse, setup),
+            }
+        if distance is not None:
+            options["distance"] = length("--distance", distance, setup)
+        say("wearing")
+        states = run_in(setup, law, **options)
+    goal = target(setup, law, options.get("torque"))
+    if json_file is not None:
+        write_json(json_file, as_dict(setup, states, goal, law))
+    for line in report_lines(setup, states, goal, law):
+        tell(line)

@@ -1,0 +1,79 @@
+"""The body of a parametric shoe of columns, as contact, response, sweeps and wear need it."""
+
+from functools import partial
+
+import numpy as np
+import scipy.linalg
+from scipy.linalg.lapack import dpotrf
+
+from drumlin.brake.drum_brake import Shoe
+from drumlin.errors import NoAnswer
+from drumlin.fem.body import FRAME, Condensed, Inside, tie
+from drumlin.fem.elimination import SINGULAR
+from drumlin.fem.hp import shoe as shoes
+from drumlin.fem.hp.division import Division
+from drumlin.fem.hp.grid import Block, Grid
+from drumlin.fem.hp.shoe import end_load, line_of
+from drumlin.fem.interface import ContactLine
+
+
+def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
+    """All nodes and elements of a shoe; sets "hinge" and, of an elastic shoe, "actuation", from the lining's side
+    on.
+    """
+    p, first, layers = div.degree, div.first, div.layers
+    depth, along = line_of(div.depths, p), line_of(div.angles, p)
+    rows, n = len(depth), len(along)
+    under = np.arange(rows * n).reshape(rows, n)
+    blocks, count = [Block(under, depth, along, div.part)], rows * n
+    faces = [under[first * p :, 0], under[first * p :, -1]]
+    if first == layers:
+        return Grid(p, tuple(blocks), shoes.map_of(shoe, radius), {"hinge": under[-1]}, count)
+    for k, ends in enumerate((div.before, div.after)):
+        if len(ends) == 1:
+            continue
+        places = line_of(ends, p)
+        inner = np.arange(count, count + (rows - first * p) * (len(places) - 1)).reshape(rows - first * p, -1)
+        count += inner.size
+        blocks.append(Block(np.column_stack([faces[k], inner]), depth[first * p :], places, div.part[first:]))
+        faces[k] = inner[:, -1]
+    sets = {"hinge": faces[0], "actuation": faces[1]}
+    return Grid(p, tuple(blocks), shoes.map_of(shoe, radius), sets, count)
+
+
+def condensed(shoe: Shoe, radius: float, div: Division, found: shoes.Condensed, grid: Grid) -> Condensed:
+    """What `shoe.condense` found, as the coupling needs it. Raises NoAnswer for a singular stiffness."""
+    S, loads = found.S, found.loads
+    L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
+    if info:
+        raise NoAnswer(SINGULAR)
+    L_fc = scipy.linalg.solve_triangular(L, S[FRAME:, :FRAME], lower=True, check_finite=False).T
+    inside = partial(_inside, shoe, div, grid)
+    return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, found.lost)
+
+
+def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
+    from drumlin.fem import assembly  # noqa: PLC0415
+
+    K = grid.stiffness(assembly.materials_of(shoe))
+    n = (len(div.angles) - 1) * div.degree + 1
+    ties = tie(grid, np.arange(n), grid.sets["hinge"], np.array([shoe.hinge.radius, 0.0]))
+    loads = np.zeros((ties.matrix.shape[1], FRAME))
+    if "actuation" in grid.sets:
+        full = np.zeros((grid.N, 2, FRAME))
+        nodes = grid.sets["actuation"]
+        f, _ = end_load(grid.doflocs[:, nodes], line_of(div.depths[div.first :], div.degree), div.degree)
+        full[nodes] = f.reshape(-1, 2, FRAME)
+        loads = ties.matrix.T @ full.reshape(-1, FRAME)
+    else:
+        loads[-FRAME:] = np.eye(FRAME)
+    return Inside((ties.matrix.T @ K @ ties.matrix).tocsc(), ties, loads)
+
+
+def contact_line(shoe: Shoe, radius: float, div: Division) -> ContactLine:
+    """The contact nodes of a division, which come first in its grid."""
+    p = div.degree
+    phi = line_of(div.angles, p)
+    m = len(div.angles) - 1
+    pieces = np.arange(m) * p + np.arange(p + 1)[:, None]
+    return ContactLine(np.arange(len(phi)), radius * np.array([np.cos(phi), np.sin(phi)]), phi, pieces)

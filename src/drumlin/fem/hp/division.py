@@ -1,0 +1,201 @@
+"""How a shoe is divided into columns along its lining and layers through its thickness.
+
+Sizes grow geometrically away from the places where the stress is not smooth: the lining's ends, the ends of the contact
+and kinks of its gap, the interfaces of layers where these end, and the corners at the face that the hinge holds. With
+the degree that makes the error fall exponentially (Babuska & Guo 1986; Schwab, p- and hp-Finite Element Methods, ch.
+4).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.components import Beam
+from drumlin.brake.drum_brake import Shoe
+from drumlin.response.response import EDGE_ZONE
+
+
+@dataclass(frozen=True)
+class Level:
+    """How finely a body is divided. Sizes next to singular places, as parts of the length that rules there:
+
+    `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, where this is less than `edge`;
+    `edge`: columns at the lining's ends, of its thickness; `end`: columns at ends of the contact and kinks, of the
+    thickness or the contact's length, whichever is less; `face`, `back`: layers at the lining's face and at the ends of
+    layers, of the thinner layer; `hinge`: columns and layers at the face that the hinge holds, of the body's thickness.
+    Sizes grow by 1/`ratio` along and 1/`through` through the layers; `largest` [rad]: of a column.
+    """
+
+    degree: int
+    zone: float
+    edge: float
+    end: float
+    ratio: float
+    largest: float
+    face: float
+    back: float
+    hinge: float
+    through: float
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A layer: the part it belongs to and its thickness [m]; `deepest` [m]: where it varies, the largest."""
+
+    part: str
+    thickness: float
+
+
+@dataclass(frozen=True)
+class Division:
+    """Columns and layers of a shoe.
+
+    `angles` (m + 1,) phi [rad]: ends of the columns under the lining; `before`, `after`: of those of the body beyond
+    it, starting at the lining; `depths` (l + 1,): ends of the layers, from the contact inwards, of an arc [m], of a
+    beam in layers; `part` (l,): what each layer belongs to.
+    """
+
+    degree: int
+    angles: Floats
+    before: Floats
+    after: Floats
+    depths: Floats
+    part: tuple[str, ...]
+
+    @property
+    def layers(self) -> int:
+        """Number of layers under the lining."""
+        return len(self.part)
+
+    @property
+    def first(self) -> int:
+        """The first layer that goes on beyond the lining, that of the body; `layers` of a rigid shoe."""
+        return self.part.index("shoe") if "shoe" in self.part else len(self.part)
+
+    @property
+    def unknowns(self) -> int:
+        """Number of displacement unknowns."""
+        p, beyond = self.degree, self.layers - self.first
+        under = (self.layers * p + 1) * ((len(self.angles) - 1) * p + 1)
+        over = (beyond * p + 1) * p * (len(self.before) + len(self.after) - 2) if beyond else 0
+        return 2 * (under + over)
+
+
+def graded(length: float, left: float, right: float, ratio: float, largest: float) -> list[float]:
+    """Sizes over `length` that grow by 1/ratio from `left` and `right` at its ends; even ones up to `largest`
+    between.
+    """
+    first: list[float] = []
+    last: list[float] = []
+    while True:
+        rest = length - math.fsum(first) - math.fsum(last)
+        least = min(left, right)
+        if least >= largest or rest <= 1.6 * least:
+            break
+        if left <= right:
+            first.append(left)
+            left /= ratio
+        else:
+            last.append(right)
+            right /= ratio
+    count = max(1, math.ceil(rest / min(largest, 1.6 * least) - 1e-9))
+    return [*first, *[rest / count] * count, *last[::-1]]
+
+
+def ends_of(sizes: Sequence[float], start: float, end: float) -> Floats:
+    """Where pieces of these sizes from start on end; the last one at `end`."""
+    return np.append(start + np.concatenate([[0.0], np.cumsum(sizes[:-1])]), end)
+
+
+def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
+    """The layers of a shoe from the contact inwards; the block of a straight beam with its least thickness."""
+    found = [Layer("lining", shoe.lining.thickness)]
+    if isinstance(shoe.body, Beam):
+        assert shoe.body.section is not None and shoe.backing is not None  # why_not
+        axis = axis_of(shoe.hinge.xy, shoe.actuation.point.xy)
+        ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
+        nearest = 1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max())
+        room = axis.distance - shoe.body.section.thickness / 2 - (radius + shoe.lining.thickness) * nearest
+        return [*found, Layer("backing", room), Layer("shoe", shoe.body.section.thickness)]
+    if shoe.backing is not None:
+        found.append(Layer("backing", shoe.backing.thickness))
+    if shoe.body is not None:
+        found.append(Layer("shoe", shoe.body.section.thickness))
+    return found
+
+
+def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float, float, bool]] = ()) -> Division:
+    """The division of a shoe. `places`, growing: (phi, length, kink) [rad], where the pressure is not smooth within the
+    lining, the length over which it changes there, and whether the gap has a kink: it may be unbounded there."""
+    start, end = shoe.arc
+    layers = layers_of(shoe, radius)
+    t = layers[0].thickness / radius
+    scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
+    marks = _marks(start, end, scale, [(x, level.end ** (1 + kink) * min(t, size)) for x, size, kink in places])
+    angles = [
+        ends_of(graded(b[0] - a[0], a[1], b[1], level.ratio, level.largest), a[0], b[0])[:-1]
+        for a, b in pairwise(marks)
+    ]
+    near, far = _beyond(shoe, radius, start, end)
+    before, after = np.array([start]), np.array([end])
+    if layers[-1].part == "shoe":
+        body, edge = layers[-1].thickness / radius, scale
+        held = level.hinge * body
+        if start - near > 1e-9:
+            sizes = graded(start - near, edge, held, level.ratio, max(body, level.largest))
+            before = start - ends_of(sizes, 0.0, start - near)
+        if far - end > 1e-9:
+            sizes = graded(far - end, edge, far - end, level.ratio, max(body, level.largest))
+            after = end + ends_of(sizes, 0.0, far - end)
+    depths, part = _depths(
+        layers,
+        level,
+        min(level.face * layers[0].thickness, level.zone * EDGE_ZONE * radius),
+        straight=isinstance(shoe.body, Beam),
+    )
+    return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
+
+
+def _marks(start: float, end: float, edge: float, places: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Ends and places (phi, size) without places that lie in the column at an end or at the place before."""
+    marks = [(start, edge)]
+    for x, size in places:
+        if x - marks[-1][0] > max(marks[-1][1], size) and end - x > max(edge, size):
+            marks.append((x, size))
+        elif len(marks) > 1 and size < marks[-1][1]:
+            marks[-1] = (marks[-1][0], size)
+    return [*marks, (end, edge)]
+
+
+def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float, float]:
+    """Where the body begins and ends [rad]; beyond the lining of a straight beam distances along it over R + t."""
+    if isinstance(shoe.body, Beam):
+        axis, back = axis_of(shoe.hinge.xy, shoe.actuation.point.xy), radius + shoe.lining.thickness
+        a = np.sort(axis.angle(shoe.frame.theta(np.array([start, end]))))
+        foot = axis.foot + back * np.sin(a)
+        return start - float(foot[0]) / back, end + (axis.length - float(foot[1])) / back
+    if shoe.body is None:
+        return start, end
+    near, far = sorted(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist(), key=abs)
+    return float(near), float(far)
+
+
+def _depths(layers: list[Layer], level: Level, face: float, *, straight: bool) -> tuple[Floats, tuple[str, ...]]:
+    depths, part, at = [np.zeros(1)], [], 0.0
+    for k, layer in enumerate(layers):
+        t = layer.thickness
+        outer = face if k == 0 else level.back * min(t, layers[k - 1].thickness)
+        inner = level.back * min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
+        if layer.part == "shoe":
+            inner = level.hinge * t
+        sizes = graded(t, outer, inner, level.through, t)
+        ends = ends_of(sizes, 0.0, t)[1:]
+        depths.append(at + (ends / t if straight else ends))
+        part += [layer.part] * len(sizes)
+        at = float(depths[-1][-1])
+    return np.concatenate(depths), tuple(part)

@@ -1,0 +1,95 @@
+"""All nodes and elements of a body of columns, numbered: what pictures, files, slopes and refinement need, made if
+asked.
+
+It stands where skfem's basis stands for a body on a mesh.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from skfem.models.elasticity import plane_stress
+
+from drumlin.arrays import Floats, Ints
+from drumlin.brake.fields import Material
+from drumlin.fem.hp.element import element, stiffness
+from drumlin.response.resultants import lobatto
+
+
+@dataclass(frozen=True)
+class Block:
+    """A rectangle of elements: `id` (rows, columns) of its nodes, their `depth` (rows,) and place `along`
+    (columns,).
+    """
+
+    id: Ints
+    depth: Floats
+    along: Floats
+    part: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Nodes and elements of degree `degree` in `blocks`; `place`(depth, along) are their points (2, ...) [m].
+
+    The contact nodes come first, by growing angle where the blocks have them so. `sets`: nodes by name.
+    """
+
+    degree: int
+    blocks: tuple[Block, ...]
+    place: Callable[[Floats, Floats], Floats]
+    sets: Mapping[str, Ints]
+    N: int
+
+    @cached_property
+    def doflocs(self) -> Floats:
+        """Points of the nodes (2, N) [m]."""
+        xy = np.zeros((2, self.N))
+        for block in self.blocks:
+            xy[:, block.id] = self.place(block.depth[:, None], block.along)
+        return xy
+
+    @cached_property
+    def element_dofs(self) -> Ints:
+        """Nodes of each element (a, elements), in the order of the element's grid by rows."""
+        p = self.degree
+        found = []
+        for block in self.blocks:
+            rows, columns = (np.arange(0, size - 1, p) for size in block.id.shape)
+            i = rows[:, None, None, None] + np.arange(p + 1)[:, None]
+            j = columns[None, :, None, None] + np.arange(p + 1)
+            found.append(block.id[i, j].reshape(-1, (p + 1) ** 2))
+        return np.concatenate(found).T
+
+    @cached_property
+    def subdomains(self) -> dict[str, Ints]:
+        """Elements of each part."""
+        names: list[str] = []
+        for block in self.blocks:
+            names += [part for part in block.part for _ in range((block.id.shape[1] - 1) // self.degree)]
+        return {name: np.flatnonzero(np.array(names) == name) for name in dict.fromkeys(names)}
+
+    def stiffness(self, materials: Mapping[str, tuple[Material, float]], *, precise: bool = False) -> Any:
+        """Plane-stress stiffness (2 N, 2 N), unknown 2 i + c for component c of node i [N/m]; precise: long double."""
+        p, order = self.degree, element(self.degree).order
+        dofs = self.element_dofs[order].T
+        xy = self.doflocs.astype(np.longdouble if precise else float)[:, dofs].transpose(1, 0, 2)
+        lame = np.zeros((len(dofs), 2), dtype=xy.dtype)
+        for name, elements in self.subdomains.items():
+            material, width = materials[name]
+            lame[elements] = np.array(plane_stress(material.E, material.nu)) * width
+        K = stiffness(np.ascontiguousarray(xy), lame, p)
+        both = (2 * dofs[:, :, None] + np.arange(2)).reshape(len(dofs), -1).astype(np.int32)
+        rows = np.broadcast_to(both[:, :, None], (*both.shape, both.shape[1]))
+        at = rows.ravel(), np.swapaxes(rows, 1, 2).ravel()
+        return sp.coo_matrix((K.ravel(), at), shape=(2 * self.N, 2 * self.N)).tocsc()
+
+
+def nodes_between(ends: Floats, p: int) -> Floats:
+    """The nodes of all pieces between ends (m + 1,), those in common once: (m p + 1,)."""
+    half = 0.5 * np.diff(ends)[:, None]
+    pieces = 0.5 * (ends[1:] + ends[:-1])[:, None] + half * lobatto(p)
+    return np.append(pieces[:, :-1].ravel(), ends[-1])

@@ -1,0 +1,28 @@
+"""Where the pressure of a lining is not smooth: the ends of its contact and the kinks of its gap."""
+
+import numpy as np
+
+from drumlin.brake import clearance
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.fem import assembly
+from drumlin.response.response import Response, ShoeResponse
+
+Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
+
+
+def places_of(brake: Brake, response: Response | None) -> dict[tuple[object, ...], list[Place]]:
+    """The places of each shape of shoe, growing: those of all shoes that have it."""
+    found: dict[tuple[object, ...], list[Place]] = {}
+    for i, shoe in enumerate(brake.shoes):
+        own = _places(shoe, None if response is None else response.shoes[i])
+        found.setdefault(assembly.shape_of(brake, shoe), []).extend(own)
+    return {key: sorted(places) for key, places in found.items()}
+
+
+def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
+    start, end = shoe.arc
+    arcs = [] if response is None else [sorted(shoe.frame.phi(np.array(arc)).tolist()) for arc in response.contact_arcs]
+    found = [(float(x), end - start, True) for x in shoe.frame.phi(np.array(clearance.kinks(shoe.lining))).tolist()]
+    for first, last in arcs:
+        found += [(first, last - first, False), (last, last - first, False)]
+    return [place for place in found if start < place[0] < end]

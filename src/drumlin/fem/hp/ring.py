@@ -1,0 +1,249 @@
+"""The drum's ring of columns: a closed row, in contact under the linings."""
+
+import math
+from functools import partial
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+from scipy.linalg.lapack import dpotrf
+
+from drumlin.arrays import Bools, Floats, Ints
+from drumlin.brake.components import Section
+from drumlin.brake.drum_brake import Brake
+from drumlin.errors import NoAnswer
+from drumlin.fem.body import FRAME, Condensed, Inside, tie
+from drumlin.fem.elimination import SINGULAR
+from drumlin.fem.hp.columns import columns, merged, stack, turned
+from drumlin.fem.hp.division import Level, ends_of, graded
+from drumlin.fem.hp.element import condensed_elements, eliminate
+from drumlin.fem.hp.grid import Block, Grid
+from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, nodes_of, rigid, within
+from drumlin.fem.interface import ContactLine
+from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
+from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape, slopes
+
+TURN = 2 * math.pi
+CLOSE = 1e-9  # rad: ends of columns that are nearer to each other are one
+
+
+class Division(NamedTuple):
+    """Columns of a ring: their ends `angles` (m + 1,), the last a whole turn after the first; which of them lie under a
+    lining, `contact` (m,); `depths` (l + 1,) [m] of the ends of the layers from the friction surface on."""
+
+    degree: int
+    angles: Floats
+    contact: Bools
+    depths: Floats
+
+
+def divide(section: Section, radius: float, linings: list[Floats], level: Level) -> Division:
+    """The division of a ring; `linings`: ends of the columns of each, growing, in the brake's angles [rad]."""
+    origin = min(float(ends[0]) % TURN for ends in linings)
+    parts = [ends - ends[0] + (float(ends[0]) - origin) % TURN for ends in linings]
+    places = np.sort(np.concatenate([part % TURN for part in parts]))
+    places = places[np.append(True, np.diff(places) > CLOSE)]
+    places = np.append(places[places < TURN - CLOSE], TURN)
+    under = [any(_within(0.5 * (a + b), part) for part in parts) for a, b in pairwise(places.tolist())]
+    angles, contact = [places[:1]], []
+    sizes = np.diff(places)
+    for k, (a, b, covered) in enumerate(zip(places[:-1], places[1:], under, strict=True)):
+        pieces = (
+            [b - a] if covered else graded(b - a, sizes[k - 1], sizes[(k + 1) % len(sizes)], level.ratio, level.largest)
+        )
+        angles.append(ends_of(pieces, a, b)[1:])
+        contact += [covered] * len(pieces)
+    t = section.thickness
+    layers = graded(t, level.back * t, t, level.through, t)
+    return Division(level.degree, origin + np.concatenate(angles), np.array(contact), ends_of(layers, 0.0, t))
+
+
+def _within(angle: float, ends: Floats) -> bool:
+    return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, TURN))
+
+
+def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> RingBody:
+    """The ring condensed under the linings, given by their contact lines in the shoes' frames."""
+    ring, radius, sign = brake.drum.ring, brake.drum.radius, brake.shoes[0].sign
+    assert ring is not None and ring.section is not None  # scene.why_not
+    ends = [np.sort(shoe.frame.theta(line.phi[:: line.order])) for shoe, line in zip(brake.shoes, linings, strict=True)]
+    div = divide(ring.section, radius, ends, level)
+    free = ring.support == "free"
+    made, line = _columns(ring.section, radius, sign, div, free=free)
+    grid = grid_of(radius, sign, div)
+    contact = ContactLine(grid.sets["contact"], grid.doflocs[:, grid.sets["contact"]], *_pieces(div))
+    n, extra = 2 * len(contact.nodes), FRAME * free
+    A = _closed(made, div, line, extra)
+    if free:  # three unknowns of the rim hold it, statically determinate
+        A = _held(A, extra, n, line, div)
+    A = eliminate(A[None], extra + n)[0]
+    S = turned(A[extra:, extra:], -contact.phi)
+    L, info = dpotrf(S, lower=1)
+    if info:
+        raise NoAnswer(SINGULAR)
+    load = turned(A, -contact.phi, extra)[extra:, :extra] if free else np.zeros((n, 0))
+    work = -A[:extra, :extra]
+    rim = rim_of(radius + sign * ring.section.thickness, div, grid) if free else np.zeros((2 * grid.N, 0))
+    inside = partial(_inside, brake, grid, rim)
+    condensed = Condensed(L, np.zeros((FRAME, n)), -load, np.zeros((FRAME, extra)), work, inside)
+    held = None
+    if free:
+        R = rigid(grid.doflocs, np.zeros(2))
+        touching = R.reshape(-1, 2, FRAME)[contact.nodes].reshape(-1, FRAME)
+        balance: Floats = np.asarray(np.linalg.solve(R.T @ rim, touching.T), dtype=float)
+        root = scipy.linalg.sqrtm(work).real
+        held = Free(rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), balance, condensed.half(condensed.load_c), root)
+    return coupled_ring(brake, linings, grid, grid, contact, condensed, held)
+
+
+def _columns(
+    section: Section, radius: float, sign: int, div: Division, *, free: bool
+) -> tuple[list[tuple[bool, Floats]], int]:
+    """Pieces of columns, in contact and not, merged, in their order from the first angle on; unknowns of a line."""
+    p, layers = div.degree, len(div.depths) - 1
+    sizes, which = distinct(np.diff(div.angles))
+    along = 0.5 * sizes[:, None] * lobatto(p)
+
+    def place(depth: Floats, phi: Floats) -> Floats:
+        r = radius + sign * depth
+        return np.stack([r * np.cos(phi), r * np.sin(phi)])
+
+    xy = nodes_of(place, div.depths, along, p)
+    lame = np.tile(lame_of({"drum": (section.material, section.width)}, ("drum",)), (xy.shape[0] * xy.shape[1], 1))
+    K = condensed_elements(xy.reshape(-1, *xy.shape[2:]), lame, p).reshape(layers, len(sizes), 8 * p, 8 * p)
+    loads = _rim_loads(radius + sign * section.thickness, along, p) if free else None
+    extra = FRAME * free
+    pieces = []
+    middle = 0.5 * (div.angles[1:] + div.angles[:-1])
+    runs = _runs(div)
+    for first, last in zip(runs, [*runs[1:], len(which)], strict=True):
+        touching = bool(div.contact[first])
+        kinds, place_of = np.unique(which[first:last], return_inverse=True)
+        of = stack(p, layers, contact=touching, held=not free)
+        made = columns(K[:, kinds], of, None if loads is None else loads[kinds])
+        made = turned(made, directions(along[kinds], of.line // 2, contact=touching), extra)[place_of]
+        if free:
+            made = _turned_loads(made, middle[first:last])
+        pieces.append((touching, merged(made, of.line, 2 * touching, extra)))
+    return pieces, stack(p, layers, contact=True, held=not free).line
+
+
+def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
+    """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns at the angles `along`, as the rigid motions, in the
+    columns' frames; all over the rim's length of a round ring."""
+    xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
+    psi = shape(p, GAUSS)
+    x = xy @ psi
+    ds = np.hypot(*(xy @ slopes(p, GAUSS))) * WEIGHTS / (TURN * radius)
+    one, zero = np.ones_like(ds), np.zeros_like(ds)
+    modes = np.array([[one, zero], [zero, one], [-x[1], x[0]]])  # (3, 2, c, q)
+    found = np.einsum("aq,kicq,cq->caik", psi, modes, ds)
+    return found.reshape(len(along), -1, FRAME)
+
+
+def _turned_loads(K: Floats, angle: Floats) -> Floats:
+    """Columns (c, n, n) in place: their extra unknowns, loads in the column's own frame, in the brake's."""
+    T = np.zeros((len(angle), FRAME, FRAME))
+    T[:, 0, 0] = T[:, 1, 1] = np.cos(angle)
+    T[:, 0, 1], T[:, 1, 0], T[:, 2, 2] = np.sin(angle), -np.sin(angle), 1.0
+    K = K.copy()
+    K[:, :FRAME] = T.transpose(0, 2, 1) @ K[:, :FRAME]
+    K[:, :, :FRAME] = K[:, :, :FRAME] @ T
+    return K
+
+
+def _closed(pieces: list[tuple[bool, Floats]], div: Division, line: int, extra: int) -> Floats:
+    """The ring on [extra | contact nodes by growing angle | inner part of the lines between the pieces].
+
+    The first node of a line touches, since one side of it at least does.
+    """
+    count = len(pieces)
+    inner = [len(K) - extra - 2 * line if touching else 0 for touching, K in pieces]
+    tops = extra + np.cumsum([0, *(2 + n for n in inner)])
+    first = int(tops[-1])
+    total = first + count * (line - 2)
+    A = np.zeros((total, total))
+    for k, (_, K) in enumerate(pieces):
+        after = (k + 1) % count
+        lines = [
+            np.r_[tops[j] : tops[j] + 2, first + j * (line - 2) : first + (j + 1) * (line - 2)] for j in (k, after)
+        ]
+        place = np.r_[:extra, lines[0], tops[k] + 2 : tops[k] + 2 + inner[k], lines[1]]
+        np.add.at(A, (place[:, None], place), K)
+    return A
+
+
+def _held(A: Floats, extra: int, contact: int, line: int, div: Division) -> Floats:
+    """Without three unknowns at the rim that hold it against rigid motion: a node, and another one that turns about
+    it.
+    """
+    angles = div.angles[_runs(div)]
+    away = 0.5 * (angles - angles[0])
+    k = int(np.abs(np.sin(away)).argmax())
+    along = abs(math.sin(away[k])) > abs(math.cos(away[k]))  # a turn moves it rather around than along the radius
+    node = extra + contact + (line - 2) - 2
+    other = extra + contact + (k + 1) * (line - 2) - 2 + along
+    keep = np.setdiff1d(np.arange(len(A)), [node, node + 1, other])
+    return A[keep[:, None], keep]
+
+
+def _runs(div: Division) -> Ints:
+    """The first columns of the pieces, each under one lining or between two."""
+    runs = np.flatnonzero(np.diff(div.contact, prepend=not div.contact[0]))
+    return runs if len(runs) > 1 else np.array([0, 1])  # in contact all around
+
+
+def _pieces(div: Division) -> tuple[Floats, Ints]:
+    """Angles of the contact nodes and their positions in each piece under a lining (p + 1, m)."""
+    touching = _touching(div)
+    place = np.full(len(div.contact) * div.degree, -1)
+    place[touching] = np.arange(len(touching))
+    at = np.flatnonzero(div.contact) * div.degree + np.arange(div.degree + 1)[:, None]
+    return line_of(div.angles, div.degree)[touching], place[at % len(place)]
+
+
+def _touching(div: Division) -> Ints:
+    """The nodes of the friction surface that lie under a lining, of all of them from the first angle on."""
+    at = np.flatnonzero(div.contact) * div.degree + np.arange(div.degree + 1)[:, None]
+    return np.unique(at % (len(div.contact) * div.degree))
+
+
+def grid_of(radius: float, sign: int, div: Division) -> Grid:
+    """All nodes and elements of a ring; sets "contact", by growing angle, "surface" and "support"."""
+    p = div.degree
+    depth, along = line_of(div.depths, p), line_of(div.angles, p)
+    rows, n = len(depth), len(along) - 1
+    under = np.arange(rows * n).reshape(rows, n)
+    under = np.column_stack([under, under[:, 0]])
+
+    def place(depth: Floats, phi: Floats) -> Floats:
+        r = radius + sign * depth
+        return np.stack([r * np.cos(phi), r * np.sin(phi)])
+
+    sets = {"contact": under[0, _touching(div)], "surface": under[0, :-1], "support": under[-1, :-1]}
+    return Grid(p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), place, sets, rows * n)
+
+
+def rim_of(radius: float, div: Division, grid: Grid) -> Floats:
+    """Nodal forces (2 N, 3) spread over the rim as the rigid motions are."""
+    p, found = div.degree, np.zeros((grid.N, 2, FRAME))
+    pieces = _rim_loads(radius, within(div.angles, p), p).reshape(len(div.contact), p + 1, 2, FRAME)
+    rim = np.append(grid.sets["support"], grid.sets["support"][0])
+    at = rim[np.arange(len(div.contact))[:, None] * p + np.arange(p + 1)]
+    np.add.at(found, at, pieces)
+    return found.reshape(-1, FRAME)
+
+
+def _inside(brake: Brake, grid: Grid, rim: Floats) -> Inside:
+    ring = brake.drum.ring
+    assert ring is not None and ring.section is not None
+    K = grid.stiffness({"drum": (ring.section.material, ring.section.width)})
+    support, contact = grid.sets["support"], grid.sets["contact"]
+    if ring.support == "fixed":
+        ties = tie(grid, contact, support, np.zeros(2))
+        loads = np.zeros((ties.matrix.shape[1], 0))
+    else:
+        ties = tie(grid, contact, support[:0], np.zeros(2), determinate(grid, support))
+        loads = ties.matrix.T @ rim
+    return Inside((ties.matrix.T @ K @ ties.matrix).tocsc(), ties, loads)

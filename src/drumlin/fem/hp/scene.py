@@ -1,0 +1,57 @@
+"""Scenes of brakes whose shoes are columns of high degree."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.errors import BadInput
+from drumlin.fem import assembly
+from drumlin.fem.hp.body import condensed, contact_line, grid_of
+from drumlin.fem.hp.division import Level, divide
+from drumlin.fem.hp.ring import ring_body
+from drumlin.fem.hp.shoe import condense
+
+Places = Mapping[tuple[object, ...], Sequence[tuple[float, float, bool]]]  # by the shape of a shoe: see `divide`
+
+
+def body(
+    shoe: Shoe,
+    radius: float,
+    level: Level,
+    places: Sequence[tuple[float, float, bool]],
+    friction: bool,
+    seconds: assembly.Seconds,
+) -> assembly.Body:
+    """The condensed body of a parametric shoe at a level."""
+    with assembly.clock(seconds, "condensation"):
+        div = divide(shoe, radius, level, places)
+        found = condense(shoe, radius, div, assembly.materials_of(shoe))
+        line, grid = contact_line(shoe, radius, div), grid_of(shoe, radius, div)
+        inner = condensed(shoe, radius, div, found, grid)
+    with assembly.clock(seconds, "coupling"):
+        made = partial(assembly.Body, grid, grid, line)
+        return assembly.coupled(made, shoe, line, inner, found.centre, friction=friction)
+
+
+def scene(brake: Brake, level: Level, places: Places | None = None) -> assembly.Scene:
+    """The scene of a brake at a level; `places`: where the pressure is not smooth.  Raises as assembly.prepare."""
+    reason = assembly.why_not(brake)
+    if reason is not None:
+        raise BadInput(f"fem does not apply to this brake: {reason}")
+    seconds: assembly.Seconds = {}
+    made: dict[tuple[object, ...], assembly.Body] = {}
+    keys = [assembly.shape_of(brake, shoe) for shoe in brake.shoes]
+    for shoe, key in zip(brake.shoes, keys, strict=True):
+        if key not in made:
+            made[key] = body(shoe, brake.drum.radius, level, (places or {}).get(key, ()), brake.friction > 0, seconds)
+    bodies = tuple(made[key] for key in keys)
+    left_out = ["interior fields: recovered only for a picture"]
+    if len(made) < len(bodies):
+        left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
+    if brake.friction == 0:
+        left_out.append("friction: mu = 0, symmetric, without the flexibility under drag")
+    ring = None
+    if brake.drum.ring is not None:
+        with assembly.clock(seconds, "ring"):
+            ring = ring_body(brake, tuple(body.line for body in bodies), level)
+    return assembly.Scene(brake, bodies, ring, seconds, (*left_out, *assembly.lacking(brake)))

@@ -1,0 +1,40 @@
+"""Texts from outside: limited before a parser sees them, cleaned before a person does."""
+
+import re
+
+LONGEST_LINE = 600  # characters of a line about a fault
+LONGEST_QUANTITY = 100  # characters of a number and its unit
+MOST_DIGITS = 400  # in a row: what lies beyond 1e308 is no quantity, and long ones take their square in time
+MOST_PARTS = 16  # of a key a.b.c: each key below it takes as many steps again
+
+_DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
+_PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
+
+
+def one_line(text: str, most: int = LONGEST_LINE) -> str:
+    """The text in one line of printable characters, others escaped; beyond `most` characters without its middle."""
+    if len(text) > most:
+        text = f"{text[: most // 2]} ... {text[-most // 2 :]}"
+    return text if text.isprintable() else "".join(map(_shown, text))
+
+
+def _shown(character: str) -> str:
+    return character if character.isprintable() else character.encode("unicode_escape").decode()
+
+
+def check_digits(text: str) -> None:
+    """Raise ValueError for a number with more than MOST_DIGITS digits in a row."""
+    if _DIGITS.search(text):
+        raise ValueError(f"has a number of more than {MOST_DIGITS} digits")
+
+
+def check_toml(text: str) -> None:
+    """Raise ValueError for what would keep a TOML parser busy: numbers of many digits, keys of many parts."""
+    check_digits(text)
+    for match in _KEY.finditer(text):
+        key = match.group()
+        if key.count(".") >= MOST_PARTS and not key.startswith("#"):
+            parts = len(re.findall(_PART, key))
+            if parts > MOST_PARTS:
+                raise ValueError(f"has a key of {parts} parts; allowed: {MOST_PARTS}")

@@ -1,0 +1,285 @@
+"""Where files are read and written: what is replaced, what never is, what a pipe gets, what has a limit."""
+
+import os
+import stat
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from conftest import STUDY
+from drumlin.cli.process import run
+from drumlin.errors import BadInput, NoAnswer, Stopped, ended, line_and_status
+from drumlin.files import cell, check_folder, check_outputs, inputs_kept, read_bytes, read_text, replacing, write_text
+from drumlin.texts import MOST_DIGITS, check_digits, check_toml, one_line
+
+
+def node(path, kind, minor):
+    """A device file in the tests' own folder."""
+    try:
+        os.mknod(path, kind | 0o666, os.makedev(1, minor))
+        path.open("wb").close()
+    except PermissionError:
+        pytest.skip("devices can only be made by root")
+    return path
+
+
+# writing
+
+
+def test_a_device_is_written_to_and_stays(tmp_path):
+    null = node(tmp_path / "null", stat.S_IFCHR, 3)
+    write_text(null, "x")
+    assert null.is_char_device() and [path.name for path in tmp_path.iterdir()] == ["null"]
+
+
+def test_a_full_device_is_no_answer_in_one_line(tmp_path):
+    full = node(tmp_path / "full", stat.S_IFCHR, 7)
+    with pytest.raises(NoAnswer, match=r"full: cannot be written \(No space left on device\)"):
+        write_text(full, "x")
+
+
+def test_a_disk_is_refused(tmp_path):
+    try:
+        os.mknod(tmp_path / "disk", stat.S_IFBLK | 0o600, os.makedev(250, 250))
+    except PermissionError:
+        pytest.skip("devices can only be made by root")
+    with pytest.raises(BadInput, match="disk"):
+        write_text(tmp_path / "disk", "x")
+
+
+def test_a_link_stays_and_its_target_is_replaced(tmp_path):
+    (tmp_path / "there").mkdir()
+    target = tmp_path / "there" / "t.json"
+    target.write_text("earlier")
+    for link, to in (("l.json", "there/t.json"), ("again.json", "l.json")):
+        (tmp_path / link).symlink_to(to)
+    write_text(tmp_path / "again.json", "new")
+    assert target.read_text() == "new" and (tmp_path / "again.json").is_symlink() and (tmp_path / "l.json").is_symlink()
+    (tmp_path / "dangling").symlink_to("there/made.json")
+    write_text(tmp_path / "dangling", "made")
+    assert (tmp_path / "there" / "made.json").read_text() == "made" and (tmp_path / "dangling").is_symlink()
+    (tmp_path / "loop").symlink_to("loop")
+    with pytest.raises(BadInput, match="circle"):
+        write_text(tmp_path / "loop", "x")
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o755])
+def test_the_mode_of_a_file_is_kept(tmp_path, mode):
+    path = tmp_path / "m.json"
+    path.write_text("earlier")
+    path.chmod(mode)
+    write_text(path, "new")
+    assert stat.S_IMODE(path.stat().st_mode) == mode and path.read_text() == "new"
+
+
+@pytest.mark.parametrize("mask", [0o077, 0o022, 0o002])
+def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path, mask):
+    before = os.umask(mask)
+    try:
+        write_text(tmp_path / "m.json", "new")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "m.json").stat().st_mode) == 0o666 & ~mask
+
+
+def test_a_pipe_is_written_to_and_one_that_nobody_reads_is_given_up(tmp_path, monkeypatch):
+    pipe = tmp_path / "p"
+    os.mkfifo(pipe)
+    got, text = [], "x" * 300_000  # more than a pipe holds
+    reader = threading.Thread(target=lambda: got.append(pipe.read_text()))
+    reader.start()
+    write_text(pipe, text)
+    reader.join()
+    assert got == [text] and pipe.is_fifo()
+    monkeypatch.setattr("drumlin.files.PATIENCE", 0.2)
+    with pytest.raises(BadInput, match="no one has read from it"):
+        write_text(pipe, "x")
+    with pytest.raises(BadInput, match="nothing has come from it"):
+        read_bytes(pipe, 10, "a file")
+
+
+def test_a_stopped_run_leaves_the_earlier_file_and_no_other(tmp_path):
+    path = tmp_path / "r.json"
+    path.write_text("earlier")
+    for error in (Stopped(15), KeyboardInterrupt(), ValueError()):
+        with pytest.raises(type(error)), replacing(path) as partial:
+            partial.write_text("half")
+            raise error
+    assert path.read_text() == "earlier" and [each.name for each in tmp_path.iterdir()] == ["r.json"]
+
+
+FOLDERS = {"a folder": "sub", "below a file": "b.json/x.json", "NUL": "a\0b", "too long": "x" * 300, "no name": ""}
+
+
+@pytest.mark.parametrize("case", FOLDERS)
+def test_what_cannot_be_written_is_one_line(tmp_path, monkeypatch, case):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "b.json").write_text("")
+    from pathlib import Path
+
+    with pytest.raises(BadInput, match="cannot be written"):
+        write_text(Path(FOLDERS[case]), "x")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["b.json", "sub"]
+
+
+def test_two_outputs_need_two_files_and_a_folder_no_file(tmp_path):
+    (tmp_path / "l.json").symlink_to("r.json")
+    with pytest.raises(BadInput, match="twice"):
+        check_outputs(tmp_path / "r.json", None, tmp_path / "l.json")
+    check_outputs(tmp_path / "r.json", tmp_path / "s.json")
+    (tmp_path / "f").write_text("")
+    for path in (tmp_path / "f", tmp_path / "f" / "below"):
+        with pytest.raises(BadInput, match="not a folder"):
+            check_folder(path)
+    check_folder(tmp_path / "new" / "below")
+
+
+# inputs
+
+
+@pytest.mark.parametrize("spelling", ["b.json", "./b.json", "sub/../b.json", "link.json", "hard.json"])
+def test_no_output_is_an_input_however_it_is_spelled(tmp_path, monkeypatch, spelling):
+    monkeypatch.chdir(tmp_path)
+    text = (STUDY / "brake.toml").read_text()
+    (tmp_path / "b.json").write_text(text)
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "link.json").symlink_to("b.json")
+    (tmp_path / "hard.json").hardlink_to("b.json")
+    for words in (
+        ["solve", "b.json", "--json"],
+        ["solve", "b.json", "--pressure"],
+        ["sensitivity", "b.json", "--json"],
+    ):
+        with pytest.raises(BadInput, match="one of the files that are read; must not be written over"):
+            run([*words, spelling])
+    assert (tmp_path / "b.json").read_text() == text
+
+
+def test_no_output_is_the_mesh_even_of_a_model_that_reads_none(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = (STUDY / "brake.toml").read_text().replace('name = "left"', 'name = "left"\nmesh = "m.msh"')
+    (tmp_path / "b.toml").write_text(text)
+    (tmp_path / "m.msh").write_text("mesh")
+    with pytest.raises(BadInput, match="must not be written over"):
+        run(["solve", "b.toml", "--model", "sine", "--json", "m.msh"])
+    assert (tmp_path / "m.msh").read_text() == "mesh"
+
+
+def test_outside_of_the_command_line_what_was_read_may_be_written(tmp_path):
+    path = tmp_path / "r.json"
+    path.write_text("read")
+    read_text(path, 100, "a file")
+    write_text(path, "written")
+    with inputs_kept():
+        read_text(path, 100, "a file")
+        with pytest.raises(BadInput, match="must not be written over"):
+            write_text(path, "again")
+    assert path.read_text() == "written"
+
+
+# reading
+
+
+def test_files_are_limited_and_utf_8_in_every_locale(tmp_path):
+    (tmp_path / "long").write_bytes(b"x" * 11)
+    with pytest.raises(BadInput, match="larger than 10 bytes; not a brake file"):
+        read_bytes(tmp_path / "long", 10, "a brake file")
+    assert read_bytes(tmp_path / "long", 11, "a brake file") == b"x" * 11
+    zero = node(tmp_path / "zero", stat.S_IFCHR, 5)
+    with pytest.raises(BadInput, match="larger than"):
+        read_bytes(zero, 1000, "a brake file")
+    (tmp_path / "bom").write_bytes("\ufeffλ\r\n".encode())
+    assert read_text(tmp_path / "bom", 100, "a text") == "λ\n"
+    (tmp_path / "latin").write_bytes(b"\xe9")
+    with pytest.raises(BadInput, match=r"no UTF-8 text \(.* at byte 0\)"):
+        read_text(tmp_path / "latin", 100, "a text")
+    for name in ("none", "a\0b", "x" * 5000, "."):
+        with pytest.raises(BadInput, match="cannot be read"):
+            read_bytes(tmp_path / name, 100, "a text")
+
+
+# texts
+
+
+def test_lines_for_people_are_printable_and_short():
+    assert one_line("a\nb\x1b[31m\u202e\udcff\x85") == r"a\nb\x1b[31m\u202e\udcff\x85"
+    assert one_line("θ µ 漢字 ü") == "θ µ 漢字 ü"
+    long = one_line("key = " + "9" * 10_000 + ": must be a number")
+    assert len(long) < 700 and long.startswith("key = 9") and long.endswith(": must be a number")
+    assert str(BadInput("a\nb")) == r"a\nb"
+
+
+def test_texts_are_limited_before_a_parser_sees_them():
+    check_digits("9" * MOST_DIGITS)
+    for text in ("9" * (MOST_DIGITS + 1), "x = 1" + "_1" * MOST_DIGITS):
+        with pytest.raises(ValueError, match="digits"):
+            check_digits(text)
+    check_toml("# " + "." * 1000 + '\na.b."c.d" = ["1.5 mm", 2.5]\n')
+    for key in (
+        "a." * 20 + "a",
+        "'a' . " * 20 + "a",
+        '"=" .' * 20 + "a",
+        "[" + "a." * 20_000 + "a]",
+        "{x." + "a." * 20 + "a}",
+    ):
+        with pytest.raises(ValueError, match="parts"):
+            check_toml(key + " = 1")
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+cmd|' /C calc'!A0", "-2+3+cmd|x", "@SUM(1)", "\t=1", "\r=1", "-x"])
+def test_a_text_that_a_spreadsheet_would_compute_is_led_by_an_apostrophe(text):
+    assert cell(text) == f"'{text}"
+
+
+@pytest.mark.parametrize("value", ["-70 to 55.1", "-1e-05", "+3", "-70", "a=1", "", -3.5, None, "failed: -"])
+def test_numbers_and_harmless_texts_are_cells_as_they_are(value):
+    assert cell(value) == value
+
+
+# the last word of a process
+
+ENDS = {
+    "bad input": (BadInput("x"), "x", 2),
+    "no answer": (NoAnswer("x"), "x", 3),
+    "signal": (Stopped(15), "stopped by a signal", 143),
+    "Ctrl-C": (KeyboardInterrupt(), "stopped", 130),
+    "reader gone": (BrokenPipeError(), "", 141),
+    "memory": (MemoryError(), "not enough memory", 3),
+    "package": (
+        ModuleNotFoundError("x", name="matplotlib"),
+        "needs the package 'matplotlib', which is not installed",
+        3,
+    ),
+    "disk": (OSError(28, "No space left on device", "f"), "f: No space left on device", 3),
+    "handles": (OSError(24, "Too many open files"), "Too many open files", 3),
+    "folder": (IsADirectoryError(21, "Is a directory", "f\n"), r"f\n: Is a directory", 2),
+    "fault": (ZeroDivisionError("x"), "unexpected ZeroDivisionError: x; a fault of drumlin, please report it", 1),
+}
+
+
+@pytest.mark.parametrize("case", ENDS)
+def test_every_exception_ends_in_one_line_and_a_status(capsys, case):
+    error, line, status = ENDS[case]
+    assert line_and_status(error) == (line, status)
+
+    def run_it():
+        raise error
+
+    assert ended(run_it) == status
+    said = capsys.readouterr().err
+    assert said.count("\n") == (1 if line else 0) and (not line or said.startswith("drumlin: "))
+
+
+def test_notes_of_a_stop_are_said():
+    stop = KeyboardInterrupt()
+    stop.add_note("5 cases are kept")
+    assert line_and_status(stop) == ("stopped; 5 cases are kept", 130)
+
+
+def test_the_handler_loads_nothing_heavy():
+    code = "import sys; import drumlin.cli.process; print({'typer', 'numpy', 'pydantic', 'rich'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "set()\n"

@@ -1,0 +1,171 @@
+"""The holding brake on brakes of all kinds: to full slip and back, against another discretisation, true refusals."""
+
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+
+import independent
+from conftest import STUDY
+from drumlin.brake.file import read_brake, vary
+from drumlin.contact import stick_slip
+from drumlin.contact.stick_slip import OPEN, STICK
+from drumlin.errors import NoAnswer
+from drumlin.fem.assembly import prepare
+from drumlin.fem.group import grouped
+from drumlin.fem.holding import full_slip_rotation, hold, holding_problem
+from drumlin.fem.model import respond
+from drumlin.fem.self_locking import limits
+from drumlin.verification.random_brake import random_brake
+
+ELEMENTS = 16
+OTHER = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
+
+
+def any_brake(seed):
+    """A random brake, every third with a ring, every third with a lining of another radius, below self-locking.
+
+    Also its scene.
+    """
+    rng = np.random.default_rng(seed)
+    brake = random_brake(seed, ("locking", "opposed")[seed % 2])
+    R = brake.drum.radius
+    if seed % 3 == 1:
+        ring = {"thickness": 0.1 * R, "width": 0.04, "material": {"E": 1e11, "nu": 0.3}}
+        brake = vary(brake, {"drum.ring": ring | {"support": rng.choice(["fixed", "free"])}})
+    if seed % 3 == 2:
+        brake = vary(brake, {"shoe[0].lining.misfit": {"radius": R * (1 + rng.uniform(-2e-3, 2e-3))}})
+    scene = prepare(brake, elements=ELEMENTS)
+    locks = min(limit.friction for limit in limits(scene, brake, 2.0).values())
+    return vary(brake, {"friction": rng.uniform(0.1, 0.95) * min(locks, 0.9)}), scene
+
+
+def test_random_brakes_go_through_full_slip_and_back():
+    """The moment is that of the sliding drum, by `respond`, whichever way it is turned."""
+    ends = Counter()
+    for seed in range(12):
+        brake, scene = any_brake(seed)
+        end = full_slip_rotation(scene, brake, increments=6)
+        forth = np.linspace(0, end, 6)
+        states = hold(scene, brake, forth)
+        assert states[-1].sticking == 0
+        assert states[-1].torque == pytest.approx(respond(scene, brake).torque, rel=1e-6)
+        assert np.diff([state.dissipated for state in states]).min() >= -1e-9 * states[-1].dissipated
+        assert states[-1].dissipated > 0
+        ends["forth"] += 1
+        back = vary(brake, {"rotation": OTHER[brake.rotation]})
+        try:
+            torque = respond(scene, back).torque
+        except NoAnswer:
+            ends["back it locks"] += 1
+            continue
+        far = end + 3 * max(end, full_slip_rotation(scene, back))
+        state = hold(scene, brake, np.concatenate([forth, end - np.linspace(0, far, 10)[1:]]))[-1]
+        assert state.sticking == 0
+        assert state.torque == pytest.approx(-torque, rel=1e-6)
+        ends["back"] += 1
+    assert ends["forth"] == 12
+    assert ends["back"] >= 8, ends
+
+
+def test_every_increment_obeys_contact_and_friction():
+    """Gaps, pressures, tractions and slips of each node, elementwise, from the equations and not from its state."""
+    kinds = set()
+    for seed in range(6):
+        brake, scene = any_brake(seed)
+        problem, lever = holding_problem(grouped(scene, brake, [0], 1e6)[0])
+        end, mu = full_slip_rotation(scene, brake), brake.friction
+        turn = lever * (brake.spin / brake.shoes[0].actuation.force)
+        nothing = np.zeros(len(lever))
+        at = stick_slip.solve(problem, mu, stick_slip.History(nothing, nothing), np.full(len(lever), STICK))
+        before = stick_slip.History(nothing, nothing)
+        for rotation in end * np.array([0.1, 0.5, 1.0, 0.6, -0.4]):
+            q_s = problem.q_s + turn * rotation
+            before, at = at.history, stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state)
+            kinds |= set(at.state.tolist())
+            w = problem.q_w + problem.A_wp @ at.p + problem.A_wt @ at.t + problem.B_w @ at.y
+            s = q_s + problem.A_sp @ at.p + problem.A_st @ at.t + problem.B_s @ at.y
+            slip = s - before.s - problem.Q @ (at.t - before.t)
+            of_p, of_w = at.p.max(), np.abs(w).max() + np.abs(problem.q_w).max()
+            of_s = np.abs(slip).max() + np.abs(q_s).max()
+            assert at.p.min() >= -1e-9 * of_p
+            assert w.min() >= -1e-9 * of_w
+            assert (at.p * np.abs(w)).max() <= 1e-9 * of_p * of_w
+            assert (np.abs(at.t) - mu * at.p).max() <= 1e-9 * of_p
+            short = mu * at.p - np.sign(slip) * at.t  # of the bound, the way it slips
+            assert (short * np.abs(slip)).max() <= 1e-8 * of_p * of_s
+            assert problem.C_p @ at.p + problem.C_t @ at.t == pytest.approx(problem.h, rel=1e-8)
+    assert kinds == {0, 1, 2, 3}
+
+
+@pytest.mark.parametrize("left", [("_newton",), ("_newton", "_followed")])
+def test_both_paths_lead_to_the_answer_of_newtons_method(monkeypatch, left):
+    """From the states at hand, and from wide gaps."""
+    for seed in range(4):
+        brake, scene = any_brake(seed)
+        rotations = full_slip_rotation(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
+        expected = hold(scene, brake, rotations)
+        with monkeypatch.context() as patch:
+            for way in left:
+                patch.setattr(stick_slip, way, _refuse)
+            found = hold(scene, brake, rotations)
+        for one, other in zip(found, expected, strict=True):
+            largest = other.pressure[0].max()
+            assert one.pressure[0] == pytest.approx(other.pressure[0], rel=1e-7, abs=1e-7 * largest)
+            assert one.traction[0] == pytest.approx(other.traction[0], rel=1e-7, abs=1e-7 * largest)
+            assert (one.state[0] == OPEN).sum() == (other.state[0] == OPEN).sum()
+
+
+def _refuse(system, start):
+    raise NoAnswer("not this way")
+
+
+def test_another_discretisation_and_another_method_give_the_same_history():
+    """Triangles with a layer at quadrature points, friction as bounded minimisation: forth and back, to .3 %."""
+    both = read_brake(STUDY / "flexible.toml")
+    brake = both.model_copy(update={"shoes": both.shoes[1:]})
+    scene = prepare(brake, elements=24)
+    end = full_slip_rotation(scene, brake)
+    rotations = end * np.array([0.0, 0.3, 0.7, 1.0, 0.5, 0.2, -0.5])
+    found = np.array([state.torque for state in hold(scene, brake, rotations)])
+    expected = independent.hold(brake, 0, rotations, 28, 1e3)
+    assert found == pytest.approx(expected, abs=3e-3 * found.max())
+    assert found[[3, 6]] == pytest.approx(expected[[3, 6]], rel=2e-4)  # full slip, either way
+
+
+def test_the_history_converges_with_the_increment():
+    """With a gap to close, forth and back: the error of moment and energy falls with the increment."""
+    brake, scene = any_brake(7)
+    brake = vary(brake, {"shoe[0].lining.clearance": 1e-4 * brake.drum.radius})
+    end = full_slip_rotation(scene, brake)
+
+    def after(n):
+        state = hold(scene, brake, end * np.concatenate([np.linspace(0, 0.6, n), np.linspace(0.6, -0.3, n)[1:]]))[-1]
+        return np.array([state.torque / respond(scene, brake).torque, state.dissipated])
+
+    fine = after(161)
+    errors = np.abs([after(n) / fine - 1 for n in (6, 11, 21, 41)])
+    order = -np.polyfit(np.log([5, 10, 20, 40]), np.log(np.maximum(errors, 1e-9)), 1)[0]
+    assert errors[-1].max() < 0.01
+    assert order[1] > 0.8
+
+
+@pytest.mark.parametrize("rotation", ["clockwise", "counter-clockwise"])
+def test_self_locking_is_refused_with_its_limit(rotation):
+    both = read_brake(STUDY / "flexible.toml")
+    brake = vary(both.model_copy(update={"shoes": both.shoes[:1]}), {"rotation": rotation})
+    scene = prepare(brake, elements=ELEMENTS)
+    locks = limits(scene, brake)[0,].friction
+    if math.isinf(locks):
+        strong = vary(brake, {"friction": 1.5})
+        assert full_slip_rotation(scene, strong) > 0
+        return
+    for share in (0.97, 1.03):
+        strong = vary(brake, {"friction": share * locks})
+        if share < 1:
+            torque = hold(scene, strong, np.linspace(0, full_slip_rotation(scene, strong), 5))[-1].torque
+            assert torque == pytest.approx(respond(scene, strong).torque, rel=1e-6)
+        else:
+            with pytest.raises(NoAnswer, match=rf"self-locking.*mu_lock = {locks:.4g}"):
+                full_slip_rotation(scene, strong)

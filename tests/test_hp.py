@@ -1,0 +1,309 @@
+"""Elements of high degree: stiffness, columns, rings and contact against skfem's own, closed forms and each other."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import skfem
+from skfem.models.elasticity import linear_elasticity, plane_stress
+
+from drumlin.brake.fields import Material
+from drumlin.brake.file import vary
+from drumlin.errors import NoAnswer
+from drumlin.fem.assembly import materials_of, prepare
+from drumlin.fem.body import FRAME, condense
+from drumlin.fem.hp.adapt import DEFAULT, adapt, estimate
+from drumlin.fem.hp.columns import columns, merge, merged, stack
+from drumlin.fem.hp.division import divide, graded
+from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
+from drumlin.fem.hp.levels import LEVELS, steps
+from drumlin.fem.hp.places import places_of
+from drumlin.fem.hp.scene import scene
+from drumlin.fem.hp.shoe import distinct, rigid
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
+from drumlin.response.norms import pressure_distance
+from drumlin.response.resultants import largest, lobatto
+
+STEEL = Material(E=210e9, nu=0.3)
+POST = {
+    "shoe[0].body": {"shape": "beam", "thickness": 0.03, "width": 0.04, "material": {"E": 2.1e11, "nu": 0.3}},
+}
+
+
+def curved(p):
+    """A mesh of skfem with curved quadrilaterals, and our nodes (e, 2, a) of the same elements."""
+    grid = skfem.MeshQuad.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 2, 4))
+    mesh = skfem.MeshQuad2.from_mesh(grid)
+    r, angle = 1 + mesh.doflocs[0], mesh.doflocs[1]
+    mesh = skfem.MeshQuad2(np.array([r * np.cos(angle), r * np.sin(angle)]), mesh.t)
+    quadratic = skfem.Basis(mesh, skfem.ElementQuad2())
+    x = 0.5 * (lobatto(p) + 1)
+    at = np.array([np.repeat(x, p + 1), np.tile(x, p + 1)])
+    phi = np.array([quadratic.elem.lbasis(at, i)[0] for i in range(9)])
+    xy = np.einsum("cae,an->ecn", mesh.doflocs[:, quadratic.element_dofs], phi)
+    return mesh, np.ascontiguousarray(xy[:, :, element(p).order]), at[:, element(p).order]
+
+
+@pytest.mark.parametrize("p", [3, 4, 6, 8])
+def test_the_stiffness_is_that_of_skfems_own_assembly_of_the_same_mesh(p):
+    mesh, xy, at = curved(p)
+    lame = plane_stress(STEEL.E, STEEL.nu)
+    hierarchical = skfem.ElementQuadP(p)
+    basis = skfem.Basis(mesh, skfem.ElementVector(hierarchical), intorder=2 * p + 1)
+    theirs = linear_elasticity(*lame).assemble(basis)
+    ours = stiffness(xy, np.tile(lame, (len(xy), 1)), p)
+    at_nodes = np.array([hierarchical.lbasis(at, i)[0] for i in range((p + 1) ** 2)])  # (functions, nodes)
+    local = np.einsum("ia,eacbd,jb->eicjd", at_nodes, ours, at_nodes)  # on skfem's own functions
+    mapped = np.zeros(theirs.shape)
+    dofs = basis.element_dofs.T
+    for K, own in zip(local.reshape(len(xy), dofs.shape[1], -1), dofs, strict=True):
+        mapped[np.ix_(own, own)] += K
+    assert np.abs(mapped - theirs.toarray()).max() < 1e-12 * np.abs(theirs).max()
+
+
+@pytest.mark.parametrize("p", [3, 5, 8])
+def test_the_nodal_functions_are_one_at_their_own_node_and_carry_linear_fields(p):
+    x = 0.5 * (lobatto(p) + 1)
+    at = np.array([np.repeat(x, p + 1), np.tile(x, p + 1)])
+    values, _ = shape_functions(p, at)
+    assert np.abs(values - np.eye((p + 1) ** 2)).max() < 1e-12
+    anywhere = np.random.default_rng(1).uniform(size=(2, 7))
+    values, slopes = shape_functions(p, anywhere)
+    assert at @ values == pytest.approx(anywhere, abs=1e-13)
+    assert np.einsum("ca,adq->cdq", at, slopes) == pytest.approx(np.eye(2)[:, :, None] * np.ones(7), abs=1e-11)
+
+
+def test_in_long_double_the_stiffness_is_the_same_and_rigid_motions_strain_nothing():
+    p = 5
+    _, xy, _ = curved(p)
+    lame = np.tile(plane_stress(STEEL.E, STEEL.nu), (len(xy), 1))
+    K = stiffness(xy, lame, p)
+    precise = stiffness(xy.astype(np.longdouble), lame.astype(np.longdouble), p)
+    size = np.abs(K).max()
+    assert np.abs(K - precise).max() < 1e-13 * size
+    turn = np.stack([-xy[:, 1], xy[:, 0]], axis=2).astype(np.longdouble)
+    assert np.abs(np.einsum("eaibj,ebj->eai", precise, turn)).max() < 1e-17 * size * (p + 1) ** 2
+    assert np.abs(K.sum(axis=3)).max() < 1e-14 * size
+
+
+def test_columns_merged_pairwise_are_the_whole_eliminated_at_once():
+    p, layers, m = 3, 2, 5
+    x, y = np.linspace(0, 1, m + 1), np.array([0.0, 0.2, 0.5])
+    half, middle = 0.5 * np.diff(x), 0.5 * (x[1:] + x[:-1])
+    depth = [0.5 * (y[k] + y[k + 1]) + 0.5 * (y[k + 1] - y[k]) * lobatto(p) for k in range(layers)]
+    xy = np.array(
+        [
+            [np.stack(np.meshgrid(c + h * lobatto(p), d)).reshape(2, -1) for c, h in zip(middle, half, strict=True)]
+            for d in depth
+        ]
+    )[..., element(p).order]
+    lame = np.tile(plane_stress(1.0, 0.3), (layers * m, 1))
+    K = condensed_elements(np.ascontiguousarray(xy.reshape(-1, *xy.shape[2:])), lame, p)
+    of = stack(p, layers, contact=True, held=False)
+    parts = columns(K.reshape(layers, m, *K.shape[1:]), of)
+    pairwise = merged(parts, of.line, 2)
+    one_by_one = parts[:1]
+    for part in parts[1:]:
+        one_by_one = merge(one_by_one, part[None], of.line, 2)
+    assert pairwise == pytest.approx(one_by_one[0], abs=1e-11 * np.abs(pairwise).max())
+    assert len(pairwise) == 2 * of.line + 2 * (m * p - 1)
+    assert np.abs(pairwise.reshape(len(pairwise), -1, 2).sum(axis=1)).max() < 1e-12 * np.abs(pairwise).max()
+
+
+def body_and_parts(brake, index=0, level=LEVELS[1]):
+    made = scene(brake, level)
+    return brake.shoes[index], made.bodies[index]
+
+
+CASES = {
+    "arc": {},
+    "backing": {"shoe.backing": {"thickness": 0.004, "material": {"E": 1e10, "nu": 0.3}}},
+    "flush": {"shoe[0].body.start": "-70 deg", "shoe[0].body.end": "55 deg"},
+    "rigid": {"shoe.body": None},
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
+    """Contact stiffness, unit loads, their work: against the assembled grid, nodes eliminated in another order."""
+    shoe, body = body_and_parts(vary(brake, CASES[case]))
+    _, ties, loads = body.condensed.inside()
+    other = condense(body.basis.stiffness(materials_of(shoe)), ties, loads, 2 * len(body.line.nodes))
+    S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
+    assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
+    for name in ("load_c", "load_f", "load_work"):
+        mine, theirs = getattr(body.condensed, name), getattr(other, name)
+        assert mine == pytest.approx(theirs, abs=1e-8 * max(np.abs(theirs).max(), 1e-30))
+    assert body.condensed.lost < 1e-8
+
+
+def test_a_post_is_what_one_sparse_factorisation_leaves():
+    from pathlib import Path
+
+    from drumlin.brake.file import read_brake
+
+    post = read_brake(Path(__file__).parents[1] / "studies" / "post_brake" / "brake.toml")
+    shoe, body = body_and_parts(vary(post, {"drum.ring": None}))
+    _, ties, loads = body.condensed.inside()
+    other = condense(body.basis.stiffness(materials_of(shoe)), ties, loads, 2 * len(body.line.nodes))
+    S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
+    assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
+    assert body.condensed.load_f == pytest.approx(other.load_f, abs=1e-8)
+
+
+def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
+    shoe, body = body_and_parts(brake)
+    motion = rigid(body.line.xy, np.array([shoe.hinge.radius, 0.0]))
+    assert body.condensed.L_cc @ body.condensed.L_fc.T == pytest.approx(
+        -(body.condensed.L_cc @ body.condensed.L_cc.T) @ motion, rel=1e-6, abs=1e-6 * 3e8
+    )
+    assert motion.shape == (len(body.turned), FRAME)
+    assert body.turned == pytest.approx(motion[:, 2])
+
+
+@pytest.mark.parametrize("support", ["fixed", "free"])
+def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
+    """Two half linings without friction, even p: u = p R/E ((1 - nu) R^2 + (1 + nu) b^2)/(b^2 - R^2) of a free ring."""
+    R, b, E, nu = 0.15, 0.165, 1.2e11, 0.25
+    ring = {"thickness": b - R, "width": 0.04, "material": {"E": E, "nu": nu}, "support": support}
+    halves = {
+        "drum.ring": ring, "shoe.body": None,
+        "shoe[0].lining.start": "-90 deg", "shoe[0].lining.end": "90 deg",
+        "shoe[1].lining.start": "90 deg", "shoe[1].lining.end": "270 deg",
+        "shoe[0].hinge": {"x": 0.0, "y": -0.125}, "shoe[1].hinge": {"x": 0.0, "y": -0.125},
+    }  # fmt: skip
+    made = scene(vary(brake, halves), LEVELS[2])
+    p = [np.full(len(body.line.phi), 1e6) for body in made.bodies]
+    opened = sum(made.ring.pressed[j] @ p[j] for j in range(2))
+    gap = np.linalg.solve(made.bodies[0].coupling.M, made.ring.pressed[0].T @ opened)
+    if support == "free":
+        u = 1e6 * R / E * ((1 - nu) * R**2 + (1 + nu) * b**2) / (b**2 - R**2)
+    else:  # u = A r + B/r, held at b
+        A = 1e6 / (-E / (1 - nu) - E / (1 + nu) * b**2 / R**2)
+        u = A * R - A * b**2 / R
+    assert gap == pytest.approx(u, rel=1e-6)
+
+
+def test_rings_of_columns_and_of_a_mesh_answer_alike(brake):
+    for support in ("fixed", "free"):
+        ring = {"thickness": 0.012, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": support}
+        ringed = vary(brake, {"drum.ring": ring})
+        theirs = respond(prepare(ringed, elements=120), ringed)
+        mine = respond(scene(ringed, LEVELS[2], places_of(ringed, theirs)), ringed)
+        assert mine.torque == pytest.approx(theirs.torque, rel=2e-5)
+        assert pressure_distance(mine.shoes[0], theirs.shoes[0]) < 5e-3
+
+
+def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
+    """Errors against the finest level: p falls at least threefold a level; what is stated is more, and not ten
+    times.
+    """
+    responses = [step.response for step in steps(flexible, respond)]
+    truth = responses[-1]
+    errors = [max(pressure_distance(a, b) for a, b in zip(r.shoes, truth.shoes, strict=True)) for r in responses]
+    for k in range(1, len(responses) - 1):
+        stated = estimate(responses[: k + 1])
+        assert errors[k] < 0.6 * errors[k - 1]
+        assert errors[k] <= stated.brake["pressure"] < 20 * errors[k]
+        assert abs(responses[k].torque / truth.torque - 1) <= stated.brake["torque"]
+    assert errors[0] / errors[3] > 40
+
+
+def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(brake):
+    half = vary(brake, {"shoe.lining.clearance": 1e-4})
+    response = solve(half)
+    assert response.error["pressure"] <= DEFAULT.pressure
+    assert response.error["torque"] <= DEFAULT.torque
+    assert set(response.error) == set(response.shoes[0].error) == {"pressure", "torque", "peak", "reaction"}
+    fine = [step.response for step in steps(half, respond)][3]
+    for shoe, a, b in zip(half.shoes, response.shoes, fine.shoes, strict=True):
+        assert pressure_distance(a, b) < response.error["pressure"]
+        start, end = shoe.lining.start, shoe.lining.end
+        for x in np.ravel(b.contact_arcs):
+            if start + 0.01 < x < end - 0.01:
+                assert np.abs(a.theta[:: a.order] - x).min() < 2e-3
+
+
+def test_a_small_smooth_contact_is_that_of_hertz(brake):
+    """A lining of a smaller radius touches over a few millimetres: p and its width by Hertz, far from all edges."""
+    rigid_shoe = vary(
+        brake,
+        {
+            "friction": 0.0, "shoe.body": None, "shoe.lining.thickness": 0.06, "shoe.lining.start": "-20 deg",
+            "shoe.lining.end": "20 deg", "shoe.lining.misfit": {"radius": 0.147}, "shoe.actuation.force": 60.0,
+        } | {"shoe[1].lining.start": "160 deg", "shoe[1].lining.end": "200 deg"},
+    )  # fmt: skip
+    response = solve(rigid_shoe, tolerance=1e-3)
+    shoe, lining = response.shoes[0], rigid_shoe.shoes[0].lining
+    first, last = shoe.contact_arcs[0]
+    R = rigid_shoe.drum.radius
+    a, N = 0.5 * (last - first) * R, shoe.normal_force / lining.width
+    E, relative = lining.material.E, 1 / 0.147 - 1 / R
+    assert a == pytest.approx(math.sqrt(4 * N / (math.pi * E * relative)), rel=0.02)
+    assert shoe.peak_pressure == pytest.approx(2 * N / (math.pi * a), rel=5e-3)
+    assert response.error["pressure"] <= 1e-3
+
+
+def test_what_a_level_cannot_reach_is_said(brake):
+    with pytest.raises(
+        NoAnswer, match=r"tolerance 1e-12 not reached on \d meshes of up to \d+ unknowns a shoe: estimated"
+    ):
+        solve(brake, tolerance=1e-12)
+    answered = adapt(brake, DEFAULT._replace(torque=0.0), respond, must=False)
+    assert "not reached" in answered.notes[-1]
+    assert answered.error["torque"] > 0
+
+
+def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
+    sizes = graded(1.0, 1e-4, 1e-3, 0.4, 0.2)
+    assert math.fsum(sizes) == pytest.approx(1.0)
+    assert max(b / a for a, b in pairwise(sizes)) < 2.6
+    assert min(b / a for a, b in pairwise(sizes)) > 1 / 2.6
+    assert sizes[0] == 1e-4 and sizes[-1] == pytest.approx(1e-3)
+    shoe = brake.shoes[0]
+    div = divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False)])
+    assert 1.0 in div.angles
+    at = int(np.flatnonzero(div.angles == 1.0)[0])
+    assert np.diff(div.angles)[at - 1 : at + 1].max() < 0.1 * shoe.lining.thickness / brake.drum.radius
+    assert div.depths[-1] == pytest.approx(shoe.lining.thickness + shoe.body.thickness)
+    values, which = distinct(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
+    assert which.tolist() == [0, 1, 0] and values == pytest.approx([0.1, 0.2])
+
+
+def test_places_are_the_ends_of_the_contact_and_kinks(brake):
+    kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
+    response = solve(kinked, elements=40)
+    places = places_of(kinked, response)
+    kinks = sorted(x for found in places.values() for x, _, kink in found if kink)
+    assert kinks == pytest.approx(sorted(brake.shoes[0].frame.phi(np.array([-0.5, 0.1, 0.6])).tolist()))
+    theta = solve(kinked).shoes[0].theta
+    for angle in (-0.5, 0.1, 0.6):
+        assert np.abs(theta - angle).min() < 1e-12
+
+
+def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():
+    x = lobatto(4)
+    theta = np.concatenate([0.5 * (x + 1), 1 + 0.5 * (x[1:] + 1)])
+    values = 3.0 - (theta - 0.3) ** 2
+    assert largest(theta, values, 4) == pytest.approx(3.0, abs=1e-6)
+    assert largest(theta, values, 4, zone=0.5) == pytest.approx(3.0 - 0.04, abs=1e-6)
+    assert largest(theta, values, 4, zone=5.0) == pytest.approx(3.0, abs=1e-6)
+
+
+def test_fields_recovered_on_a_grid_are_in_balance(brake):
+    """The displacements of all nodes under the contact's forces: the assembled stiffness gives these forces back."""
+    response = solve(brake)
+    made = scene(brake, LEVELS[1], places_of(brake, response))
+    found = respond(made, brake)
+    shoe, body = brake.shoes[0], made.bodies[0]
+    p = found.shoes[0].pressure[:: shoe.frame.sense]
+    drag = brake.friction * brake.spin * shoe.frame.sense
+    nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
+    from drumlin.fem.assembly import actuation
+
+    u = body.condensed.displacement(nodal, np.zeros(FRAME), shoe.actuation.force * actuation(body, shoe)[0])
+    forces = body.basis.stiffness(materials_of(shoe)) @ u.T.ravel()
+    n = 2 * len(body.line.nodes)
+    assert forces[:n] == pytest.approx(nodal, abs=1e-6 * np.abs(nodal).max())

@@ -1,0 +1,216 @@
+"""What passes and what lasts: which rows a sweep keeps, what it tries again, meshes by content, workers that die."""
+
+import os
+import shutil
+from concurrent.futures import BrokenExecutor, Executor, Future
+
+import pytest
+
+from conftest import ROOT, STUDY
+from drumlin.brake.file import read_brake
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.assembly import Cache
+from drumlin.journal import Journal
+from drumlin.sweeps import cases as sweeps
+from drumlin.sweeps import workers
+from drumlin.sweeps.cases import Case, keys_of, run, solve_chunk, solved, table
+from drumlin.sweeps.file import read_sweep
+
+MESHED = """
+brake = "brake.toml"
+combine = "zip"
+model = { fem = { elements = 20 } }
+[vary]
+"shoe[0].mesh" = ["mesh.msh", "other/mesh.msh"]
+"shoe[0].mesh_unit" = ["mm", "mm"]
+"""
+
+
+def failing(monkeypatch, error, times):
+    """Let the case with friction 0.3 fail so many times; returns the list of attempts."""
+    respond, tried = sweeps.respond, []
+
+    def at_times(case, cache=None):
+        tried.append(case.changes["friction"])
+        if case.changes["friction"] == 0.3 and tried.count(0.3) <= times:
+            raise error
+        return respond(case, cache)
+
+    monkeypatch.setattr(sweeps, "respond", at_times)
+    return tried
+
+
+def caused(kind, cause):
+    error = kind("no such luck")
+    error.__cause__ = cause
+    return error
+
+
+@pytest.mark.parametrize(
+    ("error", "tries", "kept"),
+    [
+        (MemoryError(), 3, False),
+        (OSError(24, "too many open files"), 3, False),
+        (caused(BadInput, OSError(5, "input/output error")), 3, False),
+        (caused(NoAnswer, MemoryError()), 3, False),
+        (ZeroDivisionError("division by zero"), 1, False),
+        (NoAnswer("self-locking"), 1, True),
+        (BadInput("out of range"), 1, True),
+    ],
+)
+def test_only_answers_and_refusals_of_the_case_itself_are_kept(brake, tmp_path, monkeypatch, error, tries, kept):
+    cases = [Case(brake, {"friction": mu}, "sine") for mu in (0.2, 0.3, 0.4)]
+    with monkeypatch.context() as patched, Journal(tmp_path / "j", "a") as journal:
+        tried = failing(patched, error, 9)
+        told = []
+        rows = run(cases, journal=journal, done=lambda *at: told.append(at))
+        assert tried.count(0.3) == tries and tried.count(0.2) == 1 and told == [(n, 3) for n in range(4)]
+        assert rows[1]["status"].startswith("failed: ") and rows[0]["status"] == rows[2]["status"] == "solved"
+    with Journal(tmp_path / "j", "a") as journal:
+        assert len(journal) == 2 + kept
+        again = run(cases, journal=journal)
+    assert (again[1] == rows[1]) if kept else (again == run(cases))
+
+
+def test_a_passing_failure_is_tried_again(brake, monkeypatch):
+    cases = [Case(brake, {"friction": mu}, "sine") for mu in (0.2, 0.3, 0.4)]
+    expected = run(cases)
+    failing(monkeypatch, MemoryError(), 2)
+    assert run(cases) == expected
+
+
+@pytest.fixture
+def meshed(tmp_path):
+    (tmp_path / "sweep" / "other").mkdir(parents=True)
+    shutil.copy(STUDY / "brake.toml", tmp_path / "sweep" / "brake.toml")
+    for place, name in (("", "left"), ("other", "right")):
+        shutil.copy(ROOT / "meshes" / f"double_shoe_{name}.msh", tmp_path / "sweep" / place / "mesh.msh")
+    path = tmp_path / "sweep" / "sweep.toml"
+    path.write_text(MESHED)
+    return path
+
+
+def test_mesh_paths_count_from_the_sweep_file(meshed, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    made = read_sweep(meshed.relative_to(tmp_path))
+    monkeypatch.chdir("/")
+    rows = run(made.cases)
+    assert all("no such file" not in row["status"] for row in rows)
+    lines = table(made.cases, rows, meshed.parent)
+    assert [line["shoe[0].mesh"] for line in lines] == ["mesh.msh", "other/mesh.msh"]
+
+
+def test_what_is_in_a_mesh_file_tells_cases_apart_not_its_name(meshed):
+    cases = read_sweep(meshed).cases
+    first, second = keys_of(cases)
+    assert first != second
+    mesh = meshed.parent / "mesh.msh"
+    shutil.copy(meshed.parent / "other" / "mesh.msh", mesh)
+    again, _ = keys_of(cases)
+    assert again["changes"] == second["changes"] != first["changes"]
+    brake = read_brake(STUDY / "brake.toml")
+    shoes = (brake.shoes[0].model_copy(update={"mesh": mesh}), brake.shoes[1])
+    based = [Case(brake.model_copy(update={"shoes": shoes}), {})]
+    before = list(keys_of(based))
+    mesh.write_text(mesh.read_text() + "\n")
+    assert list(keys_of(based)) != before
+
+
+def test_bodies_in_the_cache_follow_their_mesh_file(tmp_path):
+    brake = read_brake(ROOT / "meshes" / "double_shoe.toml")
+    mesh = tmp_path / "left.msh"
+    left = next(i for i, shoe in enumerate(brake.shoes) if shoe.name == "left")
+    shutil.copy(brake.shoes[left].mesh, mesh)
+    case = Case(brake, {f"shoe[{left}].mesh": str(mesh)})
+    cache = Cache()
+    assert solved(case, cache)["status"] == "solved"
+    mesh.write_text("no mesh")
+    assert "is not a mesh that can be read" in solved(case, cache)["status"]
+
+
+def test_a_mesh_file_that_is_gone_is_no_answer_of_the_brake(meshed, tmp_path):
+    made = read_sweep(meshed)
+    mesh = meshed.parent / "mesh.msh"
+    data = mesh.read_bytes()
+    mesh.unlink()
+    with pytest.raises(BadInput, match=r"mesh = .*mesh\.msh'*: cannot be read"):
+        read_sweep(meshed)
+    with Journal(tmp_path / "j", "a") as journal:
+        assert "no such file" in run(made.cases[:1], journal=journal)[0]["status"] and len(journal) == 0
+        mesh.write_bytes(data)
+        assert run(made.cases[:1], journal=journal) == run(made.cases[:1])
+
+
+class Deadly(Executor):
+    """An executor whose worker dies of the case with friction 0.3."""
+
+    def __init__(self):
+        self.sent = []
+
+    def submit(self, fn, /, cases, **_):
+        future = Future()
+        self.sent.append([case.changes["friction"] for case in cases])
+        if 0.3 in self.sent[-1]:
+            future.set_exception(BrokenExecutor("its process died"))
+        else:
+            future.set_result(solve_chunk(cases))
+        return future
+
+
+def test_a_case_that_kills_its_workers_is_a_failed_row_and_the_rest_goes_on(brake, tmp_path):
+    cases = [Case(brake, {"friction": mu}, "sine") for mu in (0.1, 0.2, 0.3, 0.4, 0.5)]
+    expected = run(cases)
+    deadly = Deadly()
+    with Journal(tmp_path / "j", "a") as journal:
+        rows = run(cases, executor=deadly, workers=2, journal=journal)
+        assert len(journal) == 4
+    assert rows[:2] + rows[3:] == expected[:2] + expected[3:]
+    assert rows[2] == {"status": "failed: its worker was lost (BrokenExecutor: its process died)"}
+    assert deadly.sent[-2:] == [[0.3], [0.3]]  # alone, and once more
+
+
+def environment(name):
+    return os.environ.get(name)
+
+
+def test_a_process_that_dies_takes_its_own_work_alone_and_threads_are_one(monkeypatch):
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    with workers.executor(2) as (pool, _):
+        ids = {pool.submit(os.getpid).result(60) for _ in range(2)}
+        with pytest.raises(BrokenExecutor):
+            pool.submit(os._exit, 3).result(60)
+        ids |= {pool.submit(os.getpid).result(60) for _ in range(4)}
+        assert len(ids) >= 2 and os.getpid() not in ids
+        assert {pool.submit(environment, "OPENBLAS_NUM_THREADS").result(60) for _ in range(3)} == {"1"}
+    assert "OPENBLAS_NUM_THREADS" not in os.environ
+
+
+def test_processes_that_die_as_they_start_are_one_line(monkeypatch):
+    def never(*_, **__):
+        raise OSError(11, "Resource temporarily unavailable")
+
+    monkeypatch.setattr(workers.ProcessPoolExecutor, "submit", never)
+    with workers.executor(2) as (pool, _), pytest.raises(NoAnswer, match="worker processes cannot be started"):
+        pool.submit(os.getpid)
+
+
+@pytest.mark.parametrize("jobs", [0, -1, 10**20, 1001])
+def test_jobs_have_bounds(jobs):
+    with pytest.raises(BadInput, match=f"--jobs = {jobs}: must be from 1 to 1000"), workers.executor(jobs):
+        pass
+
+
+def test_waiting_is_said_once(brake, monkeypatch):
+    monkeypatch.setattr(sweeps, "QUIET", 0.05)
+
+    class Slow(Executor):
+        def submit(self, fn, /, cases, **_):
+            future = Future()
+            import threading
+
+            threading.Timer(0.4, lambda: future.set_result(fn(cases))).start()
+            return future
+
+    said = []
+    run([Case(brake, {"friction": 0.3}, "sine")], executor=Slow(), say=said.append)
+    assert len(said) == 1 and said[0].startswith("waiting for workers since ")
