@@ -45,6 +45,18 @@ LEVELS = (
         hinge=0.011,
         through=0.2,
     ),
+    Level(
+        7,
+        zone=0.0025,
+        edge=0.0015,
+        end=0.00012,
+        ratio=0.45,
+        largest=12 * DEG,
+        face=0.005,
+        back=0.004,
+        hinge=0.004,
+        through=0.22,
+    ),
 )
 """Each has about a quarter of the error of the one before it."""
 MOST_PASSES = 8
