@@ -203,7 +203,7 @@ def test_the_finite_elements_agree(case, brake):
     """Torque, reactions and p of two codes that share no mesh, no element and no contact."""
     changed = vary(brake, CASES[case])
     theirs = sequence(changed, SMALL)[-1]
-    mine = solve(changed, elements=160)
+    mine = solve(changed, tolerance=1e-3)
     for a, b in zip(mine.shoes, theirs, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=5e-5)
         assert pressure_error(a, b) < 3e-3
