@@ -68,14 +68,19 @@ def adapt(brake: Brake, tolerance: Tolerance, respond: Respond, *, must: bool = 
     responses: list[Response] = []
     error = Errors({}, ())
     unknowns = 0
-    for made, found in steps(brake, respond):
-        responses.append(found)
-        unknowns = max(body.unknowns for body in made.bodies)
-        if len(responses) > 1:
-            error = estimate(responses, ROUND_OFF * max(body.condensed.lost for body in made.bodies))
-            if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
-                return _final(responses, error, unknowns, "")
     missed = f"tolerance {tolerance.pressure:g} not reached"
+    try:
+        for made, found in steps(brake, respond):
+            responses.append(found)
+            unknowns = max(body.unknowns for body in made.bodies)
+            if len(responses) > 1:
+                error = estimate(responses, ROUND_OFF * max(body.condensed.lost for body in made.bodies))
+                if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
+                    return _final(responses, error, unknowns, "")
+    except NoAnswer as refusal:  # of finer levels
+        if not error.brake:
+            raise
+        missed += f", the next level: {refusal}"
     if must:
         said = f"estimated error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}"
         raise NoAnswer(f"{missed} on {len(responses)} meshes of up to {unknowns} unknowns a shoe: {said}")
