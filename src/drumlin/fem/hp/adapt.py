@@ -3,7 +3,7 @@
 The estimate. Let e_k be the error of level k and d_k its distance from the level before. If errors fall by the factor r
 from level to level, then d_k >= e_(k-1) - e_k = (r - 1) e_k, so that
 
-    e_k <= safety d_k / (r - 1),   r = d_(k-1) / d_k as observed, from SLOWEST to `steep`; at first 2
+    e_k <= safety d_k / (r - 1),   r = d_(k-1) / d_k as observed, from SLOWEST to `steep`; at first `begin`
 
 Where d is small by chance, as the difference of two numbers may be, what was estimated before counts, less the factor
 `fastest`, and the error of p: forces and the torque go as its square, the peak as itself, by the `share` that is seen
@@ -32,6 +32,7 @@ class Rule(NamedTuple):
     which it is at least, on two levels and on more."""
 
     fastest: float
+    begin: float
     steep: float
     safety: float
     power: int
@@ -40,10 +41,10 @@ class Rule(NamedTuple):
 
 
 RULES = {
-    "pressure": Rule(fastest=8, steep=3, safety=1.0, power=1, first=0, share=0),
-    "torque": Rule(fastest=12, steep=5, safety=1.3, power=2, first=1, share=0.05),
-    "peak": Rule(fastest=12, steep=5, safety=1.3, power=1, first=0.4, share=0.02),
-    "reaction": Rule(fastest=12, steep=5, safety=1.3, power=2, first=4, share=0.1),
+    "pressure": Rule(fastest=8, begin=2.3, steep=3, safety=1.0, power=1, first=0, share=0),
+    "torque": Rule(fastest=12, begin=2, steep=5, safety=1.3, power=2, first=1, share=0.05),
+    "peak": Rule(fastest=12, begin=2, steep=5, safety=1.3, power=1, first=0.4, share=0.02),
+    "reaction": Rule(fastest=12, begin=2, steep=5, safety=1.3, power=2, first=4, share=0.1),
 }
 """On random brakes of 11 kinds, against curved triangles of a code of their own and against far finer levels."""
 ROUND_OFF = 10.0  # times what the elimination has lost of a unit force: what that may be in p
@@ -59,11 +60,11 @@ class Tolerance(NamedTuple):
 DEFAULT = Tolerance(5e-3, 1e-4)
 
 
-def adapt(brake: Brake, tolerance: Tolerance, respond: Respond, *, must: bool = True) -> Response:
+def adapt(brake: Brake, tolerance: Tolerance, respond: Respond, *, must: bool = True, soft: float = 0.0) -> Response:
     """The response whose estimated errors are within the tolerance.
 
-    Raises NoAnswer, saying what was reached, where the levels do not suffice, unless it need not be; BadInput for a
-    brake with a mesh file.
+    soft: the relative error that a finite penalty makes. Raises NoAnswer, saying what was reached, where the levels do
+    not suffice, unless it need not be; BadInput for a brake with a mesh file.
     """
     responses: list[Response] = []
     error = Errors({}, ())
@@ -74,7 +75,8 @@ def adapt(brake: Brake, tolerance: Tolerance, respond: Respond, *, must: bool = 
             responses.append(found)
             unknowns = max(body.unknowns for body in made.bodies)
             if len(responses) > 1:
-                error = estimate(responses, ROUND_OFF * max(body.condensed.lost for body in made.bodies))
+                lost = max(body.condensed.lost for body in made.bodies)
+                error = estimate(responses, soft + ROUND_OFF * lost)
                 if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
                     return _final(responses, error, unknowns, "")
     except NoAnswer as refusal:  # of finer levels
@@ -100,15 +102,14 @@ class Errors(NamedTuple):
 def estimate(responses: Sequence[Response], floor: float = 0.0) -> Errors:
     """Upper values of the errors of the last of the responses, each on a finer level than the one before.
 
-    floor: what round-off may be at least, where there is contact.
+    floor: what round-off and penalty may be at least, where there is contact.
     """
     names = ("torque", *QUANTITIES * len(responses[-1].shoes))
     rules = [RULES[name] for name in names]
-    fastest, steep, safety = (
-        np.array([getattr(rule, key) for rule in rules]) for key in ("fastest", "steep", "safety")
-    )
+    keys = ("fastest", "begin", "steep", "safety")
+    fastest, begin, steep, safety = (np.array([getattr(rule, key) for rule in rules]) for key in keys)
     series = np.array([distances(a, b) for a, b in pairwise(responses)])  # (steps, quantities)
-    found = safety * series[0]
+    found = safety * series[0] / (begin - 1)
     for before, last in pairwise(series):
         falls = np.clip(before / np.maximum(last, np.finfo(float).tiny), SLOWEST, steep)
         found = np.maximum(safety * last / (falls - 1), found / fastest)
