@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import skfem
 
-import pair
 from drumlin.brake.file import vary
 from drumlin.contact import active_set
 from drumlin.fem.assembly import prepare
@@ -14,6 +13,7 @@ from drumlin.fem.body import scalar_basis
 from drumlin.fem.interface import ContactLine, contact_line, couple, radial
 from drumlin.fem.ring import couple_ring
 from drumlin.response.resultants import cross, integrate, resultant
+from drumlin.verification import two_bodies as pair
 
 
 @pytest.fixture(scope="module", params=[3, 10, 80])

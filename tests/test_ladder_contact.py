@@ -10,7 +10,7 @@ from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.fem.mesh.grading import graded
 from drumlin.response.resultants import integrate
-from pair import STEEL, Pair, body, both_sides, closed, nested_start, sector, towards
+from drumlin.verification.two_bodies import STEEL, Pair, body, both_sides, closed, nested_start, sector, towards
 
 R = 1.0
 A = 0.005  # intended half-width of the Hertz contacts, radius 1: curvature of the interface is without effect

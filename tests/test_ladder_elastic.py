@@ -10,7 +10,7 @@ from scipy.sparse.linalg import spsolve
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.fem.body import scalar_basis, stiffness
-from pair import Pair, body, sector, towards
+from drumlin.verification.two_bodies import Pair, body, sector, towards
 
 KINDS = {
     "quad2": (skfem.MeshQuad, skfem.MeshQuad2, 3),

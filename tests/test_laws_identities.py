@@ -21,7 +21,7 @@ from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
 from drumlin.response.merit import barecki_shoe_factor, double_delta, sensitivity
 from drumlin.response.response import ShoeResponse, shoe_balance
-from law_brakes import hinged, pad
+from drumlin.verification.textbook_brakes import hinged, pad
 
 many = settings(max_examples=100, suppress_health_check=[HealthCheck.too_slow])
 

@@ -20,3 +20,4 @@ def test_orders_and_estimates(tmp_path):
     text = module.report(result, tmp_path).read_text()
     assert "Observed orders" in text and "estimate over truth" in text
     assert "true above stated" in text and (tmp_path / "stated_true.csv").read_text().count("\n") == module.FEW + 1
+    assert "Benchmark ladder" in text and "failed: outside" not in text

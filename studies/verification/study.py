@@ -1,4 +1,4 @@
-"""How fast do the finite elements converge, and can the error that they state be believed?"""
+"""How fast do the finite elements converge, can their stated error be believed, and what is right beyond doubt?"""
 
 import math
 import time
@@ -17,6 +17,7 @@ from drumlin.journal import Journal
 from drumlin.report import figures
 from drumlin.report.page import fill
 from drumlin.report.stated_true_figure import cloud
+from drumlin.verification import ladder
 from drumlin.verification.orders import distance, estimate_row, order_rows
 from drumlin.verification.random_brake import random_brake
 from drumlin.verification.stated_true import TOLERANCES, row, summary, truth
@@ -33,12 +34,13 @@ BRAKES, FEW = 110, 3  # random ones whose stated errors are judged
 
 
 class Result(NamedTuple):
-    """Errors over the meshes of every kind, and estimates against true errors; those of random brakes, a row each."""
+    """Errors over meshes of every kind, stated against true errors, random brakes, and cases with known answers."""
 
     orders: list[dict[str, Any]]
     estimates: list[dict[str, Any]]
     judged: list[dict[str, Any]]
     floor: dict[str, float]
+    ladder: list[dict[str, Any]]
     seconds: float
 
 
@@ -67,7 +69,9 @@ def study(
     for seed in range(FEW if short else BRAKES):
         say(f"random brake {seed}")
         judged += journal.once({"seed": seed}, partial(_judged, seed, TOLERANCES[:1] if short else TOLERANCES))["rows"]
-    return Result(orders, estimates, judged, floor, time.perf_counter() - start)
+    say("benchmark ladder")
+    known = [ladder.row(case) for case in ladder.CASES]
+    return Result(orders, estimates, judged, floor, known, time.perf_counter() - start)
 
 
 def _judged(seed: int, tolerances: Sequence[float]) -> dict[str, Any]:
@@ -92,6 +96,8 @@ def report(result: Result, folder: Path) -> Path:
     write_text(folder / "stated_true.csv", as_csv(result.judged))
     write_text(folder / "orders.csv", as_csv(result.orders))
     write_text(folder / "estimates.csv", as_csv(result.estimates))
+    write_text(folder / "ladder.csv", as_csv(result.ladder))
     return fill(
-        HERE / "page.html", folder / "index.html", result=result, cases=list(CASES), judged=summary(result.judged)
-    )
+        HERE / "page.html", folder / "index.html", result=result, cases=list(CASES), judged=summary(result.judged),
+        families=len(ladder.families()),
+    )  # fmt: skip

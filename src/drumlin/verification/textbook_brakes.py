@@ -1,4 +1,4 @@
-"""Brakes for the tests of the laws, from the numbers that textbooks give."""
+"""Brakes from the numbers that textbooks give."""
 
 import math
 
