@@ -162,6 +162,21 @@ def _belt(mu: float, wrap: float) -> float:
     return float(np.array([-math.sin(wrap), math.cos(wrap)]) @ reaction)
 
 
+def _flat_patch(turned: float) -> float:
+    """Largest pressure [Pa] of a strip of height 1, nu = 0, pressed by .05 on a plane at an inclination."""
+    c, s = math.cos(turned), math.sin(turned)
+    grid = skfem.MeshQuad.init_tensor(np.array([0, 0.4, 0.5, 1.0]), np.array([0, 0.3, 1.1, 2.0]))
+    mesh = _meshed(grid, lambda d, x: np.array([3 + c * x - s * d, 1 + s * x + c * d]), lambda d, x: d > 1 - 1e-9)
+    top = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
+    directions = _along(np.array([s, -c]), np.array([c, s]))
+    strip = Flexible.of(mesh, Material(E=2e6, nu=0.0), np.concatenate([2 * top, 2 * top + 1]), directions, 0.3)
+    N, M = strip.coupling.N, strip.coupling.M
+    on, n = np.column_stack([2 * strip.line.nodes, 2 * strip.line.nodes + 1]).ravel(), len(M)
+    A = N @ strip.moved(strip.spread(N))[on]
+    none = np.zeros((n, 0))
+    return float(active_set.solve(active_set.Problem(A, M @ np.full(n, -0.05), none, none.T, np.zeros(0))).p.max())
+
+
 class Plate(NamedTuple):
     """Moment of the plane's pressures about the plate's corner over that of all other forces; states of its nodes."""
 
@@ -173,7 +188,8 @@ class Plate(NamedTuple):
 def pressed_plate() -> Plate:
     """An elastic plate, on a plane of symmetry at x = 0, pressed on a rigid plane at mu = 1 and pushed from its side.
 
-    The geometry of Raous, Chabrand & Lebon (1988): 40 by 40, E = 130, nu = .2, 5 downwards and 10 from the side.
+    After Raous, Chabrand & Lebon (1988): 40 by 40, nu = .2, 5 MPa downwards and 10 MPa from the side. About the corner
+    at O neither tractions along the plane nor what is held up there have a moment.
     """
     L, mu = 40.0, 1.0
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
@@ -188,7 +204,7 @@ def pressed_plate() -> Plate:
     )
     f = np.zeros((basis.N, 2))
     f[:, 1] -= 5e6 * _edge(x, np.flatnonzero(y > L - 1e-9))
-    f[:, 0] += 10e6 * _edge(y, np.flatnonzero(x > L - 1e-9))
+    f[:, 0] -= 10e6 * _edge(y, np.flatnonzero(x > L - 1e-9))
     N, T = plate.coupling.N, plate.coupling.T
     n = len(N)
     on = np.column_stack([2 * plate.line.nodes, 2 * plate.line.nodes + 1]).ravel()
@@ -202,10 +218,8 @@ def pressed_plate() -> Plate:
     )  # fmt: skip
     found = stick_slip.solve(problem, mu, History(np.zeros(n), np.zeros(n)), np.full(n, STICK))
     whole = u @ np.concatenate([[1.0], -found.p, found.t])
-    left_out = np.zeros((basis.N, 2))
-    left_out[left] = (plate.K @ whole).reshape(-1, 2)[left]
-    left_out[plate.line.nodes] *= (x[plate.line.nodes] > 1e-9)[:, None]
-    total = left_out + f
+    total = f.copy()
+    total[left] = (plate.K @ whole).reshape(-1, 2)[left]  # with what holds them
     others = float((x * total[:, 1] - y * total[:, 0]).sum())
     pressures = (-N.T @ found.p).reshape(-1, 2)
     return Plate(float((plate.line.xy[0] * pressures[:, 1]).sum() / -others), frozenset(int(s) for s in found.state))
@@ -294,6 +308,9 @@ CASES = (
            min(100 * shift, 5.0), 1e-12, EXACT, partial(_traction, shift)) for shift in (0.02, 0.05, 0.2)),
     Case("closed loop of slip", "dissipation", "area of the loop, 4 mu p (s - mu p/k)", "energy [J]",
          4 * 0.5 * 10 * (0.2 - 0.5 * 10 / 100), 1e-9, EXACT, _loop),
+    *(Case("flat patch test", "even pressure", "El-Abbasi & Bathe 2001: E times the strain -.05",
+           f"largest p [Pa], inclined by {turned} rad", 1e5, 1e-10, EXACT, partial(_flat_patch, turned))
+      for turned in (0.0, 0.4)),
     Case("block on a wedge", "direction of friction", "NAFEMS CGS-4: (tan a + mu)/(1 - mu tan a)", "push over weight",
          0.412371, 1e-6, PRINTED, _wedge),
     Case("tangentially loaded cylinders", "partial slip", "Cattaneo 1938, Mindlin 1949: c/a = sqrt(1 - Q/(mu P))",
