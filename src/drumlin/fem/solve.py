@@ -13,7 +13,6 @@ from drumlin.fem.omission import adapt_without
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
-
 SOFT = 2.0  # times one over the penalty: the relative error of p that it makes at most, as seen on random brakes
 
 
