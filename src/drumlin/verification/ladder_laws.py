@@ -20,7 +20,7 @@ from drumlin.verification.textbook_brakes import hinged, lever_block, pad
 
 
 def _solve(model: str, brake: object) -> Response:
-    return MODELS[model].solve(brake)  # type: ignore[arg-type]
+    return MODELS[model].solve(brake)
 
 
 def _shigley_16_2() -> float:
