@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import independent
 from conftest import STUDY
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import converge
@@ -63,21 +62,6 @@ def test_the_deviation_from_the_law_falls_with_the_lining(brake):
     assert deviations[0] < 2e-3
     assert deviations[2] < deviations[1] < deviations[0]
     assert deviations[2] < 0.4 * deviations[0]
-
-
-@pytest.mark.parametrize("index", [0, 1])
-def test_an_independent_discretisation_agrees(index, brake):
-    """Triangles, skfem's forms, pointwise penalty, one sparse system: torque within 1e-4, p within 2 % in L2.
-
-    Pointwise, that method's own pressures scatter by some 5 %.
-    """
-    torque, theta, p = independent.solve(brake, index, 90, 1e4)
-    mine = solve(brake, elements=120).shoes[index]
-    assert mine.torque == pytest.approx(torque, rel=1e-4)
-    turn = theta + 2 * math.pi * np.round((mine.theta.mean() - theta) / (2 * math.pi))
-    inside = (turn > mine.theta[0] + 0.1) & (turn < mine.theta[-1] - 0.1)
-    difference = mine.pressure_at(turn[inside]) - p[inside]
-    assert np.linalg.norm(difference) < 0.02 * np.linalg.norm(p[inside])
 
 
 def test_forces_and_moments_balance_and_contact_is_complementary(brake):

@@ -244,3 +244,35 @@ def test_a_ring_takes_part_in_holding():
     scene = prepare(spec, elements=20)
     states = hold(scene, spec, np.linspace(0, full_slip_rotation(scene, spec), 4))
     assert states[-1].torque == pytest.approx(respond(scene, spec).torque, rel=1e-9)
+
+
+@pytest.mark.parametrize("way", [stick_slip._followed, stick_slip._closed])
+def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
+    """Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again before it falls."""
+    monkeypatch.setattr(stick_slip, "_newton", way)
+    monkeypatch.setattr(stick_slip, "_followed", way)
+    monkeypatch.setattr(stick_slip, "_closed", way)
+    n, none = 4, np.zeros(0)
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        root = rng.normal(size=(2 * n, 2 * n))
+        A = root @ root.T + 0.05 * np.eye(2 * n)
+        problem = Problem(
+            A_wp=A[:n, :n], A_wt=A[:n, n:], A_sp=-A[n:, :n], A_st=-A[n:, n:],
+            B_w=np.zeros((n, 0)), B_s=np.zeros((n, 0)), C_p=np.zeros((0, n)), C_t=np.zeros((0, n)),
+            q_w=rng.normal(size=n), q_s=rng.normal(size=n), h=none, Q=np.zeros((n, n)),
+        )  # fmt: skip
+        found = stick_slip.solve(problem, 1.0, History(np.zeros(n), np.zeros(n)), np.full(n, STICK))
+        p, t = found.p, found.t
+        w = problem.q_w + problem.A_wp @ p + problem.A_wt @ t
+        s = problem.q_s + problem.A_sp @ p + problem.A_st @ t
+        assert np.minimum(p, w) == pytest.approx(np.zeros(n), abs=1e-8)
+        assert t == pytest.approx(np.clip(t + s, -p, p), abs=1e-8)  # projection on |t| <= mu p
+
+
+def test_a_vanishing_gap_changes_nothing():
+    """The force that comes on in increments to close it ends where one increment ends without it."""
+    gap = vary(BRAKE, {"shoe.lining.clearance": 1e-13})
+    with_gap, without = (hold(SCENE, brake, np.zeros(8))[0] for brake in (gap, BRAKE))
+    for mine, theirs in zip(with_gap.traction, without.traction, strict=True):
+        assert mine == pytest.approx(theirs, rel=1e-3, abs=1e-4 * np.abs(theirs).max())

@@ -43,7 +43,7 @@ def test_a_contact_within_the_lining_s_end_has_a_peak_pressure():
     brake = vary(brake, {"shoe[0].lining.clearance": gap, "shoe.actuation.force": "50 N"})
     shoe = drumlin.solve(brake).shoes[0]
     assert shoe.peak_pressure > 0
-    assert shoe.peak_pressure == pytest.approx(shoe.pressure.max())
+    assert shoe.peak_pressure == pytest.approx(shoe.pressure.max(), rel=1e-2)
 
 
 THIN = """

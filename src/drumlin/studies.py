@@ -48,6 +48,8 @@ def run(name: str, folder: Path | None, *, short: bool, say: Callable[[str], Non
         return page
     path = folder / ("journal-short.jsonl" if short else "journal.jsonl")
     with Journal(path, source_stamp(root / "studies")) as journal:
+        for line in journal.notes:
+            say(line)
         if len(journal):
             say(f"going on after {len(journal)} finished cases")
         page = module.report(module.study(short=short, say=say, journal=journal), folder)

@@ -1,20 +1,26 @@
-"""How fast do the finite elements converge, can their error estimate be believed, and what is right beyond doubt?"""
+"""How fast do the finite elements converge, can their stated error be believed, and what is right beyond doubt?"""
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
+from drumlin.errors import NoAnswer
 from drumlin.fem.mesh.arc import KINDS
 from drumlin.fem.solve import solve
 from drumlin.files import write_text
+from drumlin.journal import Journal
 from drumlin.report import figures
 from drumlin.report.page import fill
+from drumlin.report.stated_true_figure import cloud
 from drumlin.verification import ladder
 from drumlin.verification.orders import distance, estimate_row, order_rows
+from drumlin.verification.random_brake import random_brake
+from drumlin.verification.stated_true import TOLERANCES, row, summary, truth
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
@@ -24,19 +30,26 @@ CASES: dict[str, dict[str, Any]] = {
 }
 
 
+BRAKES, FEW = 110, 3  # random ones whose stated errors are judged
+
+
 class Result(NamedTuple):
-    """Errors over the meshes of every kind, estimates against true errors, and cases with known answers."""
+    """Errors over meshes of every kind, stated against true errors, random brakes, and cases with known answers."""
 
     orders: list[dict[str, Any]]
     estimates: list[dict[str, Any]]
+    judged: list[dict[str, Any]]
     floor: dict[str, float]
     ladder: list[dict[str, Any]]
     seconds: float
 
 
-def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
+def study(
+    *, short: bool = False, say: Callable[[str], None] = lambda _: None, journal: Journal | None = None
+) -> Result:
     """Errors of p (L2) and of the torque against a far finer mesh; `short`: coarser all over."""
     start = time.perf_counter()
+    journal = journal or Journal()
     sizes, fine, other = ((10, 20, 40), 120, 80) if short else ((20, 40, 80, 160), 640, 400)
     tolerances = (1e-2, 3e-3) if short else (1e-2, 3e-3, 1e-3, 3e-4)
     orders, estimates, floor = [], [], {}
@@ -52,9 +65,23 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         for tolerance in tolerances:
             say(f"{case}: tolerance {tolerance:g}")
             estimates.append(estimate_row(brake, case, tolerance, reference, floor[case]))
+    judged = []
+    for seed in range(FEW if short else BRAKES):
+        say(f"random brake {seed}")
+        judged += journal.once({"seed": seed}, partial(_judged, seed, TOLERANCES[:1] if short else TOLERANCES))["rows"]
     say("benchmark ladder")
     known = [ladder.row(case) for case in ladder.CASES]
-    return Result(orders, estimates, floor, known, time.perf_counter() - start)
+    return Result(orders, estimates, judged, floor, known, time.perf_counter() - start)
+
+
+def _judged(seed: int, tolerances: Sequence[float]) -> dict[str, Any]:
+    """Rows of a random brake, one a tolerance."""
+    brake, failure = random_brake(seed), ""
+    try:
+        true = truth(brake)
+    except NoAnswer as error:
+        true, failure = None, str(error)
+    return {"rows": [{"seed": seed} | row(brake, tolerance, solve, true, failure) for tolerance in tolerances]}
 
 
 def report(result: Result, folder: Path) -> Path:
@@ -65,9 +92,12 @@ def report(result: Result, folder: Path) -> Path:
             for kind in KINDS
         }
         figures.save(figures.convergence(series, "error of p in L2"), folder / f"orders_{i + 1}.svg")
+    figures.save(cloud(result.judged), folder / "stated_true.svg")
+    write_text(folder / "stated_true.csv", as_csv(result.judged))
     write_text(folder / "orders.csv", as_csv(result.orders))
     write_text(folder / "estimates.csv", as_csv(result.estimates))
     write_text(folder / "ladder.csv", as_csv(result.ladder))
     return fill(
-        HERE / "page.html", folder / "index.html", result=result, cases=list(CASES), families=len(ladder.families())
-    )
+        HERE / "page.html", folder / "index.html", result=result, cases=list(CASES), judged=summary(result.judged),
+        families=len(ladder.families()),
+    )  # fmt: skip

@@ -97,8 +97,9 @@ def print_response(brake: "AnyBrake", response: "Response") -> None:
         tell(f"  {response.iterations} active-set steps; balance: force {response.balance.force:.1e}, "
               f"moment {response.balance.moment:.1e}; ms: {spent}")  # fmt: skip
     if response.error is not None:
-        tell(f"  estimated error: p {response.error['pressure']:.1e} (L2, worst shoe), "
-              f"torque {response.error['torque']:.1e}")  # fmt: skip
+        more = {"torque": "torque", "peak": "peak pressure", "reaction": "hinge reaction"}
+        errors = [f", {said} {response.error[name]:.1e}" for name, said in more.items() if name in response.error]
+        tell(f"  estimated error: p {response.error['pressure']:.1e} (L2, worst shoe){''.join(errors)}")
     for line in response.notes:
         tell(f"  {line}")
     for line in response.left_out:

@@ -32,7 +32,8 @@ PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
 lining's own compression p t/E, and the pressure is off by about as much; each response states by how much."""
 REFINED_FROM = 1e-9  # relative imbalance from which on the condensed bodies have lost too many digits
-MOST_REFINED = 60_000  # unknowns of a group of shoes up to which that is done before it must be: it takes seconds
+MAX_REFINED = 240_000  # unknowns of a group of shoes, times their degree squared, up to which that is done before it
+# must be: it takes seconds
 LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
 LARGEST_LOSS = 1e-6  # relative, of a condensed body
 LARGEST_CORRECTION = 1e-6  # relative, of the pressures, by the last step of a refinement
@@ -49,12 +50,8 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
     not change the answer. Raises NoAnswer: self-locking, no equilibrium, not converged.
     """
     check_penalty(penalty)
-    if [shape_of(brake, s) for s in brake.shoes] != [shape_of(scene.brake, s) for s in scene.brake.shoes]:
-        raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
-    if brake.friction > 0 and scene.brake.friction == 0:
-        raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
-    if brake.drum.ring != scene.brake.drum.ring:
-        raise BadInput("the brake's drum.ring differs from that of the prepared scene")
+    if brake is not scene.brake:
+        _check_same(scene, brake)
     seconds = dict(scene.seconds)
     with clock(seconds, "contact"):
         answers: dict[int, _Answer] = {}
@@ -72,6 +69,16 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         left_out=scene.left_out,
         notes=(*_overlaps(scene, brake), *(answers[i].note for i in sorted(answers))),
     )
+
+
+def _check_same(scene: Scene, brake: Brake) -> None:
+    """Raise BadInput for a brake whose bodies are not those of the scene."""
+    if [shape_of(brake, s) for s in brake.shoes] != [shape_of(scene.brake, s) for s in scene.brake.shoes]:
+        raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
+    if brake.friction > 0 and scene.brake.friction == 0:
+        raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
+    if brake.drum.ring != scene.brake.drum.ring:
+        raise BadInput("the brake's drum.ring differs from that of the prepared scene")
 
 
 def check_penalty(penalty: float) -> None:
@@ -115,10 +122,12 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     answers = {}
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
         answers[i] = _answer(group, k, size * found.p[part], size * float(found.y[k]), change[part], found.steps)
-    small = sum(body.unknowns for body in group.bodies) <= MOST_REFINED
+    small = sum(body.unknowns * body.line.order**2 for body in group.bodies) <= MAX_REFINED
     lost = max(body.condensed.lost for body in group.bodies)
     if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small else LARGEST_IMBALANCE):
         return answers
+    if not small and max(body.line.order for body in group.bodies) > 2:  # high degrees fill the factors: minutes
+        raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
     try:
         refined = refined_group(group, found.active)
     except NoAnswer as error:

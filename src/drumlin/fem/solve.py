@@ -13,6 +13,8 @@ from drumlin.fem.omission import adapt_without
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
+SOFT = 2.0  # times one over the penalty: the relative error of p that it makes at most, as seen on random brakes
+
 
 def solve(
     brake: Brake,
@@ -31,16 +33,16 @@ def solve(
     on meshes of that kind. BadInput is raised for elements and a tolerance together. cache: bodies of earlier solves on
     meshes, see `prepare`.
     """
+    check_penalty(penalty)
     answer = partial(respond, penalty=penalty)
     if tolerance is not None and elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
     if tolerance is not None and kind is not None:  # a studied method
         found = adapt_meshes(brake, tolerance, answer, kind)
     elif tolerance is not None:
-        found = adapt_without(brake, tolerance, answer)
+        found = adapt_without(brake, tolerance, answer, SOFT / penalty)
     elif elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes):
-        check_penalty(penalty)
-        found = adapt(brake, DEFAULT, answer, must=False)
+        found = adapt(brake, DEFAULT, answer, must=False, soft=SOFT / penalty)
     else:
         elements = ELEMENTS if elements is None else elements
         found = answer(prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache), brake)

@@ -261,7 +261,9 @@ def pressed_shoe(
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure, zone = theta[forward], pressure[forward], edge_zone(shoe, radius)
-    peak = (largest(theta, pressure, order, zone) if located else 0.0) or nodal_peak(theta, pressure, zone)
+    peak = largest(theta, pressure, order, zone) if located else nodal_peak(theta, pressure, zone)
+    if not peak > 0:  # pressed at its ends alone
+        peak = largest(theta, pressure, order)
     check_strain(shoe, peak)
     return ShoeResponse(
         name=shoe.name,
@@ -280,7 +282,8 @@ def pressed_shoe(
 
 
 def edge_zone(shoe: Shoe, radius: float) -> float:
-    """Half the lining's thickness at each end [rad], where p is steep; a quarter of a lining that is shorter."""
+    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep; a quarter
+    of its length where that is all of it."""
     zone, length = shoe.lining.thickness / (2 * radius), shoe.lining.end - shoe.lining.start
     return zone if 2 * zone < length else 0.25 * length
 

@@ -154,7 +154,7 @@ def _end(theta: Floats, pressure: Floats, node: int, order: int) -> float:
     if pressure[node] > 0 or i + 2 * order >= len(theta):
         return float(theta[node])
     near, far = i + order, i + 2 * order
-    f = [integrate(theta[i : k + 1], pressure[i : k + 1], order) ** (2 / 3) for k in (near, far)]
+    f = [max(integrate(theta[i : k + 1], pressure[i : k + 1], order), 0.0) ** (2 / 3) for k in (near, far)]
     if f[1] <= f[0]:
         return float(theta[node])
     end = theta[near] - f[0] * (theta[far] - theta[near]) / (f[1] - f[0])

@@ -30,7 +30,7 @@ from drumlin.files import content_digest, replacing, write_text
 from drumlin.journal import Journal, key_of, source_stamp
 from drumlin.models import pick
 from drumlin.response.response import FlatMerit, Response
-from drumlin.sweeps.workers import waiting_since
+from drumlin.sweeps.workers import Say, waiting_since
 
 Row = dict[str, Any]
 
@@ -144,7 +144,7 @@ def run(
     workers: int = 1,
     journal: Journal | None = None,
     done: Callable[[int, int], None] = lambda finished, of: None,
-    say: Callable[[str], None] = lambda words: None,
+    say: Say = lambda words: None,
 ) -> list[Row]:
     """The rows of the cases, in their order.
 
@@ -332,12 +332,7 @@ def _stamp() -> str:
 
 
 def _by(
-    executor: Executor,
-    workers: int,
-    cases: Sequence[Case],
-    missing: Sequence[int],
-    alone: bool,
-    say: Callable[[str], None],
+    executor: Executor, workers: int, cases: Sequence[Case], missing: Sequence[int], alone: bool, say: Say
 ) -> Iterator[tuple[int, Answer]]:
     """Answers as they come from an executor; chunks grow until each takes CHUNK_SECONDS. `alone`: one case at a time.
 

@@ -161,8 +161,7 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
     brake = _base_brake(file.brake, base)
     models = _models(file.model, brake)
     specs = {key: spec for name, value in file.vary.items() for key, spec in _specs(brake, name, value, base).items()}
-    random = file.combine == "random"
-    drawn = [key for key, spec in specs.items() if random or spec.values is None]
+    drawn = [key for key, spec in specs.items() if file.combine == "random" or spec.values is None]
     if drawn and file.cases is None:
         raise BadInput(f"cases: is missing: how many times {drawn[0]} is drawn, such as 1000")
     if not drawn and file.cases is not None:
@@ -184,9 +183,9 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
         if reason is not None:
             raise BadInput(f"model.{name}: does not apply to this brake: {reason}")
     cases = [Case(brake, change, name, options) for change in changes for name, options in models.items()]
-    for path in {path for change in [{}, *changes] for path in mesh_files(brake, change)}:
-        if content_digest(path) == "none":
-            raise BadInput(f"mesh = {str(path)!r}: cannot be read")
+    meshes = {path for change in [{}, *changes] for path in mesh_files(brake, change)}
+    if lost := [str(path) for path in meshes if content_digest(path) == "none"]:
+        raise BadInput(f"mesh = {min(lost)!r}: cannot be read")
     return Sweep(file.title or brake.title, brake, {key: unit_of(brake, key) for key in specs}, cases)
 
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake
 from drumlin.laws import locking_friction
 from drumlin.laws.shapes import LAWS, equivalent_friction, m_and_n, pivot_radius
 from drumlin.laws.simscape import DoubleShoe
@@ -20,7 +19,7 @@ from drumlin.verification.ladder_case import EXACT, PRINTED, Case
 from drumlin.verification.textbook_brakes import hinged, lever_block, pad
 
 
-def _solve(model: str, brake: AnyBrake) -> Response:
+def _solve(model: str, brake: object) -> Response:
     return MODELS[model].solve(brake)
 
 

@@ -29,6 +29,7 @@ REFUSALS = {  # what a refusal says -> why
     "self-locking": "self-locking",
     "to touch the drum": "out of reach",
     "ever touching": "out of reach",
+    "pressed in by": "out of reach",
     "no equilibrium": "no equilibrium",
     "too far apart": "arithmetic",
     "singular stiffness": "arithmetic",

@@ -96,8 +96,13 @@ class Pair:
             halves = [np.vstack(both) for both in zip(halves, [_half(outer, -N), _half(outer, T)], strict=True)]
         x = inner.line.xy[0]
         moves = {"x": np.column_stack([np.ones_like(x), 0 * x]), "y": np.column_stack([0 * x, np.ones_like(x)])}
-        held = np.array([moves[m].ravel() for m in motions]).reshape(-1, 2 * len(x)).T
-        return cls(inner, coupling, halves[0], halves[1], held)
+        return cls(
+            inner,
+            coupling,
+            halves[0],
+            halves[1],
+            np.array([moves[m].ravel() for m in motions]).reshape(-1, 2 * len(x)).T,
+        )
 
     def normal(self, gap: Floats, loads: Sequence[float] = ()) -> active_set.Problem:
         """Frictionless problem; `loads`: force on the inner body's holder along each motion."""

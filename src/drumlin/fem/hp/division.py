@@ -95,7 +95,7 @@ def graded(length: float, left: float, right: float, ratio: float, largest: floa
     while True:
         rest = length - math.fsum(first) - math.fsum(last)
         least = min(left, right)
-        if least >= largest or rest <= least * (1.6 + 1 / ratio):
+        if least >= largest or rest <= 1.6 * least:
             break
         if left <= right:
             first.append(left)

@@ -36,7 +36,7 @@ class Element(NamedTuple):
 
 @cache
 def element(p: int, *, precise: bool = False) -> Element:
-    """The element of degree p >= 3; precise: in long double."""
+    """The element of degree p >= 2; precise: in long double."""
     x, w = leggauss(p + 1)
     x, w = 0.5 * (x + 1), 0.5 * w
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
@@ -48,7 +48,7 @@ def element(p: int, *, precise: bool = False) -> Element:
 
 def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
     """Values (a, q) and slopes (a, 2, q) of the nodal functions, nodes by rows, at points x (2, q) of [0, 1]^2."""
-    hierarchical = skfem.ElementQuadP(p)
+    hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
     count = (p + 1) ** 2
 
     def of(points: Floats) -> tuple[Floats, Floats]:

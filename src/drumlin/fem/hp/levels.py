@@ -14,19 +14,18 @@ from drumlin.response.response import Response
 
 DEG = math.pi / 180
 LEVELS = (
-    Level(3, zone=0.6, edge=0.12, end=0.15, ratio=0.25,
-          largest=20 * DEG, face=0.35, back=0.6, hinge=0.6, through=0.15),
+    Level(3, zone=0.6, edge=0.12, end=0.15, ratio=0.25, largest=20 * DEG, face=0.35, back=0.6, hinge=0.6, through=0.15),
     Level(
-        4, zone=0.2, edge=0.06, end=0.05, ratio=0.35, largest=20 * DEG, face=0.2, back=0.25, hinge=0.25, through=0.16
+        4, zone=0.2, edge=0.06, end=0.035, ratio=0.35, largest=20 * DEG, face=0.2, back=0.25, hinge=0.25, through=0.16
     ),
     Level(
-        5, zone=0.07, edge=0.025, end=0.02, ratio=0.4, largest=16 * DEG, face=0.08, back=0.09, hinge=0.09, through=0.17
+        5, zone=0.07, edge=0.025, end=0.008, ratio=0.4, largest=16 * DEG, face=0.08, back=0.09, hinge=0.09, through=0.17
     ),
     Level(
         6,
         zone=0.025,
         edge=0.01,
-        end=0.008,
+        end=0.002,
         ratio=0.42,
         largest=15 * DEG,
         face=0.03,
@@ -38,7 +37,7 @@ LEVELS = (
         7,
         zone=0.008,
         edge=0.004,
-        end=0.003,
+        end=0.0005,
         ratio=0.45,
         largest=15 * DEG,
         face=0.012,
@@ -46,7 +45,19 @@ LEVELS = (
         hinge=0.011,
         through=0.2,
     ),
-)  # fmt: skip
+    Level(
+        7,
+        zone=0.0025,
+        edge=0.0015,
+        end=0.00012,
+        ratio=0.45,
+        largest=12 * DEG,
+        face=0.005,
+        back=0.004,
+        hinge=0.004,
+        through=0.22,
+    ),
+)
 """Each has about a quarter of the error of the one before it."""
 MOST_PASSES = 8
 SETTLED = 0.1  # of the length of the contact: an end of it is located by the first level where it moves by less

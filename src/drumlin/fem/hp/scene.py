@@ -40,11 +40,11 @@ def scene(brake: Brake, level: Level, places: Places | None = None) -> assembly.
         raise BadInput(f"fem does not apply to this brake: {reason}")
     seconds: assembly.Seconds = {}
     made: dict[tuple[object, ...], assembly.Body] = {}
-    for shoe in brake.shoes:
-        key = assembly.shape_of(brake, shoe)
+    keys = [assembly.shape_of(brake, shoe) for shoe in brake.shoes]
+    for shoe, key in zip(brake.shoes, keys, strict=True):
         if key not in made:
             made[key] = body(shoe, brake.drum.radius, level, (places or {}).get(key, ()), brake.friction > 0, seconds)
-    bodies = tuple(made[assembly.shape_of(brake, shoe)] for shoe in brake.shoes)
+    bodies = tuple(made[key] for key in keys)
     left_out = ["interior fields: recovered only for a picture"]
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")

@@ -1,0 +1,47 @@
+"""The cloud of stated over true errors."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from drumlin.report.figures import STYLE
+
+TITLES = {"pressure": "pressure p (L2)", "torque": "torque", "peak": "peak pressure", "reaction": "hinge reaction"}
+MARKS = (("o", "#0b6e99"), ("s", "#c8553d"), ("D", "#7a5195"), ("^", "#2a9d5c"))  # a tolerance each
+KNOWN = 4.0  # how far above the uncertainty of the truth a true error is known well
+
+
+def cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
+    """Stated over true error against the true one: a panel for each quantity, a mark for each tolerance."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10.4, 6.4), layout="constrained")
+        tolerances = sorted({row["tolerance"] for row in rows}, reverse=True)
+        for axes, name in zip(figure.subplots(2, 2).flat, TITLES, strict=True):
+            drawn = 0
+            for tolerance, (mark, color) in zip(tolerances, MARKS, strict=False):
+                for known in (True, False):
+                    points = [
+                        point for row in rows if row["tolerance"] == tolerance for point in _point(row, name, known)
+                    ]
+                    label = f"tolerance {tolerance:g}" if known else None
+                    style = {"color": color, "alpha": 0.8 if known else 0.25, "ls": "", "ms": 4, "label": label}
+                    axes.loglog(*zip(*points, strict=True), marker=mark, **style) if points else None
+                    drawn += len(points)
+            axes.axhline(1.0, color="#1d2733", lw=1)
+            axes.set_title(TITLES[name])
+            axes.set_xlabel("true error")
+            axes.set_ylabel("stated over true error")
+            if drawn:
+                axes.legend()
+    return figure
+
+
+def _point(row: Mapping[str, Any], name: str, known: bool) -> list[tuple[float, float]]:
+    """(true, stated over true) of a row, if it has both and its true error is known well, or not."""
+    stated, true, unsure = (float(row.get(f"{which}_{name}", math.nan)) for which in ("stated", "true", "unsure"))
+    if not (stated > 0 and true > 0) or (true > KNOWN * unsure) != known:
+        return []
+    return [(true, stated / true)]

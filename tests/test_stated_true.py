@@ -1,0 +1,83 @@
+"""Stated against true errors: what counts, and that a response that lies is seen."""
+
+import math
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+
+from drumlin.errors import NoAnswer
+from drumlin.fem.solve import solve
+from drumlin.verification.random_brake import KINDS, random_brake
+from drumlin.verification.stated_true import QUANTITIES, Truth, errors, limit, ratio, row, summary
+from drumlin.verification.triangles import Level, sequence
+
+LEVELS = (Level(3, 5, 1.4, 1.0), Level(4, 7, 1.2, 1.0))
+
+
+@pytest.fixture(scope="module")
+def truth(brake):
+    before, last = sequence(brake, LEVELS)
+    return Truth(last, MappingProxyType(errors(brake, before, last)), 0.0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_brake_of_each_kind_is_drawn_again_by_its_seed(kind):
+    brake = random_brake(5, kind)
+    assert brake == random_brake(5, kind)
+    assert brake != random_brake(6, kind)
+    assert (brake.drum.ring is not None) == ("ring" in kind)
+    assert all(shoe.contact_arcs for shoe in solve(brake, elements=12).shoes)
+
+
+def test_the_kinds_follow_each_other_by_seed():
+    assert [random_brake(seed).title for seed in range(3)] == [f"random {kind} {i}" for i, kind in enumerate(KINDS)][:3]
+
+
+def test_what_a_response_states_is_held_against_the_truth(brake, truth):
+    coarse = solve(brake, elements=12)
+    stated = dict.fromkeys(QUANTITIES, 1e-2)
+    seen = row(brake, 1e-2, lambda brake, tolerance: replace(coarse, error=stated), truth)
+    assert seen["outcome"] == "reached"
+    off = errors(brake, coarse.shoes, truth.shoes)
+    assert {name: seen[f"true_{name}"] for name in QUANTITIES} == off
+    torque = sum(shoe.torque for shoe in truth.shoes)
+    assert off["torque"] == pytest.approx(abs(coarse.torque - torque) / torque)
+    assert 1e-3 < off["pressure"] < 0.1
+    liar = row(brake, 1e-2, lambda brake, tolerance: replace(coarse, error=dict.fromkeys(QUANTITIES, 1e-9)), truth)
+    assert ratio(liar, "pressure") < 1e-5
+    table = {one["quantity"]: one for one in summary([seen, liar])}
+    assert table["pressure"]["above"] == pytest.approx(0.5 + 0.5 * (off["pressure"] > 1e-2))
+    assert table["pressure"]["judged"] == 2 and table["pressure"]["smallest"] == ratio(liar, "pressure")
+
+
+def test_a_known_shift_of_the_pressure_is_the_error(brake, truth):
+    shifted = [replace(shoe, pressure=1.01 * shoe.pressure) for shoe in truth.shoes]
+    off = errors(brake, shifted, truth.shoes)
+    assert off["pressure"] == pytest.approx(0.01, rel=1e-9)
+    assert off["peak"] == pytest.approx(0.01, rel=1e-9)
+    assert off["torque"] == off["reaction"] == 0
+
+
+def test_what_fails_stays_in_the_table(brake, truth):
+    def refuse(brake, tolerance):
+        raise NoAnswer("tolerance 0.01 not reached")
+
+    def stumble(brake, tolerance):
+        raise ValueError("no")
+
+    rows = [row(brake, 1e-2, refuse, truth), row(brake, 1e-2, stumble, truth)]
+    assert [one["outcome"] for one in rows] == ["not reached", "failed"]
+    rows.append(row(brake, 1e-2, lambda brake, tolerance: solve(brake, elements=12), None, "singular"))
+    assert rows[-1]["outcome"] == "no truth" and rows[-1]["reason"] == "singular"
+    assert {(one["brakes"], one["reached"], one["judged"]) for one in summary(rows)} == {(2, 0.0, 0)}
+
+
+def test_uncertainty_of_a_sequence():
+    assert limit(4.0, 1.0) == pytest.approx(1 / 3)
+    assert limit(100.0, 1.0) == pytest.approx(1 / 3)
+    assert limit(1.0, 1.0) == 1.0
+    assert limit(1.0, 0.0) == 0.0
+    assert math.isnan(ratio({"stated_torque": math.nan, "true_torque": 1.0, "unsure_torque": 0.0}, "torque"))
+    assert np.isinf(ratio({"stated_torque": 1e-3, "true_torque": 1e-6, "unsure_torque": 2e-6}, "torque"))

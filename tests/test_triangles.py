@@ -1,0 +1,219 @@
+"""The second solver against closed forms, against itself, and beside the finite elements that it judges."""
+
+import math
+from itertools import combinations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drumlin.brake.file import brake_from, read_brake, vary
+from drumlin.errors import NoAnswer
+from drumlin.fem.solve import solve
+from drumlin.verification.stated_true import pressure_error
+from drumlin.verification.triangles import Level, contact, lagrange, levels, sequence
+from drumlin.verification.triangles.face import along, edge_nodes, shaped
+from drumlin.verification.triangles.outline import Outline
+from drumlin.verification.triangles.triangulation import Layer, bisect, edges_of, graded, start
+
+SMALL = (Level(3, 5, 1.4, 1.0), Level(5, 7, 1.2, 1.0))
+
+
+def block(a, b):
+    """A grid of a rectangle in a plane in which s and d are lengths."""
+    return start(np.linspace(0, a, 4), [np.linspace(0, 1, 3)], [Layer(0.0, a, 1.0, 0.0, 1.0)])
+
+
+def area(mesh):
+    first, second = mesh.at[:, 1] - mesh.at[:, 0], mesh.at[:, 2] - mesh.at[:, 0]
+    return 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**30))
+def test_bisection_keeps_area_and_fits(seed):
+    rng, mesh = np.random.default_rng(seed), block(2.0, 1.0)
+    for _ in range(5):
+        mesh = bisect(mesh, rng.random(len(mesh.layer)) < 0.2)
+    assert area(mesh).sum() == pytest.approx(2.0, rel=1e-12)
+    places = {}
+    for number, at in zip(mesh.vertices.ravel(), mesh.at.reshape(-1, 2), strict=True):
+        assert places.setdefault(int(number), tuple(at)) == tuple(at)  # a corner is one place
+    assert len(set(places.values())) == len(places)
+    edges, of = edges_of(mesh)
+    once = np.flatnonzero(np.bincount(of.ravel()) == 1)
+    ends = np.array([[places[int(a)], places[int(b)]] for a, b in edges[once]])
+    on_border = (ends == np.array([0.0, 0.0])) | (ends == np.array([2.0, 1.0]))
+    assert on_border.all(axis=1).any(axis=1).all()  # no node hangs inside
+
+
+def test_triangles_are_as_small_as_their_distance_asks():
+    def plane(s, d):
+        return np.stack([s, d], axis=-1)
+
+    mesh = graded(block(2.0, 1.0), plane, np.array([[2 / 3, 0.0]]), np.array([1e-4]), 0.8)
+    corners = mesh.at
+    size = np.hypot(*np.moveaxis(corners - np.roll(corners, -1, axis=1), 2, 0)).max(axis=1)
+    away = np.hypot(*(corners.mean(axis=1) - [2 / 3, 0.0]).T)
+    assert (size <= np.maximum(0.8 * away, 1e-4)).all()
+    assert size.min() < 1e-4 and len(size) < 1500
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4, 5])
+def test_shape_functions_are_lagranges_and_carry_all_polynomials(degree):
+    nodes = lagrange.reference_nodes(degree)
+    assert len(nodes) == (degree + 1) * (degree + 2) // 2
+    assert nodes.sum(axis=1) == pytest.approx(1.0, abs=1e-14)
+    value, slopes, weights = lagrange.shape_functions(degree)
+    assert value.sum(axis=0) == pytest.approx(1.0, abs=1e-12)
+    assert slopes.sum(axis=0) == pytest.approx(0.0, abs=1e-10)
+    # Int x^a y^b over the triangle = a! b! / (a + b + 2)!
+    for a in range(degree + 1):
+        b = degree - a
+        found = (nodes[:, 1] ** a * nodes[:, 2] ** b) @ value @ weights
+        assert found == pytest.approx(math.factorial(a) * math.factorial(b) / math.factorial(degree + 2), rel=1e-10)
+
+
+def test_ring_under_even_pressure_is_lames():
+    """Plane stress, outer rim held: u = A r + B/r with A (1 + nu) - B (1 - nu)/a^2 = -p (1 - nu^2)/E, A b + B/b = 0."""
+    a, b, E, nu, width, p = 0.1, 0.13, 2e11, 0.3, 0.04, 1e6
+    layer = Layer(-math.inf, math.inf, E, nu, width)
+
+    def place(s, d):
+        r = a + (b - a) * d
+        return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
+
+    shape = Outline(place, [layer], np.array([b - a]), np.zeros(2), np.zeros((0, 2)), None, None, 0.0, 1, a)
+    mesh = start(np.linspace(0, 2 * math.pi, 25), [np.linspace(0, 1, 3)], [layer], 2 * math.pi)
+    body = shaped(shape, mesh, 4)
+    nodes, kept = body.nodes, body.surface
+    tri, edge = mesh.surface
+    edges = edge_nodes(nodes, tri, edge, 4)
+    psi, x, ds = along(nodes.xy[edges], 4)
+    loads = np.zeros_like(nodes.xy)
+    outwards = x / np.hypot(x[..., 0], x[..., 1])[..., None]
+    np.add.at(loads, edges, width * p * np.einsum("aq,kqc,kq->kac", psi, outwards, ds))
+    held = np.repeat(nodes.at[:, 1] > 1 - 1e-12, 2)
+    found = lagrange.condense(body.K, nodes, held, kept, loads.reshape(-1, 1))
+    by_forces = found.of @ loads[kept].ravel()
+    assert by_forces == pytest.approx(found.loaded[:, 0], rel=1e-9, abs=1e-9 * np.abs(by_forces).max())
+    A, B = np.linalg.solve([[1 + nu, -(1 - nu) / a**2], [b, 1 / b]], [-p * (1 - nu**2) / E, 0.0])
+    radial = np.einsum("nc,nc->n", by_forces.reshape(-1, 2), nodes.xy[kept]) / a
+    assert radial == pytest.approx(A * a + B / a, rel=1e-7)
+    work = found.work[0, 0]
+    assert work == pytest.approx(p * width * 2 * math.pi * a * (A * a + B / a), rel=1e-6)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**30), st.floats(0.0, 0.3))
+def test_contact_sets_settle_on_the_one_that_fits(seed, skew):
+    """Against all contact sets tried, on problems whose A is positive definite, skewed as friction does."""
+    rng, n = np.random.default_rng(seed), 6
+    X, Y = rng.normal(size=(n, n)), rng.normal(size=(n, n))
+    A = X @ X.T + 0.3 * np.eye(n) + skew * (Y - Y.T)
+    B, q = -(0.5 + rng.random((n, 1))), 0.1 * rng.normal(size=n)
+    C, h = -B.T, np.array([1.0])
+    found = contact.settle(A, q, B, C, h, np.ones(n), np.ones(n, dtype=bool))
+    right = []
+    for size in range(1, n + 1):
+        for members in combinations(range(n), size):
+            a = list(members)
+            system = np.block([[A[np.ix_(a, a)], B[a]], [C[:, a], np.zeros((1, 1))]])
+            f = np.zeros(n)
+            x = np.linalg.solve(system, np.concatenate([-q[a], h]))
+            f[a] = x[:-1]
+            if f.min() >= 0 and (q + A @ f + B @ x[-1:]).min() >= -1e-10:
+                right.append(f)
+    assert len(right) >= 1
+    assert min(np.abs(found.force - f).max() for f in right) < 1e-9
+
+
+def pressed_circle(half):
+    """A thick lining on a rigid shoe, of a radius 3 % smaller than the drum's; half-width of Hertz's contact [rad]."""
+    R, r, E, width = 0.15, 0.1455, 3e8, 0.04
+    force = math.pi / 4 * (half * R) ** 2 * E * (1 / r - 1 / R) * width
+    return brake_from(
+        {
+            "title": "circle", "rotation": "clockwise", "friction": 0.0, "drum": {"radius": R},
+            "shoe": [{
+                "name": "s", "side": "internal", "hinge": {"x": 0.0, "y": -0.6 * R},
+                "lining": {"start": -0.6, "end": 0.6, "thickness": R / 3, "width": width,
+                           "material": {"E": E, "nu": 0.3}, "misfit": {"radius": r}},
+                "actuation": {"force": force, "direction": 0.0, "point": {"x": 0.0, "y": 0.0}},
+            }],
+        }
+    )  # fmt: skip
+
+
+def test_a_small_contact_is_hertzs():
+    """p = p0 sqrt(1 - (x/a)^2), a^2 = 4 P'/(pi E (1/r - 1/R)) in plane stress against a rigid drum; a/t = 0.03."""
+    brake = pressed_circle(math.radians(0.5))
+    *_, (found,) = sequence(brake, SMALL)
+    R, r, E = 0.15, 0.1455, 3e8
+    load = found.normal_force / 0.04
+    a = math.sqrt(4 * load / (math.pi * E * (1 / r - 1 / R)))
+    p0 = 2 * load / (math.pi * a)
+    middle = found.arcs.mean()
+    assert np.diff(found.arcs[0])[0] * R == pytest.approx(2 * a, rel=2e-3)
+    theta = middle + np.linspace(-0.95, 0.95, 201) * a / R
+    hertz = p0 * np.sqrt(1 - ((theta - middle) * R / a) ** 2)
+    assert np.linalg.norm(found.pressure_at(theta) - hertz) < 2e-3 * np.linalg.norm(hertz)
+
+
+def test_moments_and_forces_of_a_solution_are_in_equilibrium(brake):
+    mild = vary(brake, {"shoe.lining.clearance": 5e-5})
+    for shoe, found in zip(mild.shoes, sequence(mild, SMALL[:1])[-1], strict=True):
+        half = 0.5 * np.diff(found.theta[:: found.order])[:, None]
+        gauss, weights = np.polynomial.legendre.leggauss(8)
+        theta = found.theta[: -1 : found.order][:, None] + half * (1 + gauss)
+        load = found.pressure_at(theta) * half * weights * mild.drum.radius * shoe.lining.width
+        e = np.array([np.cos(theta), np.sin(theta)])
+        drag = mild.friction * mild.spin
+        force = (load * (-shoe.sign * e + drag * np.array([-e[1], e[0]]))).sum(axis=(1, 2))
+        total = force + shoe.actuation.vector + found.hinge_reaction
+        assert np.linalg.norm(total) < 1e-4 * np.linalg.norm(force)
+        assert found.torque == pytest.approx(mild.friction * mild.drum.radius * load.sum(), rel=1e-5)
+        x, y = shoe.hinge.xy
+        at_pin = drag * mild.drum.radius * load.sum() - (x * force[1] - y * force[0])
+        assert at_pin == pytest.approx(-shoe.actuation.moment_about(shoe.hinge), rel=1e-4)
+
+
+def test_a_shoe_that_is_pulled_off_has_no_solution(brake):
+    with pytest.raises(NoAnswer, match="towards"):
+        levels.solve(vary(brake, {"shoe[0].actuation.force": -10.0}), SMALL[0])
+
+
+RING = {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}}
+CASES = {
+    "as it is": {},
+    "clearance and out of round": {
+        "shoe.lining.clearance": 5e-5,
+        "drum.out_of_round": [{"order": 3, "amplitude": 5e-5, "phase": 0.3}],
+    },
+    "rigid": {"shoe.body": None},
+    "backing": {"shoe.backing": {"thickness": 0.004, "material": {"E": 1e10, "nu": 0.3}}},
+    "fixed ring": {"drum.ring": RING | {"support": "fixed"}},
+    "free ring": {"drum.ring": RING | {"support": "free"}},
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_finite_elements_agree(case, brake):
+    """Torque, reactions and p of two codes that share no mesh, no element and no contact."""
+    changed = vary(brake, CASES[case])
+    theirs = sequence(changed, SMALL)[-1]
+    mine = solve(changed, tolerance=1e-3)
+    for a, b in zip(mine.shoes, theirs, strict=True):
+        assert a.torque == pytest.approx(b.torque, rel=5e-5)
+        assert pressure_error(a, b) < 3e-3
+        assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 1e-4 * np.linalg.norm(b.hinge_reaction)
+
+
+def test_a_post_and_its_mirror_image_are_the_same(root):
+    two = vary(read_brake(root / "studies" / "post_brake" / "brake.toml"), {"drum.ring": None, "friction": 0.0})
+    right, left = levels.solve(two, SMALL[0])
+    assert left.normal_force == pytest.approx(right.normal_force, rel=1e-9)
+    assert left.hinge_reaction == pytest.approx(right.hinge_reaction * [-1, 1], rel=1e-6)
+    theirs = solve(two, tolerance=1e-2).shoes[0]
+    assert np.linalg.norm(theirs.hinge_reaction - right.hinge_reaction) < 2e-3 * np.linalg.norm(right.hinge_reaction)
