@@ -61,6 +61,10 @@ class Skips:
         self.notes = self.cache and not hasattr(config, "workerinput") and not config.option.collectonly
 
     def pytest_collection_modifyitems(self, config: pytest.Config, items: list[pytest.Item]) -> None:
+        if not self.failed:
+            for item in items:
+                if item.get_closest_marker("slow"):
+                    item.add_marker(pytest.mark.skip(reason="slow; make test-all runs it"))
         if self.again:
             last = tuple(self.cache.get(self.KEY, []))  # of a module that is skipped as a whole its own name
             config.hook.pytest_deselected(items=[item for item in items if not item.nodeid.startswith(last)])

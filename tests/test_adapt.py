@@ -39,6 +39,7 @@ def distance(response, truth):
 
 
 @pytest.mark.parametrize("name", ["brake", "flexible"])
+@pytest.mark.slow
 def test_two_references_agree_and_adapted_meshes_meet_their_tolerance(name, request):
     """p to 1e-4 and torque to 1e-6 between references; adapted: p within 0.5 % in 0.3 s and 0.1 % in 1 s.
 

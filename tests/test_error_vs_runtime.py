@@ -15,6 +15,8 @@ from drumlin.verification.recommendation import NAMES, best_rows
 from drumlin.verification.reference import Pair, responses
 from drumlin.verification.work_precision import ERRORS, Method, enough, floor, measure, series, timing
 
+pytestmark = pytest.mark.slow
+
 MAIN = "double_shoe/brake"
 
 

@@ -15,6 +15,7 @@ from drumlin.fuzzing.faults import MAKERS, Input, brake_text, make, mesh_files, 
 SECONDS = 15.0
 
 
+@pytest.mark.slow
 def test_no_broken_input_ends_in_a_fault():
     """As many as fit; the same ones in the same order every time."""
     start, number, kinds, faults = time.monotonic(), 0, set(), []

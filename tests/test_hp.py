@@ -246,6 +246,7 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
     assert response.error["pressure"] <= 1e-3
 
 
+@pytest.mark.slow
 def test_what_a_level_cannot_reach_is_said(brake):
     with pytest.raises(
         NoAnswer, match=r"tolerance 1e-12 not reached on \d meshes of up to \d+ unknowns a shoe: estimated"

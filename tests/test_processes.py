@@ -11,6 +11,8 @@ import pytest
 
 from conftest import STUDY
 
+pytestmark = pytest.mark.slow
+
 DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
 PATH = os.pathsep.join(path for path in sys.path if path)
 BRAKE = str(STUDY / "brake.toml")

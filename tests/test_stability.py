@@ -192,6 +192,7 @@ def result(module):
     return module.study(short=True)
 
 
+@pytest.mark.slow
 def test_every_case_is_right_or_refused_with_the_physical_reason(module, result):
     assert len(result.rows) >= 60
     assert module.faults(result.rows) == []
@@ -206,6 +207,7 @@ def test_every_case_is_right_or_refused_with_the_physical_reason(module, result)
     assert any(row["pointwise"] in ("cycles", "does not end") for row in result.rows)
 
 
+@pytest.mark.slow
 def test_random_brakes_are_answered_below_their_limit_alone(result):
     beyond = [row for row in result.locked.unique if row["answered"] is not None]
     assert beyond
@@ -213,6 +215,7 @@ def test_random_brakes_are_answered_below_their_limit_alone(result):
     assert all(row["same"] > row["starts"] / 2 for row in result.locked.unique)
 
 
+@pytest.mark.slow
 def test_the_page_holds_the_maps_the_worst_and_the_refusals(module, result, tmp_path):
     text = module.report(result, tmp_path).read_text()
     for words in ("fewest digits", "Refusals", "mu_lock", "pointwise", "penalty costs nothing", "0 faults"):

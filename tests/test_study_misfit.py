@@ -10,6 +10,8 @@ from drumlin.journal import Journal
 from drumlin.studies import load
 from drumlin.verification.misfit_rows import spread_rows
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def module():

@@ -9,6 +9,8 @@ import pytest
 from drumlin import foundation
 from drumlin.studies import load
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def module():

@@ -17,6 +17,8 @@ from drumlin.cli.commands import app
 from drumlin.studies import load
 from drumlin.verification.run_in_limits import run_row
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def module():

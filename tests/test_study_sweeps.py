@@ -7,6 +7,8 @@ import pytest
 from drumlin.studies import load
 from drumlin.verification import throughput
 
+pytestmark = pytest.mark.slow
+
 
 def test_throughput_and_kill(tmp_path):
     module, _ = load("sweeps")

@@ -1,6 +1,10 @@
 """The verification study on its short setting."""
 
+import pytest
+
 from drumlin.studies import load
+
+pytestmark = pytest.mark.slow
 
 
 def test_orders_and_estimates(tmp_path):

@@ -19,6 +19,8 @@ from conftest import STUDY
 from drumlin.sweeps.cases import run, table, write_table
 from drumlin.sweeps.file import read_sweep
 
+pytestmark = pytest.mark.slow
+
 LIMIT = 300  # s that a busy machine may take; a hang takes for ever
 MAIN = "from drumlin.cli import main; main()"
 PYTHON = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}

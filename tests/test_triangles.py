@@ -17,6 +17,8 @@ from drumlin.verification.triangles.face import along, edge_nodes, shaped
 from drumlin.verification.triangles.outline import Outline
 from drumlin.verification.triangles.triangulation import Layer, bisect, edges_of, graded, start
 
+pytestmark = pytest.mark.slow
+
 SMALL = (Level(3, 5, 1.4, 1.0), Level(5, 7, 1.2, 1.0))
 
 
