@@ -65,3 +65,12 @@ def test_compare_and_sweep_are_functions_whatever_was_imported_before(root):
     assert set(drumlin.compare(brake, models=["sine", "uniform"]).responses) == {"sine", "uniform"}
     with pytest.raises(drumlin.BadInput, match=r"nowhere\.toml"):
         drumlin.sweep("nowhere.toml")
+
+
+def test_a_shoe_on_a_plane_shows_its_braking_force_and_lengths(root):
+    response = drumlin.solve(drumlin.read_brake(root / "studies/laws/pad.toml"), "linear")
+    force, shoe = response.merits[0].braking_force, response.shoes[0]
+    lines = repr(response).splitlines()
+    assert lines[0] == f"linear: braking force {force:.6g} N"
+    assert f"{shoe.contact_arcs[0][0] * 1e3:.1f} to {shoe.contact_arcs[0][1] * 1e3:.1f}" in lines[2]
+    assert response.plot().lines[0].get_xdata()[-1] == pytest.approx(shoe.theta[-1] * 1e3)

@@ -11,30 +11,38 @@ if TYPE_CHECKING:
     from drumlin.response.response import Response
 
 HEAD = ("shoe", "torque [N m]", "normal force [N]", "peak pressure [MPa]", "contact [deg]", "self-energising")
+ON_A_PLANE = ("shoe", "braking force [N]", "normal force [N]", "peak pressure [MPa]", "contact [mm]", "self-energising")
 POINTS = 20  # of a curve in each piece of the pressure
 
 
+def _forces(response: "Response") -> list[float]:
+    """Braking force [N] of each shoe on a plane; none on a drum."""
+    return [getattr(merit, "braking_force") for merit in response.merits if hasattr(merit, "braking_force")]  # noqa: B009
+
+
 def rows_of(response: "Response") -> list[tuple[str, ...]]:
-    """One row a shoe, columns as in HEAD, and one of the whole brake."""
-    rows = []
-    for shoe in response.shoes:
-        arcs = ", ".join(f"{math.degrees(a):.1f} to {math.degrees(b):.1f}" for a, b in shoe.contact_arcs)
+    """The head, one row a shoe, and one of the whole brake."""
+    forces = _forces(response)
+    per_unit = 1e3 if forces else math.degrees(1)
+    rows = [ON_A_PLANE if forces else HEAD]
+    for i, shoe in enumerate(response.shoes):
+        arcs = ", ".join(f"{a * per_unit:.1f} to {b * per_unit:.1f}" for a, b in shoe.contact_arcs)
         rows.append(
             (
                 shoe.name,
-                f"{shoe.torque:.6g}",
+                f"{forces[i] if forces else shoe.torque:.6g}",
                 f"{shoe.normal_force:.6g}",
                 f"{shoe.peak_pressure * 1e-6:.4g}",
                 arcs or "none",
                 "yes" if shoe.self_energising else "no",
             )
         )
-    return [*rows, ("all", f"{response.torque:.6g}", "", "", "", "")]
+    return [*rows, ("all", f"{sum(forces) if forces else response.torque:.6g}", "", "", "", "")]
 
 
 def as_text(response: "Response") -> str:
     """The table with its columns aligned, headed by the model."""
-    table = [HEAD, *rows_of(response)]
+    table = rows_of(response)
     widths = [max(len(row[k]) for row in table) for k in range(len(HEAD))]
     lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in table]
     return "\n".join([_title(response), *lines])
@@ -46,25 +54,29 @@ def as_html(response: "Response") -> str:
     def row(cells: tuple[str, ...], tag: str) -> str:
         return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
 
-    body = "".join(row(cells, "td") for cells in rows_of(response))
-    return f"<table><caption>{html.escape(_title(response))}</caption>{row(HEAD, 'th')}{body}</table>"
+    head, *rest = rows_of(response)
+    body = "".join(row(cells, "td") for cells in rest)
+    return f"<table><caption>{html.escape(_title(response))}</caption>{row(head, 'th')}{body}</table>"
 
 
 def plot(response: "Response", axes: Any = None) -> Any:
-    """Draw p(theta) of every shoe, in MPa over degrees, into matplotlib `axes` (None: new ones); returns them."""
+    """Draw p of every shoe, in MPa over degrees (on a plane: mm), into matplotlib `axes` (None: new ones); returns them."""
     if axes is None:
         from matplotlib import pyplot as plt  # noqa: PLC0415  (matplotlib loads when something is drawn)
 
         _, axes = plt.subplots()
+    flat = bool(_forces(response))
+    per_unit = 1e3 if flat else math.degrees(1)
     for shoe in response.shoes:
         ends = shoe.theta[:: shoe.order]
         theta = np.unique(np.concatenate([np.linspace(a, b, POINTS) for a, b in pairwise(ends)]))
-        axes.plot(np.degrees(theta), shoe.pressure_at(theta) * 1e-6, label=shoe.name)
-    axes.set(xlabel="angle θ [deg]", ylabel="pressure p [MPa]", title=_title(response))
+        axes.plot(theta * per_unit, shoe.pressure_at(theta) * 1e-6, label=shoe.name)
+    axes.set(xlabel="place x [mm]" if flat else "angle θ [deg]", ylabel="pressure p [MPa]", title=_title(response))
     axes.legend()
     return axes
 
 
 def _title(response: "Response") -> str:
-    said = "" if response.converged else ", not converged"
-    return f"{response.model}: torque {response.torque:.6g} N m{said}"
+    said, forces = "" if response.converged else ", not converged", _forces(response)
+    effect = f"braking force {sum(forces):.6g} N" if forces else f"torque {response.torque:.6g} N m"
+    return f"{response.model}: {effect}{said}"
