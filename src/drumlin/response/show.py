@@ -60,7 +60,7 @@ def as_html(response: "Response") -> str:
 
 
 def plot(response: "Response", axes: Any = None) -> Any:
-    """Draw p of every shoe, in MPa over degrees (on a plane: mm), into matplotlib `axes` (None: new ones); returns them."""
+    """Draw p of every shoe, in MPa over degrees (on a plane mm), into matplotlib `axes`, or new ones; returns them."""
     if axes is None:
         from matplotlib import pyplot as plt  # noqa: PLC0415  (matplotlib loads when something is drawn)
 
