@@ -186,3 +186,19 @@ def test_a_mesh_that_lies_in_the_drum_is_said_and_then_refused(tmp_path, depth, 
         brake = vary(brake, {"shoe[0].mesh_interference": True})
     notes = drumlin.solve(brake).notes
     assert any("in the drum" in note for note in notes) == (outcome != "fine")
+
+
+def test_the_sine_law_refuses_a_lining_that_reaches_past_its_hinge_on_one_side():
+    brake = drumlin.read_brake("studies/double_shoe/brake.toml")  # its right hinge lies at -75 deg
+    changes = {"shoe[0].lining.start": "-80 deg", "shoe[0].body.start": "-85 deg"}
+    with pytest.raises(BadInput, match="within 0 to 180 deg of the hinge"):
+        drumlin.solve(vary(brake, changes), "sine")
+
+
+def test_a_force_that_lifts_a_pad_is_borne_by_its_hinge():
+    brake = drumlin.read_brake("studies/laws/pad.toml")
+    lifted = vary(brake, {"shoe[0].actuation.force": -brake.shoes[0].actuation.force})
+    for model in ("linear", "short"):
+        shoe = drumlin.solve(lifted, model).shoes[0]
+        assert shoe.normal_force == 0
+        np.testing.assert_allclose(shoe.hinge_reaction, -lifted.shoes[0].actuation.vector, rtol=1e-14)
