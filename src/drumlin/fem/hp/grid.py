@@ -16,7 +16,6 @@ from skfem.models.elasticity import plane_stress
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.fields import Material
 from drumlin.fem.hp.element import element, stiffness
-from drumlin.response.resultants import lobatto
 
 
 @dataclass(frozen=True)
@@ -86,10 +85,3 @@ class Grid:
         rows = np.broadcast_to(both[:, :, None], (*both.shape, both.shape[1]))
         at = rows.ravel(), np.swapaxes(rows, 1, 2).ravel()
         return sp.coo_matrix((K.ravel(), at), shape=(2 * self.N, 2 * self.N)).tocsc()
-
-
-def nodes_between(ends: Floats, p: int) -> Floats:
-    """The nodes of all pieces between ends (m + 1,), those in common once: (m p + 1,)."""
-    half = 0.5 * np.diff(ends)[:, None]
-    pieces = 0.5 * (ends[1:] + ends[:-1])[:, None] + half * lobatto(p)
-    return np.append(pieces[:, :-1].ravel(), ends[-1])

@@ -13,50 +13,16 @@ from drumlin.fem.hp.scene import Places, scene
 from drumlin.response.response import Response
 
 DEG = math.pi / 180
-LEVELS = (
-    Level(3, zone=0.6, edge=0.12, end=0.15, ratio=0.25, largest=20 * DEG, face=0.35, back=0.6, hinge=0.6, through=0.15),
-    Level(
-        4, zone=0.2, edge=0.06, end=0.035, ratio=0.35, largest=20 * DEG, face=0.2, back=0.25, hinge=0.25, through=0.16
-    ),
-    Level(
-        5, zone=0.07, edge=0.025, end=0.008, ratio=0.4, largest=16 * DEG, face=0.08, back=0.09, hinge=0.09, through=0.17
-    ),
-    Level(
-        6,
-        zone=0.025,
-        edge=0.01,
-        end=0.002,
-        ratio=0.42,
-        largest=15 * DEG,
-        face=0.03,
-        back=0.03,
-        hinge=0.03,
-        through=0.18,
-    ),
-    Level(
-        7,
-        zone=0.008,
-        edge=0.004,
-        end=0.0005,
-        ratio=0.45,
-        largest=15 * DEG,
-        face=0.012,
-        back=0.011,
-        hinge=0.011,
-        through=0.2,
-    ),
-    Level(
-        7,
-        zone=0.0025,
-        edge=0.0015,
-        end=0.00012,
-        ratio=0.45,
-        largest=12 * DEG,
-        face=0.005,
-        back=0.004,
-        hinge=0.004,
-        through=0.22,
-    ),
+LEVELS = tuple(
+    Level(*row)
+    for row in (  # degree, zone, edge, end, ratio, largest, face, back, hinge, through
+        (3, 0.6, 0.12, 0.15, 0.25, 20 * DEG, 0.35, 0.6, 0.6, 0.15),
+        (4, 0.2, 0.06, 0.035, 0.35, 20 * DEG, 0.2, 0.25, 0.25, 0.16),
+        (5, 0.07, 0.025, 0.008, 0.4, 16 * DEG, 0.08, 0.09, 0.09, 0.17),
+        (6, 0.025, 0.01, 0.002, 0.42, 15 * DEG, 0.03, 0.03, 0.03, 0.18),
+        (7, 0.008, 0.004, 0.0005, 0.45, 15 * DEG, 0.012, 0.011, 0.011, 0.2),
+        (7, 0.0025, 0.0015, 0.00012, 0.45, 12 * DEG, 0.005, 0.004, 0.004, 0.22),
+    )
 )
 """Each has about a quarter of the error of the one before it."""
 MOST_PASSES = 8
