@@ -9,3 +9,15 @@ Ints = np.ndarray[Any, np.dtype[np.int64]]
 Bools = np.ndarray[Any, np.dtype[np.bool_]]
 Values = float | Floats
 """One number or an array that broadcasts with the others."""
+
+
+def block_diagonal(*blocks: Floats) -> Floats:
+    """The blocks (m_i, n_i), or rows (n_i,), along the diagonal of a matrix that is zero elsewhere."""
+    parts = [np.atleast_2d(block) for block in blocks]
+    found = np.zeros(np.sum([part.shape for part in parts], axis=0))
+    row, column = 0, 0
+    for part in parts:
+        m, n = part.shape
+        found[row : row + m, column : column + n] = part
+        row, column = row + m, column + n
+    return found

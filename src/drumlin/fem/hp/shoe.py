@@ -5,7 +5,6 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.beam_axis import axis_of
@@ -96,7 +95,7 @@ def distinct(sizes: Floats) -> tuple[Floats, Ints]:
 
 def lame_of(materials: dict[str, tuple[Material, float]], part: tuple[str, ...]) -> Floats:
     """lambda and mu of plane stress times the width of each layer (l, 2) [N/m]."""
-    found = {name: width * np.array(plane_stress(m.E, m.nu)) for name, (m, width) in materials.items()}
+    found = {name: width * m.lame for name, (m, width) in materials.items()}
     return np.array([found[name] for name in part])
 
 
