@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats, Ints
+from drumlin.arrays import Floats, Ints, unique
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
@@ -125,8 +125,8 @@ def _columns(shoe: Shoe, place: Map, div: Division, materials: dict[str, tuple[M
     if not straight:
         sizes, which = distinct(np.concatenate([np.diff(ends) for ends in parts]))
         along = 0.5 * sizes[:, None] * lobatto(p)
-    under = np.unique(which[: counts[0]])
-    over = np.unique(which[counts[0] :])
+    under = unique(which[: counts[0]])
+    over = unique(which[counts[0] :])
     lame = lame_of(materials, div.part)
     xy = [nodes_of(place, div.depths, along[under], p)]
     if len(over):
