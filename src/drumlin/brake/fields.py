@@ -74,7 +74,7 @@ Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_name)]
 class Part(BaseModel):
     """A piece of a brake: frozen, and with no key that it does not know."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True)
 
     @model_validator(mode="before")
     @classmethod
@@ -94,6 +94,11 @@ class Material(Part):
 
     E: Modulus
     nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True)]
+
+    @property
+    def lame(self) -> Floats:
+        """Lame's lambda and mu (2,) [Pa] of plane stress: E nu/(1 - nu^2) and E/(2 (1 + nu))."""
+        return np.array([self.E * self.nu / (1 - self.nu**2), self.E / (2 * (1 + self.nu))])
 
 
 class Point(Part):

@@ -1,22 +1,19 @@
 """The isoparametric quadrilateral of degree p: its shape functions, its stiffness, elimination of what is inside it.
 
-Nodes lie at Gauss-Lobatto points in both directions. skfem's ElementQuadP spans the same polynomials; its values at the
-nodes turn its hierarchical functions into these nodal ones, once a degree. Displacements use the functions that map the
-element, so rigid motions are exact (Zienkiewicz & Taylor, The Finite Element Method, section 8).
+Nodes lie at Gauss-Lobatto points in both directions; shape functions are products of Lagrange's polynomials. They map
+the element, too, so rigid motions are exact (Zienkiewicz & Taylor, The Finite Element Method, section 8).
 """
 
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-import skfem
 from numpy.polynomial.legendre import leggauss
-from scipy.linalg.blas import dtrsm
-from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Floats, Ints
 from drumlin.errors import NoAnswer
-from drumlin.response.resultants import lobatto
+from drumlin.lapack import dpotrf, dtrsm
+from drumlin.response.resultants import lobatto, shape, slopes
 
 CHUNK = 16_000  # slopes that are worked on at once: they stay in the processor's cache
 SMALL = 24  # unknowns up to which a batch is eliminated at once, rather than one after the other by faster routines
@@ -40,25 +37,17 @@ def element(p: int, *, precise: bool = False) -> Element:
     x, w = leggauss(p + 1)
     x, w = 0.5 * (x + 1), 0.5 * w
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
-    inner = number[1:-1, 1:-1].ravel()
-    order = np.concatenate([np.setdiff1d(number, inner), inner])
+    inside = np.pad(np.ones((p - 1, p - 1), dtype=bool), 1)
+    order = np.concatenate([number[~inside], number[inside]])
     slopes = _product_slopes(p, x) if precise else shape_functions(p, _grid(x))[1]
     return Element(np.ascontiguousarray(slopes[order].reshape(len(order), -1)), np.outer(w, w).ravel(), order, 4 * p)
 
 
 def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
     """Values (a, q) and slopes (a, 2, q) of the nodal functions, nodes by rows, at points x (2, q) of [0, 1]^2."""
-    hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
-    count = (p + 1) ** 2
-
-    def of(points: Floats) -> tuple[Floats, Floats]:
-        both = [hierarchical.lbasis(points, i) for i in range(count)]
-        return np.array([value for value, _ in both]), np.array([slope for _, slope in both])
-
-    at_nodes, _ = of(_grid(0.5 * (lobatto(p) + 1)))
-    values, slopes = of(x)
-    nodal: Floats = np.asarray(np.linalg.inv(at_nodes), dtype=float)
-    return nodal @ values, (nodal @ slopes.reshape(count, -1)).reshape(slopes.shape)
+    (u, v), (du, dv) = ([of(p, 2 * at - 1) for at in x] for of in (shape, slopes))
+    values, across, along = (np.einsum("iq,jq->ijq", a, b) for a, b in ((u, v), (2 * du, v), (u, 2 * dv)))
+    return values.reshape(-1, x.shape[1]), np.stack([across, along], axis=2).reshape(-1, 2, x.shape[1])
 
 
 def _grid(x: Floats) -> Floats:
