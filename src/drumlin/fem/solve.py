@@ -1,5 +1,6 @@
 """A brake by finite elements from the file up: divided, condensed, solved, finer until its error is small enough."""
 
+from dataclasses import replace
 from functools import partial
 
 from drumlin.brake.drum_brake import Brake
@@ -13,9 +14,11 @@ from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, respond
 from drumlin.fem.omission import adapt_without
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Response
+from drumlin.response.response import Response, shoe_balance, worst
 
 SOFT = 2.0  # times one over the penalty: the relative error of p that it makes at most, as seen on random brakes
+
+UNSAID = 1e-8  # by how much the balance of p(theta) may be worse than the nodal one without a word
 
 
 def solve(
@@ -46,7 +49,7 @@ def solve(
         found = adapt(brake, DEFAULT, answer, must=False, soft=SOFT / penalty, cache=cache).response
     else:
         found = answer(scene_of(brake, elements=elements, kind=kind, cache=cache), brake)
-    return with_merits(brake, found)
+    return with_merits(brake, _with_curve_balance(brake, found))
 
 
 def scene_of(
@@ -68,3 +71,15 @@ def scene_of(
 def _levelled(brake: Brake, elements: int | None, kind: str | None) -> bool:
     """Whether a brake is divided by levels, not by one mesh."""
     return elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes)
+
+
+def _with_curve_balance(brake: Brake, found: Response) -> Response:
+    """The response with a note where p(theta) on the round drum balances worse than the forces at the mesh's nodes."""
+    curve = worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(found.shoes)])
+    if max(curve.force - found.balance.force, curve.moment - found.balance.moment) <= UNSAID:
+        return found
+    note = (
+        f"p(theta) on the round drum balances to {curve.force:.1e} (force) and {curve.moment:.1e} (moment) only: "
+        "the lining's elements are not quite as round"
+    )
+    return replace(found, notes=(*found.notes, note))
