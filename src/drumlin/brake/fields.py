@@ -95,11 +95,6 @@ class Material(Part):
     E: Modulus
     nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True)]
 
-    @property
-    def lame(self) -> Floats:
-        """Lame's lambda and mu (2,) [Pa] of plane stress: E nu/(1 - nu^2) and E/(2 (1 + nu))."""
-        return np.array([self.E * self.nu / (1 - self.nu**2), self.E / (2 * (1 + self.nu))])
-
 
 class Point(Part):
     """A point x, y [m] of the brake's plane."""

@@ -19,10 +19,10 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg
 
 from drumlin.arrays import Bools, Floats, Ints
 from drumlin.errors import NoAnswer
-from drumlin.lapack import dgecon, dgetrf, dgetrs
 
 MOST_STEPS = 120  # a brake that has an answer needs some ten
 MOST_PASSES = 10  # changes of each node while an answer is followed from wider gaps
@@ -209,8 +209,8 @@ def condition(problem: Problem, active: Bools) -> float:
     matrix = matrix_on(equilibrated(problem)[0], active)
     if not matrix.size:
         return 1.0
-    lu, _, _ = dgetrf(matrix)
-    reciprocal, _ = dgecon(lu, np.abs(matrix).sum(axis=0).max())
+    lu, _, _ = scipy.linalg.lapack.dgetrf(matrix)
+    reciprocal, _ = scipy.linalg.lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max())
     return float(1 / reciprocal) if reciprocal else np.inf
 
 
@@ -324,7 +324,7 @@ def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
     """LU factors and pivots; raises NoAnswer for a singular matrix."""
     if not matrix.size:
         return matrix, np.zeros(0, dtype=np.int32)
-    lu, pivots, info = dgetrf(matrix)
+    lu, pivots, info = scipy.linalg.lapack.dgetrf(matrix)
     if info or not np.isfinite(np.diagonal(lu)).all():
         raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
     return lu, pivots
@@ -332,7 +332,7 @@ def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
 
 def _back(factors: tuple[Floats, Ints], right: Floats) -> Floats:
     """Back-substitution; LAPACK directly, since scipy's checks cost more than these small systems."""
-    return dgetrs(*factors, right)[0] if len(right) else right
+    return scipy.linalg.lapack.dgetrs(*factors, right)[0] if len(right) else right
 
 
 def _determinant_sign(factors: tuple[Floats, Ints]) -> int:

@@ -12,16 +12,18 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+import skfem
+from scipy.linalg.lapack import dpotrf
+from scipy.sparse.linalg import splu
+from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.fields import Material
 from drumlin.errors import NoAnswer
 from drumlin.fem.elimination import SINGULAR, dissection, eliminate
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.lapack import dpotrf, solve_lower
-from drumlin.later import later
-
-skfem, sp, spla = map(later, ("skfem", "scipy.sparse", "scipy.sparse.linalg"))
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 
@@ -71,7 +73,7 @@ class Condensed:
 
     def half(self, forces: Floats) -> Floats:
         """Y = L_cc^-1 forces, for nodal forces (2n, m) on the contact nodes."""
-        return solve_lower(self.L_cc, forces)
+        return scipy.linalg.solve_triangular(self.L_cc, forces, lower=True, check_finite=False)
 
     def displacement(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacement of all nodes (2, nodes) [m], by one sparse factorisation that nothing else needs.
@@ -87,7 +89,7 @@ class Condensed:
         A, ties, unit = self.inside()
         right = unit[:-FRAME] @ loads - A[:-FRAME, -FRAME:] @ frame
         right[len(right) - len(nodal) :] += nodal
-        u = spla.splu(A[:-FRAME, :-FRAME], permc_spec="MMD_AT_PLUS_A").solve(right)
+        u = splu(A[:-FRAME, :-FRAME], permc_spec="MMD_AT_PLUS_A").solve(right)
         return np.asarray(ties.matrix @ np.vstack([u, frame]))
 
 
@@ -115,7 +117,7 @@ def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]], *, pr
     lame = np.zeros((2, basis.mesh.nelements))
     for name, elements in basis.mesh.subdomains.items():
         material, width = materials[name]
-        lame[:, elements] = material.lame[:, None] * width
+        lame[:, elements] = np.array(plane_stress(material.E, material.nu))[:, None] * width
     lam, mu = lame[:, :, None, None, None, None]
     a, _, elements, points = gradients.shape
     G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, 2 * a, points)
@@ -182,5 +184,5 @@ def condense(K: Any, ties: Ties, loads: Floats, contact: int) -> Condensed:
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
         raise NoAnswer(SINGULAR)
-    L_fc = solve_lower(L_cc, S[:contact, contact:]).T
+    L_fc = scipy.linalg.solve_triangular(L_cc, S[:contact, contact:], lower=True, check_finite=False).T
     return Condensed(L_cc, L_fc, left[:contact], left[contact:], work, partial(Inside, A, ties, loads))

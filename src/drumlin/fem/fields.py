@@ -7,6 +7,7 @@ from typing import Any
 import meshio
 import numpy as np
 import skfem
+from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake, Frame, Shoe
@@ -108,7 +109,7 @@ def _part(mesh: Any, u: Floats, name: str, material: Material) -> tuple[Ints, In
     dofs, slopes, cut = _at_nodes(mesh, elements)
     gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
     strain = 0.5 * (gradient + gradient.transpose(1, 0, 2, 3))
-    lam, mu = material.lame
+    lam, mu = plane_stress(material.E, material.nu)
     stress = 2 * mu * strain
     stress[[0, 1], [0, 1]] += lam * (strain[0, 0] + strain[1, 1])
     nodes, cells = np.unique(dofs, return_inverse=True)

@@ -10,8 +10,9 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import scipy.linalg
 
-from drumlin.arrays import Bools, Floats, block_diagonal
+from drumlin.arrays import Bools, Floats
 from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.contact import active_set, self_locking
@@ -73,12 +74,12 @@ class ShoeGroup:
     @cached_property
     def levers(self) -> Floats:
         """(n, shoes) [m^3]: friction times this by the pressures is the torque of each shoe."""
-        return block_diagonal(*(body.coupling.lever for body in self.bodies)).T
+        return np.asarray(scipy.linalg.block_diag(*(body.coupling.lever for body in self.bodies)).T)
 
     @cached_property
     def masses(self) -> Floats:
         """(n, n) [m^2]: what weighs a gap on the linings."""
-        return block_diagonal(*(body.coupling.M for body in self.bodies))
+        return np.asarray(scipy.linalg.block_diag(*(body.coupling.M for body in self.bodies)))
 
     @cached_property
     def ring(self) -> tuple[Floats, Floats] | None:
@@ -99,15 +100,15 @@ class ShoeGroup:
         parts = [self._shoe_problem(k) for k in range(len(self.members))]
         if self.ring is None and len(parts) == 1:
             return parts[0]
-        A = block_diagonal(*(part.A for part in parts))
+        A = scipy.linalg.block_diag(*(part.A for part in parts))
         if self.ring is not None:
             pressed, dragged = self.ring
             A += pressed.T @ (pressed + self.brake.drag * dragged)
         return active_set.Problem(
             A=A,
             q=np.concatenate([part.q for part in parts]),
-            B=block_diagonal(*(part.B for part in parts)),
-            C=block_diagonal(*(part.C for part in parts)),
+            B=scipy.linalg.block_diag(*(part.B for part in parts)),
+            C=scipy.linalg.block_diag(*(part.C for part in parts)),
             h=np.concatenate([part.h for part in parts]),
         )
 

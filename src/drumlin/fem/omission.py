@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import skfem
 
 from drumlin.arrays import Floats
 from drumlin.brake.components import Beam, Body
@@ -21,11 +22,8 @@ from drumlin.fem.hp.adapt import Tolerance, adapt, check_tolerance
 from drumlin.fem.hp.levels import Respond
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.reduced import sketcher, with_closed_forms
-from drumlin.later import later
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response
-
-skfem = later("skfem")
 
 SAVING = (("ring", "shoe"), ("ring",), ("shoe",))
 """What takes a third of a solve or more, in the order in which it is tried; the other parts cost next to nothing."""

@@ -22,6 +22,8 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
 
 from drumlin.arrays import Bools, Floats, Ints
 from drumlin.brake.drum_brake import Brake
@@ -31,9 +33,6 @@ from drumlin.fem.assembly import Scene, actuation, materials_of, pin_of
 from drumlin.fem.body import FRAME, stiffness
 from drumlin.fem.group import ShoeGroup
 from drumlin.fem.ring import rim_loads
-from drumlin.later import later
-
-sp, spla = map(later, ("scipy.sparse", "scipy.sparse.linalg"))
 
 LONG = np.longdouble
 EPSILON = float(np.finfo(float).eps)
@@ -292,7 +291,7 @@ def _solution(system: Whole, on: Bools, order: str) -> _Solution:
     D = sp.diags(scale.astype(LONG))
     A, b = (D @ A @ D).tocsr(), scale * b
     try:
-        factors = spla.splu(A.astype(float).tocsc(), permc_spec=order)
+        factors = splu(A.astype(float).tocsc(), permc_spec=order)
     except RuntimeError as error:
         raise NoAnswer("no equilibrium: the whole system is singular") from error
     x = np.zeros(len(at), dtype=LONG)

@@ -16,6 +16,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy.linalg
+import skfem
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.components import Ring, Section
@@ -23,10 +25,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, edge_points
 from drumlin.fem.mesh.grading import FACE_SIZE, graded, lining_angles, lining_layers
-from drumlin.later import later
 from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
-
-skfem, linalg = map(later, ("skfem", "scipy.linalg"))
 
 
 @dataclass(frozen=True)
@@ -265,7 +264,7 @@ class Free:
         rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
         rigid[:, 0, 2], rigid[:, 1, 2] = -y, x
         balance = np.linalg.solve(rigid.reshape(-1, FRAME).T @ rim, rigid[line.nodes].reshape(-1, FRAME).T)
-        root = linalg.sqrtm(condensed.load_work).real
+        root = scipy.linalg.sqrtm(condensed.load_work).real
         return cls(
             rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), np.asarray(balance), condensed.half(condensed.load_c), root
         )

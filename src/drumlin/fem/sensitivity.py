@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
@@ -225,7 +226,7 @@ def _moduli(body: Body, shoe: Shoe, at: _Adjoint, drag: float, load: Floats, sof
     effects = {}
     for name, (material, width) in materials_of(shoe).items():
         parts = {other: (material, width if other == name else 0.0) for other in materials_of(shoe)}
-        K = stiffness(body.basis, parts)
+        K: sp.csc_matrix = stiffness(body.basis, parts)
         effects[name] = -float(u[:, 1] @ (K @ u[:, 0])) + (soft if name == "lining" else 0.0)
     return effects
 

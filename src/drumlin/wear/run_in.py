@@ -11,19 +11,17 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.optimize
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.later import later
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
 from drumlin.wear import archard
 from drumlin.wear.archard import WearLaw, WearState
 from drumlin.wear.linings import Surface, WearSetup
-
-optimize = later("scipy.optimize")
 
 COEFFICIENT = 1e-14
 """k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings. In units of 1/(k E/t) nothing depends
@@ -69,7 +67,7 @@ def _worn_pressure(setup: WearSetup, surface: Surface, exponent: float) -> Float
         scale = np.abs(h).max()
         unit = pressure(y)
         factor = float(scale / np.abs(C @ unit).max()) ** exponent  # p goes as y^(1/m)
-        found = optimize.root(lambda z: (C @ pressure(z * y * factor) - h) / scale, np.ones(len(h)), tol=1e-13)
+        found = scipy.optimize.root(lambda z: (C @ pressure(z * y * factor) - h) / scale, np.ones(len(h)), tol=1e-13)
         if not found.success:
             raise NoAnswer(f"{said}: no worn-in pressure in equilibrium found")
         y = found.x * y * factor

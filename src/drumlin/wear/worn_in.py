@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+import scipy.linalg
 
 from drumlin.arrays import Floats
 from drumlin.brake import Brake, vary
@@ -19,13 +20,10 @@ from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.solve import scene_of
 from drumlin.foundation.model import SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
-from drumlin.later import later
 from drumlin.laws import hinged, sine
 from drumlin.laws.shapes import SINE
 from drumlin.response import Response
 from drumlin.response.merit import with_merits
-
-linalg = later("scipy.linalg")
 
 FITTING = {"shoe.lining.clearance": 0.0, "shoe.lining.misfit": {}}
 ROUND: dict[str, Any] = {"drum.out_of_round": []}
@@ -53,8 +51,8 @@ def worn_in(scene: Scene, brake: Brake) -> Brake:
         size, problem, M = group.unit_force, group.problem, group.masses
         angles = [shoe.frame.theta(body.line.phi) for body, shoe in zip(group.bodies, group.shoes, strict=True)]
         p = np.concatenate([law.shoes[i].pressure_at(theta) for i, theta in zip(group.members, angles, strict=True)])
-        closed = linalg.solve(M, size * problem.q + problem.A @ p, assume_a="pos")
-        closing = np.abs(linalg.solve(M, problem.B, assume_a="pos"))  # per turn
+        closed = scipy.linalg.solve(M, size * problem.q + problem.A @ p, assume_a="pos")
+        closing = np.abs(scipy.linalg.solve(M, problem.B, assume_a="pos"))  # per turn
         for k, (i, theta, part) in enumerate(zip(group.members, angles, group.parts, strict=True)):
             rows = _clearance(theta, closed[part], closing[part, k])
             changes[f"shoe[{i}].lining.clearance"] = rows[:: brake.shoes[i].frame.sense].tolist()

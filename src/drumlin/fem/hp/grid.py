@@ -10,14 +10,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
+from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.fields import Material
 from drumlin.fem.hp.element import element, shape_functions, stiffness
-from drumlin.later import later
 from drumlin.response.resultants import lobatto
-
-sp = later("scipy.sparse")
 
 
 @dataclass(frozen=True)
@@ -101,7 +100,7 @@ class Grid:
         lame = np.zeros((len(dofs), 2), dtype=xy.dtype)
         for name, elements in self.subdomains.items():
             material, width = materials[name]
-            lame[elements] = material.lame * width
+            lame[elements] = np.array(plane_stress(material.E, material.nu)) * width
         K = stiffness(np.ascontiguousarray(xy), lame, p)
         both = (2 * dofs[:, :, None] + np.arange(2)).reshape(len(dofs), -1).astype(np.int32)
         rows = np.broadcast_to(both[:, :, None], (*both.shape, both.shape[1]))

@@ -5,8 +5,9 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from skfem.models.elasticity import plane_stress
 
-from drumlin.arrays import Floats, Ints, unique
+from drumlin.arrays import Floats, Ints
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
@@ -95,7 +96,7 @@ def distinct(sizes: Floats) -> tuple[Floats, Ints]:
 
 def lame_of(materials: dict[str, tuple[Material, float]], part: tuple[str, ...]) -> Floats:
     """lambda and mu of plane stress times the width of each layer (l, 2) [N/m]."""
-    found = {name: width * m.lame for name, (m, width) in materials.items()}
+    found = {name: width * np.array(plane_stress(m.E, m.nu)) for name, (m, width) in materials.items()}
     return np.array([found[name] for name in part])
 
 
@@ -125,8 +126,8 @@ def _columns(shoe: Shoe, place: Map, div: Division, materials: dict[str, tuple[M
     if not straight:
         sizes, which = distinct(np.concatenate([np.diff(ends) for ends in parts]))
         along = 0.5 * sizes[:, None] * lobatto(p)
-    under = unique(which[: counts[0]])
-    over = unique(which[counts[0] :])
+    under = np.unique(which[: counts[0]])
+    over = np.unique(which[counts[0] :])
     lame = lame_of(materials, div.part)
     xy = [nodes_of(place, div.depths, along[under], p)]
     if len(over):

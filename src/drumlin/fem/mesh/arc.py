@@ -7,41 +7,29 @@ Named groups: subdomains "shoe", "lining", "backing"; boundaries "contact" (lini
 from typing import Any, NamedTuple
 
 import numpy as np
+import skfem
 
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.mesh.beam import beam_mesh
 from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, Division, divide, layers_behind, overhang
-from drumlin.later import later
-
-skfem = later("skfem")
 
 
 class Kind(NamedTuple):
-    """A kind of mesh: names of skfem's mesh and element, meshio's names of its cells and of their edges."""
+    """A kind of mesh: skfem's mesh and element, meshio's names of its cells and of their edges."""
 
-    mesh_name: str
-    element_name: str
+    mesh: Any
+    element: Any
     cell: str
     edge: str
 
-    @property
-    def mesh(self) -> Any:
-        """skfem's class of the mesh."""
-        return getattr(skfem, self.mesh_name)
-
-    @property
-    def element(self) -> Any:
-        """skfem's class of the element."""
-        return getattr(skfem, self.element_name)
-
 
 KINDS = {
-    "quad2": Kind("MeshQuad2", "ElementQuad2", "quad9", "line3"),
-    "quad1": Kind("MeshQuad1", "ElementQuad1", "quad", "line"),
-    "tri2": Kind("MeshTri2", "ElementTriP2", "triangle6", "line3"),
-    "tri1": Kind("MeshTri1", "ElementTriP1", "triangle", "line"),
+    "quad2": Kind(skfem.MeshQuad2, skfem.ElementQuad2, "quad9", "line3"),
+    "quad1": Kind(skfem.MeshQuad1, skfem.ElementQuad1, "quad", "line"),
+    "tri2": Kind(skfem.MeshTri2, skfem.ElementTriP2, "triangle6", "line3"),
+    "tri1": Kind(skfem.MeshTri1, skfem.ElementTriP1, "triangle", "line"),
 }
 DEFAULT_KIND = "quad2"
 

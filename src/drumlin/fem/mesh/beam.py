@@ -8,6 +8,7 @@ import math
 from typing import Any
 
 import numpy as np
+import skfem
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import Axis, axis_of
@@ -15,9 +16,6 @@ from drumlin.brake.components import Beam, Section
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.units import mm
 from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, Division, layers_behind, overhang
-from drumlin.later import later
-
-skfem = later("skfem")
 
 PARTS = ("lining", "backing", "shoe")
 
