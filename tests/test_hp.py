@@ -15,6 +15,7 @@ from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Cache, materials_of, prepare
 from drumlin.fem.body import FRAME, condense
 from drumlin.fem.fields import fields, ring_fields
+from drumlin.fem.group import groups_of
 from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.hp.adapt import DEFAULT, adapt, estimate
 from drumlin.fem.hp.columns import columns, merge, merged, stack
@@ -24,7 +25,7 @@ from drumlin.fem.hp.levels import LEVELS, steps
 from drumlin.fem.hp.places import places_of
 from drumlin.fem.hp.scene import scene
 from drumlin.fem.hp.shoe import distinct, rigid
-from drumlin.fem.model import respond
+from drumlin.fem.model import refined_group, respond
 from drumlin.fem.sensitivity import sensitivity
 from drumlin.fem.solve import scene_of, solve
 from drumlin.laws import sine
@@ -377,3 +378,15 @@ def test_a_brake_that_locks_is_divided_too(brake):
     with pytest.raises(NoAnswer):
         solve(locked)
     assert scene_of(locked).bodies[0].line.order == LEVELS[1].degree
+
+
+@pytest.mark.parametrize("support", ["fixed", "free"])
+def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies(brake, support):
+    ring = {"thickness": 0.02, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": support}
+    whole = vary(brake, {"drum.ring": ring})
+    (group,) = groups_of(scene(whole, LEVELS[0]), whole)
+    found = group.answer()
+    refined = refined_group(group, found.active)
+    assert refined.correction < 1e-10
+    for part, p in zip(group.parts, refined.p, strict=True):
+        np.testing.assert_allclose(found.p[part], p, rtol=0, atol=1e-8 * p.max())
