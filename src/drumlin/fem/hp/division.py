@@ -205,7 +205,7 @@ def _depths(layers: list[Layer], level: Level, face: float, *, straight: bool) -
     for k, layer in enumerate(layers):
         t = layer.thickness
         outer = face if k == 0 else level.back * min(t, layers[k - 1].thickness)
-        inner = level.back * min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
+        inner = level.back * (min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t)  # the last one is held
         if layer.part == "shoe":
             inner = level.hinge * t
         sizes = graded(t, outer, inner, level.through, t)
