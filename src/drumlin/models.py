@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.support import MOVES
 from drumlin.errors import BadInput
 from drumlin.foundation import model as foundation
-from drumlin.laws import LAWS, flat, hinged, pivoted
+from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
 from drumlin.response.response import Response
 
 
@@ -33,9 +34,11 @@ def _fem_why_not(brake: AnyBrake) -> str | None:
 
     if isinstance(brake, FlatBrake):
         return "its shoes press on a plane, not on a drum"
+    if brake.shares:
+        return brake.shares
     for shoe in brake.shoes:
-        if shoe.pivot is not None:
-            return f"shoe {shoe.name!r}: a shoe on a pivot of a lever is not meshed"
+        if shoe.held_by != "hinge":
+            return f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}; that is not meshed"
     return assembly.why_not(brake)
 
 
@@ -67,8 +70,9 @@ MODELS: Mapping[str, Model] = {
         _hinged("block"),
         _hinged("uniform"),
         Model("short", LAWS["short"].assumes, _short_why_not, _short),
-        Model("pivoted", pivoted.ASSUMES, pivoted.why_not, pivoted.solve),
-        Model("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(flat.solve, flat.LINEAR)),
+        Model("pivoted", pivoted.ASSUMES, pivoted.why_not, partial(rigid.solve, name="pivoted")),
+        Model("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(rigid.solve, name="linear")),
+        Model("rigid", rigid.ASSUMES, naming.why_not, rigid.solve),
     )
 }
 

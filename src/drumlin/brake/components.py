@@ -254,9 +254,12 @@ AnyBody = Annotated[
 
 
 class Actuation(Part):
-    """The force on the shoe [N], its direction [rad] and a point of its line of action."""
+    """The force on the shoe [N], its direction [rad] and a point of its line of action.
 
-    force: Force
+    A brake may give the force of all its shoes (`Drive`): then a shoe's own has none.
+    """
+
+    force: Force = 0.0
     direction: Angle
     point: Place
 

@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Actuation, Friction
+from drumlin.brake.components import Friction
+from drumlin.brake.drive import Drive, Link, driven, shares
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.fields import Length, Name, Part, Place, Thickness, Title, check_names
+from drumlin.brake.fields import Length, Part, Thickness, Title, check_names
 from drumlin.brake.file import brake_from, read_toml, toml_data, validated
+from drumlin.brake.support import Held
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput
 
@@ -57,19 +59,16 @@ class FlatFrame(NamedTuple):
         return self.origin + self.sense * np.asarray(distance)
 
 
-class FlatShoe(Part):
-    """A rigid shoe with a flat lining, hinged at a pin."""
+class FlatShoe(Held):
+    """A rigid shoe with a flat lining, held by a hinge or otherwise (`Held`)."""
 
-    name: Name
-    hinge: Place
     lining: FlatLining
-    actuation: Actuation
 
     @property
     def frame(self) -> FlatFrame:
         """The shoe's own frame; its sense is chosen so that the lining's middle is at a distance >= 0."""
         middle = 0.5 * (self.lining.start + self.lining.end)
-        return FlatFrame(self.hinge.x, 1 if middle >= self.hinge.x else -1)
+        return FlatFrame(self.pin.x, 1 if middle >= self.pin.x else -1)
 
     @property
     def span(self) -> tuple[float, float]:
@@ -85,6 +84,8 @@ class FlatBrake(Part):
     friction: Friction
     plane: Plane
     shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
+    actuation: Drive | None = None
+    links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
 
     @property
     def spin(self) -> int:
@@ -92,14 +93,20 @@ class FlatBrake(Part):
         return 1 if self.plane.sliding == "+x" else -1
 
     @property
+    def shares(self) -> str | None:
+        """That a cam or a strut shares a force among its shoes, in words; None where each shoe has its own."""
+        return shares(self.actuation, self.links)
+
+    @property
     def motion(self) -> str:
         """What moves, in words."""
         return f"body slides along {self.plane.sliding}"
 
     @model_validator(mode="after")
-    def _names(self) -> Self:
+    def _whole(self, info: ValidationInfo) -> Self:
         check_names([shoe.name for shoe in self.shoes])
-        return self
+        shoes = driven(self.shoes, self.actuation, self.links, file=bool((info.context or {}).get("unit_required")))
+        return self.model_copy(update={"shoes": shoes})
 
 
 AnyBrake = Brake | FlatBrake

@@ -113,7 +113,7 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     return (
         brake.drum.radius,
         shoe.side,
-        round(shoe.hinge.radius / brake.drum.radius, 12),
+        round(shoe.pin.radius / brake.drum.radius, 12),
         tuple(round(angle, 12) for arc in arcs for angle in arc),
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
@@ -285,7 +285,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
 
 def pin_of(shoe: Shoe) -> Floats:
     """The pin (2,) [m] in the shoe's frame."""
-    return np.array([shoe.hinge.radius, 0.0])
+    return np.array([shoe.pin.radius, 0.0])
 
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:

@@ -195,7 +195,7 @@ def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
     """
     if (gap <= 0).any():
         return
-    a, r = shoe.hinge.radius, np.hypot(*xy)
+    a, r = shoe.pin.radius, np.hypot(*xy)
     v = xy * ((r - shoe.sign * gap) / r) - np.array([[a], [0.0]])  # the lining stands back by its gap
     d, psi = np.hypot(*v), np.arctan2(v[1], v[0])
     cosine = (r**2 - a**2 - d**2) / (2 * a * d)

@@ -36,6 +36,7 @@ COLORS = {
     "short": "#1d2733",
     "pivoted": "#d19a1b",
     "linear": "#6b8e23",
+    "rigid": "#c8553d",
     "foundation": "#2a9d5c",
     "lifted": "#d19a1b",
 }
@@ -48,6 +49,7 @@ NAMES = {
     "short": "short shoe",
     "pivoted": "shoe on a pivot",
     "linear": "long flat shoe",
+    "rigid": "rigid shoe",
     "foundation": "elastic foundation",
     "lifted": "foundation, all lifted",
 }

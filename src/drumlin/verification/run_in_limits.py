@@ -23,7 +23,7 @@ from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, prepare, why_not
 from drumlin.fem.fields import Fields, fields
 from drumlin.fem.model import respond
-from drumlin.laws import hinged, pivoted
+from drumlin.laws import hinged, law
 from drumlin.response.norms import relative
 from drumlin.wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
 from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
@@ -96,7 +96,7 @@ def law_of(model: str, brake: Brake) -> tuple[str, float]:
     if model == "guided":
         return "cos", hinged.guided_torque(brake)
     if any(shoe.pivot for shoe in brake.shoes):
-        return "A cos + B sin", pivoted.solve(brake).torque
+        return "A cos + B sin", law(brake).torque
     # As published, the foundation's sections turn without tilt.
     return "x cos" if model == "foundation" else "sin", hinged.sine(brake).torque
 

@@ -162,7 +162,7 @@ def motions_of(body: Body, shoe: Shoe, guide: Guide) -> Motions:
         e = shoe.sign * np.array([math.cos(middle), math.sin(middle)])
         return Motions(np.tile(e, len(x))[:, None], np.array([float(e @ force)]))
     moved = [body.turned]
-    work = [float(cross(at - np.array([shoe.hinge.radius, 0.0]), force))]
+    work = [float(cross(at - np.array([shoe.pin.radius, 0.0]), force))]
     if shoe.pivot is not None:  # the actuation acts on the lever: it does no work where the shoe turns on its pivot
         u, v = shoe.frame.to_shoe(shoe.pivot.xy)
         moved.append(np.column_stack([v - y, x - u]).ravel())

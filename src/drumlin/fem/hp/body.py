@@ -57,7 +57,7 @@ def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
 
     K = grid.stiffness(assembly.materials_of(shoe))
     n = (len(div.angles) - 1) * div.degree + 1
-    ties = tie(grid, np.arange(n), grid.sets["hinge"], np.array([shoe.hinge.radius, 0.0]))
+    ties = tie(grid, np.arange(n), grid.sets["hinge"], np.array([shoe.pin.radius, 0.0]))
     loads = np.zeros((ties.matrix.shape[1], FRAME))
     if "actuation" in grid.sets:
         full = np.zeros((grid.N, 2, FRAME))

@@ -51,7 +51,7 @@ def map_of(shoe: Shoe, radius: float) -> Map:
 def _beam_map(shoe: Shoe, radius: float) -> Map:
     """Depth 0 to 1: the lining, to 2: the block, cut square to the beam, to 3: the beam."""
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
-    axis, thickness = axis_of(shoe.hinge.xy, shoe.actuation.point.xy), shoe.lining.thickness
+    axis, thickness = axis_of(shoe.pin.xy, shoe.actuation.point.xy), shoe.lining.thickness
     back, beam = radius + thickness, shoe.body.section.thickness
     s, e = shoe.arc
     start = float(np.min(axis.angle(shoe.frame.theta(np.array([s, e])))))
@@ -163,7 +163,7 @@ def directions(along: Floats, line: int, *, contact: bool) -> Floats:
 
 def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> Condensed:
     """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular stiffness."""
-    p, place, pin = div.degree, map_of(shoe, radius), np.array([shoe.hinge.radius, 0.0])
+    p, place, pin = div.degree, map_of(shoe, radius), np.array([shoe.pin.radius, 0.0])
     straight, held = isinstance(shoe.body, Beam), div.first == div.layers
     found = _columns(shoe, place, div, materials)
     line = stack(p, div.layers, contact=True, held=held).line
