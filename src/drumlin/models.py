@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
-from drumlin.brake.support import MOVES
 from drumlin.errors import BadInput
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
@@ -36,9 +35,6 @@ def _fem_why_not(brake: AnyBrake) -> str | None:
         return "its shoes press on a plane, not on a drum"
     if brake.shares:
         return brake.shares
-    for shoe in brake.shoes:
-        if shoe.held_by != "hinge":
-            return f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}; that is not meshed"
     return assembly.why_not(brake)
 
 

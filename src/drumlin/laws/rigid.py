@@ -86,10 +86,10 @@ def press(brake: AnyBrake, shoe: Shoe | FlatShoe, *, whole: bool = False) -> Pre
     whole: all of the lining bears, tension included, as closed forms have it. Raises NoAnswer: self-locking, or nothing
     balances the actuation.
     """
-    face, ends = face_of(brake, shoe), (shoe.lining.start, shoe.lining.end)
+    face = face_of(brake, shoe)
     if shoe.actuation.force == 0:
         return None
-    if _bears(face, shoe.freedoms(shoe.senses[-1]), ends) < 0:
+    if bears(brake, shoe) < 0:
         return None
     failure: NoAnswer | None = None
     for sense in shoe.senses:
@@ -103,8 +103,10 @@ def press(brake: AnyBrake, shoe: Shoe | FlatShoe, *, whole: bool = False) -> Pre
     raise failure or NoAnswer(f"shoe {shoe.name!r}: no equilibrium, its foot leaves the abutment")
 
 
-def _bears(face: Face, free: Freedoms, ends: tuple[float, float]) -> int:
+def bears(brake: AnyBrake, shoe: Shoe | FlatShoe) -> int:
     """+1 where pressure without friction can balance the actuation, -1 where tension would, else 0."""
+    face, ends = face_of(brake, shoe), (shoe.lining.start, shoe.lining.end)
+    free = shoe.freedoms(shoe.senses[-1])
     shapes = face.closing(free.tests)
     if len(shapes) == 1:
         most = shapes[0] @ face.shapes(np.linspace(*ends, 65))[:2] * free.work[0]
