@@ -182,7 +182,11 @@ class Backing(Part):
 
 
 class Body(Part):
-    """The elastic shoe behind lining and backing: an arc of constant section from `start` to `end`."""
+    """The elastic shoe behind lining and backing: an arc of constant section from `start` to `end`.
+
+    `grip` [m]: the length of its back that a pivot or a guide holds, by default its thickness. A hinge and an abutment
+    hold its end face.
+    """
 
     shape: Literal["arc"] = "arc"
     thickness: Thickness
@@ -190,6 +194,7 @@ class Body(Part):
     start: Angle
     end: Angle
     material: Material
+    grip: Thickness | None = None
 
     @property
     def section(self) -> Section:

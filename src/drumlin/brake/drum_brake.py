@@ -99,6 +99,20 @@ class Shoe(Held):
         ends = self.frame.phi(np.array([self.lining.start, self.lining.end]))
         return float(ends.min()), float(ends.max())
 
+    def grip(self, radius: float) -> tuple[float, float] | None:
+        """The arc [rad] in its frame of the body's back that a pivot or a guide holds, on a drum of this radius [m].
+
+        None where what holds the shoe holds an end face of its body, or all of the back of a rigid one.
+        """
+        if not isinstance(self.body, Body) or self.mesh is not None or self.held_by not in {"pivot", "guide"}:
+            return None
+        middle, (start, end) = self.lining.middle, self.arc
+        angle = middle if self.pivot is None else middle + math.remainder(self.pivot.angle - middle, 2 * math.pi)
+        half = 0.5 * (self.body.grip or self.body.thickness) / (radius - self.sign * self.depth)
+        half = min(half, 0.3 * (end - start))
+        at = float(np.clip(self.frame.phi(np.array(angle)), start + 1.5 * half, end - 1.5 * half))
+        return at - half, at + half
+
 
 class Brake(Part):
     """A brake: friction coefficient, sense of rotation, drum and shoes."""

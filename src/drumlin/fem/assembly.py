@@ -109,7 +109,8 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         behind = (body, *loaded.tolist())
     elif body is not None:
         arcs.append(tuple(sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist())))
-        behind = (body.shape, body.thickness, body.width, body.material)
+        behind = (body.shape, body.thickness, body.width, body.material, shoe.held_by in {"pivot", "guide"})
+        arcs += [arc for arc in [shoe.grip(brake.drum.radius)] if arc is not None]
     return (
         brake.drum.radius,
         shoe.side,
@@ -166,7 +167,9 @@ def bare(brake: Brake) -> Brake:
 
 def _bare(shoe: Shoe) -> Shoe:
     force: dict[str, Any] = {"force": 1.0, "direction": 0.0}
-    if not isinstance(shoe.body, Beam):  # a beam ends where it is loaded
+    if (
+        not isinstance(shoe.body, Beam) and shoe.guide is None
+    ):  # a beam ends where it is loaded; a guide has its pin there
         force["point"] = Point(x=0.0, y=0.0)
     return shoe.model_copy(
         update={
@@ -274,10 +277,10 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         ties = tie(basis, line.nodes, rigid, pin)
-        if "actuation" in mesh.boundaries:
+        if "actuation" in mesh.boundaries and shoe.held_by in {"hinge", "abutment"}:
             full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
             loads = ties.matrix.T @ full
-        else:  # the force acts on the rigid shoe itself
+        else:  # the force acts on the rigid shoe itself, or on what holds the back of the body
             loads, load_centre = np.zeros((ties.matrix.shape[1], 3)), pin
             loads[-FRAME:] = np.eye(3)
     return Assembled(mesh, basis, line, K, ties, loads, load_centre)

@@ -54,9 +54,9 @@ class ShoeResponse:
     elastic models the largest one more than half a lining thickness from the lining's ends, where a sharp
     edge has no bound. `turn` [rad] is the rotation of the shoe about its pin, where a model knows it.
     `pivot_reaction` (2,) [N] is the force of the pivot on the shoe, where there is one; `reaction_moment` [N m] what a
-    guide adds to its force, about `Held.pin`; `force` [N] of the actuation, where shoes share it; `motion` dx, dy [m] at
-    `Held.pin` and turn [rad] in the shoe's own frame, of a shoe without hinge; `lumped` the contact's forces, where a law
-    lumps them at one point or a model in sectors: else they are the integrals of the pressure.
+    guide adds to its force, about `Held.pin`; `force` [N] of the actuation, where shoes share it; `motion` dx, dy [m]
+    at `Held.pin` and turn [rad] in the shoe's own frame, of a shoe without hinge; `lumped` the contact's forces, where
+    a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
     `deformation` of beam and ring, of the foundation model. `error`: estimated relative errors "pressure" (L2 outside
     the edge zones), "torque", "peak" and "reaction", None where nothing was estimated.
 

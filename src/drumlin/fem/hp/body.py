@@ -37,7 +37,11 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
         count += inner.size
         blocks.append(Block(np.column_stack([faces[k], inner]), depth[first * p :], places, div.part[first:]))
         faces[k] = inner[:, -1]
-    sets = {"hinge": faces[0], "actuation": faces[1]}
+    grip = shoe.grip(radius)
+    if grip is None:
+        sets = {"hinge": faces[0], "actuation": faces[1]}
+    else:
+        sets = {"hinge": under[-1, (along > grip[0] - 1e-9) & (along < grip[1] + 1e-9)]}
     return Grid(p, tuple(blocks), shoes.map_of(shoe, radius), sets, count)
 
 

@@ -137,6 +137,11 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
     marks = _marks(start, end, scale, [(x, level.end ** (1 + kink) * min(t, size)) for x, size, kink in places])
+    grip = shoe.grip(radius)
+    if grip is not None:
+        size = level.hinge * layers[-1].thickness / radius
+        kept = [mark for mark in marks[1:-1] if min(abs(mark[0] - x) for x in grip) > max(mark[1], size)]
+        marks = [marks[0], *sorted([*kept, *((x, size) for x in grip)]), marks[-1]]
     angles = [
         ends_of(graded(b[0] - a[0], a[1], b[1], level.ratio, level.largest), a[0], b[0])[:-1]
         for a, b in pairwise(marks)
