@@ -33,8 +33,6 @@ def _fem_why_not(brake: AnyBrake) -> str | None:
 
     if isinstance(brake, FlatBrake):
         return "its shoes press on a plane, not on a drum"
-    if brake.shares:
-        return brake.shares
     return assembly.why_not(brake)
 
 

@@ -119,6 +119,12 @@ class Held(Part):
         return self.model_copy(update={"actuation": self.actuation.model_copy(update={"force": force})})
 
     @property
+    def bearing(self) -> Floats:
+        """The direction (2,) of the force of a smooth abutment on the foot."""
+        assert self.abutment is not None
+        return np.array([math.cos(self.abutment.direction), math.sin(self.abutment.direction)])
+
+    @property
     def senses(self) -> tuple[int, ...]:
         """How friction may act where the shoe is held, see `freedoms`: the first is to be tried first."""
         return (1, -1, 0) if self.abutment is not None and self.abutment.friction > 0 else (1,)

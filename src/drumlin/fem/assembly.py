@@ -47,7 +47,8 @@ class Body:
 
     With the frame held, under the nodal forces -N^T and T^T and the unit actuations (force x, force y, couple
     about `load_centre`): `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded` (n, 3) are N times the
-    contact displacements, what they take from the weighted gap; `held_*` (3, ...) the force x, y and moment that
+    contact displacements, what they take from the weighted gap; `tip_dragged` (3, n) and `tip_loaded` (3, 3) what the
+    unit actuations move along; `held_*` (3, ...) the force x, y and moment that
     hold the frame meanwhile. The dragged ones are None where mu = 0. `turned` (2n,): contact displacement per
     turn [rad] about the pin.
     """
@@ -62,6 +63,8 @@ class Body:
     closing_pressed: Floats
     closing_dragged: Floats | None
     closing_loaded: Floats
+    tip_dragged: Floats | None
+    tip_loaded: Floats
     held_pressed: Floats
     held_dragged: Floats | None
     held_loaded: Floats
@@ -319,6 +322,8 @@ def coupled(
         closing_pressed=closing[:, pressed],
         closing_loaded=closing[:, loaded],
         closing_dragged=closing[:, dragged] if friction else None,
+        tip_dragged=Y[:, loaded].T @ Y[:, dragged] if friction else None,
+        tip_loaded=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
         held_pressed=holding[:, pressed],
         held_loaded=holding[:, loaded] - condensed.load_f,
         held_dragged=holding[:, dragged] if friction else None,

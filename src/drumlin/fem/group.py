@@ -20,6 +20,7 @@ from drumlin.brake.support import moved
 from drumlin.contact import active_set, self_locking
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
+from drumlin.fem.sharing import Pushed, Sharing, share
 from drumlin.laws import rigid
 
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
@@ -27,18 +28,20 @@ LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model o
 
 class Motions(NamedTuple):
     """The free motions of a shoe, of a unit each, in its own frame: contact displacements `moved` (2n, k), those that
-    its equilibria are tested on, `tested` (2n, k), and the `work` (k,) of the actuation on these per newton. `of`
-    (3, k): dx, dy at its pin and turn."""
+    its equilibria are tested on, `tested` (2n, k), and the `work` (k,) of the actuation on these per newton. `tip`
+    (k,): how far the actuation's point goes along its force; `of` (3, k): dx, dy at its pin and turn."""
 
     moved: Floats
     tested: Floats
     work: Floats
+    tip: Floats
     of: Floats
 
 
 def motions_of(body: Body, shoe: Shoe, sense: int = 1) -> Motions:
     """The free motions of a shoe; sense: of an abutment's friction, see `Held.freedoms`."""
-    free, frame = shoe.freedoms(sense), shoe.frame
+    free, frame = (shoe if shoe.actuation.force else shoe.under(1.0)).freedoms(sense), shoe.frame
+    tip = free.tip * math.copysign(1.0, shoe.actuation.force)
     xy, pin = frame.to_brake(body.line.xy.T).T, shoe.pin.xy[:, None]
 
     def own(motions: Floats, at: Floats) -> Floats:
@@ -51,8 +54,9 @@ def motions_of(body: Body, shoe: Shoe, sense: int = 1) -> Motions:
     if free.names[0] == "turn":  # about the pin: free of the round-off of a turn about the drum's centre
         for part in found[:2]:
             part[:, 0] = body.turned
-        work[0], of[:, 0] = actuation(body, shoe)[1], [0.0, 0.0, 1.0]
-    return Motions(*found, of)
+        work[0] = tip[0] = actuation(body, shoe)[1]
+        of[:, 0] = 0.0, 0.0, 1.0
+    return Motions(*found, tip, of)
 
 
 @dataclass(frozen=True)
@@ -78,7 +82,7 @@ class ShoeGroup:
     @cached_property
     def rows(self) -> tuple[slice, ...]:
         """The motions of each shoe among those of the group."""
-        begins = np.cumsum([0, *(motions.moved.shape[1] for motions in self.motions)])
+        begins = np.cumsum([0, *(motions.work.size for motions in self.motions)])
         return tuple(slice(int(a), int(b)) for a, b in pairwise(begins))
 
     @cached_property
@@ -142,6 +146,49 @@ class ShoeGroup:
         The weighted gap  w = M (g + p/eps) - N u + N_ring u_ring  closes as the lining moves by u, elastically and by
         the shoe's free motions y, and opens as the ring moves by u_ring;  C p = h  are the equilibria in these motions.
         """
+        return self.blocks if self.sharing is None else self.sharing.problem
+
+    @cached_property
+    def sharing(self) -> Sharing | None:
+        """How the shoes share forces by struts and a cam; None where each has its own."""
+        names = [shoe.name for shoe in self.shoes]
+        links = [(names.index(link.source), names.index(link.to)) for link in self.brake.links if link.to in names]
+        drive = self.brake.actuation
+        cam = [k for k in range(len(names)) if k not in [to for _, to in links]] if drive and drive.is_cam else []
+        if not links and not cam:
+            return None
+        pushed = [self._pushed(k) for k in range(len(names))]
+        own = np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
+        total = drive.total / self.unit_force if drive else 0.0
+        return share(self.blocks, pushed, own, links, cam, total)
+
+    def _pushed(self, k: int) -> Pushed:
+        body, shoe, motions = self.bodies[k], self.shoes[k], self.motions[k]
+        drag, coupling = self.brake.drag_on(shoe), body.coupling
+        load, _ = actuation(body, shoe)
+        tip = -(load @ body.closing_loaded.T) + (0.0 if body.tip_dragged is None else drag * (load @ body.tip_dragged))
+        nodal = (drag * coupling.T - coupling.N).reshape(len(tip), -1, 2).sum(axis=1)  # (n, 2) per pressure
+        bearing = np.zeros(len(tip)) if shoe.abutment is None else -shoe.frame.to_brake(nodal) @ shoe.bearing
+        direct = 0.0 if shoe.abutment is None else -float(shoe.bearing @ shoe.actuation.direction_vector)
+        return Pushed(
+            part=self.parts[k], rows=self.rows[k], opened=-(body.closing_loaded @ load), tip=tip,
+            yields=float(load @ body.tip_loaded @ load), work=motions.work, moves=motions.tip, bearing=bearing,
+            direct=direct,
+        )  # fmt: skip
+
+    def forces(self, p: Floats) -> Floats:
+        """The actuation forces (shoes,) under the pressures p (n,), both per newton."""
+        own = np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
+        return own if self.sharing is None else self.sharing.forces(p)
+
+    def amounts(self, found: active_set.Contact) -> list[Floats]:
+        """The free motions of each shoe in an answer, per newton."""
+        y = found.y if self.sharing is None else self.sharing.amounts(found.p, found.y)
+        return [y[rows] for rows in self.rows]
+
+    @cached_property
+    def blocks(self) -> active_set.Problem:
+        """The problem with the forces of each shoe's own actuation."""
         parts = [self._shoe_problem(k) for k in range(len(self.members))]
         if self.ring is None and len(parts) == 1:
             return parts[0]
@@ -162,17 +209,17 @@ class ShoeGroup:
         drag = self.brake.drag_on(shoe)
         load, _ = actuation(body, shoe)
         motions = self.motions[k]
-        share = abs(shoe.actuation.force) / self.unit_force
+        own = abs(shoe.actuation.force) / self.unit_force
         N, T, M = body.coupling.N, body.coupling.T, body.coupling.M
         A, C = -body.closing_pressed, -(N @ motions.tested)
         if body.closing_dragged is not None:
             A, C = A - drag * body.closing_dragged, C + drag * (T @ motions.tested)
         return active_set.Problem(
             A=A + M / self.stiffnesses[k],
-            q=M @ (self.gaps[k] / self.unit_force) - share * (body.closing_loaded @ load),
+            q=M @ (self.gaps[k] / self.unit_force) - own * (body.closing_loaded @ load),
             B=-(N @ motions.moved),
             C=C.T,
-            h=-share * motions.work,
+            h=-own * motions.work,
         )
 
     def at_friction(self, friction: float) -> active_set.Problem:
@@ -226,8 +273,8 @@ class ShoeGroup:
             return True
         drag, p = self.brake.drag_on(shoe), found.p[self.parts[k]]
         nodal = (drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p).reshape(-1, 2)
-        share = shoe.actuation.vector / self.unit_force
-        reaction = -shoe.frame.to_brake(nodal.sum(axis=0)) - share
+        push = self.forces(found.p)[k] * shoe.actuation.direction_vector
+        reaction = -shoe.frame.to_brake(nodal.sum(axis=0)) - push
         c, s = math.cos(shoe.abutment.direction), math.sin(shoe.abutment.direction)
         bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
         sense = self.senses[k] if self.senses else 1
@@ -235,18 +282,26 @@ class ShoeGroup:
             return bearing > 0
         if sense == 0:
             return abs(along) <= shoe.abutment.friction * bearing * (1 + 1e-9)
-        return sense * float(found.y[self.rows[k]][1]) <= 0
+        return sense * float(self.amounts(found)[k][1]) <= 0
 
 
 def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
     """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
     touching = [i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)]
+    names = [shoe.name for shoe in brake.shoes]
+    behind = {names.index(link.to): names.index(link.source) for link in brake.links}
+    touching = sorted({*touching, *(to for to, source in behind.items() if source in touching)})
+    if brake.actuation is not None and brake.actuation.is_cam:
+        lacking = [shoe.name for i, shoe in enumerate(brake.shoes) if i not in touching]
+        if lacking:
+            raise NoAnswer(f"shoe {lacking[0]!r}: the cam does not press it")
     return grouped(scene, brake, touching, penalty)
 
 
 def grouped(scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf) -> list[ShoeGroup]:
-    """The shoes `touching` in groups: each alone, or all together where they meet through an elastic ring."""
-    alone = scene.ring is None or scene.apart
+    """The shoes `touching` in groups: each alone, or all together where they meet through an elastic ring or share a
+    force."""
+    alone = (scene.ring is None or scene.apart) and brake.shares is None
     groups = [(i,) for i in touching] if alone else [tuple(touching)] if touching else []
     senses = {i: _sense(brake, brake.shoes[i]) for i in touching}
     return [ShoeGroup(scene, brake, members, penalty, tuple(senses[i] for i in members)) for members in groups]

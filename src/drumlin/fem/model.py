@@ -119,9 +119,13 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     soft = zip(group.bodies, group.stiffnesses, group.parts, strict=True)
     opened = np.concatenate([body.coupling.M / stiffness @ found.p[part] for body, stiffness, part in soft])
     change = size * found.tangent(opened)  # by the penalty's compliance
-    answers = {}
+    answers, amounts, forces = {}, group.amounts(found), size * group.forces(found.p)
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
-        answers[i] = _answer(group, k, size * found.p[part], size * found.y[group.rows[k]], change[part], found.steps)
+        answers[i] = _answer(group, k, size * found.p[part], size * amounts[k], change[part], found.steps, forces[k])
+    if group.sharing is not None:
+        if not _imbalance(answers) < LARGEST_IMBALANCE:
+            raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
+        return answers
     small = sum(body.unknowns * body.line.order**2 for body in group.bodies) <= MAX_REFINED
     lost = max(body.condensed.lost for body in group.bodies)
     if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small else LARGEST_IMBALANCE):
@@ -135,7 +139,7 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     steps = found.steps + refined.sets
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
         p, y, reaction = size * refined.p[k], size * refined.motions[k], size * refined.reactions[k]
-        answers[i] = _answer(group, k, p, y, change[part], steps, reaction)
+        answers[i] = _answer(group, k, p, y, change[part], steps, forces[k], reaction)
     left = _imbalance(answers)
     if refined.correction > LARGEST_CORRECTION or not left < LARGEST_IMBALANCE:
         raise NoAnswer(
@@ -164,9 +168,16 @@ def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> Ref
 
 
 def _answer(
-    group: ShoeGroup, k: int, p: Floats, y: Floats, change: Floats, steps: int, reaction: Floats | None = None
+    group: ShoeGroup,
+    k: int,
+    p: Floats,
+    y: Floats,
+    change: Floats,
+    steps: int,
+    force: float,
+    reaction: Floats | None = None,
 ) -> _Answer:
-    """What shoe `k` of a group does under the pressure p (n,) and its free motions y, in its own frame.
+    """What shoe `k` of a group does under the pressure p (n,), its free motions y and its force [N], in its own frame.
 
     change (n,): of the pressure by the penalty; reaction (3,): of the frame, where it is known otherwise than from the
     condensed body.
@@ -174,7 +185,9 @@ def _answer(
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
     load, moment = actuation(body, shoe)
-    load, moment = abs(shoe.actuation.force) * load, abs(shoe.actuation.force) * moment
+    if group.sharing is not None and force < 0:
+        raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, what pushes it would have to pull")
+    load, moment = abs(force) * load, abs(force) * moment
     drag = brake.drag_on(shoe)
     nodal = (drag * (coupling.T.T @ p) - coupling.N.T @ p).reshape(-1, 2)  # on the lining [N]
     refined = reaction is not None
@@ -182,7 +195,7 @@ def _answer(
         reaction = held(body, p, drag, load)
     pin, motions = pin_of(shoe), group.motions[k]
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
-    acting, work = nodal.ravel()[:, None] * motions.tested, abs(shoe.actuation.force) * motions.work
+    acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
     left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
     balance = relative_balance(
         [nodal.sum(axis=0), reaction, load[:2]],
@@ -212,6 +225,7 @@ def _answer(
         self_energising=drag * float((coupling.T @ motions.tested[:, 0]) @ p) * float(work[0]) > 0,
         hinge_reaction=frame.to_brake(reaction),
         turn=frame.sense * float(motions.of[2] @ y),
+        force=None if group.sharing is None else force,
         pivot_reaction=-frame.to_brake(nodal.sum(axis=0)) if shoe.pivot is not None else None,
         reaction_moment=frame.sense * twist,
         motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
