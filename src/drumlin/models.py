@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake import unrolled
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
 from drumlin.foundation import model as foundation
@@ -21,7 +21,7 @@ class Model(NamedTuple):
     solve: Callable[..., Response]
 
 
-def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
+def _fem(brake: AnyBrake, *, worn_in: bool = False, **options: Any) -> Response:
     from drumlin.fem.solve import solve as by_elements
     from drumlin.wear import worn_in as worn
 
@@ -32,7 +32,7 @@ def _fem_why_not(brake: AnyBrake) -> str | None:
     from drumlin.fem import assembly
 
     if isinstance(brake, FlatBrake):
-        return "its shoes press on a plane, not on a drum"
+        return unrolled.why_not(brake)
     return assembly.why_not(brake)
 
 

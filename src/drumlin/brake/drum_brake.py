@@ -22,7 +22,7 @@ from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import STEP, AnyBody, Backing, Beam, Body, Drum, Friction, Lining, Ring
 from drumlin.brake.drive import Drive, Link, driven, shares
 from drumlin.brake.fields import Part, Title, check_names
-from drumlin.brake.support import Held
+from drumlin.brake.support import Held, check_motions
 from drumlin.brake.units import deg, mm
 
 
@@ -98,6 +98,20 @@ class Shoe(Held):
         """The lining's arc (phi_1, phi_2) [rad] in the shoe's frame."""
         ends = self.frame.phi(np.array([self.lining.start, self.lining.end]))
         return float(ends.min()), float(ends.max())
+
+    @property
+    def flat(self) -> bool:
+        """Whether it presses on a plane: `unrolled`."""
+        return False
+
+    @property
+    def own_pin(self) -> Floats:
+        """The pin (2,) [m] in its frame."""
+        return np.array([self.pin.radius, 0.0])
+
+    def points(self, xy: Floats) -> Floats:
+        """Points (2, n) [m] of its frame in the brake's."""
+        return np.asarray(self.frame.to_brake(xy.T).T)
 
     def grip(self, radius: float) -> tuple[float, float] | None:
         """The arc [rad] in its frame of the body's back that a pivot or a guide holds, on a drum of this radius [m].
@@ -264,9 +278,11 @@ def _check_support(key: str, shoe: Shoe, radius: float) -> None:
     if shoe.abutment is not None and shoe.abutment.point.radius < 1e-9 * radius:
         raise ValueError(f"{key}.abutment.point = (0, 0): must not be the drum's centre")
     if shoe.pivot is None:
+        check_motions(key, shoe, slice(0, 2))
         return
     shown = f"{key}.pivot = ({mm(shoe.pivot.x)}, {mm(shoe.pivot.y)})"
     if shoe.pivot.radius < 1e-9 * radius:
         raise ValueError(f"{shown}: must not be the drum's centre, about which the shoe would only slide")
     if math.dist(shoe.pivot.xy, shoe.pin.xy) < 1e-9 * radius:
         raise ValueError(f"{shown}: must not be the hinge; leave it out for a shoe that turns about its hinge")
+    check_motions(key, shoe, slice(0, 2))

@@ -152,3 +152,15 @@ class Held(Part):
         if self.pivot is not None:  # the actuation acts on the lever: it does no work where the shoe tilts on its pivot
             work[1] = tip[1] = 0.0
         return Freedoms(np.array(motions), np.array(tests), work, tip, tuple(names))
+
+
+def check_motions(key: str, shoe: Held, columns: slice) -> None:
+    """Raise ValueError where two motions of a shoe close its gap alike, so that nothing fixes one of them.
+
+    columns: those of a motion that close the gap, dx and dy on a drum, dy and turn on a plane.
+    """
+    closing = shoe.freedoms().motions[:, columns]
+    if len(closing) == 2 and abs(np.linalg.det(closing)) <= 1e-6 * np.prod(np.linalg.norm(closing, axis=1)):
+        what = "pivot: the lever's pin" if shoe.pivot is not None else "abutment: the normal of its face"
+        where = "the drum's centre" if columns.start == 0 else "the normal of the plane"
+        raise ValueError(f"{key}.{what} must not be in line with it and {where}: the shoe would only slide")

@@ -17,7 +17,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Point
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial, straight
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
@@ -117,7 +117,7 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     return (
         brake.drum.radius,
         shoe.side,
-        round(shoe.pin.radius / brake.drum.radius, 12),
+        tuple(np.round(shoe.own_pin / brake.drum.radius, 12).tolist()),
         tuple(round(angle, 12) for arc in arcs for angle in arc),
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
@@ -277,7 +277,8 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         K = stiffness(basis, materials_of(shoe))
     with clock(seconds, "ties"):
         pin = pin_of(shoe)
-        line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
+        unit = brake.drum.radius if shoe.flat else None
+        line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2, unit)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         ties = tie(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and shoe.held_by in {"hinge", "abutment"}:
@@ -291,7 +292,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
 
 def pin_of(shoe: Shoe) -> Floats:
     """The pin (2,) [m] in the shoe's frame."""
-    return np.array([shoe.pin.radius, 0.0])
+    return shoe.own_pin
 
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
@@ -308,7 +309,7 @@ def coupled(
 ) -> Body:
     """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the rest of a Body."""
     n = len(line.nodes)
-    coupling = couple(line, shoe.lining.width, radial(shoe.sign))
+    coupling = couple(line, shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
     forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
     Y = condensed.half(np.hstack(forces))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y

@@ -42,7 +42,7 @@ def motions_of(body: Body, shoe: Shoe, sense: int = 1) -> Motions:
     """The free motions of a shoe; sense: of an abutment's friction, see `Held.freedoms`."""
     free, frame = (shoe if shoe.actuation.force else shoe.under(1.0)).freedoms(sense), shoe.frame
     tip = free.tip * math.copysign(1.0, shoe.actuation.force)
-    xy, pin = frame.to_brake(body.line.xy.T).T, shoe.pin.xy[:, None]
+    xy, pin = shoe.points(body.line.xy), shoe.pin.xy[:, None]
 
     def own(motions: Floats, at: Floats) -> Floats:
         u = frame.to_shoe(np.moveaxis(moved(motions, at), 0, -1))  # (n, k, 2)
@@ -237,7 +237,7 @@ class ShoeGroup:
         Raises NoAnswer: self-locking, no equilibrium, not converged, a turn too large for small displacements.
         """
         for body, shoe, gap in zip(self.bodies, self.shoes, self.gaps, strict=True):
-            if shoe.held_by == "hinge":
+            if shoe.held_by == "hinge" and not shoe.flat:
                 _check_reach(shoe, body.line.xy, gap, actuation(body, shoe)[1])
         law = min(rigid.locking_friction(self.brake, shoe) for shoe in self.shoes)
         try:
@@ -342,6 +342,8 @@ def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
 def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
     """Gap [m] of the unloaded lining at the points xy (2, ...) [m] of its mesh, at the angles phi (...) there."""
     theta, radius = shoe.frame.theta(phi), brake.drum.radius
+    if shoe.flat:
+        return xy[1] + clearance.gap(brake, shoe, theta)
     off = shoe.sign * (radius - np.hypot(*xy))
     return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + clearance.gap(brake, shoe, theta)  # 0.0: not round-off
 

@@ -1,8 +1,12 @@
 """A brake by finite elements from the file up: divided, condensed, solved, finer until its error is small enough."""
 
+from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.unrolled import unrolled, why_not
 from drumlin.errors import BadInput
 from drumlin.fem.adapt import adapt as adapt_meshes
 from drumlin.fem.assembly import ELEMENTS, Cache, prepare
@@ -17,7 +21,7 @@ SOFT = 2.0  # times one over the penalty: the relative error of p that it makes 
 
 
 def solve(
-    brake: Brake,
+    brake: AnyBrake,
     *,
     elements: int | None = None,
     kind: str | None = None,
@@ -33,6 +37,47 @@ def solve(
     on meshes of that kind. BadInput is raised for elements and a tolerance together. cache: bodies of earlier solves on
     meshes, see `prepare`.
     """
+    if isinstance(brake, FlatBrake):
+        reason = why_not(brake)
+        if reason is not None:
+            raise BadInput(f"fem does not apply to this brake: {reason}")
+        found = by_elements(unrolled(brake), elements=elements, kind=kind, tolerance=tolerance, penalty=penalty)
+        return with_merits(brake, on_plane(brake, found))
+    options: dict[str, Any] = {
+        "elements": elements,
+        "kind": kind,
+        "tolerance": tolerance,
+        "penalty": penalty,
+        "cache": cache,
+    }
+    return with_merits(brake, by_elements(brake, **options))
+
+
+def on_plane(brake: FlatBrake, found: Response) -> Response:
+    """A response of the `unrolled` brake in lengths x [m]."""
+    unit = brake.shoes[0].lining.end - brake.shoes[0].lining.start
+    shoes = tuple(
+        replace(
+            shoe,
+            torque=0.0,
+            theta=unit * shoe.theta,
+            contact_arcs=tuple((unit * a, unit * b) for a, b in shoe.contact_arcs),
+        )
+        for shoe in found.shoes
+    )
+    return replace(found, shoes=shoes, left_out=tuple(line for line in found.left_out if not line.startswith("drum:")))
+
+
+def by_elements(
+    brake: Brake,
+    *,
+    elements: int | None = None,
+    kind: str | None = None,
+    tolerance: float | None = None,
+    penalty: float = PENALTY,
+    cache: Cache | None = None,
+) -> Response:
+    """`solve` of a brake on a drum, or one `unrolled`, without its figures of merit."""
     check_penalty(penalty)
     answer = partial(respond, penalty=penalty)
     if tolerance is not None and elements is not None:
@@ -46,4 +91,4 @@ def solve(
     else:
         elements = ELEMENTS if elements is None else elements
         found = answer(prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache), brake)
-    return with_merits(brake, found)
+    return found

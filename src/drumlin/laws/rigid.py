@@ -205,6 +205,13 @@ def respond(brake: AnyBrake, shoe: Shoe | FlatShoe, found: Pressed | None) -> Sh
     )
 
 
+def pressure(found: Pressed | None, place: Floats) -> Floats:
+    """The pressure [Pa] of a shoe that presses so at the places of its lining, same shape; 0 of one that does not."""
+    if found is None:
+        return np.zeros(np.shape(place))
+    return np.maximum(found.c @ found.face.shapes(place)[:2], 0.0)
+
+
 def _about(shoe: Shoe | FlatShoe, contact: Resultant, flat: bool) -> tuple[float, float]:
     """Moments of pressure and of friction about the shoe's pin."""
     pin = shoe.pin.xy

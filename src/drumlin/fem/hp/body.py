@@ -61,7 +61,7 @@ def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
 
     K = grid.stiffness(assembly.materials_of(shoe))
     n = (len(div.angles) - 1) * div.degree + 1
-    ties = tie(grid, np.arange(n), grid.sets["hinge"], np.array([shoe.pin.radius, 0.0]))
+    ties = tie(grid, np.arange(n), grid.sets["hinge"], shoe.own_pin)
     loads = np.zeros((ties.matrix.shape[1], FRAME))
     if "actuation" in grid.sets:
         full = np.zeros((grid.N, 2, FRAME))
@@ -80,4 +80,9 @@ def contact_line(shoe: Shoe, radius: float, div: Division) -> ContactLine:
     phi = line_of(div.angles, p)
     m = len(div.angles) - 1
     pieces = np.arange(m) * p + np.arange(p + 1)[:, None]
-    return ContactLine(np.arange(len(phi)), radius * np.array([np.cos(phi), np.sin(phi)]), phi, pieces)
+    return ContactLine(
+        np.arange(len(phi)),
+        shoes.map_of(shoe, radius)(np.zeros(1), phi) if shoe.flat else radius * np.array([np.cos(phi), np.sin(phi)]),
+        phi,
+        pieces,
+    )

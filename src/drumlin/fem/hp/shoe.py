@@ -41,6 +41,14 @@ def map_of(shoe: Shoe, radius: float) -> Map:
     if isinstance(shoe.body, Beam):
         return _beam_map(shoe, radius)
 
+    if shoe.flat:
+
+        def along(depth: Floats, phi: Floats) -> Floats:
+            x, y = np.broadcast_arrays(radius * phi, depth)
+            return np.stack([x, y])
+
+        return along
+
     def arc(depth: Floats, phi: Floats) -> Floats:
         r = radius - shoe.sign * depth
         return np.stack([r * np.cos(phi), r * np.sin(phi)])
@@ -126,7 +134,7 @@ def _columns(
     materials: dict[str, tuple[Material, float]],
     grip: tuple[float, float] | None = None,
 ) -> _Columns:
-    p, straight = div.degree, isinstance(shoe.body, Beam)
+    p, straight = div.degree, isinstance(shoe.body, Beam) or shoe.flat
     beyond = [np.sort(div.before), np.sort(div.after)]
     parts = [div.angles, *beyond] if div.first < div.layers else [div.angles]
     counts = [len(ends) - 1 for ends in parts]
@@ -156,7 +164,9 @@ def _columns(
     gripped, first = lining[:0], 0
     if grip is not None:
         of = stack(p, div.layers, contact=True, held=True)
-        back = turned(columns(stacks, of), directions(along[under], of.line // 2, contact=True))
+        back = columns(stacks, of)
+        if not straight:
+            back = turned(back, directions(along[under], of.line // 2, contact=True))
         first, last = (int(np.abs(div.angles - x).argmin()) for x in grip)
         gripped = back[place_of[which[first:last]]]
     sides = [np.zeros((0, 0, 0))] * 2
@@ -179,8 +189,8 @@ def directions(along: Floats, line: int, *, contact: bool) -> Floats:
 
 def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> Condensed:
     """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular stiffness."""
-    p, place, pin = div.degree, map_of(shoe, radius), np.array([shoe.pin.radius, 0.0])
-    straight, held = isinstance(shoe.body, Beam), div.first == div.layers
+    p, place, pin = div.degree, map_of(shoe, radius), shoe.own_pin
+    straight, held = isinstance(shoe.body, Beam) or shoe.flat, div.first == div.layers
     grip = shoe.grip(radius)
     found = _columns(shoe, place, div, materials, grip)
     line = stack(p, div.layers, contact=True, held=held).line

@@ -110,7 +110,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
     depth, phi = mesh.doflocs
     r = radius - shoe.sign * depth
     return shape(
-        np.array([r * np.cos(phi), r * np.sin(phi)]),
+        np.array([radius * phi, depth]) if shoe.flat else np.array([r * np.cos(phi), r * np.sin(phi)]),
         mesh.t,
         _subdomains={name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layers)},
         _boundaries={name: np.flatnonzero(where) for name, where in on.items()},
