@@ -61,7 +61,7 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
             answers[i] = _untouched(brake.shoes[i])
     balance = worst([answer.balance for answer in answers.values()])
     return Response(
-        model="fem",
+        model=scene.model,
         shoes=tuple(answers[i].response for i in sorted(answers)),
         balance=balance,
         iterations=max(answer.steps for answer in answers.values()),
@@ -122,11 +122,12 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     answers = {}
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
         answers[i] = _answer(group, k, size * found.p[part], size * float(found.y[k]), change[part], found.steps)
+    solid = group.scene.model == "solid"  # whose whole system is not put together
     small = sum(body.unknowns * body.line.order**2 for body in group.bodies) <= MAX_REFINED
     lost = max(body.condensed.lost for body in group.bodies)
-    if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small else LARGEST_IMBALANCE):
+    if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small and not solid else LARGEST_IMBALANCE):
         return answers
-    if not small and max(body.line.order for body in group.bodies) > 2:  # high degrees fill the factors: minutes
+    if solid or (not small and max(body.line.order for body in group.bodies) > 2):  # the factors fill: minutes
         raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
     try:
         refined = refined_group(group, found.active)
@@ -188,6 +189,7 @@ def _answer(
     )
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
+    phi, mean = line.along(p)
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"
         if math.isinf(penalty)
@@ -199,14 +201,15 @@ def _answer(
     response = pressed_shoe(
         shoe,
         brake.drum.radius,
-        frame.theta(line.phi),
-        p,
+        frame.theta(phi),
+        mean,
         order=line.order,
         torque=abs(drag) * pressed,
         normal_force=float(np.linalg.norm((coupling.N.T @ p).reshape(-1, 2).sum(axis=0))),
         self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
         hinge_reaction=frame.to_brake(reaction),
         turn=frame.sense * turn,
+        surface=line.surface(p),
     )
     return _Answer(response, balance, steps, note)
 
