@@ -77,9 +77,6 @@ MODELS: Mapping[str, Model] = {
     model.name: model
     for model in (
         Model("fem", "2D plane stress, unilateral contact, full-slip Coulomb friction", _fem_why_not, _fem),
-        Model(
-            "solid", "solid shoes of finite width, contact and friction as fem", _solid_why_not, _solid, by_name=True
-        ),
         _hinged("sine"),
         Model("foundation", "beam on springs against an elastic ring", foundation.why_not, foundation.solve),
         _hinged("cosine"),
@@ -88,6 +85,9 @@ MODELS: Mapping[str, Model] = {
         Model("short", LAWS["short"].assumes, _short_why_not, _short),
         Model("pivoted", pivoted.ASSUMES, pivoted.why_not, pivoted.solve),
         Model("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(flat.solve, flat.LINEAR)),
+        Model(
+            "solid", "solid shoes of finite width, contact and friction as fem", _solid_why_not, _solid, by_name=True
+        ),
     )
 }
 
