@@ -34,8 +34,8 @@ def grid_convergence(fine: float, medium: float, coarse: float, ratio: float = 2
         raise ValueError(f"no order: the differences {far:g} and {near:g} do not shrink with one sign")
     order = math.log(far / near) / math.log(ratio)
     gain = ratio**order - 1
-    index = [safety * abs(step / value) / gain for step, value in ((near, fine), (far, medium))]
-    return Index(order, fine + near / gain, *index, asymptotic=index[1] / (ratio**order * index[0]))
+    first, second = (safety * abs(step / value) / gain for step, value in ((near, fine), (far, medium)))
+    return Index(order, fine + near / gain, first, second, second / (ratio**order * first))
 
 
 class Validation(NamedTuple):

@@ -81,19 +81,27 @@ def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) 
     return Ties(sp.csc_matrix(entries, shape=(3 * basis.N, len(dofs) + FRAME)), region)
 
 
-def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[Floats, Floats]:
-    """Unit actuations (unknowns, 3) on the reduced unknowns, even over the width, and the point (2,) they act at."""
-    loads = np.zeros((ties.matrix.shape[1], 3))
-    if "actuation" not in solid.section.boundaries:  # the force acts on the rigid shoe itself
-        loads[-FRAME:] = np.eye(3)
-        return loads, pin_of(shoe)
+def end_forces(solid: Solid) -> tuple[Floats, Floats]:
+    """Nodal forces (nodes, 3, 3) (node, component, unit load) of unit force x, y and unit couple on the loaded end,
+    even over the width, and the point (2,) that they act at."""
     line, centre = end_loads(solid.plane, solid.section.boundaries["actuation"])
     nodes = np.unique(edge_nodes(solid.plane, solid.section.boundaries["actuation"]))
     count = solid.levels("shoe")
     share = width_matrix(solid.z[:count]).sum(axis=1)
-    full = np.zeros((solid.basis.N, 3, 3))  # node, component, unit load
-    full[solid.node[nodes, :count], :2] = line.reshape(-1, 2, 3)[nodes][:, None] * (share / share.sum())[:, None, None]
-    return np.asarray(ties.matrix.T @ full.reshape(-1, 3)), centre
+    forces = np.zeros((solid.basis.N, 3, 3))
+    each = line.reshape(-1, 2, 3)[nodes]
+    forces[solid.node[nodes, :count], :2] = each[:, None] * (share / share.sum())[:, None, None]
+    return forces, centre
+
+
+def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[Floats, Floats]:
+    """Unit actuations (unknowns, 3) on the reduced unknowns, and the point (2,) they act at."""
+    if "actuation" not in solid.section.boundaries:  # the force acts on the rigid shoe itself
+        loads = np.zeros((ties.matrix.shape[1], 3))
+        loads[-FRAME:] = np.eye(3)
+        return loads, pin_of(shoe)
+    forces, centre = end_forces(solid)
+    return np.asarray(ties.matrix.T @ forces.reshape(-1, 3)), centre
 
 
 def solid_body(brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Seconds) -> Body:

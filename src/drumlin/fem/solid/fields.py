@@ -30,9 +30,11 @@ def serendipity(cells: Ints) -> Ints:
     return np.asarray(cells[order].T)
 
 
-def in_space(cells: Ints, sense: int) -> Ints:
-    """The same cells (m, 20) where the shoe's frame is a mirror image of the brake's (`sense` -1)."""
-    return cells if sense > 0 else cells[:, _TURNED]
+def oriented(points: Floats, cells: Ints) -> Ints:
+    """Cells (m, 20) of nodes at `points` (n, 3) that all have a positive volume: a mirror image turns them over."""
+    a, b, c, d = (points[cells[:, i]] for i in (0, 1, 3, 4))
+    volume = np.einsum("mi,mi->m", np.cross(b - a, c - a), d - a)
+    return np.where((volume > 0)[:, None], cells, cells[:, _TURNED])
 
 
 class SolidFields(NamedTuple):
@@ -74,11 +76,11 @@ def recover(scene: Scene, brake: Brake, response: Response, index: int) -> Solid
     def turned(vectors: Floats) -> Floats:
         return np.column_stack([frame.to_brake(vectors[:2].T), vectors[2]])
 
+    points = turned(body.basis.doflocs[:, nodes])
+    cells = np.concatenate([serendipity(part[1]) + start for part, start in zip(parts, starts, strict=False)])
     return SolidFields(
-        points=turned(body.basis.doflocs[:, nodes]),
-        cells=np.concatenate(
-            [in_space(serendipity(part[1]), frame.sense) + start for part, start in zip(parts, starts, strict=False)]
-        ),
+        points=points,
+        cells=oriented(points, cells),
         part=np.concatenate([np.full(part[1].shape[1], i) for i, part in enumerate(parts)]),
         displacement=turned(u[:, nodes]),
         von_mises=np.concatenate([part[2] for part in parts]),
