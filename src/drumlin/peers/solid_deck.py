@@ -36,6 +36,10 @@ from drumlin.peers.deck import (
 )  # fmt: skip
 from drumlin.peers.peer import Loaded, Peer, brake_response, loaded_shoes, untouched_response
 
+SCALES = (0.25, 0.125)
+ROTATION = 4e-3
+"""Of the drum [rad] at full load. Friction has the direction of the slip: as it is pressed the lining widens, and what
+it creeps sideways, some ten micrometres, must be little beside the way of the drum."""
 HALF = 0.5  # of the shoe, which stands in the place of a thin layer's thickness
 FACES = [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
 WIDER = 1.1  # the drum, of half the lining's width
@@ -50,9 +54,11 @@ def export(
         if not loaded.approaches:
             apart.append(loaded.shoe.name)
             continue
-        for scale in calculix.SCALES:
+        for scale in SCALES:
             path = folder / f"{stem}_{loaded.shoe.name}_solid_s{scale:g}.inp".replace(" ", "_")
-            write_text(path, deck(brake, loaded, solid, Setting(scale=scale, thickness=HALF), path.stem))
+            write_text(
+                path, deck(brake, loaded, solid, Setting(scale=scale, rotation=ROTATION, thickness=HALF), path.stem)
+            )
             paths.append(path)
     return paths, apart
 
@@ -62,7 +68,7 @@ def solve(
     *,
     elements: int = ELEMENTS,
     across: int | None = None,
-    scales: tuple[float, ...] = calculix.SCALES,
+    scales: tuple[float, ...] = SCALES,
     setting: Setting | None = None,
 ) -> Peer:
     """A brake's solid shoes by CalculiX; options and what is raised as of peers.calculix.solve."""
@@ -73,7 +79,7 @@ def solve(
             answers.append(untouched_response(loaded))
             continue
         pose = calculix.Posed(partial(deck, brake, loaded, solid), partial(along, loaded))
-        start = (setting or Setting())._replace(thickness=HALF)
+        start = (setting or Setting(rotation=ROTATION))._replace(thickness=HALF)
         states, _ = calculix.slipping_states(brake, loaded, scales, start, pose)
         answers.append(calculix.extrapolated(brake, loaded, scales, states))
         iterations = max(iterations, *(state.iterations for state in states))
