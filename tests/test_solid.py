@@ -255,3 +255,18 @@ def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
     assert time.process_time() - start < 2
     assert second.torque > 1.2 * first.torque
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 6e6  # kB
+
+
+def test_the_cost_table_has_a_row_a_size(flexible):
+    from drumlin.verification.cost import solid_table
+
+    heading, *rows = solid_table(flexible, (6, 12))
+    assert heading.split()[0] == "unknowns"
+    unknowns, seconds = ([float(row.split()[k]) for row in rows] for k in (0, 2))
+    assert unknowns == [model.prepare(flexible, elements=n).bodies[0].unknowns for n in (6, 12)]
+    assert min(seconds) > 0
+
+
+def test_the_cost_of_a_model_that_has_none(root):
+    done = drumlin("cost", root / "studies" / "double_shoe" / "flexible.toml", "--model", "sine")
+    assert done.returncode == 2 and "allowed: fem, solid" in done.stderr
