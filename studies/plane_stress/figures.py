@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from drumlin.arrays import Floats
 from drumlin.report.figures import STYLE
 from drumlin.response.response import ShoeResponse, edge_zone
-from drumlin.verification.plane_stress import Map, Rung, Worn, worst
+from drumlin.verification.plane_stress import Map, Rung, Three, Worn, worst
 
 LABELS = {
     "one width": ("lining width / thickness", "lining modulus [MPa]"),
@@ -52,13 +52,13 @@ def _panel(axes: Axes, chart: Map, key: str, title: str) -> None:
     axes.set_title(f"{title} [%]", fontsize=9.5)
 
 
-def faces(rung: Rung, worn: Worn) -> Figure:
+def faces(three: Three, worn: Worn) -> Figure:
     """p(theta, z) on the faces of the linings, new and worn in, one scale."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
-        new = rung.solid.shoes
+        new = three.solid.shoes
         figure = Figure(figsize=(11.5, 2.7 * len(new) + 0.8), layout="constrained")
         grid = figure.subplots(len(new), 2, squeeze=False)
-        zones = [edge_zone(shoe, rung.brake.drum.radius) for shoe in rung.brake.shoes]
+        zones = [edge_zone(shoe, three.brake.drum.radius) for shoe in three.brake.shoes]
         top = max(_top(shoe, zone) for shoe, zone in zip(new, zones, strict=True))
         for row, a, b in zip(grid, new, worn.last, strict=True):
             for axes, shoe, state in ((row[0], a, "new"), (row[1], b, "worn in")):
@@ -117,4 +117,28 @@ def wear(worn: Worn) -> Figure:
         axes.set_xlabel("sliding distance [1/(k K)]")
         axes.set_ylabel("pressure [%]")
         axes.legend(fontsize=8.5)
+    return figure
+
+
+def ladder(rungs: Sequence[Rung]) -> Figure:
+    """Error over processor time, against the solid truth (full) and against that of plane stress (hollow)."""
+    colors = {"sine": "#c8553d", "cosine": "#7a5195", "uniform": "#8a8f98", "plane stress": "#0b6e99",
+              "plane stress, corrected": "#2a9d5c", "solid": "#1d2733"}  # fmt: skip
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(11.5, 4.3), layout="constrained")
+        panels = figure.subplots(1, 2)
+        for axes, key, title in zip(
+            panels, ("pressure", "torque"), ("mean p over the width (L2)", "torque"), strict=True
+        ):
+            for method, color in colors.items():
+                own = [rung for rung in rungs if rung.method == method]
+                x = [1e3 * rung.seconds for rung in own]
+                true = [100 * getattr(rung, key) for rung in own]
+                plane = [100 * getattr(rung, f"plane_{key}") for rung in own]
+                axes.loglog(x, true, "o-", color=color, lw=1.5, label=method)
+                if method == "plane stress":
+                    axes.loglog(x, plane, "o--", color=color, lw=1.0, mfc="white", label="plane stress, against itself")
+            axes.set_xlabel("processor time [ms]")
+            axes.set_title(f"error of {title}, worst shoe [%]")
+        panels[0].legend(fontsize=8.5)
     return figure

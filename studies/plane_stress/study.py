@@ -21,7 +21,7 @@ from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.report.solid_picture import render
 from drumlin.verification import plane_stress as rows
-from drumlin.verification.plane_stress import Certain, Map, Rung, Worn
+from drumlin.verification.plane_stress import Certain, Map, Rung, Three, Worn
 from drumlin.verification.uncertainty import Validation
 
 HERE = Path(__file__).parent
@@ -37,22 +37,26 @@ DISTANCES: Sequence[float] = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 20.0, 40.0, 7
 @dataclass(frozen=True)
 class Setting:
     """How fine and how many: elements along a lining in maps and in the brake itself, meshes that double, every how
-    many points of the maps."""
+    many points of the maps; of the ladder its solid truth, meshes in the plane and of solids."""
 
     elements: int
     fine: int
     doubled: tuple[int, int, int]
     every: int
+    truth: int
+    meshes: tuple[int, ...]
+    solids: tuple[int, ...]
 
 
-FULL, SHORT = Setting(24, 40, (14, 28, 56), 1), Setting(10, 12, (6, 12, 24), 4)
+FULL = Setting(24, 40, (14, 28, 56), 1, 64, (8, 16, 32, 64, 128), (8, 12, 16, 24, 32, 48))
+SHORT = Setting(10, 12, (6, 12, 24), 4, 20, (8, 16), (6, 12))
 
 
 @dataclass(frozen=True)
 class Result:
     """Everything that the report shows."""
 
-    rung: Rung
+    three: Three
     scene: Any
     table: list[dict[str, Any]]
     certain: tuple[Certain, Certain]
@@ -60,6 +64,7 @@ class Result:
     maps: tuple[Map, Map]
     curves: dict[str, list[tuple[float, list[dict[str, Any]]]]]
     worn: Worn
+    ladder: list[Rung]
     seconds: float
 
 
@@ -70,7 +75,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     brake = read_brake(HERE / "brake.toml")
     say("the brake itself")
     scene = solid.prepare(brake, elements=setting.fine)
-    rung = rows.solve(brake, setting.fine)
+    three = rows.solve(brake, setting.fine)
     say("meshes that double")
     true = rows.certain(lambda n: respond(solid.prepare(brake, elements=n), brake).torque, setting.doubled)
     plane = rows.certain(lambda n: respond(prepare(brake, elements=n), brake).torque, setting.doubled)
@@ -97,15 +102,18 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         curves[name] = found
     say("wear")
     worn = rows.wear(brake, setting.elements, DISTANCES if not short else DISTANCES[::3])
+    say("the ladder")
+    ladder = rows.ladder(brake, setting.truth, setting.meshes, setting.solids)
     return Result(
-        rung=rung,
+        three=three,
         scene=scene,
-        table=rows.rows(rung, "T-section"),
+        table=rows.rows(three, "T-section"),
         certain=(plane, true),
         validation=rows.validation(plane, true),
         maps=maps,
         curves=curves,
         worn=worn,
+        ladder=ladder,
         seconds=time.perf_counter() - start,
     )
 
@@ -114,17 +122,19 @@ def report(result: Result, folder: Path) -> Path:
     """Write page, figures, tables and fields; returns the page."""
     made = {
         "map": figures.maps(result.maps),
-        "face": figures.faces(result.rung, result.worn),
+        "face": figures.faces(result.three, result.worn),
         "curves": figures.curves(result.curves),
         "worn": figures.wear(result.worn),
+        "ladder": figures.ladder(result.ladder),
     }
     for name, figure in made.items():
-        for ending in ("svg", "png") if name == "map" else ("png",) if name == "face" else ("svg",):
+        for ending in ("svg", "png") if name in {"map", "ladder"} else ("png",) if name == "face" else ("svg",):
             drawing.save(figure, folder / f"{name}.{ending}")
-    brake, response = result.rung.brake, result.rung.solid
+    brake, response = result.three.brake, result.three.solid
     write_vtu(folder / "solid.vtu", [recover(result.scene, brake, response, i) for i in range(len(brake.shoes))])
     not_drawn = render(folder / "solid.vtu", folder / "solid.png", brake.title)
     write_text(folder / "errors.csv", as_csv(result.table))
+    write_text(folder / "ladder.csv", as_csv([rung._asdict() for rung in result.ladder]))
     points = [
         {"map": chart.name, "x": x, "y": y, **{key: float(values[j, i]) for key, values in chart.errors.items()}}
         for chart in result.maps

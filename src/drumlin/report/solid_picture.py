@@ -44,7 +44,7 @@ def draw(fields: Path, picture: Path, title: str) -> None:
         half = grid.copy()
         half.points = (np.asarray(grid.points) + factor * u) * np.array([1.0, 1.0, side])
         halves.append(half.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=2))
-    top = float(np.percentile(grid.point_data[SCALAR], 95.0))  # loaded ends are cut off
+    top = float(np.percentile(grid.point_data[SCALAR], 98.0))  # loaded ends are cut off
     plotter = pv.Plotter(off_screen=True, window_size=(1600, 1250))
     plotter.set_background("white")
     bar = {"title": SCALAR + "\n", "color": "black", "vertical": True, "position_x": 0.88, "position_y": 0.2,

@@ -4,21 +4,24 @@ Both models share the section's mesh, so that its error all but drops out of the
 by meshes that double.
 """
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem import assembly
 from drumlin.fem.finite_width import finite_width
 from drumlin.fem.model import respond
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.face import ContactFace
-from drumlin.laws import sine
+from drumlin.fem.solve import solve as by_elements
+from drumlin.laws import LAWS, hinged, sine
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, ShoeResponse, Surface, edge_zone
 from drumlin.verification.uncertainty import Index, Validation, grid_convergence, validate
@@ -30,7 +33,7 @@ KNOWN = (0.01, 0.05, 0.20)
 """Errors within which a reader wants to know plane stress."""
 
 
-class Rung(NamedTuple):
+class Three(NamedTuple):
     """One brake by the solid, by plane stress, and by plane stress corrected for the width."""
 
     brake: Brake
@@ -39,10 +42,10 @@ class Rung(NamedTuple):
     corrected: Response
 
 
-def solve(brake: Brake, elements: int, across: int | None = None) -> Rung:
+def solve(brake: Brake, elements: int, across: int | None = None) -> Three:
     """A brake by all three, on one mesh of the section."""
     other = finite_width(brake)
-    return Rung(
+    return Three(
         brake,
         respond(solid.prepare(brake, elements=elements, across=across), brake),
         respond(assembly.prepare(brake, elements=elements), brake),
@@ -80,7 +83,7 @@ def highest(shoe: ShoeResponse, zone: float) -> float:
     return float(surface_of(shoe).pressure[inside].max())
 
 
-def rows(rung: Rung, case: str = "") -> list[dict[str, Any]]:
+def rows(three: Three, case: str = "") -> list[dict[str, Any]]:
     """One row a shoe: errors of plane stress against the solid, as it is and corrected.
 
     `torque`, `pressure` (L2 of the mean over the width, off the ends), `peak` (plane stress against the largest on
@@ -88,9 +91,9 @@ def rows(rung: Rung, case: str = "") -> list[dict[str, Any]]:
     """
     table = []
     for i, (true, plane, other) in enumerate(
-        zip(rung.solid.shoes, rung.plane.shoes, rung.corrected.shoes, strict=True)
+        zip(three.solid.shoes, three.plane.shoes, three.corrected.shoes, strict=True)
     ):
-        zone = edge_zone(rung.brake.shoes[i], rung.brake.drum.radius)
+        zone = edge_zone(three.brake.shoes[i], three.brake.drum.radius)
         row: dict[str, Any] = {
             "case": case,
             "shoe": true.name,
@@ -187,6 +190,66 @@ def certain(torque: Callable[[int], float], elements: Sequence[int]) -> Certain:
 def validation(plane: Certain, true: Certain) -> Validation:
     """Plane stress against the solid as reference, E = S - D, each with the uncertainty of its meshes."""
     return validate(plane.values[-1], true.values[-1], numerical=plane.uncertainty, of_data=true.uncertainty)
+
+
+class Rung(NamedTuple):
+    """A way to solve a brake: seconds of processor time, and its errors of torque and pressure (L2 of the mean over the
+    width, off the ends), the worst shoe's, against the solid truth and against that of plane stress."""
+
+    method: str
+    setting: str
+    seconds: float
+    torque: float
+    pressure: float
+    plane_torque: float
+    plane_pressure: float
+
+
+def ladder(brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]) -> list[Rung]:
+    """Laws, plane stress on several `meshes`, corrected for the width, and solids on several, against a `fine` solid
+    and against plane stress to 1e-4."""
+    truths = respond(solid.prepare(brake, elements=fine), brake), by_elements(brake)
+    laws = [(name, "", partial(hinged.solve, LAWS[name], brake)) for name in ("sine", "cosine", "uniform")]
+    other = finite_width(brake)
+    ways: list[tuple[str, str, Callable[[], Response]]] = [*laws]
+    for n in meshes:
+        ways.append(("plane stress", f"{n} elements", partial(_plane, brake, n)))
+        ways.append(("plane stress, corrected", f"{n} elements", partial(_plane, other, n)))
+    ways += [("solid", f"{n} elements", partial(_solid, brake, n)) for n in solids]
+    found = []
+    for method, setting, way in ways:
+        way() if method != "solid" else None  # what is loaded and cached by a first call is not counted
+        start = time.process_time()
+        response = way()
+        seconds = time.process_time() - start
+        errors = [
+            max(
+                (
+                    abs(of(a, b, shoe, brake))
+                    for a, b, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True)
+                )
+            )
+            for truth in truths
+            for of in (_torque_off, _pressure_off)
+        ]
+        found.append(Rung(method, setting, seconds, *errors))
+    return found
+
+
+def _plane(brake: Brake, elements: int) -> Response:
+    return respond(assembly.prepare(brake, elements=elements), brake)
+
+
+def _solid(brake: Brake, elements: int) -> Response:
+    return respond(solid.prepare(brake, elements=elements), brake)
+
+
+def _torque_off(a: ShoeResponse, b: ShoeResponse, shoe: Shoe, brake: Brake) -> float:
+    return relative(a.torque, b.torque)
+
+
+def _pressure_off(a: ShoeResponse, b: ShoeResponse, shoe: Shoe, brake: Brake) -> float:
+    return pressure_distance(a, b, edge_zone(shoe, brake.drum.radius))
 
 
 class Worn(NamedTuple):
