@@ -11,6 +11,7 @@ from drumlin.errors import BadInput
 
 OPTIONS = {  # model -> its own options
     "fem": ("elements", "kind", "penalty", "tolerance"),
+    "solid": ("elements", "across", "penalty", "fields"),
     "foundation": ("sections", "lift"),
 }
 
@@ -32,6 +33,10 @@ def solve(
     lift: Annotated[
         list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
     ] = None,
+    across: Annotated[int | None, typer.Option(help="elements over half the width of a solid lining")] = None,
+    fields: Annotated[
+        Path | None, typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes")
+    ] = None,
 ) -> None:
     """Solve a brake by one model."""
     from drumlin.brake.plane_brake import FlatBrake, read_any
@@ -39,16 +44,19 @@ def solve(
     from drumlin.models import pick
 
     brake = read_any(brake_file)
-    check_outputs(json_file, pressure)
+    check_outputs(json_file, pressure, fields)
     options = fem_options(elements, kind=kind, penalty=penalty) | (
         {} if tolerance is None else {"tolerance": tolerance}
     )
     chosen = pick(model, brake)
-    options |= {name: value for name, value in (("sections", sections), ("lift", lift)) if value is not None}
+    more = (("sections", sections), ("lift", lift), ("across", across), ("fields", fields))
+    options |= {name: value for name, value in more if value is not None}
     for owner, names in OPTIONS.items():
-        if model != owner and set(names) & set(options):
-            *some, last = (f"--{name}" for name in names)
-            raise BadInput(f"{', '.join(some)} and {last} belong to --model {owner}, not to {model!r}")
+        others = [f"--{name}" for name in names if name not in OPTIONS.get(model, ())]
+        if model != owner and any(option.removeprefix("--") in options for option in others):
+            *some, last = others
+            said = f"{', '.join(some)} and {last} belong" if some else f"{last} belongs"
+            raise BadInput(f"{said} to --model {owner}, not to {model!r}")
     with busy(f"solving by {model}"):
         response = chosen.solve(brake, **options)
     if json_file is not None:
