@@ -11,7 +11,7 @@ Values = float | Floats
 """One number or an array that broadcasts with the others."""
 
 
-def unique(values: Values) -> Any:
+def unique(values: Floats | Ints) -> Any:
     """The different ones of values (n,), growing; np.unique loads numpy.ma for them (20 ms)."""
     found = np.sort(values)
     new = np.ones(len(found), dtype=bool)

@@ -23,9 +23,11 @@ class Model(NamedTuple):
 
 def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
     if worn_in:
-        from drumlin.wear.worn_in import solve as by_elements
-    else:
-        from drumlin.fem.solve import solve as by_elements
+        from drumlin.wear import worn_in as worn
+
+        return worn.solve(brake, **options)
+    from drumlin.fem.solve import solve as by_elements
+
     return by_elements(brake, **options)
 
 

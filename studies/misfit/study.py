@@ -175,8 +175,8 @@ def report(result: Result, folder: Path) -> Path:
             drawing.save(figure, folder / f"{name}.{ending}")
     spreads = misfit_rows.spread_rows(drawn)
     ranked = misfit_rows.share_rows(result.tolerances, result.shares)
-    for name, table in (("single", result.single), ("spread", spreads), ("shares", ranked)):
-        write_text(folder / f"{name}.csv", as_csv(table))
+    for name, lines in (("single", result.single), ("spread", spreads), ("shares", ranked)):
+        write_text(folder / f"{name}.csv", as_csv(lines))
     for state, rows in result.rows.items():
         several = cases(result.brake, result.tolerances, result.deviates[: len(rows) // drawn.n])
         write_table(table(several, rows), folder / f"cases_{state.replace(' ', '_')}.csv")

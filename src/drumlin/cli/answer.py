@@ -55,10 +55,10 @@ def _print_shoes(brake: "AnyBrake", response: "Response") -> None:
     unit, per_unit = ("mm", 1e3) if flat else ("deg", math.degrees(1))
     places = [peak_place(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     at = ["" if place is None else f"{place.at * per_unit + 0.0:.1f}" for place in places]
-    rows = list(zip(brake.shoes, response.shoes, response.merits, strict=True))
-    effects = [m.braking_force if isinstance(m, FlatMerit) else shoe.torque for _, shoe, m in rows]
+    each = zip(response.shoes, response.merits, strict=True)
+    effects = [merit.braking_force if isinstance(merit, FlatMerit) else shoe.torque for shoe, merit in each]
     size = 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius
-    forces = [abs(shoe.actuation.force) * size for shoe, _, _ in rows]
+    forces = [abs(shoe.actuation.force) * size for shoe in brake.shoes]
     columns = {
         "shoe": Column("shoe", "shoe\n", [shoe.name for shoe in response.shoes], left=True),
         "effect": Column(

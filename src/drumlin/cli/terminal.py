@@ -21,14 +21,14 @@ def tell(line: str, *, at_once: bool = False) -> None:
     """Print a line of an answer, broken between words; what is not printable in it, as in a file's name, is escaped."""
     line, width = one_line(line, LONGEST), shutil.get_terminal_size().columns
     if len(line) > width:
-        indent = " " * (len(line) - len(line.lstrip()))
-        line = _folded(line, width, initial_indent=indent, subsequent_indent=indent + "  ")
+        line = _folded(line, width, more=" " * (len(line) - len(line.lstrip()) + 2))
     with _printing():
         print(line, flush=at_once)
 
 
-def _folded(text: str, width: int, **more: str) -> str:
-    return fill(text.strip(), width, break_long_words=False, break_on_hyphens=False, **more)
+def _folded(text: str, width: int, more: str = "") -> str:
+    """The text in lines of `width` characters, those after the first led by `more`; no word is broken."""
+    return fill(text, width, break_long_words=False, break_on_hyphens=False, subsequent_indent=more)
 
 
 def note(line: str) -> None:
