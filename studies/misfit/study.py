@@ -26,7 +26,7 @@ from drumlin.report.page import fill
 from drumlin.response.response import Response
 from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.cases import Case, Row
-from drumlin.sweeps.table import write_table
+from drumlin.sweeps.table import table, write_table
 from drumlin.sweeps.tolerances import Shares, Tolerance, cases, draw, healing, numbers, shares
 from drumlin.sweeps.workers import executor
 from drumlin.verification import misfit_rows
