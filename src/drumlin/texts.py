@@ -1,6 +1,8 @@
 """Texts from outside: limited before a parser sees them, cleaned before a person does."""
 
+import difflib
 import re
+from collections.abc import Iterable
 
 LONGEST_LINE = 600  # characters of a line about a fault
 LONGEST_QUANTITY = 100  # characters of a number and its unit
@@ -21,6 +23,12 @@ def one_line(text: str, most: int = LONGEST_LINE) -> str:
 
 def _shown(character: str) -> str:
     return character if character.isprintable() else character.encode("unicode_escape").decode()
+
+
+def nearest(name: str, names: Iterable[str]) -> str:
+    """A hint for a refusal: which of the names was probably meant, or nothing."""
+    close = difflib.get_close_matches(name, list(names), n=1)
+    return f" (did you mean {close[0]!r}?)" if close else ""
 
 
 def check_digits(text: str) -> None:

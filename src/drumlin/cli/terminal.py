@@ -20,10 +20,16 @@ LONGEST = 10_000  # characters of a line
 def tell(line: str, *, at_once: bool = False) -> None:
     """Print a line of an answer, broken between words; what is not printable in it, as in a file's name, is escaped."""
     line, width = one_line(line, LONGEST), shutil.get_terminal_size().columns
-    if len(line) > width:
+    if len(line) > width and len(line.split()) > 2:  # a word and a path stay together
         line = _folded(line, width, more=" " * (len(line) - len(line.lstrip()) + 2))
     with _printing():
         print(line, flush=at_once)
+
+
+def write(text: str) -> None:
+    """Print a text as it is."""
+    with _printing():
+        sys.stdout.write(text)
 
 
 def _folded(text: str, width: int, more: str = "") -> str:
