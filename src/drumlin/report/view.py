@@ -5,8 +5,8 @@ from typing import Any
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.plane_brake import AnyBrake
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.unrolled import unrolled
 from drumlin.fem.assembly import prepare
 from drumlin.models import refusals
 from drumlin.report.drawing import draw_brake
@@ -20,10 +20,11 @@ def draw(brake: AnyBrake, **options: Any) -> Figure:
     axes = figure.subplots()
     draw_brake(axes, brake)
     axes.set_title(f"{brake.title}, {brake.motion}")
-    if not isinstance(brake, Brake) or "fem" in refusals(brake):
+    if "fem" in refusals(brake):
         return figure
-    for shoe, body in zip(brake.shoes, prepare(brake, **options).bodies, strict=True):
-        xy = shoe.frame.to_brake(body.basis.doflocs.T) * 1e3
+    own = unrolled(brake) if isinstance(brake, FlatBrake) else brake
+    for shoe, body in zip(own.shoes, prepare(own, **options).bodies, strict=True):
+        xy = shoe.points(body.basis.doflocs).T * 1e3
         corners = len(body.mesh.t)
         around = body.basis.element_dofs[: 2 * corners]  # corners, then the middles of quadratic edges
         if len(around) == 2 * corners:
