@@ -368,7 +368,7 @@ def actuation(body: Body | Assembled, shoe: Shoe) -> tuple[Floats, float]:
     In the shoe's frame; a negative force counts as one newton the other way.
     """
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
-    force, point = shoe.frame.to_shoe(direction), shoe.frame.to_shoe(shoe.actuation.point.xy)
+    force, point = shoe.frame.to_shoe(direction), shoe.own_points(shoe.actuation.point.xy)
     couple_ = float(cross(point - body.load_centre, force))
     return np.array([*force, couple_]), float(cross(point - pin_of(shoe), force))
 
