@@ -3,8 +3,8 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-# CalculiX, GetFEM, and the libraries that Gmsh loads
-PACKAGES = calculix-ccx python3-getfem++ libgl1 libglu1-mesa libgomp1 libxcursor1 libxft2 libxinerama1
+# CalculiX, GetFEM, the libraries that Gmsh loads, and a browser
+PACKAGES = calculix-ccx chromium chromium-driver python3-getfem++ libgl1 libglu1-mesa libgomp1 libxcursor1 libxft2 libxinerama1
 AS_ROOT = $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 TESTS = -n 2 --dist loadscope --no-skips  # or --skipped: what make test has just skipped
 

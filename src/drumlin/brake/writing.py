@@ -71,11 +71,11 @@ def _inline(part: Part) -> str:
 
 
 def quantity_text(value: float, si: str) -> str:
-    """A number [SI] as a quoted text with a readable unit that reads as the same number; without unit where si is ""."""
+    """A number [SI] as a quoted text with a readable unit that reads as the same number; bare where `si` is empty."""
     if not si:
         return repr(value)
     for unit in READABLE.get(si, ()):
         text = f"{value / COMMON[si][unit]:.12g} {unit}"
-        if to_si(text, si, unit_required=True) == value and "e" not in text.split()[0]:
+        if to_si(text, si, unit_required=True) == value and "e" not in text.split(maxsplit=1)[0]:
             return json.dumps(text)
     return json.dumps(f"{value!r} {si}")

@@ -2,6 +2,7 @@
 
 import typer
 
+from drumlin.cli.exploring import explore
 from drumlin.cli.judging import check, cost, reference
 from drumlin.cli.outputs import export, mesh, view
 from drumlin.cli.solving import compare, hold, sensitivity, solve, wear
@@ -14,6 +15,6 @@ app = typer.Typer(
     help="Shoe brakes by their pressure laws and by finite elements in frictional contact, side by side.",
 )
 for command in (
-    solve, compare, study, sweep, view, mesh, export, hold, sensitivity, wear, cost, reference, check,
+    solve, compare, study, sweep, view, explore, mesh, export, hold, sensitivity, wear, cost, reference, check,
 ):  # fmt: skip
     app.command()(command)
