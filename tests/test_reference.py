@@ -1,6 +1,7 @@
 """Reference values against what is known otherwise, their file, and the check of somebody's p(theta)."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -154,6 +155,18 @@ def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake
     block = read_brake(ROOT / "studies" / "laws" / "block.toml")
     with pytest.raises(BadInput, match="another brake"):
         check(block, known, {})
+    path.write_text(curves_text(solve(brake, elements=20)))
+    others = {
+        "friction": 0.31,
+        "shoe[1].lining.material.E": 301e6,
+        "shoe[0].lining.clearance": 1e-6,
+        "drum.radius": 0.2,
+    }
+    for key, value in others.items():  # their shoes bear the same names
+        with pytest.raises(BadInput, match=re.escape(f"of another brake: {key} is not the same")):
+            check(vary(brake, {key: value}), known, read_curves(path, brake))
+    titled = vary(brake, {"title": "mine", "drum.radius": "15 cm", "shoe[0].lining.thickness": "0.8 cm"})
+    assert check(titled, known, read_curves(path, brake))
     with pytest.raises(BadInput, match="mesh file"):
         responses(vary(brake, {"shoe[0].mesh": str(Path("s.msh"))}))
 

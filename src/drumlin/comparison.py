@@ -18,7 +18,8 @@ from drumlin.errors import NoAnswer
 from drumlin.files import cell
 from drumlin.models import applicable
 from drumlin.response.norms import pressure_distance, relative, vector_distance
-from drumlin.response.response import Response, ShoeResponse
+from drumlin.response.response import Response
+from drumlin.response.show import arcs_text
 
 
 @dataclass(frozen=True)
@@ -151,12 +152,6 @@ def rows(
             whole["torque_error"] = relative(response.torque, true.torque)
         table.append(whole)
     return table
-
-
-def arcs_text(shoe: ShoeResponse, unit: str = "deg") -> str:
-    """Contact arcs as text: numbers in degrees, or in mm for a shoe on a plane."""
-    factor = {"deg": 180 / math.pi, "mm": 1e3}[unit]
-    return ", ".join(f"{a * factor:.1f} to {b * factor:.1f}" for a, b in shoe.contact_arcs) or "none"
 
 
 def as_csv(table: Sequence[dict[str, Any]]) -> str:

@@ -22,10 +22,13 @@ class Model(NamedTuple):
 
 
 def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
-    from drumlin.fem.solve import solve as by_elements
-    from drumlin.wear import worn_in as worn
+    if worn_in:
+        from drumlin.wear.worn_in import solve as by_worn_in
 
-    return (worn.solve if worn_in else by_elements)(brake, **options)
+        return by_worn_in(brake, **options)
+    from drumlin.fem.solve import solve as by_elements
+
+    return by_elements(brake, **options)
 
 
 def _fem_why_not(brake: AnyBrake) -> str | None:

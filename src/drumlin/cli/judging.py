@@ -8,6 +8,7 @@ import typer
 from drumlin.cli.options import BrakeFile, Elements, Penalty, fem_options
 from drumlin.cli.terminal import busy, tell
 from drumlin.errors import BadInput
+from drumlin.texts import typed
 
 
 def cost(
@@ -53,7 +54,7 @@ def reference(
     path = output or Path(f"{brake_file.stem}.reference.json")
     check_output(path)
     with busy("two fine meshes"):
-        found = make(brake, text, f"drumlin reference {brake_file.as_posix()}")
+        found = make(brake, text, typed(["drumlin", "reference", str(brake_file)]))
     write_values(as_dict(found), path)
     tell(f"torque {found.torque.value:.10g} N m, uncertainty {found.torque.uncertainty:.1e}")
     for shoe in found.shoes:
@@ -94,7 +95,7 @@ def check(
     path = known or stored(text, brake_file.parent, values, REPOSITORY / values)
     if path is None:
         with busy("no stored reference: two fine meshes"):
-            found, said = make(brake, text, f"drumlin reference {brake_file.as_posix()}"), "made anew"
+            found, said = make(brake, text, typed(["drumlin", "reference", str(brake_file)])), "made anew"
     else:
         found, said = read_reference(path), str(path)
     verdicts = compare_with(brake, found, curves)

@@ -107,9 +107,9 @@ def hold(
 
     from drumlin.brake.file import read_brake
     from drumlin.brake.units import quantity
-    from drumlin.fem.assembly import prepare
     from drumlin.fem.holding import as_dict, full_slip_rotation
     from drumlin.fem.holding import hold as turn
+    from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
 
     brake = read_brake(brake_file)
@@ -120,7 +120,7 @@ def hold(
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
     end = None if rotation is None else quantity("--rotation", rotation, "rad")
     with busy("holding") as say:
-        scene = prepare(brake, **options)
+        scene = scene_of(brake, **options)
         end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
         states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
     if json_file is not None:
@@ -139,9 +139,9 @@ def sensitivity(
 ) -> None:
     """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the elastic brake."""
     from drumlin.brake.file import read_brake
-    from drumlin.fem.assembly import prepare
     from drumlin.fem.sensitivity import as_text
     from drumlin.fem.sensitivity import sensitivity as slopes
+    from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
 
     brake = read_brake(brake_file)
@@ -149,7 +149,7 @@ def sensitivity(
     options = fem_options(elements, kind=kind, penalty=penalty)
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
     with busy("sensitivity"):
-        found = slopes(prepare(brake, **options), brake, **stiffness)
+        found = slopes(scene_of(brake, **options), brake, **stiffness)
     if json_file is not None:
         write_json(json_file, found.as_dict())
     tell(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
@@ -213,9 +213,9 @@ def wear(
 
     with busy("running in") as say:
         if model == "fem":
-            from drumlin.fem.assembly import prepare
+            from drumlin.fem.solve import scene_of
 
-            scene = prepare(brake, **meshing)
+            scene = scene_of(brake, **meshing)
 
             def setup_of(turning: Any) -> WearSetup:
                 return fem_setup(scene, turning, guide="radius" if guided else "hinge")

@@ -159,12 +159,13 @@ def bare(brake: Brake) -> Brake:
             "rotation": "counter-clockwise",
             "friction": float(brake.friction > 0),
             "drum": brake.drum.model_copy(update={"out_of_round": (), "angle": 0.0}),
-            "shoes": tuple(_bare(shoe) for shoe in brake.shoes),
+            "shoes": tuple(bare_shoe(shoe) for shoe in brake.shoes),
         }
     )
 
 
-def _bare(shoe: Shoe) -> Shoe:
+def bare_shoe(shoe: Shoe) -> Shoe:
+    """The shoe without what its body does not depend on; see `bare`."""
     force: dict[str, Any] = {"force": 1.0, "direction": 0.0}
     if not isinstance(shoe.body, Beam):  # a beam ends where it is loaded
         force["point"] = Point(x=0.0, y=0.0)
@@ -206,9 +207,9 @@ def prepare(
         key = shape_of(brake, shoe)
         if key not in made:
             made[key] = cache.get(
-                (_bare(shoe), brake.drum.radius, brake.friction > 0, setting, content(shoe)),
+                (bare_shoe(shoe), brake.drum.radius, brake.friction > 0, setting, content(shoe)),
                 partial(_body, brake, shoe, mesher, seconds),
-                _bytes,
+                size_of,
             )
         bodies.append(made[key])
     ring = None
@@ -217,7 +218,7 @@ def prepare(
         with clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
             key = (bare(brake), setting, *map(content, brake.shoes))
-            ring = cache.get(key, partial(ring_body, brake, brake.drum.ring, lines, elements), _bytes)
+            ring = cache.get(key, partial(ring_body, brake, brake.drum.ring, lines, elements), size_of)
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
@@ -235,7 +236,7 @@ def lacking(brake: Brake) -> list[str]:
     ]
 
 
-def _bytes(body: Body | RingBody) -> int:
+def size_of(body: Body | RingBody) -> int:
     """What a condensed body keeps, about: its matrices."""
     n = len(body.line.nodes)
     return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)

@@ -14,9 +14,10 @@ import scipy.linalg
 from drumlin.arrays import Floats
 from drumlin.brake import Brake, vary
 from drumlin.errors import BadInput
-from drumlin.fem.assembly import Scene, prepare
+from drumlin.fem.assembly import Scene
 from drumlin.fem.group import groups_of
 from drumlin.fem.model import PENALTY, respond
+from drumlin.fem.solve import scene_of
 from drumlin.foundation.model import SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import hinged, sine
@@ -29,8 +30,8 @@ ROUND: dict[str, Any] = {"drum.out_of_round": []}
 
 
 def solve(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
-    """The response of a brake of finite elements with linings that are worn in; `options` of `prepare`."""
-    scene = prepare(brake, **options)
+    """The response of a brake of finite elements with linings that are worn in; `options` of `scene_of`."""
+    scene = scene_of(brake, **options)
     return with_merits(brake, respond(scene, worn_in(scene, brake), penalty=penalty))
 
 

@@ -68,6 +68,12 @@ class Division:
     part: tuple[str, ...]
 
     @property
+    def key(self) -> tuple[int, bytes, bytes, bytes, bytes]:
+        """Equal for equal divisions of a shoe."""
+        ends = self.angles, self.before, self.after, self.depths
+        return self.degree, *(each.tobytes() for each in ends)  # type: ignore[return-value]
+
+    @property
     def layers(self) -> int:
         """Number of layers under the lining."""
         return len(self.part)
@@ -136,7 +142,9 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
-    marks = _marks(start, end, scale, [(x, level.end ** (1 + kink) * min(t, size)) for x, size, kink in places])
+    marks = _marks(
+        start, end, scale, [_mark(level.end ** (1 + kink) * min(t, size), x, kink) for x, size, kink in places]
+    )
     angles = [
         ends_of(graded(b[0] - a[0], a[1], b[1], level.ratio, level.largest), a[0], b[0])[:-1]
         for a, b in pairwise(marks)
@@ -159,6 +167,13 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
         straight=isinstance(shoe.body, Beam),
     )
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
+
+
+def _mark(size: float, x: float, kink: bool) -> tuple[float, float]:
+    """Where columns end, and their size there: an end of the contact to half a column, so that bodies of brakes that
+    differ by less are one and the same."""
+    size = 2.0 ** math.floor(math.log2(size))
+    return (x if kink else round(2 * x / size) * size / 2), size
 
 
 def _marks(start: float, end: float, edge: float, places: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:

@@ -43,14 +43,14 @@ class Step(NamedTuple):
     response: Response
 
 
-def steps(brake: Brake, respond: Respond) -> Iterator[Step]:
-    """The brake on all levels, finer and finer. Raises NoAnswer where two levels have none."""
+def steps(brake: Brake, respond: Respond, cache: assembly.Cache | None = None) -> Iterator[Step]:
+    """The brake on all levels, finer and finer; cache: see `scene`. Raises NoAnswer where two levels have none."""
     last: Response | None = None
     refused = 0
     for level in LEVELS:
         for _ in range(MOST_PASSES):
             places = places_of(brake, last)
-            made = scene(brake, level, places)
+            made = scene(brake, level, places, cache)
             try:
                 found = respond(made, brake, start=last)
             except NoAnswer:
