@@ -11,10 +11,10 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.brake.components import Beam
-from drumlin.comparison import arcs_text
 from drumlin.explore.answers import HIGHEST, Answer
 from drumlin.report.figures import name_of, smooth
 from drumlin.response import Response, ShoeResponse
+from drumlin.response.show import arcs_text
 
 MM, MPA = 1e3, 1e-6
 POINTS = 160  # of a curve
