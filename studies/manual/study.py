@@ -5,6 +5,7 @@ example, formula or link is an error.
 """
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -60,8 +61,9 @@ def build(source: Path, site: Path) -> None:
     command = [sys.executable, "-m", "sphinx", *options, str(source), str(site)]
     done = subprocess.run(command, env=_environment(), capture_output=True, text=True, check=False)
     if done.returncode:
-        faults = [line for line in done.stderr.splitlines() if "WARNING: " in line or "rror: " in line]
-        said = " | ".join(faults or done.stderr.splitlines()[-3:]).replace(str(source), "pages")
+        lines = re.sub(r"\x1b\[[\d;]*m", "", done.stderr).replace(str(source), "pages").splitlines()
+        faults = [line for line in lines if "rror: " in line] + [line for line in lines if "WARNING: " in line]
+        said = " | ".join(faults or lines[-3:])
         raise NoAnswer(f"the manual is not built: {' '.join(said.split())}")
 
 
