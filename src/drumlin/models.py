@@ -4,11 +4,11 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake import unrolled
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
 from drumlin.foundation import model as foundation
-from drumlin.laws import LAWS, flat, hinged, pivoted
+from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
 from drumlin.response.response import Response
 
 
@@ -21,7 +21,7 @@ class Model(NamedTuple):
     solve: Callable[..., Response]
 
 
-def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
+def _fem(brake: AnyBrake, *, worn_in: bool = False, **options: Any) -> Response:
     if worn_in:
         from drumlin.wear.worn_in import solve as by_worn_in
 
@@ -35,10 +35,7 @@ def _fem_why_not(brake: AnyBrake) -> str | None:
     from drumlin.fem import assembly
 
     if isinstance(brake, FlatBrake):
-        return "its shoes press on a plane, not on a drum"
-    for shoe in brake.shoes:
-        if shoe.pivot is not None:
-            return f"shoe {shoe.name!r}: a shoe on a pivot of a lever is not meshed"
+        return unrolled.why_not(brake)
     return assembly.why_not(brake)
 
 
@@ -70,8 +67,9 @@ MODELS: Mapping[str, Model] = {
         _hinged("block"),
         _hinged("uniform"),
         Model("short", LAWS["short"].assumes, _short_why_not, _short),
-        Model("pivoted", pivoted.ASSUMES, pivoted.why_not, pivoted.solve),
-        Model("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(flat.solve, flat.LINEAR)),
+        Model("pivoted", pivoted.ASSUMES, pivoted.why_not, partial(rigid.solve, name="pivoted")),
+        Model("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(rigid.solve, name="linear")),
+        Model("rigid", rigid.ASSUMES, naming.why_not, rigid.solve),
     )
 }
 

@@ -69,22 +69,18 @@ def compare(
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.brake.file import toml_text
-    from drumlin.brake.plane_brake import FlatBrake, read_any
+    from drumlin.brake.plane_brake import read_any
     from drumlin.files import check_folder
     from drumlin.report.comparison import write_comparison
 
     text = toml_text(brake_file)
     brake = read_any(brake_file, text)
-    if isinstance(brake, FlatBrake):
-        raise BadInput(
-            f"{brake_file}: plane: compare takes brakes on a drum; solve this one by --model linear or short"
-        )
     folder = output or Path("reports") / brake_file.stem
     check_folder(folder)
     with busy("comparing the models"):
         result = write_comparison(brake, text, folder, fem_options(elements, kind=kind, penalty=penalty))
     tell(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
-    print_table(result.table)
+    print_table(result.table, result.columns)
     for line in result.notes:
         tell(line)
     tell(f"report: {result.page}")
@@ -214,11 +210,13 @@ def wear(
     with busy("running in") as say:
         if model == "fem":
             from drumlin.fem.solve import scene_of
+            from drumlin.wear.linings import guided as on_guides
 
+            brake = on_guides(brake) if guided else brake
             scene = scene_of(brake, **meshing)
 
             def setup_of(turning: Any) -> WearSetup:
-                return fem_setup(scene, turning, guide="radius" if guided else "hinge")
+                return fem_setup(scene, turning)
         else:
 
             def setup_of(turning: Any) -> WearSetup:

@@ -12,6 +12,7 @@ from drumlin.texts import one_line
 
 if TYPE_CHECKING:
     from drumlin.brake.plane_brake import AnyBrake
+    from drumlin.comparison import Column
     from drumlin.response.response import FlatMerit, Merit, Response
 
 SAME = ("case", "rotation")  # columns that are the same in all rows of one brake
@@ -114,15 +115,13 @@ def _merit_text(merit: "Merit | FlatMerit") -> str:
     return ", ".join(said + [f"{key} {value:.5g}" for key, value in values.items()])
 
 
-def print_table(table: Sequence[dict[str, Any]]) -> None:
+def print_table(table: Sequence[dict[str, Any]], columns: "Sequence[Column]") -> None:
     """Rows for people. No number is cut: on a narrow terminal the columns that matter least are left out, by name."""
     from rich.console import Console
     from rich.table import Table
 
-    from drumlin.comparison import COLUMNS
-
     console = Console(width=None if sys.stdout.isatty() else WIDTH, markup=False)
-    shown = {c.key: c for c in COLUMNS if c.key not in SAME and any(row.get(c.key) is not None for row in table)}
+    shown = {c.key: c for c in columns if c.key not in SAME and any(row.get(c.key) is not None for row in table)}
     cells = {key: [c.text(row) for row in table] for key, c in shown.items()}
     units = {key: f"\n[{c.unit}]" if c.unit else "" for key, c in shown.items()}
     heads = {key: fill(c.heading, 9, break_long_words=False) + units[key] for key, c in shown.items()}

@@ -17,7 +17,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Point
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial, straight
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
@@ -47,7 +47,8 @@ class Body:
 
     With the frame held, under the nodal forces -N^T and T^T and the unit actuations (force x, force y, couple
     about `load_centre`): `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded` (n, 3) are N times the
-    contact displacements, what they take from the weighted gap; `held_*` (3, ...) the force x, y and moment that
+    contact displacements, what they take from the weighted gap; `tip_dragged` (3, n) and `tip_loaded` (3, 3) what the
+    unit actuations move along; `held_*` (3, ...) the force x, y and moment that
     hold the frame meanwhile. The dragged ones are None where mu = 0. `turned` (2n,): contact displacement per
     turn [rad] about the pin.
     """
@@ -62,6 +63,8 @@ class Body:
     closing_pressed: Floats
     closing_dragged: Floats | None
     closing_loaded: Floats
+    tip_dragged: Floats | None
+    tip_loaded: Floats
     held_pressed: Floats
     held_dragged: Floats | None
     held_loaded: Floats
@@ -109,11 +112,12 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         behind = (body, *loaded.tolist())
     elif body is not None:
         arcs.append(tuple(sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist())))
-        behind = (body.shape, body.thickness, body.width, body.material)
+        behind = (body.shape, body.thickness, body.width, body.material, shoe.held_by in {"pivot", "guide"})
+        arcs += [arc for arc in [shoe.grip(brake.drum.radius)] if arc is not None]
     return (
         brake.drum.radius,
         shoe.side,
-        round(shoe.hinge.radius / brake.drum.radius, 12),
+        tuple(np.round(shoe.own_pin / brake.drum.radius, 12).tolist()),
         tuple(round(angle, 12) for arc in arcs for angle in arc),
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
@@ -167,7 +171,9 @@ def bare(brake: Brake) -> Brake:
 def bare_shoe(shoe: Shoe) -> Shoe:
     """The shoe without what its body does not depend on; see `bare`."""
     force: dict[str, Any] = {"force": 1.0, "direction": 0.0}
-    if not isinstance(shoe.body, Beam):  # a beam ends where it is loaded
+    if (
+        not isinstance(shoe.body, Beam) and shoe.guide is None
+    ):  # a beam ends where it is loaded; a guide has its pin there
         force["point"] = Point(x=0.0, y=0.0)
     return shoe.model_copy(
         update={
@@ -272,13 +278,14 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         K = stiffness(basis, materials_of(shoe))
     with clock(seconds, "ties"):
         pin = pin_of(shoe)
-        line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
+        unit = brake.drum.radius if shoe.flat else None
+        line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2, unit)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         ties = tie(basis, line.nodes, rigid, pin)
-        if "actuation" in mesh.boundaries:
+        if "actuation" in mesh.boundaries and shoe.held_by in {"hinge", "abutment"}:
             full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
             loads = ties.matrix.T @ full
-        else:  # the force acts on the rigid shoe itself
+        else:  # the force acts on the rigid shoe itself, or on what holds the back of the body
             loads, load_centre = np.zeros((ties.matrix.shape[1], 3)), pin
             loads[-FRAME:] = np.eye(3)
     return Assembled(mesh, basis, line, K, ties, loads, load_centre)
@@ -286,7 +293,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
 
 def pin_of(shoe: Shoe) -> Floats:
     """The pin (2,) [m] in the shoe's frame."""
-    return np.array([shoe.hinge.radius, 0.0])
+    return shoe.own_pin
 
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
@@ -303,7 +310,7 @@ def coupled(
 ) -> Body:
     """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the rest of a Body."""
     n = len(line.nodes)
-    coupling = couple(line, shoe.lining.width, radial(shoe.sign))
+    coupling = couple(line, shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
     forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
     Y = condensed.half(np.hstack(forces))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
@@ -317,6 +324,8 @@ def coupled(
         closing_pressed=closing[:, pressed],
         closing_loaded=closing[:, loaded],
         closing_dragged=closing[:, dragged] if friction else None,
+        tip_dragged=Y[:, loaded].T @ Y[:, dragged] if friction else None,
+        tip_loaded=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
         held_pressed=holding[:, pressed],
         held_loaded=holding[:, loaded] - condensed.load_f,
         held_dragged=holding[:, dragged] if friction else None,

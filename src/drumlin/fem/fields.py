@@ -99,8 +99,8 @@ def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) ->
     p = answer.pressure[:: frame.sense]
     drag = brake.drag_on(shoe)
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
-    turn = frame.sense * (answer.turn or 0.0)
-    return body.condensed.displacement(nodal, np.array([0.0, 0.0, turn]), load)
+    motion = answer.motion or (0.0, 0.0, frame.sense * (answer.turn or 0.0))
+    return body.condensed.displacement(nodal, np.array(motion), load)
 
 
 def _part(mesh: Any, u: Floats, name: str, material: Material) -> tuple[Ints, Ints, Floats]:

@@ -83,14 +83,14 @@ def _tangential(group: ShoeGroup, k: int) -> tuple[Floats, ...]:
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation(body, shoe)
     share = abs(shoe.actuation.force) / group.unit_force
-    turning = T @ body.turned
+    motions = group.motions[k]
     compliance = coupling.M / group.stiffnesses[k]
     return (
         pressed.T @ dragged,  # -N u under T^T t
         -dragged.T @ pressed,
         -dragged.T @ dragged,
-        -turning[:, None],
-        turning[None],
+        -(T @ motions.moved),
+        (T @ motions.tested).T,
         compliance,
         -share * (dragged.T @ (loaded @ load)),
         coupling.lever,

@@ -45,7 +45,7 @@ class ContactLine:
 class Coupling:
     """The matrices of the weak coupling: M (n, n), N and T (n, 2n), and the torque's lever (n,).
 
-    `lever` = b Int psi_i |x| ds [m^3]: torque = mu lever . p.
+    `lever` = b Int psi_i |x| ds [m^3]: torque = mu lever . p; on a plane without |x|: the braking force.
     """
 
     M: Floats
@@ -80,11 +80,15 @@ def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> tu
     return psi, x, ds
 
 
-def contact_line(basis: Any, facets: Ints, middle: float) -> ContactLine:
-    """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad]."""
+def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = None) -> ContactLine:
+    """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad].
+
+    unit [m]: on a plane, whose "angles" are x/unit.
+    """
     dofs = edge_nodes(basis, facets)
     nodes = np.unique(dofs)
-    phi = angle_near(middle, basis.doflocs[:, nodes])
+    xy = basis.doflocs[:, nodes]
+    phi = angle_near(middle, xy) if unit is None else xy[0] / unit
     by_angle = np.argsort(phi)
     nodes, phi = nodes[by_angle], phi[by_angle]
     place = np.empty(basis.N, dtype=np.int64)
@@ -104,11 +108,17 @@ def radial(sign: int) -> Directions:
     return directions
 
 
+def straight(x: Floats) -> tuple[Floats, Floats]:
+    """Normals and tangents at the points x (2, ...) of a plane y = 0 under the lining."""
+    ones, zeros = np.ones(x.shape[1:]), np.zeros(x.shape[1:])
+    return np.array([zeros, -ones]), np.array([ones, zeros])
+
+
 def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
     """The coupling of a lining of this width b [m] with a counterface of known directions; see `radial`."""
     n, m = len(line.nodes), line.pieces.shape[1]
     psi, x, ds = edge_points(line.xy[:, line.pieces])
-    r, weight = np.hypot(*x), width * ds
+    r, weight = np.ones(ds.shape) if directions is straight else np.hypot(*x), width * ds
     normal, tangent = directions(x)
     pair = (psi[:, None] * psi).reshape(len(psi) ** 2, -1).T  # (q, a b)
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()

@@ -250,7 +250,7 @@ def against_differences(
     mu, shoe, of, key = brake.friction, brake.shoes[index], found.shoes[index], f"shoe[{index}]."
     gap, body, material = shoe.lining.clearance, shoe.body, shoe.lining.material
     assert isinstance(gap, float) and body is not None and body.material is not None
-    E, x, y = body.material.E, shoe.hinge.x, shoe.hinge.y
+    E, x, y = body.material.E, shoe.pin.x, shoe.pin.y
     table: list[tuple[str, str, float, Callable[[float], dict[str, Any]], float]] = [
         ("dT/dμ", "N m", found.friction, lambda s: {"friction": mu + s}, 1e-5),
         ("dT/dF", "m", of.force, lambda s: {"actuation.force": shoe.actuation.force * (1 + s)}, 1e-4),

@@ -2,8 +2,11 @@
 
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.unrolled import unrolled, why_not
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import adapt as adapt_meshes
 from drumlin.fem.assembly import ELEMENTS, Cache, Scene, prepare
@@ -22,7 +25,7 @@ UNSAID = 1e-8  # by how much the balance of p(theta) may be worse than the nodal
 
 
 def solve(
-    brake: Brake,
+    brake: AnyBrake,
     *,
     elements: int | None = None,
     kind: str | None = None,
@@ -37,6 +40,49 @@ def solve(
     reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind`
     on meshes of that kind. BadInput is raised for elements and a tolerance together. cache: bodies of earlier solves.
     """
+    if isinstance(brake, FlatBrake):
+        reason = why_not(brake)
+        if reason is not None:
+            raise BadInput(f"fem does not apply to this brake: {reason}")
+        found = by_elements(
+            unrolled(brake), elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
+        )
+        return with_merits(brake, on_plane(brake, found))
+    options: dict[str, Any] = {
+        "elements": elements,
+        "kind": kind,
+        "tolerance": tolerance,
+        "penalty": penalty,
+        "cache": cache,
+    }
+    return with_merits(brake, _with_curve_balance(brake, by_elements(brake, **options)))
+
+
+def on_plane(brake: FlatBrake, found: Response) -> Response:
+    """A response of the `unrolled` brake in lengths x [m]."""
+    unit = brake.shoes[0].lining.end - brake.shoes[0].lining.start
+    shoes = tuple(
+        replace(
+            shoe,
+            torque=0.0,
+            theta=unit * shoe.theta,
+            contact_arcs=tuple((unit * a, unit * b) for a, b in shoe.contact_arcs),
+        )
+        for shoe in found.shoes
+    )
+    return replace(found, shoes=shoes, left_out=tuple(line for line in found.left_out if not line.startswith("drum:")))
+
+
+def by_elements(
+    brake: Brake,
+    *,
+    elements: int | None = None,
+    kind: str | None = None,
+    tolerance: float | None = None,
+    penalty: float = PENALTY,
+    cache: Cache | None = None,
+) -> Response:
+    """`solve` of a brake on a drum, or one `unrolled`, without its figures of merit."""
     check_penalty(penalty)
     answer = partial(respond, penalty=penalty)
     if tolerance is not None and elements is not None:
@@ -49,7 +95,7 @@ def solve(
         found = adapt(brake, DEFAULT, answer, must=False, soft=SOFT / penalty, cache=cache).response
     else:
         found = answer(scene_of(brake, elements=elements, kind=kind, cache=cache), brake)
-    return with_merits(brake, _with_curve_balance(brake, found))
+    return found
 
 
 def scene_of(

@@ -26,7 +26,8 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.foundation.post import Post, post, shoe_angles, trapezoid
 from drumlin.foundation.ring import drag_flexibility, flexibility
 from drumlin.laws import locking_friction
-from drumlin.laws.hinged import no_contact, pressing_moment
+from drumlin.laws.hinged import pressing_moment
+from drumlin.laws.rigid import no_contact
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Deformation, Response, ShoeResponse, pressed_shoe, shoe_balance, untouched, worst
 from drumlin.response.resultants import Resultant

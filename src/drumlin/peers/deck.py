@@ -97,7 +97,7 @@ def _grid(loaded: Loaded) -> Grid:
 
 
 def _shoe(loaded: Loaded, grid: Grid) -> list[str]:
-    hinge = loaded.shoe.hinge.xy * MM
+    hinge = loaded.shoe.pin.xy * MM
     lines = ["*NODE, NSET=NSHOE"]
     lines += [_node(i + 1, grid.xy[i]) for i in np.unique(grid.cells)]
     lines += ["*NODE, NSET=PIN", _node(grid.pin, hinge)]
@@ -151,7 +151,7 @@ def _hinge(loaded: Loaded, grid: Grid) -> list[str]:
     CalculiX prints no reaction of a node that equations tie."""
     lines = ["** the hinge's line turns about the pin", "*EQUATION"]
     for i in np.unique(grid.edges["hinge"]):
-        x, y = grid.xy[i] - loaded.shoe.hinge.xy * MM
+        x, y = grid.xy[i] - loaded.shoe.pin.xy * MM
         lines += ["3", f"{i + 1}, 1, 1., {grid.pin}, 1, -1., {grid.turn}, 1, {y:.12e}"]
         lines += ["3", f"{i + 1}, 2, 1., {grid.pin}, 2, -1., {grid.turn}, 1, {-x:.12e}"]
     lines.append("** the pin's bearing: its force on the shoe is that of these springs")

@@ -118,7 +118,7 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
     if isinstance(shoe.body, Body) and not own:
         arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
         _layer(axes, shoe, R, lining, shoe.body.thickness * MM, arc, BODY)
-    _pin(axes, shoe.hinge, unit, fixed=True)
+    _pin(axes, shoe.pin, unit, fixed=True)
     if shoe.pivot is not None:
         _pin(axes, shoe.pivot, unit, fixed=False)
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
@@ -130,7 +130,7 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
 def _beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
     """A straight beam, and the block that fills the space up to the lining's back."""
     assert isinstance(shoe.body, Beam)
-    axis = axis_of(shoe.hinge.xy * MM, shoe.actuation.point.xy * MM)
+    axis = axis_of(shoe.pin.xy * MM, shoe.actuation.point.xy * MM)
     half = 0.5 * (shoe.body.thickness * MM if shoe.body.thickness else unit)
     if shoe.backing is not None:
         angle = axis.angle(np.linspace(shoe.lining.start, shoe.lining.end, 60))
@@ -159,7 +159,7 @@ def _strokes(shoe: Shoe, R: float) -> list[Floats]:
     """Lines (n, 2) [mm] that stand for a rigid shoe: its back, to the hinge, to the force; or its lever."""
     angles = np.linspace(shoe.lining.start, shoe.lining.end, 80)
     back = _back(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
-    hinge, load = shoe.hinge.xy * MM, _loaded_point(shoe, R)
+    hinge, load = shoe.pin.xy * MM, _loaded_point(shoe, R)
     if shoe.pivot is not None:
         pivot = shoe.pivot.xy * MM
         return [back, np.array([back[40], pivot]), np.array([hinge, pivot, load])]
@@ -186,7 +186,7 @@ def _loaded_point(shoe: Shoe, R: float) -> Floats:
     depth = R - shoe.sign * (shoe.depth - half) * MM
     arc = shoe.body if isinstance(shoe.body, Body) else shoe.lining
     ends = [depth * np.array([math.cos(angle), math.sin(angle)]) for angle in (arc.start, arc.end)]
-    far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.hinge.xy * MM)))
+    far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy * MM)))
     along = np.array([math.cos(shoe.actuation.direction), math.sin(shoe.actuation.direction)])
     nearest = point + ((far - point) @ along) * along
     middle = point - (point @ along) * along
@@ -199,7 +199,7 @@ def _loaded_point(shoe: Shoe, R: float) -> Floats:
 def _places(shoe: Shoe, R: float, unit: float) -> Floats:
     """Points (n, 2) [mm] that must be in the picture."""
     load = _loaded_point(shoe, R)
-    hinge = shoe.hinge.xy * MM
+    hinge = shoe.pin.xy * MM
     size = np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
     return np.concatenate([_room(shoe.actuation, load, unit), hinge + size])
 
@@ -208,7 +208,7 @@ def _places(shoe: Shoe, R: float, unit: float) -> Floats:
 
 
 def _draw_flat(axes: Axes, brake: FlatBrake) -> None:
-    pins = [x for shoe in brake.shoes for x in (shoe.hinge.x, shoe.actuation.point.x)]
+    pins = [x for shoe in brake.shoes for x in (shoe.pin.x, shoe.actuation.point.x)]
     ends = [x for shoe in brake.shoes for x in (shoe.lining.start, shoe.lining.end)]
     left, right = min(pins + ends) * MM, max(pins + ends) * MM
     unit = (right - left) / 20
@@ -222,14 +222,14 @@ def _draw_flat(axes: Axes, brake: FlatBrake) -> None:
     for shoe in brake.shoes:
         _flat_shoe(axes, shoe, unit)
         load = shoe.actuation.point.xy * MM
-        pin = shoe.hinge.xy * MM + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
+        pin = shoe.pin.xy * MM + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
         places.append(np.concatenate([_room(shoe.actuation, load, unit), pin]))
     _frame(axes, np.concatenate(places), 2 * unit)
 
 
 def _flat_shoe(axes: Axes, shoe: FlatShoe, unit: float) -> None:
     start, end = shoe.lining.start * MM, shoe.lining.end * MM
-    hinge, load = shoe.hinge.xy * MM, shoe.actuation.point.xy * MM
+    hinge, load = shoe.pin.xy * MM, shoe.actuation.point.xy * MM
     top = 0.8 * unit
     axes.add_patch(Rectangle((start, 0), end - start, top, facecolor=LINING, edgecolor=INK, lw=0.8, zorder=3))
     lever = load - hinge
@@ -238,7 +238,7 @@ def _flat_shoe(axes: Axes, shoe: FlatShoe, unit: float) -> None:
     block = [(start, top), *feet.tolist(), (end, top)]
     axes.add_patch(PathPatch(Outline(np.array([*block, block[0]])), facecolor=BODY, edgecolor="none", zorder=2))
     axes.plot(*np.array([hinge, load]).T, color=BODY, lw=7, solid_capstyle="round", zorder=2)
-    _pin(axes, shoe.hinge, unit, fixed=True)
+    _pin(axes, shoe.pin, unit, fixed=True)
     _label(axes, np.array([0.5 * (start + end), 2.0 * unit]), shoe.name)
     axes.annotate(
         "", (hinge[0], 0), (hinge[0], hinge[1]), arrowprops={"arrowstyle": "<->", "color": FAINT, "lw": 0.8}, zorder=4

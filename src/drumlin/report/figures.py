@@ -36,6 +36,7 @@ COLORS = {
     "short": "#1d2733",
     "pivoted": "#d19a1b",
     "linear": "#6b8e23",
+    "rigid": "#c8553d",
     "foundation": "#2a9d5c",
     "lifted": "#d19a1b",
 }
@@ -48,6 +49,7 @@ NAMES = {
     "short": "short shoe",
     "pivoted": "shoe on a pivot",
     "linear": "long flat shoe",
+    "rigid": "rigid shoe",
     "foundation": "elastic foundation",
     "lifted": "foundation, all lifted",
 }
@@ -82,8 +84,12 @@ def smooth(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
     return theta, np.maximum(shoe.pressure_at(theta), 0.0)
 
 
-def pressures(panels: Sequence[tuple[str, Mapping[str, ShoeResponse]]], columns: int = 2) -> Figure:
-    """Pressure over the angle on the drum: a panel (title, {model: response}) each, one pressure scale for all.
+def pressures(
+    panels: Sequence[tuple[str, Mapping[str, ShoeResponse]]], columns: int = 2, *, flat: bool = False
+) -> Figure:
+    """Pressure over the angle on the drum, or over the place on a plane: a panel (title, {model: response}) each.
+
+    One pressure scale for all.
 
     A singular edge is cut off at twice the largest pressure away from the edges.
     """
@@ -91,16 +97,17 @@ def pressures(panels: Sequence[tuple[str, Mapping[str, ShoeResponse]]], columns:
         lines = math.ceil(len(panels) / columns)
         figure = Figure(figsize=(5.2 * columns, 3.1 * lines), layout="constrained")
         grid = figure.subplots(lines, columns, squeeze=False, sharey=True)
+        unit = 1e3 if flat else math.degrees(1)
         highest = max(shoe.peak_pressure for _, responses in panels for shoe in responses.values())
         for axes, (title, responses) in zip(grid.flat, panels, strict=False):
             for model, shoe in responses.items():
                 theta, p = smooth(shoe)
-                axes.plot(np.degrees(theta), p * 1e-6, color=color_of(model), lw=1.8, label=name_of(model))
+                axes.plot(theta * unit, p * 1e-6, color=color_of(model), lw=1.8, label=name_of(model))
                 if model == "fem":
-                    axes.fill_between(np.degrees(theta), p * 1e-6, color=color_of(model), alpha=0.12, lw=0)
+                    axes.fill_between(theta * unit, p * 1e-6, color=color_of(model), alpha=0.12, lw=0)
             axes.set_title(title)
-            axes.set_xlabel("angle on the drum θ [deg]")
-            axes.set_xlim(math.degrees(theta[0]) - 3, math.degrees(theta[-1]) + 3)
+            axes.set_xlabel("place x [mm]" if flat else "angle on the drum θ [deg]")
+            axes.set_xlim(theta[0] * unit - 3, theta[-1] * unit + 3)
             axes.set_ylim(0, 1.12 * highest * 1e-6 if highest > 0 else 1)
             axes.label_outer(remove_inner_ticks=False)
         for axes in grid[:, 0]:

@@ -32,7 +32,7 @@ def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
     """Draw a .vtu file of fields into a .png; returns None, or one line that says why there is no picture."""
     marks = {
         "radius": brake.drum.radius,
-        "pins": [list(shoe.hinge.xy) for shoe in brake.shoes],
+        "pins": [list(shoe.pin.xy) for shoe in brake.shoes],
         "forces": [[*shoe.actuation.point.xy, *shoe.actuation.vector] for shoe in brake.shoes],
         "title": title,
     }

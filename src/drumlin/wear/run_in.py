@@ -17,6 +17,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.laws import rigid
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
 from drumlin.wear import archard
@@ -50,6 +51,12 @@ def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = 
 
 
 def _worn_pressure(setup: WearSetup, surface: Surface, exponent: float) -> Floats:
+    shares = setup.brake.shares
+    if shares or (surface.approach.shape[1] > 1 and exponent == 1):  # it may lift off somewhere
+        if exponent != 1:
+            raise NoAnswer(f"shoe {surface.name!r}: {shares}; its worn-in state is known for the exponent 1 only")
+        under = rigid.forced(setup.brake)
+        return rigid.pressure(rigid.press(under, under.shoes[surface.shoe]), surface.theta)
     interface = setup.interfaces[surface.interface]
     C = interface.problem.C[surface.rows, surface.local] / interface.pressure[surface.local]
     h = interface.problem.h[surface.rows]

@@ -37,7 +37,11 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
         count += inner.size
         blocks.append(Block(np.column_stack([faces[k], inner]), depth[first * p :], places, div.part[first:]))
         faces[k] = inner[:, -1]
-    sets = {"hinge": faces[0], "actuation": faces[1]}
+    grip = shoe.grip(radius)
+    if grip is None:
+        sets = {"hinge": faces[0], "actuation": faces[1]}
+    else:
+        sets = {"hinge": under[-1, (along > grip[0] - 1e-9) & (along < grip[1] + 1e-9)]}
     return Grid(p, tuple(blocks), shoes.map_of(shoe, radius), sets, count)
 
 
@@ -57,7 +61,7 @@ def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
 
     K = grid.stiffness(assembly.materials_of(shoe))
     n = (len(div.angles) - 1) * div.degree + 1
-    ties = tie(grid, np.arange(n), grid.sets["hinge"], np.array([shoe.hinge.radius, 0.0]))
+    ties = tie(grid, np.arange(n), grid.sets["hinge"], shoe.own_pin)
     loads = np.zeros((ties.matrix.shape[1], FRAME))
     if "actuation" in grid.sets:
         full = np.zeros((grid.N, 2, FRAME))
@@ -76,4 +80,9 @@ def contact_line(shoe: Shoe, radius: float, div: Division) -> ContactLine:
     phi = line_of(div.angles, p)
     m = len(div.angles) - 1
     pieces = np.arange(m) * p + np.arange(p + 1)[:, None]
-    return ContactLine(np.arange(len(phi)), radius * np.array([np.cos(phi), np.sin(phi)]), phi, pieces)
+    return ContactLine(
+        np.arange(len(phi)),
+        shoes.map_of(shoe, radius)(np.zeros(1), phi) if shoe.flat else radius * np.array([np.cos(phi), np.sin(phi)]),
+        phi,
+        pieces,
+    )

@@ -31,7 +31,7 @@ def why_not(shoe: Shoe, radius: float) -> str | None:
         return "nothing fills the space between its straight beam and the lining: no [shoe.backing]"
     if isinstance(shoe.body.offset, tuple) and any(offset for _, offset in shoe.body.offset):
         return "a beam with a curved axis is not meshed"
-    return _no_room(shoe, axis_of(shoe.hinge.xy, shoe.actuation.point.xy), section, radius)
+    return _no_room(shoe, axis_of(shoe.pin.xy, shoe.actuation.point.xy), section, radius)
 
 
 def _no_room(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | None:
@@ -53,7 +53,7 @@ def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
     "hinge" and "actuation" are the beam's end faces.
     """
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
-    axis, section, thickness = axis_of(shoe.hinge.xy, shoe.actuation.point.xy), shoe.body.section, shoe.lining.thickness
+    axis, section, thickness = axis_of(shoe.pin.xy, shoe.actuation.point.xy), shoe.body.section, shoe.lining.thickness
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
     start, end, back = float(angles[0]), float(angles[-1]), radius + thickness
     foot = axis.foot + back * np.sin(np.array([start, end]))
