@@ -17,7 +17,6 @@ from hypothesis import strategies as st
 import drumlin
 from conftest import ROOT, STUDY
 from drumlin.brake import read_any, read_brake, vary
-from drumlin.errors import BadInput
 from drumlin.explore.answers import Explorer
 from drumlin.explore.knobs import brake_of, knobs_of, link_of, setting_from, start_of
 from drumlin.explore.page import reply
@@ -26,6 +25,7 @@ from drumlin.fem.model import respond
 from drumlin.laws import sine
 from drumlin.response.resultants import integrate
 from drumlin.wear.worn_in import worn_in
+from test_sharing import cam_brake, servo
 
 DRIVER = "/usr/bin/chromedriver"
 PROGRAM = [sys.executable, "-c", "from drumlin.cli import main; main()", "explore"]
@@ -208,16 +208,26 @@ BRAKES = [
 
 
 @pytest.mark.parametrize("path", BRAKES, ids=lambda path: path.stem)
-def test_every_example_can_be_explored_or_says_why_not(path):
+def test_every_example_can_be_explored(path):
     brake = read_brake(path)
-    if any(shoe.pivot for shoe in brake.shoes):
-        with pytest.raises(BadInput, match="pivot"):
-            Explorer(brake)
-        return
     explorer = Explorer(brake)
     answer = explorer.answer(start_of(brake))
     assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     assert reply(explorer, "/", "b").status == 200
+
+
+@pytest.mark.parametrize("brake", [cam_brake(body=0.01), servo(body=0.01)], ids=["cam", "servo"])
+def test_shoes_that_share_a_force_are_explored_by_it(brake):
+    explorer = Explorer(brake)
+    answer = explorer.answer(start_of(brake))
+    assert not answer.failure
+    assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
+    force = knob(explorer, "force")
+    twice = explorer.answer(turned(explorer, force=2 * force.start))
+    assert twice.found.torque == pytest.approx(
+        2 * answer.found.torque, rel=1e-6
+    )  # without clearance all is proportional
+    assert reply(explorer, "/", "b").status == reply(explorer, "/picture", "b").status == 200
 
 
 @pytest.mark.slow

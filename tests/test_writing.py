@@ -8,6 +8,7 @@ from conftest import ROOT
 from drumlin.brake import read_any, vary
 from drumlin.brake.writing import brake_text, quantity_text
 from drumlin.verification.random_brake import random_brake
+from test_sharing import cam_brake, servo
 
 FILES = [*ROOT.glob("studies/*/*.toml"), *ROOT.glob("meshes/*.toml")]
 BRAKES = [path for path in FILES if "shoe" in tomllib.loads(path.read_text())]
@@ -40,6 +41,18 @@ def test_tables_blocks_lobes_and_names(brake, tmp_path):
     text = brake_text(changed)
     assert read_any(tmp_path / "b.toml", text) == changed
     assert 'clearance = [["-70 deg", "0 mm"], ["55 deg", "0.1 mm"]]' in text
+
+
+@pytest.mark.parametrize("brake", [cam_brake(), cam_brake(body=0.01), servo(), servo(body=0.01)])
+def test_what_follows_from_a_cam_or_a_strut_is_not_repeated(brake, tmp_path):
+    text = brake_text(brake)
+    assert read_any(tmp_path / "b.toml", text) == brake
+    assert text.count("force = ") == 1
+
+
+def test_a_shoe_without_force_says_so(brake, tmp_path):
+    still = vary(brake, {"shoe.actuation.force": 0.0})
+    assert read_any(tmp_path / "b.toml", brake_text(still)) == still
 
 
 def test_quantities_are_readable_and_exact():

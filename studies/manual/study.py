@@ -71,4 +71,5 @@ def _environment() -> dict[str, str]:
     """Examples run in the repository's folder, with this interpreter's command drumlin and its own drumlin."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
     python = os.pathsep.join(filter(None, [str(ROOT / "src"), str(ROOT), os.environ.get("PYTHONPATH", "")]))
-    return os.environ | {"PATH": path, "PYTHONPATH": python, "MANUAL_ROOT": str(ROOT), "OPENBLAS_NUM_THREADS": "1"}
+    figures = "module://matplotlib_inline.backend_inline"  # whatever the command line has set
+    return os.environ | {"PATH": path, "PYTHONPATH": python, "MANUAL_ROOT": str(ROOT), "MPLBACKEND": figures}

@@ -1,14 +1,18 @@
 """A brake as the text of a brake file: what `read_brake` reads, every quantity with its unit."""
 
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic.fields import FieldInfo
 
-from drumlin.brake.components import Lobes, Misfit
+from drumlin.brake.components import Actuation, Lobes, Misfit
+from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Material, Part, Point, unit_in
+from drumlin.brake.plane_brake import FlatBrake
+from drumlin.brake.support import Held
 from drumlin.brake.units import COMMON, to_si
 
 INLINE = (Material, Point, Misfit, Lobes)
@@ -22,14 +26,32 @@ def brake_text(brake: Part) -> str:
 
     Paths of mesh files are written as they are in the brake, so that they are found from the same folder.
     """
-    return "\n".join(_table(brake, "")).strip() + "\n"
+    return "\n".join(_table(_as_given(brake), "")).strip() + "\n"
+
+
+def _as_given(brake: Part) -> Part:
+    """The brake without the forces that follow from its drive and its struts: a file must not repeat them."""
+    if not isinstance(brake, Brake | FlatBrake) or not (brake.actuation or brake.links):
+        return brake
+    pushed = {link.to for link in brake.links}
+    none = Held.model_fields["actuation"].default
+    shoes = tuple(
+        shoe.model_copy(update={"actuation": none}) if shoe.name in pushed
+        else shoe.model_copy(update={"actuation": shoe.actuation.model_copy(update={"force": math.nan})})
+        if brake.actuation else shoe
+        for shoe in brake.shoes
+    )  # fmt: skip
+    return brake.model_copy(update={"shoes": shoes})
 
 
 def _fields(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
     """Key, value and field of what is not left at its default."""
     for name, field in type(part).model_fields.items():
         value = getattr(part, name)
-        if field.is_required() or value != field.get_default(call_default_factory=True):
+        if isinstance(part, Actuation) and name == "force":  # its default is that of a shoe that something else pushes
+            if not math.isnan(value):
+                yield name, value, field
+        elif field.is_required() or value != field.get_default(call_default_factory=True):
             yield field.alias or name, value, field
 
 

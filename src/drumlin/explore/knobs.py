@@ -10,12 +10,18 @@ import numpy as np
 
 from drumlin.brake import Brake, Shoe, vary
 from drumlin.brake.components import Beam
+from drumlin.brake.drive import Drive
 from drumlin.models import applicable
 from drumlin.texts import one_line
 
 Changes = dict[str, Any]
 ROTATIONS = ("counter-clockwise", "clockwise")
 LARGEST_WEAR = 50.0  # of 1/(k K); a stiff brake is worn in after some 46
+DRIVES = {
+    "pressure": ("pressure of the cylinder", "MPa", 1e6),
+    "force": ("force of the cam", "kN", 1e3),
+    "torque": ("torque of the cam", "N m", 1.0),
+}
 LONGEST_LINK = 2000  # characters of a link's query that are read
 
 
@@ -110,6 +116,8 @@ def _friction(value: float) -> Changes:
 
 
 def _force(brake: Brake) -> Knob | None:
+    if brake.actuation is not None:
+        return _drive(brake.actuation)
     forces = [shoe.actuation.force for shoe in brake.shoes]
     largest = max(forces, key=abs)
     if largest == 0:
@@ -125,12 +133,26 @@ def _force(brake: Brake) -> Knob | None:
     return Knob("force", label, "kN", low, high, nice(abs(largest) * 1e-5), largest * 1e-3, changes)
 
 
+def _drive(drive: Drive) -> Knob:
+    """What pushes all shoes at once: the pressure of a cylinder, the force or the torque of a cam."""
+    given = {key: value for key in DRIVES if (value := getattr(drive, key)) is not None}
+    key, value = next(iter(given.items()))
+    label, unit, factor = DRIVES[key]
+    start = value / factor
+    low, high = sorted([0.0 if key != "pressure" else 0.01 * start, 3 * start])
+
+    def changes(value: float) -> Changes:
+        return {f"actuation.{key}": value * factor}
+
+    return Knob("force", label, unit, low, high, nice(abs(start) * 1e-2), start, changes)
+
+
 def _shifted(brake: Brake, by: float) -> Changes:
     """Every line of action moved by a length [m] across itself, away from its hinge for a positive one."""
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
         along, point = shoe.actuation.direction_vector, shoe.actuation.point
-        arm = point.xy - shoe.hinge.xy
+        arm = point.xy - shoe.pin.xy
         outwards = math.copysign(by, float(arm[0] * along[1] - arm[1] * along[0])) * np.array([along[1], -along[0]])
         moved = point.xy + outwards
         changes[f"shoe[{i}].actuation.point"] = {"x": float(moved[0]), "y": float(moved[1])}

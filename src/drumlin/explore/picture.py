@@ -133,7 +133,7 @@ def _loaded(shoe: Shoe) -> Floats:
         return point
     size = float(np.linalg.norm(point))
     ends = [size * np.array([math.cos(a), math.sin(a)]) for a in (shoe.lining.start, shoe.lining.end)]
-    far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.hinge.xy)))
+    far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy)))
     return np.asarray(point + ((far - point) @ along) * along)
 
 
@@ -231,12 +231,12 @@ def drawing_of(brake: Brake) -> dict[str, Lines]:
             bodies.append(_layer(shoe.body.start, shoe.body.end, R - sign * inner, far))
         if isinstance(shoe.body, Beam):
             bodies.append(_beam(shoe, R))
-    hinges = np.array([shoe.hinge.xy for shoe in brake.shoes]) * MM
+    held = [shoe.pin.xy * MM for shoe in brake.shoes if shoe.guide is None]
     return {
         "drum": _round([(circle, np.full(circle.shape, R * MM))]),
         "linings": Lines([x for x, _ in linings], [y for _, y in linings]),
         "bodies": Lines([x for x, _ in bodies], [y for _, y in bodies]),
-        "hinges": Lines(list(hinges[:, :1]), list(hinges[:, 1:])),
+        "hinges": Lines([xy[:1] for xy in held], [xy[1:] for xy in held]),
     }
 
 
@@ -258,7 +258,7 @@ def reach_of(brake: Brake) -> float:
     """Half the side [mm] of a square about the drum that holds shoes, hinges, pressures and forces."""
     R = brake.drum.radius
     room = [1.12 * (1 + PETAL) * R if shoe.sign > 0 else 1.05 * R + shoe.depth for shoe in brake.shoes]
-    places = [place for shoe in brake.shoes for place in (shoe.hinge.xy, *_arrow(brake, shoe))]
+    places = [place for shoe in brake.shoes for place in (shoe.pin.xy, *_arrow(brake, shoe))]
     room += [float(np.abs(place).max()) + 0.1 * R for place in places]
     return max(room) * MM
 
@@ -272,7 +272,7 @@ def _layer(start: float, end: float, near: float, far: float) -> tuple[Floats, F
 def _beam(shoe: Shoe, R: float) -> tuple[Floats, Floats]:
     """x and y [mm] of a straight beam; where the file has no thickness, a tenth of the drum's radius stands for it."""
     assert isinstance(shoe.body, Beam)
-    hinge, along = shoe.hinge.xy, shoe.actuation.point.xy - shoe.hinge.xy
+    hinge, along = shoe.pin.xy, shoe.actuation.point.xy - shoe.pin.xy
     across = 0.5 * (shoe.body.thickness or 0.1 * R) * np.array([-along[1], along[0]]) / np.linalg.norm(along)
     xy = np.array([hinge - across, hinge + along - across, hinge + along + across, hinge + across]) * MM
     return xy[:, 0], xy[:, 1]
