@@ -8,29 +8,30 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.report.figures import STYLE
+from drumlin.report.palette import BLUE, BROWN, GREEN, GREY, INK, OCHRE, PALE, PURPLE, RED, SKY
 from drumlin.verification.work_precision import series
 
 COLORS = {
-    "law": "#c8553d",
-    "foundation": "#2a9d5c",
-    "even mesh": "#8a8f98",
-    "graded mesh": "#0b6e99",
-    "adapted mesh": "#1d2733",
-    "weak penalty": "#7fb8d4",
-    "pointwise penalty": "#d19a1b",
-    "GetFEM": "#7a5195",
-    "CalculiX": "#6b8e23",
+    "law": RED,
+    "foundation": GREEN,
+    "even mesh": GREY,
+    "graded mesh": BLUE,
+    "adapted mesh": INK,
+    "weak penalty": SKY,
+    "pointwise penalty": OCHRE,
+    "GetFEM": PURPLE,
+    "CalculiX": BROWN,
 }
 MARKERS = {"quad2": "s", "quad1": "D", "tri2": "^", "tri1": "v", "sine": "*", "cosine": "P", "uniform": "X"}
 PANELS = {"torque_error": "error of the torque [%]", "pressure_error": "error of p, L2, worst shoe [%]"}
 LOOKS = {  # what is left out -> marker, colour
-    "ring": ("o", "#0b6e99"),
-    "coupling": ("D", "#7a5195"),
-    "shoe": ("s", "#c8553d"),
-    "backing": ("^", "#2a9d5c"),
-    "drag": ("v", "#d19a1b"),
-    "curvature": ("P", "#8a8f98"),
-    "all but curvature": ("*", "#1d2733"),
+    "ring": ("o", BLUE),
+    "coupling": ("D", PURPLE),
+    "shoe": ("s", RED),
+    "backing": ("^", GREEN),
+    "drag": ("v", OCHRE),
+    "curvature": ("P", GREY),
+    "all but curvature": ("*", INK),
 }
 LEAST = 1e-6  # changes below it are of no interest
 CHANGES = (("shoes", "shoes' torques (sum of sizes)"), ("pressure", "pressure p (L2, worst shoe)"))
@@ -55,7 +56,7 @@ def work_precision(title: str, rows: Sequence[Mapping[str, Any]], floors: Mappin
             for name, marker in MARKERS.items()
             if name in marks
         ]
-        handles.append(mpl.patches.Patch(color="#e9d8c3", label="below what the reference knows"))
+        handles.append(mpl.patches.Patch(color=PALE, label="below what the reference knows"))
         figure.legend(handles=handles, loc="outside right upper", fontsize=8.5)
     return figure
 
@@ -82,7 +83,7 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
     axes.set_yscale("log")
     top = max(100 * row[key] for row in rows if row["status"] == "converged")
     axes.set_ylim(smallest * 0.8, 2.0 * max(top, lowest))
-    axes.axhspan(smallest * 0.8, lowest, color="#e9d8c3", alpha=0.7, lw=0)
+    axes.axhspan(smallest * 0.8, lowest, color=PALE, alpha=0.7, lw=0)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.minorticks_off()
 
@@ -109,8 +110,8 @@ def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
                         marker, ms=7 if marker != "*" else 10, color=color, mec="white", mew=0.6, ls="", label=part,
                     )  # fmt: skip
             ends = [100 * LEAST, 1000]
-            axes.plot(ends, ends, color="#1d2733", lw=1, zorder=1)
-            axes.fill_between(ends, [v / 2 for v in ends], [v * 2 for v in ends], color="#0b6e99", alpha=0.10, lw=0)
+            axes.plot(ends, ends, color=INK, lw=1, zorder=1)
+            axes.fill_between(ends, [v / 2 for v in ends], [v * 2 for v in ends], color=BLUE, alpha=0.10, lw=0)
             axes.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
             axes.set_title(f"Change of the {title}")
             axes.set_xlabel("true change [%]")
