@@ -68,21 +68,27 @@ def key(figure: Figure, axes: Axes, **more: Any) -> None:
     figure.legend(once.values(), once.keys(), **{"loc": "outside lower center", "ncols": columns, "fontsize": 9} | more)
 
 
+BOX = 0.11, 0.05  # half the width and height of a curve's name, of the axes
+
+
 def name_curve(axes: Axes, x: Floats, curves: Sequence[Floats], which: int, words: str, color: str) -> None:
-    """Write a name beside curve `which` of some over x (n,), in its colour, where it is farthest from the others."""
+    """Write a name beside curve `which` of some over x (n,), in its colour, where it lies on none; else nowhere."""
     low, high = axes.get_ylim()
-    seen = np.clip(np.array(curves), low, high) / (high - low)
-    others = np.delete(seen, which, axis=0)
-    above = np.min(np.where(others >= seen[which], others, high / (high - low)), axis=0) - seen[which]
-    below = seen[which] - np.max(np.where(others < seen[which], others, low / (high - low)), axis=0)
-    inside = slice(len(x) // 6, len(x) - len(x) // 6)
-    up = above[inside].max() >= below[inside].max()
-    at = len(x) // 6 + int(np.argmax((above if up else below)[inside]))
-    y = float(np.clip(curves[which][at], low, high))
-    axes.annotate(
-        words, (float(x[at]), y), (0, 5 if up else -5), textcoords="offset points", color=color, fontsize=9,
-        ha="center", va="bottom" if up else "top",
-    )  # fmt: skip
+    seen = np.clip((np.array(curves) - low) / (high - low), 0, 1)
+    n = len(x)
+    half = int(BOX[0] * n)
+    best = 0.0, 0, 0.0
+    for i in range(half, n - half):
+        for side in (1, -1):
+            y = seen[which, i] + side * 1.5 * BOX[1]
+            free = np.abs(seen[:, i - half : i + half + 1] - y).min(axis=1) - BOX[1]
+            others = np.delete(free, which).min(initial=1.0)
+            if free[which] > 0 and others > best[0] and BOX[1] < y < 1 - BOX[1]:
+                best = float(others), i, y
+    if best[0]:
+        axes.text(
+            float(x[best[1]]), low + best[2] * (high - low), words, color=color, fontsize=9, ha="center", va="center"
+        )
 
 
 def mark_cut(axes: Axes, x: Floats, y: Floats, color: str) -> None:
@@ -92,7 +98,7 @@ def mark_cut(axes: Axes, x: Floats, y: Floats, color: str) -> None:
     starts = np.flatnonzero(np.diff(np.concatenate([[0], beyond.astype(int), [0]])))
     for a, b in starts.reshape(-1, 2):
         at = a + int(np.argmax(y[a:b]))
-        axes.plot([x[at]], [top], "^", color=color, ms=6, clip_on=False, zorder=5, label="▲ goes on beyond the axis")
+        axes.plot([x[at]], [top], "^", color=color, ms=6, clip_on=False, zorder=5, label="goes on beyond the axis")
 
 
 def smooth(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
