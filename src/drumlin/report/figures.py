@@ -91,7 +91,7 @@ def name_curve(axes: Axes, x: Floats, curves: Sequence[Floats], which: int, word
         )
 
 
-def mark_cut(axes: Axes, x: Floats, y: Floats, color: str) -> None:
+def mark_cut(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
     """Mark where a curve leaves the axes at their top, as at a sharp edge, where the pressure has no bound."""
     top = axes.get_ylim()[1]
     beyond = y > top
