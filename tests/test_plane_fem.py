@@ -108,6 +108,22 @@ def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) ->
     np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-6 * a.peak_pressure)
 
 
+def test_a_pad_answers_alike_wherever_it_stands() -> None:
+    """Moved along the plane by 1.3 m, pins, point of the force and all."""
+    for kind in KINDS:
+        brake = pad(kind, "-x", body=BODY)
+        data = brake.model_dump(by_alias=True)
+        (shoe,) = data["shoe"]
+        for point in (shoe["hinge"], shoe["pivot"], (shoe["abutment"] or {}).get("point"), shoe["actuation"]["point"]):
+            if point:
+                point["x"] += 1.3
+        for part in (shoe["lining"], shoe["body"]):
+            part["start"], part["end"] = part["start"] + 1.3, part["end"] + 1.3
+        a, b = drumlin.solve(brake).shoes[0], drumlin.solve(validated(FlatBrake, data)).shoes[0]
+        assert b.normal_force == pytest.approx(a.normal_force, rel=1e-6)
+        np.testing.assert_allclose(b.pressure_at(a.theta + 1.3), a.pressure, atol=1e-5 * a.peak_pressure)
+
+
 def test_meshes_answer_as_columns_do() -> None:
     for kind in ("hinge", "pivot"):
         brake = pad(kind, body=BODY)

@@ -1,8 +1,9 @@
 """Texts from outside: limited before a parser sees them, cleaned before a person does."""
 
+import difflib
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import PurePath
 
 LONGEST_LINE = 600  # characters of a line about a fault
@@ -34,6 +35,12 @@ def typed(words: Sequence[str]) -> str:
 def _without_folder(word: str) -> str:
     option, equals, path = word.rpartition("=") if word.startswith("-") else ("", "", word)
     return option + equals + (PurePath(path).name if PurePath(path).is_absolute() else path)
+
+
+def nearest(name: str, names: Iterable[str]) -> str:
+    """A hint for a refusal: which of the names was probably meant, or nothing."""
+    close = difflib.get_close_matches(name, list(names), n=1)
+    return f" (did you mean {close[0]!r}?)" if close else ""
 
 
 def check_digits(text: str) -> None:

@@ -109,6 +109,10 @@ class Shoe(Held):
         """The pin (2,) [m] in its frame."""
         return np.array([self.pin.radius, 0.0])
 
+    def own_points(self, xy: Floats) -> Floats:
+        """Points (..., 2) [m] of the brake's frame in its own."""
+        return self.frame.to_shoe(xy)
+
     def points(self, xy: Floats) -> Floats:
         """Points (2, n) [m] of its frame in the brake's."""
         return np.asarray(self.frame.to_brake(xy.T).T)

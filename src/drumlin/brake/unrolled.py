@@ -48,6 +48,10 @@ class StraightShoe(Shoe):
         """The pin (2,) [m] in its frame."""
         return np.array([0.0, self.pin.y])
 
+    def own_points(self, xy: Floats) -> Floats:
+        """Points (..., 2) [m] of the brake's frame in its own."""
+        return self.frame.to_shoe(np.asarray(xy) - np.array([self.pin.x, 0.0]))
+
     def points(self, xy: Floats) -> Floats:
         """Points (2, n) [m] of its frame in the brake's."""
         return np.array([self.pin.x + self.frame.sense * xy[0], xy[1]])

@@ -18,17 +18,24 @@ def cost(
     by_size: Annotated[
         bool, typer.Option("--table", help="against the unknowns, up to 1 000 000: some minutes, some 8 GiB")
     ] = False,
+    model: Annotated[str, typer.Option(metavar="fem|solid", help="solid: its table, up to 100 000 unknowns")] = "fem",
 ) -> None:
     """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
     from drumlin.brake.file import read_brake
-    from drumlin.verification.cost import measure, table
+    from drumlin.models import pick
+    from drumlin.verification.cost import measure, solid_table, table
 
     brake = read_brake(brake_file)
+    if model not in {"fem", "solid"}:
+        raise BadInput(f"--model = {model!r}: has no cost to print; allowed: fem, solid")
+    pick(model, brake)
     options = fem_options(elements, penalty=penalty)
     if by_size and options:
         raise BadInput("--table chooses the elements itself; leave out --elements and --penalty")
-    if by_size:
-        for line in table(brake):
+    if model == "solid" and options:
+        raise BadInput("--model solid chooses the elements itself; leave out --elements and --penalty")
+    if by_size or model == "solid":
+        for line in (table if model == "fem" else solid_table)(brake):
             tell(line, at_once=True)
         return
     with busy("measuring"):

@@ -17,7 +17,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Point
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial, straight
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, edge_nodes, edge_points, radial, straight
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
@@ -79,7 +79,7 @@ class Body:
 class Scene:
     """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if it has one.
 
-    `apart`: each shoe meets the ring as if the others did not press it.
+    `apart`: each shoe meets the ring as if the others did not press it. `model`: whose bodies they are.
     """
 
     brake: Brake
@@ -88,6 +88,7 @@ class Scene:
     seconds: Seconds
     left_out: tuple[str, ...]
     apart: bool = False
+    model: str = "fem"
 
 
 def why_not(brake: Brake) -> str | None:
@@ -310,7 +311,7 @@ def coupled(
 ) -> Body:
     """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the rest of a Body."""
     n = len(line.nodes)
-    coupling = couple(line, shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
+    coupling = line.couple(shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
     forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
     Y = condensed.half(np.hstack(forces))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
@@ -367,7 +368,7 @@ def actuation(body: Body | Assembled, shoe: Shoe) -> tuple[Floats, float]:
     In the shoe's frame; a negative force counts as one newton the other way.
     """
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
-    force, point = shoe.frame.to_shoe(direction), shoe.frame.to_shoe(shoe.actuation.point.xy)
+    force, point = shoe.frame.to_shoe(direction), shoe.own_points(shoe.actuation.point.xy)
     couple_ = float(cross(point - body.load_centre, force))
     return np.array([*force, couple_]), float(cross(point - pin_of(shoe), force))
 

@@ -61,7 +61,7 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
             answers[i] = _untouched(brake.shoes[i])
     balance = worst([answer.balance for answer in answers.values()])
     return Response(
-        model="fem",
+        model=scene.model,
         shoes=tuple(answers[i].response for i in sorted(answers)),
         balance=balance,
         iterations=max(answer.steps for answer in answers.values()),
@@ -126,11 +126,12 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
         if not _imbalance(answers) < LARGEST_IMBALANCE:
             raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
         return answers
+    solid = group.scene.model == "solid"  # whose whole system is not put together
     small = sum(body.unknowns * body.line.order**2 for body in group.bodies) <= MAX_REFINED
     lost = max(body.condensed.lost for body in group.bodies)
-    if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small else LARGEST_IMBALANCE):
+    if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small and not solid else LARGEST_IMBALANCE):
         return answers
-    if not small and max(body.line.order for body in group.bodies) > 2:  # high degrees fill the factors: minutes
+    if solid or (not small and max(body.line.order for body in group.bodies) > 2):  # the factors fill: minutes
         raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
     try:
         refined = refined_group(group, found.active)
@@ -206,6 +207,7 @@ def _answer(
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
+    phi, mean = line.along(p)
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"
         if math.isinf(penalty)
@@ -217,8 +219,8 @@ def _answer(
     response = pressed_shoe(
         shoe,
         brake.drum.radius,
-        frame.theta(line.phi),
-        p,
+        frame.theta(phi),
+        mean,
         order=line.order,
         torque=abs(drag) * pressed,
         normal_force=float(np.linalg.norm((coupling.N.T @ p).reshape(-1, 2).sum(axis=0))),
@@ -229,6 +231,7 @@ def _answer(
         pivot_reaction=-frame.to_brake(nodal.sum(axis=0)) if shoe.pivot is not None else None,
         reaction_moment=frame.sense * twist,
         motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
+        surface=line.surface(p),
     )
     return _Answer(response, balance, steps, note)
 

@@ -16,13 +16,8 @@ from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import Actuation, Beam, Body
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.fields import Point
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
-
-MM = 1e3
-INK, FAINT, DRUM, BODY, BLOCK, LINING, FORCE, MOTION = (
-    "#1d2733", "#5b6875", "#e6ebf0", "#aab6c2", "#e3cfa4", "#c89b6a", "#c8553d", "#0b6e99",
-)  # fmt: skip
+from drumlin.report.signs import BLOCK, BODY, DRUM, FAINT, FORCE, INK, LINING, MM, MOTION, arm, between, held
 
 
 def draw_brake(axes: Axes, brake: AnyBrake) -> None:
@@ -46,6 +41,7 @@ def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
     _drum(axes, brake, unit)
     for shoe in brake.shoes:
         _shoe(axes, shoe, R, unit)
+    between(axes, brake, unit)
     corners = np.array([[-1.0, -1.0], [1.0, 1.0]]) * _outermost(brake)
     points = [corners, *(_places(shoe, R, unit) for shoe in brake.shoes)]
     _frame(axes, np.concatenate(points), 1.8 * unit)
@@ -118,13 +114,13 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
     if isinstance(shoe.body, Body) and not own:
         arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
         _layer(axes, shoe, R, lining, shoe.body.thickness * MM, arc, BODY)
-    _pin(axes, shoe.pin, unit, fixed=True)
-    if shoe.pivot is not None:
-        _pin(axes, shoe.pivot, unit, fixed=False)
+    held(axes, shoe, unit)
+    arm(axes, shoe, R / MM, unit)
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     inside = R - 1.8 * unit - (shoe.depth * MM if shoe.sign > 0 else 0.0)
     _label(axes, inside * np.array([math.cos(middle), math.sin(middle)]), shoe.name)
-    _force(axes, shoe.actuation, _loaded_point(shoe, R), unit)
+    if shoe.actuation.force:  # that of a strut is drawn with it
+        _force(axes, shoe.actuation, _loaded_point(shoe, R), unit)
 
 
 def _beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
@@ -238,8 +234,11 @@ def _flat_shoe(axes: Axes, shoe: FlatShoe, unit: float) -> None:
     block = [(start, top), *feet.tolist(), (end, top)]
     axes.add_patch(PathPatch(Outline(np.array([*block, block[0]])), facecolor=BODY, edgecolor="none", zorder=2))
     axes.plot(*np.array([hinge, load]).T, color=BODY, lw=7, solid_capstyle="round", zorder=2)
-    _pin(axes, shoe.pin, unit, fixed=True)
+    held(axes, shoe, unit)
     _label(axes, np.array([0.5 * (start + end), 2.0 * unit]), shoe.name)
+    if shoe.held_by != "hinge":
+        _force(axes, shoe.actuation, load, unit)
+        return
     axes.annotate(
         "", (hinge[0], 0), (hinge[0], hinge[1]), arrowprops={"arrowstyle": "<->", "color": FAINT, "lw": 0.8}, zorder=4
     )
@@ -286,20 +285,6 @@ def _arrow(axes: Axes, tail: Floats, tip: Floats, color: str, width: float) -> N
             color=color, lw=20 * width, shrinkA=0, shrinkB=0, zorder=6,
         )
     )  # fmt: skip
-
-
-def _pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
-    """A pin: on hatched ground, or on the lever."""
-    x, y = point.xy * MM
-    if fixed:
-        foot = np.array([[x, y], [x - 0.7 * unit, y - 1.1 * unit], [x + 0.7 * unit, y - 1.1 * unit], [x, y]])
-        axes.fill(*foot.T, facecolor="white", edgecolor=INK, lw=1, zorder=4)
-        ground = (x - unit, y - 1.45 * unit)
-        axes.add_patch(
-            Rectangle(ground, 2 * unit, 0.35 * unit, facecolor="none", edgecolor=FAINT, hatch="////", lw=0, zorder=4)
-        )
-        axes.plot([x - unit, x + unit], [y - 1.1 * unit] * 2, color=INK, lw=1, zorder=4)
-    axes.add_patch(Circle((x, y), 0.32 * unit, facecolor="white", edgecolor=INK, lw=1.4, zorder=5))
 
 
 def _label(axes: Axes, place: Floats, text: str, color: str = INK, **style: Any) -> None:

@@ -6,8 +6,8 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from drumlin.arrays import Ints
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.plane_brake import AnyBrake
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.unrolled import unrolled
 from drumlin.fem.assembly import Body
 from drumlin.fem.hp.grid import Grid
 from drumlin.fem.solve import scene_of
@@ -23,10 +23,11 @@ def draw(brake: AnyBrake, **options: Any) -> Figure:
     axes = figure.subplots()
     draw_brake(axes, brake)
     axes.set_title(f"{brake.title}, {brake.motion}")
-    if not isinstance(brake, Brake) or "fem" in refusals(brake):
+    if "fem" in refusals(brake):
         return figure
-    for shoe, body in zip(brake.shoes, scene_of(brake, **options).bodies, strict=True):
-        xy = shoe.frame.to_brake(body.basis.doflocs.T) * 1e3
+    own = unrolled(brake) if isinstance(brake, FlatBrake) else brake
+    for shoe, body in zip(own.shoes, scene_of(own, **options).bodies, strict=True):
+        xy = shoe.points(body.basis.doflocs).T * 1e3
         around = body.mesh.outline if isinstance(body.mesh, Grid) else _around(body)
         for name, elements in body.mesh.subdomains.items():
             axes.add_collection(

@@ -45,12 +45,15 @@ class Step(NamedTuple):
 
 
 def steps(
-    brake: Brake, respond: Respond, cache: assembly.Cache | None = None, levels: Sequence[Level] = LEVELS
+    brake: Brake, respond: Respond, cache: assembly.Cache | None = None, levels: Sequence[Level] = ()
 ) -> Iterator[Step]:
-    """The brake on all `levels`, finer and finer; cache: see `scene`. Raises NoAnswer where two levels have none."""
+    """The brake on all levels, or on those given, finer and finer; cache: see `scene`.
+
+    Raises NoAnswer where two levels have none.
+    """
     last: Response | None = None
     refused = 0
-    for level in levels:
+    for level in levels or LEVELS:
         for _ in range(MOST_PASSES):
             places = places_of(brake, last)
             made = scene(brake, level, places, cache)
