@@ -232,6 +232,8 @@ def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
     for name in ("engineer/table", "engineer/which_law", "researcher/python", "notebooks/engineer"):
         assert "_images/" in (site / f"{name}.html").read_text(encoding="utf-8")  # the figures of its examples
     assert "<math" in (site / "researcher" / "contact.html").read_text(encoding="utf-8")
+    for path in pages:  # no command of TeX is left in a formula
+        assert not re.search(r"<m[ion][^>]*>\\", path.read_text(encoding="utf-8")), path.name
     index = (site / "searchindex.js").read_text(encoding="utf-8")
     assert '"lock' in index or "lock:" in index
     assert not list(site.rglob("*.pickle"))
