@@ -19,7 +19,8 @@ from drumlin.errors import NoAnswer
 from drumlin.files import cell
 from drumlin.models import applicable
 from drumlin.response.norms import pressure_distance, relative, vector_distance
-from drumlin.response.response import EDGE_ZONE, FlatMerit, Response, ShoeResponse
+from drumlin.response.response import EDGE_ZONE, FlatMerit, Response
+from drumlin.response.show import arcs_text
 
 B = TypeVar("B", bound=Brake | FlatBrake)
 
@@ -203,12 +204,6 @@ def columns_of(brake: AnyBrake) -> tuple[Column, ...]:
         "contact": {"unit": "mm"},
     }
     return tuple(column._replace(**words.get(column.key, {})) for column in COLUMNS)
-
-
-def arcs_text(shoe: ShoeResponse, unit: str = "deg") -> str:
-    """Contact arcs as text: numbers in degrees, or in mm for a shoe on a plane."""
-    factor = {"deg": 180 / math.pi, "mm": 1e3}[unit]
-    return ", ".join(f"{a * factor:.1f} to {b * factor:.1f}" for a, b in shoe.contact_arcs) or "none"
 
 
 def as_csv(table: Sequence[dict[str, Any]]) -> str:

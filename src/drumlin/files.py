@@ -5,14 +5,11 @@ all: a temporary name beside it, then a rename. Links are followed, permissions 
 """
 
 import errno
-import hashlib
 import json
 import os
 import re
-import secrets
 import select
 import stat
-import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -164,13 +161,15 @@ def replacing(path: Path) -> Iterator[Path]:
     try:
         standard = None if found is None else _standard(found)
         if found is not None and (standard is not None or not stat.S_ISREG(found.st_mode)):
+            import tempfile  # noqa: PLC0415  (for pipes and devices only)
+
             with tempfile.TemporaryDirectory(prefix="drumlin-") as folder:
                 partial = Path(folder) / f"output{_suffix(path)}"
                 yield partial
                 _send(partial.read_bytes(), path, standard)
             return
         target.parent.mkdir(parents=True, exist_ok=True)
-        partial = target.with_name(f".drumlin-{secrets.token_hex(6)}{_suffix(path)}")
+        partial = target.with_name(f".drumlin-{os.urandom(6).hex()}{_suffix(path)}")
         try:
             os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666 if found is None else 0o600))
             yield partial
@@ -258,6 +257,8 @@ def cell(value: object) -> object:
 
 def content_digest(path: Path) -> str:
     """A digest of what is in a file; of one that cannot be read "none"."""
+    import hashlib  # noqa: PLC0415  (for mesh files only)
+
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()[:16]

@@ -1,6 +1,9 @@
 """Texts from outside: limited before a parser sees them, cleaned before a person does."""
 
 import re
+import shlex
+from collections.abc import Sequence
+from pathlib import PurePath
 
 LONGEST_LINE = 600  # characters of a line about a fault
 LONGEST_QUANTITY = 100  # characters of a number and its unit
@@ -21,6 +24,16 @@ def one_line(text: str, most: int = LONGEST_LINE) -> str:
 
 def _shown(character: str) -> str:
     return character if character.isprintable() else character.encode("unicode_escape").decode()
+
+
+def typed(words: Sequence[str]) -> str:
+    """A command line as a page shows it: of absolute paths, which tell of the machine, the names alone."""
+    return one_line(shlex.join(map(_without_folder, words)))
+
+
+def _without_folder(word: str) -> str:
+    option, equals, path = word.rpartition("=") if word.startswith("-") else ("", "", word)
+    return option + equals + (PurePath(path).name if PurePath(path).is_absolute() else path)
 
 
 def check_digits(text: str) -> None:

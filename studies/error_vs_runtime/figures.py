@@ -16,6 +16,8 @@ COLORS = {
     "even mesh": "#8a8f98",
     "graded mesh": "#0b6e99",
     "adapted mesh": "#1d2733",
+    "columns": "#e07a1f",
+    "columns, error stated": "#9c3d00",
     "weak penalty": "#7fb8d4",
     "pointwise penalty": "#d19a1b",
     "GetFEM": "#7a5195",

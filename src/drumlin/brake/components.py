@@ -6,6 +6,7 @@ from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
+    AfterValidator,
     Discriminator,
     Field,
     Tag,
@@ -28,10 +29,10 @@ from drumlin.brake.fields import (
     table,
     value_at,
 )
-from drumlin.brake.units import deg
+from drumlin.brake.units import SMALLEST, deg
 
-Friction = Annotated[float, Field(ge=0, le=1e6, strict=True)]
-"""A friction coefficient."""
+Friction = Annotated[float, Field(ge=0, le=1e6, strict=True), AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0)]
+"""A friction coefficient; one below SMALLEST is none, as with every quantity."""
 
 
 class Section(NamedTuple):

@@ -75,7 +75,7 @@ Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_name)]
 class Part(BaseModel):
     """A piece of a brake: frozen, and with no key that it does not know."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True)
 
     @model_validator(mode="before")
     @classmethod

@@ -11,6 +11,7 @@ from drumlin.errors import BadInput
 
 OPTIONS = {  # model -> its own options
     "fem": ("elements", "kind", "penalty", "tolerance"),
+    "solid": ("elements", "across", "penalty", "fields"),
     "foundation": ("sections", "lift"),
 }
 
@@ -32,6 +33,10 @@ def solve(
     lift: Annotated[
         list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
     ] = None,
+    across: Annotated[int | None, typer.Option(help="elements over half the width of a solid lining")] = None,
+    fields: Annotated[
+        Path | None, typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes")
+    ] = None,
 ) -> None:
     """Solve a brake by one model."""
     from drumlin.brake.plane_brake import FlatBrake, read_any
@@ -39,16 +44,19 @@ def solve(
     from drumlin.models import pick
 
     brake = read_any(brake_file)
-    check_outputs(json_file, pressure)
+    check_outputs(json_file, pressure, fields)
     options = fem_options(elements, kind=kind, penalty=penalty) | (
         {} if tolerance is None else {"tolerance": tolerance}
     )
     chosen = pick(model, brake)
-    options |= {name: value for name, value in (("sections", sections), ("lift", lift)) if value is not None}
+    more = (("sections", sections), ("lift", lift), ("across", across), ("fields", fields))
+    options |= {name: value for name, value in more if value is not None}
     for owner, names in OPTIONS.items():
-        if model != owner and set(names) & set(options):
-            *some, last = (f"--{name}" for name in names)
-            raise BadInput(f"{', '.join(some)} and {last} belong to --model {owner}, not to {model!r}")
+        others = [f"--{name}" for name in names if name not in OPTIONS.get(model, ())]
+        if model != owner and any(option.removeprefix("--") in options for option in others):
+            *some, last = others
+            said = f"{', '.join(some)} and {last} belong" if some else f"{last} belongs"
+            raise BadInput(f"{said} to --model {owner}, not to {model!r}")
     with busy(f"solving by {model}"):
         response = chosen.solve(brake, **options)
     if json_file is not None:
@@ -103,9 +111,9 @@ def hold(
 
     from drumlin.brake.file import read_brake
     from drumlin.brake.units import quantity
-    from drumlin.fem.assembly import prepare
     from drumlin.fem.holding import as_dict, full_slip_rotation
     from drumlin.fem.holding import hold as turn
+    from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
 
     brake = read_brake(brake_file)
@@ -116,7 +124,7 @@ def hold(
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
     end = None if rotation is None else quantity("--rotation", rotation, "rad")
     with busy("holding") as say:
-        scene = prepare(brake, **options)
+        scene = scene_of(brake, **options)
         end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
         states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
     if json_file is not None:
@@ -135,9 +143,9 @@ def sensitivity(
 ) -> None:
     """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the elastic brake."""
     from drumlin.brake.file import read_brake
-    from drumlin.fem.assembly import prepare
     from drumlin.fem.sensitivity import as_text
     from drumlin.fem.sensitivity import sensitivity as slopes
+    from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
 
     brake = read_brake(brake_file)
@@ -145,7 +153,7 @@ def sensitivity(
     options = fem_options(elements, kind=kind, penalty=penalty)
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
     with busy("sensitivity"):
-        found = slopes(prepare(brake, **options), brake, **stiffness)
+        found = slopes(scene_of(brake, **options), brake, **stiffness)
     if json_file is not None:
         write_json(json_file, found.as_dict())
     tell(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
@@ -209,11 +217,11 @@ def wear(
 
     with busy("running in") as say:
         if model == "fem":
-            from drumlin.fem.assembly import prepare
+            from drumlin.fem.solve import scene_of
             from drumlin.wear.linings import guided as on_guides
 
             brake = on_guides(brake) if guided else brake
-            scene = prepare(brake, **meshing)
+            scene = scene_of(brake, **meshing)
 
             def setup_of(turning: Any) -> WearSetup:
                 return fem_setup(scene, turning)

@@ -74,8 +74,8 @@ def busy(words: str) -> Iterator[Callable[[str], None]]:
 
 def print_response(brake: "AnyBrake", response: "Response") -> None:
     """A response for people: the torque, a line or two a shoe, then how it was found and what it leaves out."""
-    from drumlin.comparison import arcs_text
     from drumlin.response.response import FlatMerit
+    from drumlin.response.show import arcs_text
 
     tell(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
     forces = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]

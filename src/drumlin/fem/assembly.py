@@ -17,7 +17,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Point
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial, straight
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, edge_nodes, edge_points, radial, straight
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
@@ -79,7 +79,7 @@ class Body:
 class Scene:
     """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if it has one.
 
-    `apart`: each shoe meets the ring as if the others did not press it.
+    `apart`: each shoe meets the ring as if the others did not press it. `model`: whose bodies they are.
     """
 
     brake: Brake
@@ -88,6 +88,7 @@ class Scene:
     seconds: Seconds
     left_out: tuple[str, ...]
     apart: bool = False
+    model: str = "fem"
 
 
 def why_not(brake: Brake) -> str | None:
@@ -163,12 +164,13 @@ def bare(brake: Brake) -> Brake:
             "rotation": "counter-clockwise",
             "friction": float(brake.friction > 0),
             "drum": brake.drum.model_copy(update={"out_of_round": (), "angle": 0.0}),
-            "shoes": tuple(_bare(shoe) for shoe in brake.shoes),
+            "shoes": tuple(bare_shoe(shoe) for shoe in brake.shoes),
         }
     )
 
 
-def _bare(shoe: Shoe) -> Shoe:
+def bare_shoe(shoe: Shoe) -> Shoe:
+    """The shoe without what its body does not depend on; see `bare`."""
     force: dict[str, Any] = {"force": 1.0, "direction": 0.0}
     if (
         not isinstance(shoe.body, Beam) and shoe.guide is None
@@ -212,9 +214,9 @@ def prepare(
         key = shape_of(brake, shoe)
         if key not in made:
             made[key] = cache.get(
-                (_bare(shoe), brake.drum.radius, brake.friction > 0, setting, content(shoe)),
+                (bare_shoe(shoe), brake.drum.radius, brake.friction > 0, setting, content(shoe)),
                 partial(_body, brake, shoe, mesher, seconds),
-                _bytes,
+                size_of,
             )
         bodies.append(made[key])
     ring = None
@@ -223,7 +225,7 @@ def prepare(
         with clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
             key = (bare(brake), setting, *map(content, brake.shoes))
-            ring = cache.get(key, partial(ring_body, brake, brake.drum.ring, lines, elements), _bytes)
+            ring = cache.get(key, partial(ring_body, brake, brake.drum.ring, lines, elements), size_of)
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
@@ -241,7 +243,7 @@ def lacking(brake: Brake) -> list[str]:
     ]
 
 
-def _bytes(body: Body | RingBody) -> int:
+def size_of(body: Body | RingBody) -> int:
     """What a condensed body keeps, about: its matrices."""
     n = len(body.line.nodes)
     return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)
@@ -309,7 +311,7 @@ def coupled(
 ) -> Body:
     """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the rest of a Body."""
     n = len(line.nodes)
-    coupling = couple(line, shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
+    coupling = line.couple(shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
     forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
     Y = condensed.half(np.hstack(forces))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
+from drumlin.response.response import Surface
 from drumlin.response.resultants import GAUSS, WEIGHTS, angle_near, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
@@ -39,6 +40,18 @@ class ContactLine:
     def order(self) -> int:
         """Degree of the interpolation along an edge."""
         return len(self.pieces) - 1
+
+    def couple(self, width: float, directions: Directions) -> "Coupling":
+        """The coupling with a counterface of known directions, the lining being `width` [m] wide."""
+        return couple(self, width, directions)
+
+    def along(self, p: Floats) -> tuple[Floats, Floats]:
+        """Angles (n,) [rad] and pressure (n,) [Pa] along the line; of a face its mean over the width."""
+        return self.phi, p
+
+    def surface(self, p: Floats) -> Surface | None:
+        """The pressure over arc and width, of a face."""
+        return None
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
+from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
@@ -61,13 +62,13 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
             answers[i] = _untouched(brake.shoes[i])
     balance = worst([answer.balance for answer in answers.values()])
     return Response(
-        model="fem",
+        model=scene.model,
         shoes=tuple(answers[i].response for i in sorted(answers)),
         balance=balance,
         iterations=max(answer.steps for answer in answers.values()),
         seconds=seconds,
         left_out=scene.left_out,
-        notes=(*_overlaps(scene, brake), *(answers[i].note for i in sorted(answers))),
+        notes=(*_overlaps(scene, brake), *_grips(brake), *(answers[i].note for i in sorted(answers))),
     )
 
 
@@ -106,6 +107,22 @@ def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
             )
 
 
+def _grips(brake: Brake) -> Iterator[str]:
+    """How each elastic body is held: a pin that stands off it is joined to it rigidly, which its pressure feels."""
+    for shoe in brake.shoes:
+        if shoe.mesh is not None or not isinstance(shoe.body, Body):
+            continue
+        said, grip = f"shoe {shoe.name!r}:", shoe.grip(brake.drum.radius)
+        if grip is not None:
+            length = shoe.body.grip or shoe.body.thickness
+            yield f"{said} its {shoe.held_by} grips {mm(length)} of the back of its body"
+            continue
+        away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - pin_of(shoe))))
+        what = "pin" if shoe.held_by == "hinge" else "foot"
+        joined = "" if away < 0.5 * shoe.body.thickness else ", joined by a rigid arm"
+        yield f"{said} its {what} holds the end face of its body, {mm(round(away, 6))} from the face's middle{joined}"
+
+
 def _untouched(shoe: Shoe) -> _Answer:
     note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the drum"
     return _Answer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
@@ -126,11 +143,12 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
         if not _imbalance(answers) < LARGEST_IMBALANCE:
             raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
         return answers
+    solid = group.scene.model == "solid"  # whose whole system is not put together
     small = sum(body.unknowns * body.line.order**2 for body in group.bodies) <= MAX_REFINED
     lost = max(body.condensed.lost for body in group.bodies)
-    if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small else LARGEST_IMBALANCE):
+    if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small and not solid else LARGEST_IMBALANCE):
         return answers
-    if not small and max(body.line.order for body in group.bodies) > 2:  # high degrees fill the factors: minutes
+    if solid or (not small and max(body.line.order for body in group.bodies) > 2):  # the factors fill: minutes
         raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
     try:
         refined = refined_group(group, found.active)
@@ -206,6 +224,7 @@ def _answer(
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
+    phi, mean = line.along(p)
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"
         if math.isinf(penalty)
@@ -217,8 +236,8 @@ def _answer(
     response = pressed_shoe(
         shoe,
         brake.drum.radius,
-        frame.theta(line.phi),
-        p,
+        frame.theta(phi),
+        mean,
         order=line.order,
         torque=abs(drag) * pressed,
         normal_force=float(np.linalg.norm((coupling.N.T @ p).reshape(-1, 2).sum(axis=0))),
@@ -229,6 +248,7 @@ def _answer(
         pivot_reaction=-frame.to_brake(nodal.sum(axis=0)) if shoe.pivot is not None else None,
         reaction_moment=frame.sense * twist,
         motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
+        surface=line.surface(p),
     )
     return _Answer(response, balance, steps, note)
 

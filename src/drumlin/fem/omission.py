@@ -184,7 +184,9 @@ def predict(brake: Brake, names: Sequence[str], respond: Respond, sketch: Make |
     return change(respond(*scene_without(brake, names, sketch)), whole)
 
 
-def adapt_without(brake: Brake, tolerance: float, respond: Respond, soft: float = 0.0) -> Response:
+def adapt_without(
+    brake: Brake, tolerance: float, respond: Respond, soft: float = 0.0, cache: assembly.Cache | None = None
+) -> Response:
     """`adapt`, without the ring and the shoes' elasticity where that is predicted to stay below the tolerance.
 
     Predicted changes count SAFETY times and are part of the response's error. Afterwards what is left out is added
@@ -195,24 +197,20 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond, soft: float 
     whole = Tolerance(tolerance, tolerance)
     names, predicted = _chosen(brake, SHARE * tolerance, respond)
     if not names:
-        return adapt(brake, whole, respond, soft=soft)
-    simple, used = simplified(brake, names), list[Scene]()
-
-    def keeping(scene: Scene, brake: Brake, *, start: Response | None = None) -> Response:
-        used[:] = [scene]
-        return respond(scene, brake, start=start)
-
+        return adapt(brake, whole, respond, soft=soft, cache=cache).response
+    simple = simplified(brake, names)
     try:
-        found = adapt(simple, Tolerance(*[tolerance - _size(predicted)] * 2), keeping, soft=soft)
-        seen = change(found, respond(with_closed_forms(used[0], brake), brake, start=found))
+        left = Tolerance(*[tolerance - _size(predicted)] * 2)
+        scene, found = adapt(simple, left, respond, soft=soft, cache=cache)
+        seen = change(found, respond(with_closed_forms(scene, brake), brake, start=found))
     except NoAnswer:  # of the simpler brake, or of the whole one: then it says so itself
-        return adapt(brake, whole, respond, soft=soft)
+        return adapt(brake, whole, respond, soft=soft, cache=cache).response
     largest = Change(*map(max, predicted, seen))
     more = {"pressure": largest.pressure, "torque": largest.each, "peak": largest.peak, "reaction": largest.reaction}
     shoes = tuple(replace(shoe, error=_with(shoe.error, more)) for shoe in found.shoes)
     error = _with(found.error, more | {"torque": largest.shoes})
     if not max(error["pressure"], error["torque"]) <= tolerance:
-        return adapt(brake, whole, respond, soft=soft)
+        return adapt(brake, whole, respond, soft=soft, cache=cache).response
     lines = [
         f"{' and '.join(names)}: taken as rigid, predicted to change torque by at most {predicted.shoes:.1e}, "
         f"p by {predicted.pressure:.1e} (L2); on the final mesh {seen.shoes:.1e} and {seen.pressure:.1e}"

@@ -209,7 +209,7 @@ def _ring(brake: Brake, ring: Ring, bodies: tuple[assembly.Body, ...]) -> RingBo
         c, s = _waves(body, shoe, k)
         pressed.append(np.vstack([root[:, None] * c, root[:, None] * s]))
         dragged.append(np.vstack([-turned[:, None] * s, turned[:, None] * c]))
-    return RingBody(None, None, bodies[0].line, None, tuple(pressed), tuple(dragged), (), None)  # type: ignore[arg-type]
+    return RingBody(None, None, bodies[0].line, None, tuple(pressed), tuple(dragged), (), k, None)  # type: ignore[arg-type]
 
 
 def _waves(body: assembly.Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:

@@ -32,7 +32,6 @@ from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, actuation, materials_of
 from drumlin.fem.body import FRAME, stiffness
 from drumlin.fem.group import Motions, ShoeGroup
-from drumlin.fem.ring import rim_loads
 
 LONG = np.longdouble
 EPSILON = float(np.finfo(float).eps)
@@ -187,11 +186,11 @@ def _ring_block(scene: Scene, brake: Brake) -> _RingBlock:
     K = stiffness(basis, {"drum": (part.section.material, part.section.width)}, precise=True).tocsr()
     keep = np.ones(2 * basis.N, dtype=bool)
     if part.support == "fixed":
-        support = basis.get_dofs(ring.mesh.boundaries["support"]).flatten()
-        keep[2 * support] = keep[2 * support + 1] = False
+        keep[2 * ring.support] = keep[2 * ring.support + 1] = False
         K = K[keep][:, keep]
     else:
-        rim = sp.csr_matrix(rim_loads(basis, ring.mesh.boundaries["support"]).astype(LONG))
+        assert ring.free is not None
+        rim = sp.csr_matrix(ring.free.rim.transpose(1, 0, 2).reshape(-1, FRAME).astype(LONG))
         K = _joined([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])
     place = np.cumsum(keep) - 1
     dofs = place[np.column_stack([2 * ring.line.nodes, 2 * ring.line.nodes + 1]).ravel()]

@@ -34,8 +34,8 @@ class RingBody:
 
     `pressed[i]`, `dragged[i]` (m, n_i): for shoe i the half flexibilities under the nodal forces N^T and -T^T of
     its pressure: the weighted gap of shoe i opens under the pressure of shoe j by
-    pressed[i]^T (pressed[j] + drag dragged[j]) p_j. `coupled[i]`: N and T (n_i, 2n) of shoe i. `free`: what makes a
-    free ring determinate, None where its far edge is fixed.
+    pressed[i]^T (pressed[j] + drag dragged[j]) p_j. `coupled[i]`: N and T (n_i, 2n) of shoe i. `support`: nodes of
+    the far edge. `free`: what makes a free ring determinate, None where that edge is fixed.
     """
 
     mesh: Any
@@ -45,6 +45,7 @@ class RingBody:
     pressed: tuple[Floats, ...]
     dragged: tuple[Floats, ...]
     coupled: tuple[tuple[Floats, Floats], ...]
+    support: Ints
     free: "Free | None"
 
     def displacement(self, pressures: list[Floats], drag: float) -> Floats:
@@ -128,7 +129,7 @@ def ring_body(brake: Brake, ring: Ring, linings: tuple[ContactLine, ...], elemen
         rim = rim_loads(basis, mesh.boundaries["support"])
         condensed = condense(K, ties, ties.matrix.T @ rim, n)
         free = Free.of(basis, rim, condensed, line)
-    return coupled_ring(brake, linings, mesh, basis, line, condensed, free)
+    return coupled_ring(brake, linings, mesh, basis, line, condensed, support, free)
 
 
 def coupled_ring(
@@ -138,6 +139,7 @@ def coupled_ring(
     basis: Any,
     line: ContactLine,
     condensed: Condensed,
+    support: Ints,
     free: "Free | None",
 ) -> RingBody:
     """A condensed ring, coupled with the linings, given by their contact lines in the shoes' frames."""
@@ -147,7 +149,7 @@ def coupled_ring(
     )
     pressed = tuple(_half(condensed, N.T, free) for N, _ in coupled)
     dragged = tuple(_half(condensed, -T.T, free) for _, T in coupled)
-    return RingBody(mesh, basis, line, condensed, pressed, dragged, coupled, free)
+    return RingBody(mesh, basis, line, condensed, pressed, dragged, coupled, support, free)
 
 
 def _facets_under(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:

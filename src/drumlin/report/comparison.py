@@ -42,11 +42,11 @@ def draw_fields(brake: Brake, response: Response, folder: Path, name: str, **opt
 
     `options`: those of the scene. A page shows what came of it by the macro `fields`.
     """
-    from drumlin.fem.assembly import prepare  # noqa: PLC0415
     from drumlin.fem.fields import fields, ring_fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
+    from drumlin.fem.solve import scene_of  # noqa: PLC0415
     from drumlin.report.render import render  # noqa: PLC0415
 
-    scene = prepare(brake, **options)
+    scene = scene_of(brake, **options)
     parts = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
     if scene.ring is not None:
         parts.append(ring_fields(scene, brake, response))

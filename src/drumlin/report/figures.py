@@ -37,6 +37,7 @@ COLORS = {
     "pivoted": "#d19a1b",
     "linear": "#6b8e23",
     "rigid": "#c8553d",
+    "worn": "#2a9d5c",
     "foundation": "#2a9d5c",
     "lifted": "#d19a1b",
 }
@@ -50,6 +51,7 @@ NAMES = {
     "pivoted": "shoe on a pivot",
     "linear": "long flat shoe",
     "rigid": "rigid shoe",
+    "worn": "finite elements, worn in",
     "foundation": "elastic foundation",
     "lifted": "foundation, all lifted",
 }

@@ -16,6 +16,7 @@ import jinja2
 import drumlin
 from drumlin.comparison import Column
 from drumlin.files import write_text
+from drumlin.texts import typed
 
 _MEDIA = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
 
@@ -76,7 +77,7 @@ def fill(template: Path, page: Path, **values: Any) -> Path:
         **values,
         versions=versions(),
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
-        command=" ".join(["drumlin", *sys.argv[1:]]),
+        command=typed(["drumlin", *sys.argv[1:]]),
     )
     write_text(page, text)
     return page

@@ -39,7 +39,7 @@ def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
     command = [sys.executable, "-P", "-c", CHILD, str(Path(__file__).parents[2]), str(fields)]
     try:
         with replacing(picture) as partial:
-            _drawn([*command, str(partial), json.dumps(marks)])
+            drawn([*command, str(partial), json.dumps(marks)])
         return None
     except NoPicture as error:
         if picture.is_file():
@@ -47,7 +47,7 @@ def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
         return f"no field picture: off-screen rendering is not possible here ({one_line(str(error), 200)})"
 
 
-def _drawn(command: list[str]) -> None:
+def drawn(command: list[str]) -> None:
     """Run a process that draws. Raises NoPicture with the last that it said."""
     try:
         done = subprocess.run(command, capture_output=True, timeout=TIMEOUT, check=False)

@@ -43,6 +43,14 @@ class Deformation(NamedTuple):
     z: Floats
 
 
+class Surface(NamedTuple):
+    """The pressure over arc and width: `pressure` (n, m) [Pa] at the response's angles and at `z` (m,) [m] off the
+    mid-plane, growing; between these quadratic in z over every two steps."""
+
+    z: Floats
+    pressure: Floats
+
+
 @dataclass(frozen=True)
 class ShoeResponse:
     """What one shoe does.
@@ -57,7 +65,8 @@ class ShoeResponse:
     guide adds to its force, about `Held.pin`; `force` [N] of the actuation, where shoes share it; `motion` dx, dy [m]
     at `Held.pin` and turn [rad] in the shoe's own frame, of a shoe without hinge; `lumped` the contact's forces, where
     a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
-    `deformation` of beam and ring, of the foundation model. `error`: estimated relative errors "pressure" (L2 outside
+    `deformation` of beam and ring, of the foundation model. `surface` of a solid: its `pressure` is then the mean over
+    the width, in `peak_pressure` too. `error`: estimated relative errors "pressure" (L2 outside
     the edge zones), "torque", "peak" and "reaction", None where nothing was estimated.
 
     Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
@@ -80,6 +89,7 @@ class ShoeResponse:
     force: float | None = None
     motion: tuple[float, float, float] | None = None
     deformation: Deformation | None = None
+    surface: Surface | None = None
     error: Mapping[str, float] | None = None
 
     def pressure_at(self, theta: Floats) -> Floats:
@@ -136,6 +146,8 @@ class ShoeResponse:
             data["pivot_reaction"] = [float(x) for x in self.pivot_reaction]
         if self.deformation is not None:
             data["deformation"] = {key: values.tolist() for key, values in self.deformation._asdict().items()}
+        if self.surface is not None:
+            data["surface"] = {key: values.tolist() for key, values in self.surface._asdict().items()}
         return data
 
 
@@ -261,12 +273,13 @@ def pressed_shoe(
     hinge_reaction: Floats,
     turn: float | None = None,
     located: bool = True,
+    surface: Surface | None = None,
     **more: Any,
 ) -> ShoeResponse:
     """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
 
-    radius: of the drum [m]; located: the ends of the contact and the peak are located within their elements; more:
-    other attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
+    radius: of the drum [m]; located: the ends of the contact and the peak are located within their elements; surface:
+    its rows as the angles; more: other attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure, zone = theta[forward], pressure[forward], edge_zone(shoe, radius)
@@ -286,6 +299,7 @@ def pressed_shoe(
         pressure=pressure,
         order=order,
         turn=turn,
+        surface=None if surface is None else surface._replace(pressure=surface.pressure[forward]),
         **more,
     )
 

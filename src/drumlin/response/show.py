@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from drumlin.response.response import Response
+    from drumlin.response.response import Response, ShoeResponse
 
 HEAD = ("shoe", "torque [N m]", "normal force [N]", "peak pressure [MPa]", "contact [deg]", "self-energising")
 ON_A_PLANE = ("shoe", "braking force [N]", "normal force [N]", "peak pressure [MPa]", "contact [mm]", "self-energising")
@@ -20,20 +20,24 @@ def _forces(response: "Response") -> list[float]:
     return [getattr(merit, "braking_force") for merit in response.merits if hasattr(merit, "braking_force")]  # noqa: B009
 
 
+def arcs_text(shoe: "ShoeResponse", unit: str = "deg") -> str:
+    """Contact arcs as text: numbers in degrees, or in mm for a shoe on a plane."""
+    factor = {"deg": 180 / math.pi, "mm": 1e3}[unit]
+    return ", ".join(f"{a * factor:.1f} to {b * factor:.1f}" for a, b in shoe.contact_arcs) or "none"
+
+
 def rows_of(response: "Response") -> list[tuple[str, ...]]:
     """The head, one row a shoe, and one of the whole brake."""
     forces = _forces(response)
-    per_unit = 1e3 if forces else math.degrees(1)
     rows = [ON_A_PLANE if forces else HEAD]
     for i, shoe in enumerate(response.shoes):
-        arcs = ", ".join(f"{a * per_unit:.1f} to {b * per_unit:.1f}" for a, b in shoe.contact_arcs)
         rows.append(
             (
                 shoe.name,
                 f"{forces[i] if forces else shoe.torque:.6g}",
                 f"{shoe.normal_force:.6g}",
                 f"{shoe.peak_pressure * 1e-6:.4g}",
-                arcs or "none",
+                arcs_text(shoe, "mm" if forces else "deg"),
                 "yes" if shoe.self_energising else "no",
             )
         )

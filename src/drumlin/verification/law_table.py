@@ -14,7 +14,7 @@ from drumlin.models import MODELS
 from drumlin.response.merit import barecki_shoe_factor
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
 
-LAW_NAMES = tuple(name for name in MODELS if name != "fem")
+LAW_NAMES = tuple(name for name in MODELS if name not in {"fem", "solid"})
 Row = dict[str, Any]
 
 

@@ -158,7 +158,7 @@ def _check(law: WearLaw, tolerance: float, distance: float) -> None:
     if not 0.3 <= law.exponent <= 4:
         raise BadInput(f"exponent = {law.exponent:g}: must be from 0.3 to 4")
     if math.isinf(distance) and law.coefficient == 0:
-        raise BadInput("coefficient = 0: nothing wears, so that a distance must be given")
+        raise BadInput("coefficient = 0: nothing wears, so that a distance in m must be given")
 
 
 def run_on(interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]) -> list[WearState]:

@@ -201,14 +201,15 @@ def life(
 
 class Checks(NamedTuple):
     """Balances of a run, relative: its worn volume against the integral of the wear rate (k Int Int p dA ds), and that
-    of the worn shape over the round lining against the energy, V = k W/mu for the exponent 1 (nan for others).
+    of the worn shape over the round lining against the energy, V = k W/mu.
 
-    `ripple`: the largest checkerboard of any state after the first; see archard.ripple.
+    `energy`: None without friction and for other exponents than 1. `ripple`: the largest checkerboard of any state
+    after the first, see archard.ripple; None where the linings have too few nodes.
     """
 
     volume: float
-    energy: float
-    ripple: float
+    energy: float | None
+    ripple: float | None
 
 
 def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Checks:
@@ -216,7 +217,7 @@ def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Check
     end, brake = states[-1], setup.brake
     area = np.concatenate([interface.area for interface in setup.interfaces])
     scale = end.removed or 1.0
-    by_energy = math.nan
+    by_energy = None
     if brake.friction > 0 and law.exponent == 1:
         shape = sum(
             brake.shoes[s.shoe].lining.width * brake.drum.radius * _integral(s, s.along(end.depth))
@@ -225,7 +226,7 @@ def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Check
         by_energy = abs(shape - law.coefficient * end.work / (brake.friction * brake.drum.radius)) / scale
     ripples = [archard.ripple(s.along(state.pressure)) for state in states[1:] for s in setup.surfaces]
     seen = [ripple for ripple in ripples if not math.isnan(ripple)]
-    return Checks(abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=math.nan))
+    return Checks(abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=None))
 
 
 def _integral(surface: Surface, values: Floats) -> float:
@@ -277,10 +278,11 @@ def report_lines(
 ) -> list[str]:
     """A run as lines of text: some of its states, evenly spread, then what became of it."""
     unit = unit_distance(setup, law)
+    wears = f", 1/(k K) = {unit * 1e-3:.5g} km" if law.coefficient else ": nothing wears"
     force = setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     said = [
         f"{setup.brake.title}: {setup.model}, {setup.brake.motion}, mu = {setup.brake.friction:g}, "
-        f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:g}, 1/(k K) = {unit * 1e-3:.5g} km",
+        f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:.9g}{wears}",
         f"{'s [km]':>12}{'s k K':>11}{'torque [N m]':>14}{'force [N]':>12}{'peak p [MPa]':>14}{'p off law [%]':>15}"
         f"{'T off law [%]':>15}{'worn depth [mm]':>17}",
     ]
@@ -300,9 +302,11 @@ def report_lines(
             f"the law for {_part(spent.pressure)}, the torque for {_part(spent.torque)}"
         )
     balance = checks(setup, states, law)
+    energy = "" if balance.energy is None else f", energy {balance.energy:.1e}"
+    ripple = "" if balance.ripple is None else f"checkerboard at most {balance.ripple:.1e}; "
     said.append(
-        f"worn volume {states[-1].removed * 1e9:.5g} mm^3; balance: volume {balance.volume:.1e}, energy "
-        f"{balance.energy:.1e}; checkerboard at most {balance.ripple:.1e}; {len(states) - 1} steps"
+        f"worn volume {states[-1].removed * 1e9:.5g} mm^3; balance: volume {balance.volume:.1e}{energy}; "
+        f"{ripple}{len(states) - 1} steps"
     )
     return said
 

@@ -68,6 +68,12 @@ class Division:
     part: tuple[str, ...]
 
     @property
+    def key(self) -> tuple[int, bytes, bytes, bytes, bytes]:
+        """Equal for equal divisions of a shoe."""
+        ends = self.angles, self.before, self.after, self.depths
+        return self.degree, *(each.tobytes() for each in ends)  # type: ignore[return-value]
+
+    @property
     def layers(self) -> int:
         """Number of layers under the lining."""
         return len(self.part)
@@ -136,7 +142,9 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
-    marks = _marks(start, end, scale, [(x, level.end ** (1 + kink) * min(t, size)) for x, size, kink in places])
+    marks = _marks(
+        start, end, scale, [_mark(level.end ** (1 + kink) * min(t, size), x, kink) for x, size, kink in places]
+    )
     grip = shoe.grip(radius)
     if grip is not None:
         size = level.hinge * layers[-1].thickness / radius
@@ -164,6 +172,13 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
         straight=isinstance(shoe.body, Beam),
     )
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
+
+
+def _mark(size: float, x: float, kink: bool) -> tuple[float, float]:
+    """Where columns end, and their size there: an end of the contact to half a column, so that bodies of brakes that
+    differ by less are one and the same."""
+    size = 2.0 ** math.floor(math.log2(size))
+    return (x if kink else round(2 * x / size) * size / 2), size
 
 
 def _marks(start: float, end: float, edge: float, places: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -195,7 +210,7 @@ def _depths(layers: list[Layer], level: Level, face: float, *, straight: bool) -
     for k, layer in enumerate(layers):
         t = layer.thickness
         outer = face if k == 0 else level.back * min(t, layers[k - 1].thickness)
-        inner = level.back * min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
+        inner = level.back * (min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t)  # the last one is held
         if layer.part == "shoe":
             inner = level.hinge * t
         sizes = graded(t, outer, inner, level.through, t)

@@ -94,7 +94,7 @@ def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> R
         balance: Floats = np.asarray(np.linalg.solve(R.T @ rim, touching.T), dtype=float)
         root = scipy.linalg.sqrtm(work).real
         held = Free(rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), balance, condensed.half(condensed.load_c), root)
-    return coupled_ring(brake, linings, grid, grid, contact, condensed, held)
+    return coupled_ring(brake, linings, grid, grid, contact, condensed, grid.sets["support"], held)
 
 
 def _columns(
