@@ -19,6 +19,7 @@ LOOKS: dict[str, tuple[str, Any]] = {  # of a model: colour, line style
     "linear": (BROWN, "--"),
     "rigid": (RED, "--"),
     "solid": (INK, "-"),
+    "worn": (GREEN, "-"),
     "foundation": (GREEN, (0, (6, 2))),
     "lifted": (OCHRE, ":"),
 }
