@@ -1,16 +1,20 @@
-# make study: set up and write the main report.   make test: set up, lint, type-check and test.
+# make study: set up and write the main report.   make manual: set up and build the manual, reports/manual/index.html.
+# make test: set up, lint, type-check and test.
 # make test-all: install what make test may have to skip for (Debian, Ubuntu), and run every test; a skip is a failure.
 PYTHON ?= python3
 BIN = .venv/bin
 
-# CalculiX, GetFEM, and the libraries that Gmsh loads
-PACKAGES = calculix-ccx python3-getfem++ libgl1 libglu1-mesa libgomp1 libxcursor1 libxft2 libxinerama1
+# CalculiX, GetFEM, the libraries that Gmsh loads, and a browser
+PACKAGES = calculix-ccx chromium chromium-driver python3-getfem++ libgl1 libglu1-mesa libgomp1 libxcursor1 libxft2 libxinerama1
 AS_ROOT = $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 TESTS = -n 2 --dist loadscope --no-skips  # or --skipped: what make test has just skipped
 
-.PHONY: study test test-all packages setup clean
+.PHONY: study manual test test-all packages setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
+
+manual: .venv/ready
+	$(BIN)/drumlin study manual
 
 # loadscope: a module, and what its tests share, stays in one process
 test: .venv/ready

@@ -15,7 +15,7 @@ from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.mesh.grading import apart, refine
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
-from drumlin.verification.reference import Refinement, fine_response
+from drumlin.verification.reference import responses
 
 NAMES = ("pressure", "torque", "peak", "reaction")
 CLEARANCE = {"shoe.lining.clearance": 1e-4}  # partial contact: open at the hinge, and in the middle of one lining
@@ -49,10 +49,10 @@ def test_two_references_agree_and_adapted_meshes_meet_their_tolerance(name, requ
     first = solve(brake, tolerance=1e-3)
     ends = contact_ends(brake, first)
     assert len(ends) == 3
-    truth = fine_response(brake, first, Refinement("quad2", 220, 1e-3, 1.25))
-    other = fine_response(brake, first, Refinement("tri2", 120, 1e-3, 1.25))
-    assert distance(other, truth) < 1e-4
-    assert other.torque == pytest.approx(truth.torque, rel=1e-6)
+    truth, before, other = responses(brake)
+    for each in (before, other):
+        assert distance(each, truth) < 1e-4
+        assert each.torque == pytest.approx(truth.torque, rel=1e-7)
     for tolerance, seconds in ((5e-3, 0.3), (1e-3, 1.0)):
         start = time.process_time()
         response = solve(brake, tolerance=tolerance, penalty=math.inf)

@@ -15,6 +15,7 @@ from conftest import STUDY
 from drumlin.brake.file import read_brake
 from drumlin.cli import main
 from drumlin.cli.terminal import print_table
+from drumlin.comparison import COLUMNS
 from drumlin.fem.solve import solve
 
 DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
@@ -148,7 +149,7 @@ def test_on_a_narrow_terminal_columns_are_left_out_by_name_and_no_number_is_cut(
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
     for columns, left_out in ((66, ["self-energising", "contact arcs [deg]"]), (160, [])):
         monkeypatch.setenv("COLUMNS", str(columns))
-        print_table(table)
+        print_table(table, COLUMNS)
         lines = capsys.readouterr().out.replace("\n  contact", " contact").splitlines()
         assert max(map(len, lines[:-1])) <= columns
         text = "\n".join(lines)

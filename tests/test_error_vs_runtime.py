@@ -12,7 +12,7 @@ from drumlin.journal import Journal
 from drumlin.studies import load
 from drumlin.verification import work_precision
 from drumlin.verification.recommendation import NAMES, best_rows
-from drumlin.verification.reference import Pair, responses
+from drumlin.verification.reference import Trio, responses
 from drumlin.verification.work_precision import ERRORS, Method, enough, floor, measure, series, timing
 
 pytestmark = pytest.mark.slow
@@ -45,10 +45,10 @@ def outcome(tmp_path_factory):
     module, _ = load("error_vs_runtime")
     kept, references = [], {}
 
-    def once(brake, refinements):
+    def once(brake, refinement):
         """The reference of a brake: the stopped runs and the whole one need the same."""
         key = brake.model_dump_json()
-        return references[key] if key in references else references.setdefault(key, responses(brake, refinements))
+        return references[key] if key in references else references.setdefault(key, responses(brake, refinement))
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "responses", once)
@@ -96,6 +96,14 @@ def test_grading_and_order_pay(rows):
     assert graded["pressure_error"] < 0.5 * even["pressure_error"]
     assert graded["torque_error"] < 0.01 * linear["torque_error"]
     assert pick(rows, "adapted mesh", kind="quad2")["pressure_error"] < 1e-2
+
+
+def test_columns_know_more_for_their_unknowns_and_keep_the_tolerance_that_they_state(rows):
+    mesh, columns = pick(rows, "graded mesh", kind="quad2", elements=40), pick(rows, "columns", level=1)
+    assert columns["unknowns"] < mesh["unknowns"]
+    assert columns["pressure_error"] < 0.3 * mesh["pressure_error"]
+    assert pick(rows, "columns, error stated")["pressure_error"] < 5e-3
+    assert pick(rows, "columns", level=0)["pressure_error"] > 3 * columns["pressure_error"]
 
 
 def test_the_textbook_contact_is_slower_and_less_exact_on_the_same_mesh_and_its_failures_stay(rows):
@@ -184,8 +192,8 @@ def test_the_floor_is_the_distance_of_both_references_whose_shoes_do_not_cancel(
     one = solve(brake, elements=10)
     other = replace(one, shoes=tuple(replace(s, torque=s.torque + d) for s, d in zip(one.shoes, (1, -1), strict=True)))
     assert other.torque == pytest.approx(one.torque, rel=1e-12)
-    assert floor(brake, Pair(one, other))["torque_error"] == pytest.approx(2 / one.torque, rel=1e-12)
+    assert floor(brake, Trio(one, one, other))["torque_error"] == pytest.approx(2 / one.torque, rel=1e-12)
     peaks = replace(one, shoes=tuple(replace(s, pressure=1.01 * s.pressure) for s in one.shoes))
-    found = floor(brake, Pair(one, peaks))
+    found = floor(brake, Trio(one, peaks, None))
     assert [found[key] for key in ("pressure_error", "peak_error")] == pytest.approx([0.01, 0.01], rel=1e-9)
-    assert set(floor(brake, Pair(one, one)).values()) == {0.0}
+    assert set(floor(brake, Trio(one, one, one)).values()) == {0.0}

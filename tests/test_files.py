@@ -12,7 +12,7 @@ from conftest import STUDY
 from drumlin.cli.process import run
 from drumlin.errors import BadInput, NoAnswer, Stopped, ended, line_and_status
 from drumlin.files import cell, check_folder, check_outputs, inputs_kept, read_bytes, read_text, replacing, write_text
-from drumlin.texts import MOST_DIGITS, check_digits, check_toml, one_line
+from drumlin.texts import MOST_DIGITS, check_digits, check_toml, one_line, typed
 
 
 def node(path, kind, minor):
@@ -202,6 +202,11 @@ def test_files_are_limited_and_utf_8_in_every_locale(tmp_path):
 
 
 # texts
+
+
+def test_a_page_shows_what_was_typed_without_the_machine_s_folders():
+    words = ["drumlin", "compare", "/home/x/b <i>.toml", "--output=/srv/r", "--penalty", "1e5", "a/b.toml", "x\n", ""]
+    assert typed(words) == "drumlin compare 'b <i>.toml' --output=r --penalty 1e5 a/b.toml 'x\\n' ''"
 
 
 def test_lines_for_people_are_printable_and_short():

@@ -6,13 +6,17 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import skfem
+from scipy.spatial import cKDTree
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import materials_of, prepare
+from drumlin.fem.assembly import Cache, materials_of, prepare
 from drumlin.fem.body import FRAME, condense
+from drumlin.fem.fields import fields, ring_fields
+from drumlin.fem.group import groups_of
+from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.hp.adapt import DEFAULT, adapt, estimate
 from drumlin.fem.hp.columns import columns, merge, merged, stack
 from drumlin.fem.hp.division import divide, graded
@@ -21,10 +25,14 @@ from drumlin.fem.hp.levels import LEVELS, steps
 from drumlin.fem.hp.places import places_of
 from drumlin.fem.hp.scene import scene
 from drumlin.fem.hp.shoe import distinct, rigid
-from drumlin.fem.model import respond
-from drumlin.fem.solve import solve
+from drumlin.fem.model import refined_group, respond
+from drumlin.fem.sensitivity import sensitivity
+from drumlin.fem.solve import scene_of, solve
+from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import largest, lobatto
+from drumlin.sweeps.cases import Case, solved
+from drumlin.wear.worn_in import solve as solve_worn_in
 
 STEEL = Material(E=210e9, nu=0.3)
 POST = {
@@ -252,7 +260,7 @@ def test_what_a_level_cannot_reach_is_said(brake):
         NoAnswer, match=r"tolerance 1e-12 not reached on \d meshes of up to \d+ unknowns a shoe: estimated"
     ):
         solve(brake, tolerance=1e-12)
-    answered = adapt(brake, DEFAULT._replace(torque=0.0), respond, must=False)
+    answered = adapt(brake, DEFAULT._replace(torque=0.0), respond, must=False).response
     assert "not reached" in answered.notes[-1]
     assert answered.error["torque"] > 0
 
@@ -308,3 +316,77 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     forces = body.basis.stiffness(materials_of(shoe)) @ u.T.ravel()
     n = 2 * len(body.line.nodes)
     assert forces[:n] == pytest.approx(nodal, abs=1e-6 * np.abs(nodal).max())
+
+
+def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_cells_fill_it(brake):
+    grid = scene(brake, LEVELS[0]).bodies[0].mesh
+    elements = np.arange(grid.element_dofs.shape[1])
+    u = np.array([[1.0, 2.0], [-3.0, 0.5]]) @ grid.doflocs
+    found = np.einsum("ian,ajnq->ijnq", u[:, grid.element_dofs], grid.gradients(elements))
+    wanted = np.array([[1.0, 2.0], [-3.0, 0.5]])[:, :, None, None]
+    np.testing.assert_allclose(found, np.broadcast_to(wanted, found.shape), atol=1e-9)
+
+    def areas(corners):  # (k, cells)
+        x, y = grid.doflocs[:, corners]
+        return 0.5 * (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)
+
+    cells = grid.element_dofs[grid.quarters]  # (4, cells of an element, elements)
+    each = areas(cells.reshape(4, -1)).reshape(cells.shape[1:]).sum(axis=0)
+    np.testing.assert_allclose(each, areas(grid.outline), rtol=1e-12)
+
+
+@pytest.mark.parametrize("part", ["hinge", "free ring"])
+def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake, part):
+    ring = {"thickness": 0.02, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": "free"}
+    whole = vary(brake, {"drum.ring": ring}) if part == "free ring" else brake
+    found = []
+    for made in (scene_of(whole), prepare(whole, elements=160)):
+        response = respond(made, whole)
+        found.append(ring_fields(made, whole, response) if part == "free ring" else fields(made, whole, response, 0))
+    ours, theirs = found
+    near = cKDTree(theirs.points).query(ours.points)
+    close = near[0] < 2e-4
+    assert close.sum() > 40
+    for name, share in (("displacement", 2e-3), ("von_mises", 0.05)):
+        a, b = getattr(ours, name)[close], getattr(theirs, name)[near[1][close]]
+        assert np.median(np.abs(a - b)) < share * np.abs(b).max(), name
+
+
+def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brake):
+    made, answer = scene_of(brake), solve(brake)
+    theta = [body.line.phi for body in made.bodies]
+    assert [len(line) for line in theta] == [len(shoe.theta) for shoe in answer.shoes]
+    end = full_slip_rotation(made, brake)
+    assert hold(made, brake, np.linspace(0.0, end, 9))[-1].torque == pytest.approx(answer.torque, rel=1e-5)
+    assert sensitivity(made, brake).torque == pytest.approx(answer.torque, rel=1e-9)
+    worn = solve_worn_in(brake)
+    assert worn.torque == pytest.approx(sine(brake).torque, rel=1e-3)
+
+
+def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
+    cases = [Case(brake, {"friction": mu}) for mu in (0.3, 0.3001, 0.3002)]
+    rows = [solved(case, cache) for cache in [Cache()] for case in cases]
+    assert all(0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque for row in rows)
+    assert rows == [solved(case) for case in cases]  # a row depends on its case alone
+    meshed = solved(cases[0]._replace(options={"elements": 20}))
+    assert "error_pressure" not in meshed
+    assert meshed["torque"] == pytest.approx(rows[0]["torque"], rel=1e-4)
+
+
+def test_a_brake_that_locks_is_divided_too(brake):
+    locked = vary(brake, {"friction": 2.0})
+    with pytest.raises(NoAnswer):
+        solve(locked)
+    assert scene_of(locked).bodies[0].line.order == LEVELS[1].degree
+
+
+@pytest.mark.parametrize("support", ["fixed", "free"])
+def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies(brake, support):
+    ring = {"thickness": 0.02, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": support}
+    whole = vary(brake, {"drum.ring": ring})
+    (group,) = groups_of(scene(whole, LEVELS[0]), whole)
+    found = group.answer()
+    refined = refined_group(group, found.active)
+    assert refined.correction < 1e-10
+    for part, p in zip(group.parts, refined.p, strict=True):
+        np.testing.assert_allclose(found.p[part], p, rtol=0, atol=1e-8 * p.max())

@@ -10,12 +10,13 @@ from hypothesis import strategies as st
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.active_set import Problem
-from drumlin.contact.self_locking import Sliding
+from drumlin.contact.self_locking import Sliding, limit
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import prepare
-from drumlin.fem.group import ShoeGroup
+from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.fem.model import respond
 from drumlin.fem.self_locking import limits, torques
+from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction
 from drumlin.verification.random_brake import random_brake
 
@@ -148,3 +149,14 @@ def test_below_the_first_singular_set_every_load_has_one_answer(brake):
         changed = below._replace(q=scale * rng.normal(size=n) * 10 ** rng.uniform(-3, 3))
         answers = [active_set.solve(changed, rng.random(n) < 0.5).p for _ in range(6)]
         assert np.ptp(answers, axis=0).max() <= 1e-9 * np.abs(answers[0]).max()
+
+
+@pytest.mark.parametrize("elements", [16, 48, 64])
+def test_of_two_stable_answers_the_one_that_friction_leads_to(elements):
+    """At mu = 0.822, a hundredth below where its contact jumps, this shoe has another one of four times the torque."""
+    brake = vary(random_brake(37, "locking"), {"friction": 0.82245})
+    group = next(iter(groups_of(prepare(brake, elements=elements), brake, 1e6)))
+    end = limit(group.sliding, brake.friction)
+    followed = brake.friction * group.unit_force * float((group.levers.T @ end.last.p)[0])
+    assert math.isinf(end.friction) and 480 < followed < 590
+    assert solve(brake, elements=elements).torque == pytest.approx(followed, rel=1e-6)

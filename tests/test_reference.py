@@ -1,6 +1,7 @@
 """Reference values against what is known otherwise, their file, and the check of somebody's p(theta)."""
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -13,11 +14,12 @@ from conftest import ROOT, STUDY
 from drumlin.brake.file import read_brake, vary
 from drumlin.cli.commands import app
 from drumlin.errors import BadInput
+from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
+from drumlin.verification import triangles
 from drumlin.verification.check import check, curves_text, lines, read_curves, within
 from drumlin.verification.reference import (
-    FIRST,
     Refinement,
     as_dict,
     read_reference,
@@ -27,6 +29,7 @@ from drumlin.verification.reference import (
     write_values,
 )
 
+QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2])
 VALUES = ROOT / "reports" / "reference" / "values"
 
 
@@ -37,11 +40,11 @@ def known():
 
 @pytest.fixture(scope="module")
 def quick(brake):
-    """Reference values by coarser meshes than those that are stored."""
-    return reference(brake, "text", "command", responses(brake, (FIRST, Refinement("tri2", 100, 2e-3, 1.3))))
+    """Reference values by coarser divisions than those that are stored."""
+    return reference(brake, "text", "command", responses(brake, QUICK))
 
 
-def test_both_meshes_agree_with_each_other_and_with_another_discretisation(known, quick):
+def test_a_reference_agrees_with_a_coarser_one_and_with_another_discretisation(known, quick):
     """The independent one has an error of some 1e-5 itself: from 45 to 90 elements it changes by 2e-5."""
     assert known.torque.value == pytest.approx(independent.torque("double_shoe/brake"), rel=2e-5)
     assert known.torque.relative < 1e-6
@@ -155,6 +158,18 @@ def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake
     block = read_brake(ROOT / "studies" / "laws" / "block.toml")
     with pytest.raises(BadInput, match="another brake"):
         check(block, known, {})
+    path.write_text(curves_text(solve(brake, elements=20)))
+    others = {
+        "friction": 0.31,
+        "shoe[1].lining.material.E": 301e6,
+        "shoe[0].lining.clearance": 1e-6,
+        "drum.radius": 0.2,
+    }
+    for key, value in others.items():  # their shoes bear the same names
+        with pytest.raises(BadInput, match=re.escape(f"of another brake: {key} is not the same")):
+            check(vary(brake, {key: value}), known, read_curves(path, brake))
+    titled = vary(brake, {"title": "mine", "drum.radius": "15 cm", "shoe[0].lining.thickness": "0.8 cm"})
+    assert check(titled, known, read_curves(path, brake))
     with pytest.raises(BadInput, match="mesh file"):
         responses(vary(brake, {"shoe[0].mesh": str(Path("s.msh"))}))
 

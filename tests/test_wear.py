@@ -109,7 +109,7 @@ def test_without_wear_nothing_changes():
     assert states[-1].s == 1e6
     assert (states[-1].depth == 0).all() and states[-1].removed == 0
     np.testing.assert_allclose(states[-1].pressure, states[0].pressure, rtol=1e-12)
-    with pytest.raises(BadInput, match="a distance must be given"):
+    with pytest.raises(BadInput, match="a distance in m must be given"):
         run([interface], WearLaw(0.0))
 
 

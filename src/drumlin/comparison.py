@@ -9,18 +9,21 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from statistics import median
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
 from drumlin.files import cell
 from drumlin.models import applicable
 from drumlin.response.norms import pressure_distance, relative, vector_distance
-from drumlin.response.response import Response
+from drumlin.response.response import EDGE_ZONE, FlatMerit, Response
 from drumlin.response.show import arcs_text
 from drumlin.texts import formatted
+
+B = TypeVar("B", bound=Brake | FlatBrake)
 
 
 @dataclass(frozen=True)
@@ -116,16 +119,19 @@ COLUMNS = (
 
 
 def rows(
-    brake: Brake, outcomes: Sequence[Outcome], reference: str = "fem", case: str | None = None
+    brake: AnyBrake, outcomes: Sequence[Outcome], reference: str = "fem", case: str | None = None
 ) -> list[dict[str, Any]]:
     """One row a model and shoe, errors against the outcome called `reference`; failed models stay as rows.
+
+    On a plane the braking force [N] stands in the place of the torque.
 
     Keys as in COLUMNS, values in SI, errors as fractions. Torque of the whole brake: the row "all".
     """
     true = next((o.response for o in outcomes if o.model == reference), None)
     table: list[dict[str, Any]] = []
+    flat = isinstance(brake, FlatBrake)
     for outcome in outcomes:
-        base = {"case": case or brake.title, "rotation": brake.rotation, "model": outcome.model}
+        base = {"case": case or brake.title, "rotation": motion_of(brake), "model": outcome.model}
         if outcome.response is None:
             table.append({**base, "shoe": "all", "seconds": outcome.seconds, "status": f"failed: {outcome.failure}"})
             continue
@@ -134,25 +140,71 @@ def rows(
             row = {
                 **base,
                 "shoe": shoe.name,
-                "torque": shoe.torque,
+                "torque": brakes(response, i),
                 "peak_pressure": shoe.peak_pressure,
                 "reaction": float(np.linalg.norm(shoe.hinge_reaction)),
-                "contact": arcs_text(shoe),
+                "contact": arcs_text(shoe, "mm" if flat else "deg"),
                 "self_energising": "yes" if shoe.self_energising else "no",
                 "status": "converged" if response.converged else "not converged",
             }
             if judged and true is not None:
                 other = true.shoes[i]
-                row["torque_error"] = relative(shoe.torque, other.torque)
+                row["torque_error"] = relative(brakes(response, i), brakes(true, i))
                 row["peak_error"] = relative(shoe.peak_pressure, other.peak_pressure)
-                row["pressure_error"] = pressure_distance(shoe, other)
+                row["pressure_error"] = pressure_distance(shoe, other, edge_of(brake))
                 row["reaction_error"] = vector_distance(shoe.hinge_reaction, other.hinge_reaction)
             table.append(row)
-        whole = {**base, "shoe": "all", "torque": response.torque, "seconds": outcome.seconds, "status": "converged"}
+        whole = {
+            **base,
+            "shoe": "all",
+            "torque": effect(brake, response),
+            "seconds": outcome.seconds,
+            "status": "converged",
+        }
         if judged and true is not None:
-            whole["torque_error"] = relative(response.torque, true.torque)
+            whole["torque_error"] = relative(effect(brake, response), effect(brake, true))
         table.append(whole)
     return table
+
+
+def motion_of(brake: AnyBrake) -> str:
+    """The sense of the motion: that of the rotation, on a plane of the sliding."""
+    return f"slides {brake.plane.sliding}" if isinstance(brake, FlatBrake) else brake.rotation
+
+
+def effect(brake: AnyBrake, response: Response) -> float:
+    """Torque [N m] of a response, on a plane its braking force [N]."""
+    if isinstance(brake, FlatBrake):
+        return math.fsum(brakes(response, i) for i in range(len(response.shoes)))
+    return response.torque
+
+
+def brakes(response: Response, index: int) -> float:
+    """Torque [N m] of a shoe, on a plane its braking force [N]."""
+    merit = response.merits[index] if response.merits else None
+    return merit.braking_force if isinstance(merit, FlatMerit) else response.shoes[index].torque
+
+
+def edge_of(brake: AnyBrake) -> float:
+    """The zones at a lining's ends in which no pressure is compared [rad], on a plane [m] as elements take them."""
+    return (
+        EDGE_ZONE * (brake.shoes[0].lining.end - brake.shoes[0].lining.start)
+        if isinstance(brake, FlatBrake)
+        else EDGE_ZONE
+    )
+
+
+def columns_of(brake: AnyBrake) -> tuple[Column, ...]:
+    """The columns of a table of a brake: on a plane the braking force stands for the torque, lengths for angles."""
+    if not isinstance(brake, FlatBrake):
+        return COLUMNS
+    words: dict[str, dict[str, Any]] = {
+        "rotation": {"heading": "body"},
+        "torque": {"heading": "braking force", "unit": "N"},
+        "torque_error": {"heading": "error of the force"},
+        "contact": {"unit": "mm"},
+    }
+    return tuple(column._replace(**words.get(column.key, {})) for column in COLUMNS)
 
 
 def as_csv(table: Sequence[dict[str, Any]]) -> str:
@@ -166,11 +218,11 @@ def as_csv(table: Sequence[dict[str, Any]]) -> str:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Comparison(Generic[B]):
     """A brake and what every model that applies made of it; the finite elements come first."""
 
     case: str
-    brake: Brake
+    brake: B
     outcomes: tuple[Outcome, ...]
 
     @property
@@ -185,13 +237,13 @@ class Comparison:
 
 
 def compare(
-    brake: Brake, case: str = "", repeats: int = 1, models: Sequence[str] | None = None, **options: Any
-) -> Comparison:
+    brake: B, case: str = "", repeats: int = 1, models: Sequence[str] | None = None, **options: Any
+) -> Comparison[B]:
     """Solve a brake by all models that apply, side by side.
 
     Parameters
     ----------
-    brake : as `read_brake` gives it, on a drum
+    brake : as `read_brake` gives it
     case : a name for the table; "": the brake's title
     repeats : how often each model is timed
     models : names of the models; None: all that apply

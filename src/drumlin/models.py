@@ -4,29 +4,34 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
+from drumlin.brake import unrolled
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
 from drumlin.foundation import model as foundation
-from drumlin.laws import LAWS, flat, hinged, pivoted
+from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
 from drumlin.response.response import Response
 from drumlin.texts import nearest
 
 
 class Model(NamedTuple):
-    """A model: what it assumes, why it does not apply to a brake (None: it does), and its solver."""
+    """A model: what it assumes, why it does not apply to a brake (None: it does), and its solver.
+
+    `by_name`: it takes seconds, and answers only where it is asked for by its name.
+    """
 
     name: str
     assumes: str
     why_not: Callable[[AnyBrake], str | None]
     solve: Callable[..., Response]
+    by_name: bool = False
 
 
-def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
+def _fem(brake: AnyBrake, *, worn_in: bool = False, **options: Any) -> Response:
     if worn_in:
-        from drumlin.wear import worn_in as worn
+        from drumlin.wear.worn_in import solve as by_worn_in
 
-        return worn.solve(brake, **options)
+        return by_worn_in(brake, **options)
     from drumlin.fem.solve import solve as by_elements
 
     return by_elements(brake, **options)
@@ -36,11 +41,20 @@ def _fem_why_not(brake: AnyBrake) -> str | None:
     from drumlin.fem import assembly
 
     if isinstance(brake, FlatBrake):
-        return "its shoes press on a plane, not on a drum"
-    for shoe in brake.shoes:
-        if shoe.pivot is not None:
-            return f"shoe {shoe.name!r}: a shoe on a pivot of a lever is not meshed"
+        return unrolled.why_not(brake)
     return assembly.why_not(brake)
+
+
+def _solid(brake: Brake, **options: Any) -> Response:
+    from drumlin.fem.solid import model
+
+    return model.solve(brake, **options)
+
+
+def _solid_why_not(brake: AnyBrake) -> str | None:
+    from drumlin.fem.solid import model
+
+    return _fem_why_not(brake) or (model.why_not(brake) if isinstance(brake, Brake) else None)
 
 
 def _short_why_not(brake: AnyBrake) -> str | None:
@@ -71,8 +85,12 @@ MODELS: Mapping[str, Model] = {
         _hinged("block"),
         _hinged("uniform"),
         Model("short", LAWS["short"].assumes, _short_why_not, _short),
-        Model("pivoted", pivoted.ASSUMES, pivoted.why_not, pivoted.solve),
-        Model("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(flat.solve, flat.LINEAR)),
+        Model("pivoted", pivoted.ASSUMES, pivoted.why_not, partial(rigid.solve, name="pivoted")),
+        Model("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(rigid.solve, name="linear")),
+        Model("rigid", rigid.ASSUMES, naming.why_not, rigid.solve),
+        Model(
+            "solid", "solid shoes of finite width, contact and friction as fem", _solid_why_not, _solid, by_name=True
+        ),
     )
 }
 
@@ -86,7 +104,8 @@ def solve(brake: AnyBrake, model: str = "fem", **options: Any) -> Response:
     model : "fem", the finite elements, or a law: a name of MODELS
     options : those of the model; of "fem": `tolerance` (relative error of p and torque), or `elements` along each
         lining; `kind` of the elements; `penalty`, the contact stiffness as a multiple of E/t of the lining;
-        `worn_in`, for linings that are worn in. Of "foundation": `sections`, `lift`
+        `worn_in`, for linings that are worn in. Of "solid": `elements`, `across` over half the lining's width,
+        `penalty`. Of "foundation": `sections`, `lift`
 
     Returns
     -------
@@ -110,17 +129,17 @@ def pick(name: str, brake: AnyBrake) -> Model:
     model = MODELS[name]
     reason = model.why_not(brake)
     if reason is not None:
-        apply = ", ".join(other.name for other in applicable(brake)) or "none"
+        apply = ", ".join(other.name for other in MODELS.values() if other.why_not(brake) is None) or "none"
         raise BadInput(f"--model = {name!r}: does not apply to this brake: {reason}; allowed: {apply}")
     return model
 
 
 def applicable(brake: AnyBrake) -> tuple[Model, ...]:
-    """The models that apply to a brake."""
-    return tuple(model for model in MODELS.values() if model.why_not(brake) is None)
+    """The models that apply to a brake and answer at once."""
+    return tuple(model for model in MODELS.values() if not model.by_name and model.why_not(brake) is None)
 
 
 def refusals(brake: AnyBrake) -> dict[str, str]:
     """Why each of the other models does not apply to a brake, by name."""
-    reasons = {model.name: model.why_not(brake) for model in MODELS.values()}
+    reasons = {model.name: model.why_not(brake) for model in MODELS.values() if not model.by_name}
     return {name: reason for name, reason in reasons.items() if reason is not None}

@@ -2,7 +2,9 @@
 
 import difflib
 import re
-from collections.abc import Iterable
+import shlex
+from collections.abc import Iterable, Sequence
+from pathlib import PurePath
 
 LONGEST_LINE = 600  # characters of a line about a fault
 LONGEST_QUANTITY = 100  # characters of a number and its unit
@@ -30,6 +32,16 @@ def formatted(value: float, form: str) -> str:
     """A number for people, as format() has it; what rounds to nothing has no sign."""
     text = format(value, form)
     return text.lstrip("+-") if _NOTHING.fullmatch(text) else text
+
+
+def typed(words: Sequence[str]) -> str:
+    """A command line as a page shows it: of absolute paths, which tell of the machine, the names alone."""
+    return one_line(shlex.join(map(_without_folder, words)))
+
+
+def _without_folder(word: str) -> str:
+    option, equals, path = word.rpartition("=") if word.startswith("-") else ("", "", word)
+    return option + equals + (PurePath(path).name if PurePath(path).is_absolute() else path)
 
 
 def nearest(name: str, names: Iterable[str]) -> str:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import COLUMNS, Comparison, Convergence, as_csv, compare, converge
 from drumlin.files import write_text
@@ -23,7 +24,7 @@ FILES = {"brake.toml": "stiff shoes", "flexible.toml": "flexible shoes"}
 class Result(NamedTuple):
     """Everything that the report shows."""
 
-    comparisons: list[Comparison]
+    comparisons: list[Comparison[Brake]]
     limit: list[dict[str, Any]]
     convergence: Convergence
     cost: Cost

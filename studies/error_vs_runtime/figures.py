@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.report.figures import STYLE
-from drumlin.report.palette import BLUE, BROWN, GREEN, GREY, INK, OCHRE, PALE, PURPLE, RED, SKY
+from drumlin.report.palette import BLUE, BROWN, GREEN, GREY, INK, NAVY, OCHRE, PALE, PURPLE, RED, SKY, VIOLET
 from drumlin.verification.work_precision import series
 
 COLORS = {
@@ -17,6 +17,8 @@ COLORS = {
     "even mesh": GREY,
     "graded mesh": BLUE,
     "adapted mesh": INK,
+    "columns": VIOLET,
+    "columns, error stated": NAVY,
     "weak penalty": SKY,
     "pointwise penalty": OCHRE,
     "GetFEM": PURPLE,

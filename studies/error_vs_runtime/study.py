@@ -13,18 +13,20 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import as_csv
 from drumlin.fem.assembly import ELEMENTS
+from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.journal import Journal
 from drumlin.report.figures import save
 from drumlin.report.page import fill, versions
+from drumlin.verification import triangles
 from drumlin.verification.methods import methods
 from drumlin.verification.omission_table import omissions, prediction_ratios, time_saved, worst_straight
 from drumlin.verification.recommendation import advice, against_peers, best_rows, fastest_seconds, of_brake
 from drumlin.verification.reference import (
-    REFINEMENTS,
-    Pair,
+    FINE,
     Refinement,
+    Trio,
     as_dict,
     reference,
     responses,
@@ -48,7 +50,7 @@ UNIT_ELEMENTS = 20  # of the solve that is the unit of time
 SHORT = ("double_shoe/brake", "laws/shigley_16_2")
 PROCESSES = ("quad2", "quad1")  # kinds of graded meshes whose whole process is timed beside the peers
 WITH_PEERS = ("double_shoe/brake", "double_shoe/flexible")
-QUICK = (Refinement("quad2", 120, 2e-3, 1.4), Refinement("tri2", 100, 2e-3, 1.3))  # references of the short setting
+QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2])  # references of the short setting
 
 Row = dict[str, Any]
 
@@ -80,14 +82,14 @@ def study(
     unit()
     rows, floors, references = [], {}, {}
     for name, path in paths.items():
-        brake, pair = read_brake(path), cache(partial(responses, read_brake(path), QUICK if short else REFINEMENTS))
+        brake, trio = read_brake(path), cache(partial(responses, read_brake(path), QUICK if short else FINE))
         say(f"{name}: reference")
-        known = journal.once({"brake": name, "reference": True}, partial(_reference, name, path, brake, pair))
+        known = journal.once({"brake": name, "reference": True}, partial(_reference, name, path, brake, trio))
         floors[name], references[name] = known["floor"], known["values"]
         peers = name in WITH_PEERS and not short
         for method in methods(brake, peers=peers, short=short):
             say(f"{name}: {method.family}, {method.name}")
-            row = journal.once({"brake": name, **method.case}, partial(_row, brake, method, pair, unit))
+            row = journal.once({"brake": name, **method.case}, partial(_row, brake, method, trio, unit))
             if peers and method.family == "graded mesh" and row["kind"] in PROCESSES:
                 kind, n = row["kind"], row["elements"]
                 case = {"brake": name, "process": n, "kind": kind}
@@ -97,18 +99,18 @@ def study(
     return Result(rows, floors, references, refused, left, unit_seconds(rows), time.perf_counter() - start)
 
 
-def _reference(name: str, path: Path, brake: Brake, pair: Callable[[], Pair]) -> Row:
+def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], Trio]) -> Row:
     command = f"drumlin reference studies/{name}.toml"
     return {
-        "floor": floor(brake, pair()),
-        "values": as_dict(reference(brake, path.read_text(), command, pair())),
+        "floor": floor(brake, trio()),
+        "values": as_dict(reference(brake, path.read_text(), command, trio())),
     }
 
 
-def _row(brake: Brake, method: Method, pair: Callable[[], Pair], unit: Callable[[], object]) -> Row:
+def _row(brake: Brake, method: Method, trio: Callable[[], Trio], unit: Callable[[], object]) -> Row:
     if method.family in PEER_FAMILIES:
-        return peer_row(brake, method, pair().value, unit, 1 if method.family == "CalculiX" else REPEATS)
-    return measure(brake, method, pair().value, unit)
+        return peer_row(brake, method, trio().value, unit, 1 if method.family == "CalculiX" else REPEATS)
+    return measure(brake, method, trio().value, unit)
 
 
 def _process(path: Path, kind: str, elements: int) -> Row:

@@ -45,7 +45,7 @@ def merits(brake: Brake, found: Merits, key: str, label: str) -> Figure:
         for model, values in found[shoe.name].items():
             mu, y = np.array([(mu, getattr(merit, key)) for mu, merit in values]).T
             if key == "resultant_angle":
-                y = np.degrees(y - middle) * axis_of(shoe.hinge.xy, shoe.actuation.point.xy).sense
+                y = np.degrees(y - middle) * axis_of(shoe.pin.xy, shoe.actuation.point.xy).sense
             models[model] = (mu, y)
         panels.append((f"{shoe.name} shoe", models))
     return curves(panels, "friction coefficient μ", label)

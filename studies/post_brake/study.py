@@ -12,6 +12,7 @@ import numpy as np
 from studies.post_brake import figures
 
 from drumlin import foundation
+from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import COLUMNS, Comparison, as_csv, run
 from drumlin.fem.assembly import prepare
@@ -36,7 +37,7 @@ MERITS = {
 class Result:
     """Everything that the report shows; rows as verification.post_brake_rows has them."""
 
-    comparison: Comparison
+    comparison: Comparison[Brake]
     lifts: list[dict[str, Any]]
     clearances: list[dict[str, Any]]
     merits: Merits

@@ -83,7 +83,7 @@ def _shoes(
     brake = setup.brake
     radius = brake.drum.radius
     for fields, shoe, turn, start in zip(frame.fields, brake.shoes, frame.turns, first, strict=True):
-        arm = fields.points - shoe.hinge.xy
+        arm = fields.points - shoe.pin.xy
         followed = (turn - start) * np.column_stack([-arm[:, 1], arm[:, 0]])
         x, y = (fields.points + scale * (fields.displacement - followed)).T
         quads = fields.cells[:, :4] if fields.cell_type.startswith("quad") else None
@@ -102,7 +102,7 @@ def _shoes(
     around = np.linspace(0, 2 * math.pi, 241)
     axes.plot(1e3 * radius * np.cos(around), 1e3 * radius * np.sin(around), color=LATE, lw=1.4)
     for shoe in brake.shoes:
-        axes.plot(*(1e3 * shoe.hinge.xy), "o", color=LATE, ms=6)
+        axes.plot(*(1e3 * shoe.pin.xy), "o", color=LATE, ms=6)
     axes.set_aspect("equal")
     axes.set_axis_off()
     axes.set_title(

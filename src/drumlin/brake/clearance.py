@@ -103,7 +103,7 @@ def set_off(brake: Brake, size: float) -> dict[str, float]:
 
 def along_hinge(brake: Brake, index: int, key: str) -> dict[str, float]:
     """How the point `key` of shoe `index` moves along the radius of its hinge: what 1 m adds to its coordinates."""
-    hinge = brake.shoes[index].hinge
+    hinge = brake.shoes[index].pin
     return {
         f"shoe[{index}].{key}.x": hinge.x / hinge.radius,
         f"shoe[{index}].{key}.y": hinge.y / hinge.radius,

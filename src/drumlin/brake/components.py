@@ -6,6 +6,7 @@ from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
+    AfterValidator,
     Discriminator,
     Field,
     Tag,
@@ -28,10 +29,10 @@ from drumlin.brake.fields import (
     table,
     value_at,
 )
-from drumlin.brake.units import deg
+from drumlin.brake.units import SMALLEST, deg
 
-Friction = Annotated[float, Field(ge=0, le=1e6, strict=True)]
-"""A friction coefficient."""
+Friction = Annotated[float, Field(ge=0, le=1e6, strict=True), AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0)]
+"""A friction coefficient; one below SMALLEST is none, as with every quantity."""
 
 
 class Section(NamedTuple):
@@ -182,7 +183,11 @@ class Backing(Part):
 
 
 class Body(Part):
-    """The elastic shoe behind lining and backing: an arc of constant section from `start` to `end`."""
+    """The elastic shoe behind lining and backing: an arc of constant section from `start` to `end`.
+
+    `grip` [m]: the length of its back that a pivot or a guide holds, by default its thickness. A hinge and an abutment
+    hold its end face.
+    """
 
     shape: Literal["arc"] = "arc"
     thickness: Thickness
@@ -190,6 +195,7 @@ class Body(Part):
     start: Angle
     end: Angle
     material: Material
+    grip: Thickness | None = None
 
     @property
     def section(self) -> Section:
@@ -254,9 +260,12 @@ AnyBody = Annotated[
 
 
 class Actuation(Part):
-    """The force on the shoe [N], its direction [rad] and a point of its line of action."""
+    """The force on the shoe [N], its direction [rad] and a point of its line of action.
 
-    force: Force
+    A brake may give the force of all its shoes (`Drive`): then a shoe's own has none.
+    """
+
+    force: Force = 0.0
     direction: Angle
     point: Place
 

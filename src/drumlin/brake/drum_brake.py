@@ -13,18 +13,21 @@ from typing import Annotated, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import (
     Field,
+    ValidationInfo,
     model_validator,
 )
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.components import STEP, Actuation, AnyBody, Backing, Beam, Body, Drum, Friction, Lining, Ring
-from drumlin.brake.fields import Name, Part, Place, Title, check_names
+from drumlin.brake.components import STEP, AnyBody, Backing, Beam, Body, Drum, Friction, Lining, Ring
+from drumlin.brake.drive import Drive, Link, driven, shares
+from drumlin.brake.fields import Part, Title, check_names
+from drumlin.brake.support import Held, check_motions
 from drumlin.brake.units import deg, mm
 
 
 class Frame(NamedTuple):
-    """A shoe's own frame: polar angle phi at O, measured from the hinge towards the lining.
+    """A shoe's own frame: polar angle phi at O, measured from the hinge (`Held.pin`) towards the lining.
 
     theta = origin + sense * phi. In it a shoe and its mirror image are the same thing.
     """
@@ -51,25 +54,18 @@ class Frame(NamedTuple):
         return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
 
 
-class Shoe(Part):
-    """One shoe with its lining, hinged at a pin; without `body` the shoe is rigid.
+class Shoe(Held):
+    """One shoe with its lining, held by a hinge or otherwise (`Held`); without `body` the shoe is rigid.
 
     `mesh`: a mesh file in place of the parametric mesh. Its coordinates are the brake's or, so that a shoe and
     its mirror image can share one file, those of the shoe's own `frame`. `mesh_interference` says that a contact line
     deep in the drum is meant.
-
-    With a `pivot` the shoe has a second freedom: `hinge` is the pin of a lever, the actuation acts on
-    the lever, and the shoe turns about the pivot at the lever's end.
     """
 
-    name: Name
     side: Literal["internal", "external"]
-    hinge: Place
-    pivot: Place | None = None
     lining: Lining
     backing: Backing | None = None
     body: AnyBody | None = None
-    actuation: Actuation
     mesh: Path | None = None
     mesh_unit: Literal["m", "mm"] = "m"
     mesh_frame: Literal["brake", "shoe"] = "brake"
@@ -93,7 +89,7 @@ class Shoe(Part):
     def frame(self) -> Frame:
         """The shoe's own frame; its origin is chosen so that phi of the lining's middle is in [0, pi]."""
         middle = 0.5 * (self.lining.start + self.lining.end)
-        offset = math.remainder(middle - self.hinge.angle, 2 * math.pi)
+        offset = math.remainder(middle - self.pin.angle, 2 * math.pi)
         sense = 1 if offset >= 0 else -1
         return Frame(middle - offset, sense)
 
@@ -102,6 +98,38 @@ class Shoe(Part):
         """The lining's arc (phi_1, phi_2) [rad] in the shoe's frame."""
         ends = self.frame.phi(np.array([self.lining.start, self.lining.end]))
         return float(ends.min()), float(ends.max())
+
+    @property
+    def flat(self) -> bool:
+        """Whether it presses on a plane: `unrolled`."""
+        return False
+
+    @property
+    def own_pin(self) -> Floats:
+        """The pin (2,) [m] in its frame."""
+        return np.array([self.pin.radius, 0.0])
+
+    def own_points(self, xy: Floats) -> Floats:
+        """Points (..., 2) [m] of the brake's frame in its own."""
+        return self.frame.to_shoe(xy)
+
+    def points(self, xy: Floats) -> Floats:
+        """Points (2, n) [m] of its frame in the brake's."""
+        return np.asarray(self.frame.to_brake(xy.T).T)
+
+    def grip(self, radius: float) -> tuple[float, float] | None:
+        """The arc [rad] in its frame of the body's back that a pivot or a guide holds, on a drum of this radius [m].
+
+        None where what holds the shoe holds an end face of its body, or all of the back of a rigid one.
+        """
+        if not isinstance(self.body, Body) or self.mesh is not None or self.held_by not in {"pivot", "guide"}:
+            return None
+        middle, (start, end) = self.lining.middle, self.arc
+        angle = middle if self.pivot is None else middle + math.remainder(self.pivot.angle - middle, 2 * math.pi)
+        half = 0.5 * (self.body.grip or self.body.thickness) / (radius - self.sign * self.depth)
+        half = min(half, 0.3 * (end - start))
+        at = float(np.clip(self.frame.phi(np.array(angle)), start + 1.5 * half, end - 1.5 * half))
+        return at - half, at + half
 
 
 class Brake(Part):
@@ -112,6 +140,8 @@ class Brake(Part):
     friction: Friction
     drum: Drum
     shoes: Annotated[tuple[Shoe, ...], Field(alias="shoe", min_length=1)]
+    actuation: Drive | None = None
+    links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
 
     @property
     def spin(self) -> int:
@@ -128,6 +158,11 @@ class Brake(Part):
         return self.drag * shoe.frame.sense
 
     @property
+    def shares(self) -> str | None:
+        """That a cam or a strut shares a force among its shoes, in words; None where each shoe has its own."""
+        return shares(self.actuation, self.links)
+
+    @property
     def motion(self) -> str:
         """What moves, in words."""
         return f"drum turns {self.rotation}"
@@ -137,14 +172,15 @@ class Brake(Part):
         return ", ".join(f"shoe {self.shoes[i].name!r}" for i in group)
 
     @model_validator(mode="after")
-    def _geometry(self) -> Self:
+    def _geometry(self, info: ValidationInfo) -> Self:
         check_names([shoe.name for shoe in self.shoes])
+        shoes = driven(self.shoes, self.actuation, self.links, file=bool((info.context or {}).get("unit_required")))
         _check_thickness("drum.ring", self.drum.ring, self.drum.radius)
         _check_round(self.drum)
-        for i, shoe in enumerate(self.shoes):
+        for i, shoe in enumerate(shoes):
             _check_shoe(f"shoe[{i}]", shoe, self.drum.radius)
             _check_misfit(f"shoe[{i}].lining.misfit", shoe.lining, self.drum.radius)
-        return self
+        return self.model_copy(update={"shoes": shoes})
 
 
 LARGEST_MISFIT = 0.05  # of the drum's radius; beyond it normals along the drum's radii are no longer a model
@@ -190,9 +226,9 @@ def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
     """Raise ValueError where a shoe does not fit together or into a drum of this radius [m]."""
     for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
         _check_thickness(f"{key}.{name}", part, radius)
-    if shoe.hinge.radius < 1e-9 * radius:
+    if shoe.hinge is not None and shoe.hinge.radius < 1e-9 * radius:
         raise ValueError(f"{key}.hinge = (0, 0): must not be the drum's centre, about which the shoe would only slide")
-    _check_pivot(key, shoe, radius)
+    _check_support(key, shoe, radius)
     if shoe.sign > 0 and shoe.depth >= radius:
         raise ValueError(
             f"{key}: lining, backing and body are {mm(shoe.depth)} thick together; "
@@ -218,11 +254,11 @@ def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
 
 def _check_beam(key: str, shoe: Shoe, radius: float) -> None:
     said = f'{key}.body.shape = "beam"'
-    if shoe.sign > 0 or shoe.pivot is not None:
+    if shoe.sign > 0 or shoe.held_by != "hinge":
         raise ValueError(f"{said}: only for an external shoe that turns about its hinge")
-    if math.dist(shoe.actuation.point.xy, shoe.hinge.xy) < 1e-6 * radius:
+    if math.dist(shoe.actuation.point.xy, shoe.pin.xy) < 1e-6 * radius:
         raise ValueError(f"{said}: the actuation's point is the beam's loaded end and must not be the hinge")
-    axis = axis_of(shoe.hinge.xy, shoe.actuation.point.xy)
+    axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     if axis.distance <= radius:
         raise ValueError(
             f"{said}: the line from the hinge to the actuation's point passes {mm(axis.distance)} from "
@@ -237,11 +273,20 @@ def _check_beam(key: str, shoe: Shoe, radius: float) -> None:
         )
 
 
-def _check_pivot(key: str, shoe: Shoe, radius: float) -> None:
+def _check_support(key: str, shoe: Shoe, radius: float) -> None:
+    if shoe.guide is not None:
+        away = shoe.sign * math.cos(shoe.guide.direction - shoe.lining.middle)
+        if away <= 0:
+            shown = f"{key}.guide.direction = {deg(shoe.guide.direction)}"
+            raise ValueError(f"{shown}: must lead the middle of the lining towards the drum")
+    if shoe.abutment is not None and shoe.abutment.point.radius < 1e-9 * radius:
+        raise ValueError(f"{key}.abutment.point = (0, 0): must not be the drum's centre")
     if shoe.pivot is None:
+        check_motions(key, shoe, slice(0, 2))
         return
     shown = f"{key}.pivot = ({mm(shoe.pivot.x)}, {mm(shoe.pivot.y)})"
     if shoe.pivot.radius < 1e-9 * radius:
         raise ValueError(f"{shown}: must not be the drum's centre, about which the shoe would only slide")
-    if math.dist(shoe.pivot.xy, shoe.hinge.xy) < 1e-9 * radius:
+    if math.dist(shoe.pivot.xy, shoe.pin.xy) < 1e-9 * radius:
         raise ValueError(f"{shown}: must not be the hinge; leave it out for a shoe that turns about its hinge")
+    check_motions(key, shoe, slice(0, 2))

@@ -65,6 +65,7 @@ Length = Annotated[float, _quantity("m")]
 Thickness = Annotated[float, Field(gt=0), _quantity("m")]
 Angle = Annotated[float, _quantity("rad")]
 Force = Annotated[float, _quantity("N")]
+Torque = Annotated[float, _quantity("N m")]
 Modulus = Annotated[float, Field(gt=0), _quantity("Pa")]
 BendingStiffness = Annotated[float, Field(gt=0), _quantity("N m^2")]
 Title = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_one_line)]
@@ -92,11 +93,6 @@ class Material(Part):
 
     E: Modulus
     nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True)]
-
-    @property
-    def lame(self) -> Floats:
-        """Lame's lambda and mu (2,) [Pa] of plane stress: E nu/(1 - nu^2) and E/(2 (1 + nu))."""
-        return np.array([self.E * self.nu / (1 - self.nu**2), self.E / (2 * (1 + self.nu))])
 
 
 class Point(Part):

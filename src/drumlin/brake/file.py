@@ -1,5 +1,6 @@
 """Brake files: TOML with a unit on every quantity, read and refused in one line; and brakes with keys changed."""
 
+import math
 import tomllib
 from collections.abc import Mapping
 from copy import deepcopy
@@ -103,8 +104,20 @@ def read_brake(path: Path, text: str | None = None) -> Brake:
 def vary(brake: P, changes: Mapping[str, Any]) -> P:
     """The brake with some keys changed, validated anew.
 
-    A key is written as in the file's error lines, "shoe[0].lining.thickness"; "shoe.lining.thickness"
-    changes every shoe. Values: SI numbers, or texts with units. Raises BadInput.
+    Parameters
+    ----------
+    brake : as `read_brake` gives it
+    changes : new values by key. A key is written as in the file's error lines, "shoe[0].lining.thickness";
+        "shoe.lining.thickness" changes every shoe. Values: SI numbers, or texts with units
+
+    Returns
+    -------
+    another brake; the given one stays as it is
+
+    Raises
+    ------
+    BadInput
+        for a key that there is not, and a brake that does not fit together, in one line
     """
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():
@@ -161,6 +174,23 @@ def value_of(brake: Part, key: str) -> float:
     if len(set(values)) > 1:
         raise BadInput(f"{key}: is {values} of the different shoes; name one")
     return float(values[0])
+
+
+def differing(one: Part, other: Part) -> str | None:
+    """The first key in which two brakes differ by more than round-off, their titles apart; None of equal ones."""
+    return _differing(one.model_dump(by_alias=True), other.model_dump(by_alias=True), "")
+
+
+def _differing(one: Any, other: Any, key: str) -> str | None:
+    if isinstance(one, dict) and isinstance(other, dict):
+        pairs = [(f"{key}.{name}" if key else name, one.get(name), other.get(name)) for name in {**one, **other}]
+    elif isinstance(one, list | tuple) and isinstance(other, list | tuple) and len(one) == len(other):
+        pairs = [(f"{key}[{i}]", a, b) for i, (a, b) in enumerate(zip(one, other, strict=True))]
+    elif isinstance(one, float) and isinstance(other, float):
+        return None if math.isclose(one, other, rel_tol=1e-12, abs_tol=1e-15) else key
+    else:
+        return None if one == other else key
+    return next((found for name, a, b in pairs if name != "title" and (found := _differing(a, b, name))), None)
 
 
 def _steps(key: str) -> list[str]:

@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Actuation, Friction
+from drumlin.brake.components import Backing, Friction
+from drumlin.brake.drive import Drive, Link, driven, shares
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.fields import Length, Name, Part, Place, Thickness, Title, check_names
+from drumlin.brake.fields import Length, Material, Part, Thickness, Title, check_names
 from drumlin.brake.file import brake_from, read_toml, toml_data, validated
+from drumlin.brake.support import Held, check_motions
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput
 
@@ -26,17 +28,37 @@ class Plane(Part):
 
 
 class FlatLining(Part):
-    """The friction lining on the plane, from x = `start` to x = `end` [m], `width` [m] across."""
+    """The friction lining on the plane, from x = `start` to x = `end` [m], `width` [m] across.
+
+    `thickness` [m] and `material` are what finite elements need; `clearance` [m]: how far it stands off the plane.
+    """
 
     start: Length
     end: Length
     width: Thickness
+    thickness: Thickness | None = None
+    material: Material | None = None
+    clearance: Length = 0.0
 
     @model_validator(mode="after")
     def _order(self) -> Self:
         if not self.start < self.end:
             raise ValueError(f"end = {mm(self.end)} must be greater than start = {mm(self.start)}")
         return self
+
+
+class FlatBody(Part):
+    """The elastic shoe behind lining and backing: a straight bar from x = `start` to x = `end` [m].
+
+    `grip`: as of `Body`.
+    """
+
+    thickness: Thickness
+    width: Thickness
+    start: Length
+    end: Length
+    material: Material
+    grip: Thickness | None = None
 
 
 class FlatFrame(NamedTuple):
@@ -57,19 +79,28 @@ class FlatFrame(NamedTuple):
         return self.origin + self.sense * np.asarray(distance)
 
 
-class FlatShoe(Part):
-    """A rigid shoe with a flat lining, hinged at a pin."""
+class FlatShoe(Held):
+    """A shoe with a flat lining, held by a hinge or otherwise (`Held`); without `body` it is rigid."""
 
-    name: Name
-    hinge: Place
     lining: FlatLining
-    actuation: Actuation
+    backing: Backing | None = None
+    body: FlatBody | None = None
+
+    @model_validator(mode="after")
+    def _on_body(self) -> Self:
+        slack = 1e-9 * (self.lining.end - self.lining.start)
+        if self.body and not self.body.start - slack <= self.lining.start < self.lining.end <= self.body.end + slack:
+            raise ValueError(
+                f"lining = {mm(self.lining.start)} to {mm(self.lining.end)}: must lie within the body, "
+                f"{mm(self.body.start)} to {mm(self.body.end)}"
+            )
+        return self
 
     @property
     def frame(self) -> FlatFrame:
         """The shoe's own frame; its sense is chosen so that the lining's middle is at a distance >= 0."""
         middle = 0.5 * (self.lining.start + self.lining.end)
-        return FlatFrame(self.hinge.x, 1 if middle >= self.hinge.x else -1)
+        return FlatFrame(self.pin.x, 1 if middle >= self.pin.x else -1)
 
     @property
     def span(self) -> tuple[float, float]:
@@ -85,6 +116,8 @@ class FlatBrake(Part):
     friction: Friction
     plane: Plane
     shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
+    actuation: Drive | None = None
+    links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
 
     @property
     def spin(self) -> int:
@@ -92,14 +125,22 @@ class FlatBrake(Part):
         return 1 if self.plane.sliding == "+x" else -1
 
     @property
+    def shares(self) -> str | None:
+        """That a cam or a strut shares a force among its shoes, in words; None where each shoe has its own."""
+        return shares(self.actuation, self.links)
+
+    @property
     def motion(self) -> str:
         """What moves, in words."""
         return f"body slides along {self.plane.sliding}"
 
     @model_validator(mode="after")
-    def _names(self) -> Self:
+    def _whole(self, info: ValidationInfo) -> Self:
         check_names([shoe.name for shoe in self.shoes])
-        return self
+        shoes = driven(self.shoes, self.actuation, self.links, file=bool((info.context or {}).get("unit_required")))
+        for i, shoe in enumerate(shoes):
+            check_motions(f"shoe[{i}]", shoe, slice(1, 3))
+        return self.model_copy(update={"shoes": shoes})
 
 
 AnyBrake = Brake | FlatBrake

@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from drumlin import __version__
+from drumlin.cli.exploring import explore
 from drumlin.cli.judging import check, cost, reference
 from drumlin.cli.outputs import export, mesh, view
 from drumlin.cli.solving import compare, hold, sensitivity, solve, wear
@@ -31,6 +32,7 @@ def _all(
 
 
 for command in (
-    init, solve, compare, study, sweep, view, mesh, export, hold, sensitivity, wear, cost, reference, check, schema,
+    init, solve, compare, study, sweep, view, explore, mesh, export, hold, sensitivity, wear, cost, reference, check,
+    schema,
 ):  # fmt: skip
     app.command()(command)

@@ -8,6 +8,7 @@ import typer
 from drumlin.cli.options import BrakeFile, Elements, Penalty, fem_options
 from drumlin.cli.terminal import busy, tell
 from drumlin.errors import BadInput
+from drumlin.texts import typed
 
 
 def cost(
@@ -17,17 +18,24 @@ def cost(
     by_size: Annotated[
         bool, typer.Option("--table", help="against the unknowns, up to 1 000 000: some minutes, some 8 GiB")
     ] = False,
+    model: Annotated[str, typer.Option(metavar="fem|solid", help="solid: its table, up to 100 000 unknowns")] = "fem",
 ) -> None:
     """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
     from drumlin.brake.file import read_brake
-    from drumlin.verification.cost import measure, table
+    from drumlin.models import pick
+    from drumlin.verification.cost import measure, solid_table, table
 
     brake = read_brake(brake_file)
+    if model not in {"fem", "solid"}:
+        raise BadInput(f"--model = {model!r}: has no cost to print; allowed: fem, solid")
+    pick(model, brake)
     options = fem_options(elements, penalty=penalty)
     if by_size and options:
         raise BadInput("--table chooses the elements itself; leave out --elements and --penalty")
-    if by_size:
-        for line in table(brake):
+    if model == "solid" and options:
+        raise BadInput("--model solid chooses the elements itself; leave out --elements and --penalty")
+    if by_size or model == "solid":
+        for line in (table if model == "fem" else solid_table)(brake):
             tell(line, at_once=True)
         return
     with busy("measuring"):
@@ -53,7 +61,7 @@ def reference(
     path = output or Path(f"{brake_file.stem}.reference.json")
     check_output(path)
     with busy("two fine meshes"):
-        found = make(brake, text, f"drumlin reference {brake_file.as_posix()}")
+        found = make(brake, text, typed(["drumlin", "reference", str(brake_file)]))
     write_values(as_dict(found), path)
     tell(f"torque {found.torque.value:.10g} N m, uncertainty {found.torque.uncertainty:.1e}")
     for shoe in found.shoes:
@@ -94,7 +102,7 @@ def check(
     path = known or stored(text, brake_file.parent, values, REPOSITORY / values)
     if path is None:
         with busy("no stored reference: two fine meshes"):
-            found, said = make(brake, text, f"drumlin reference {brake_file.as_posix()}"), "made anew"
+            found, said = make(brake, text, typed(["drumlin", "reference", str(brake_file)])), "made anew"
     else:
         found, said = read_reference(path), str(path)
     verdicts = compare_with(brake, found, curves)

@@ -64,18 +64,24 @@ def export(
     output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the files")] = Path(),
     elements: Elements = None,
     kind: Kind = None,
+    model: Annotated[str, typer.Option(metavar="fem|solid", help="plane stress or solid shoes")] = "fem",
 ) -> None:
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
     from drumlin.brake.file import read_brake
     from drumlin.files import check_folder
-    from drumlin.peers import calculix
+    from drumlin.peers import calculix, solid_deck
 
+    if model not in {"fem", "solid"}:
+        raise BadInput(f"--model = {model!r}: is not exported; allowed: fem, solid")
+    if model == "solid" and kind is not None:
+        raise BadInput("--kind belongs to --model fem; solid shoes are of hexahedra")
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
     brake = read_brake(brake_file)
     check_folder(output)
     with busy("writing"):
-        paths, apart = calculix.export(brake, output, brake_file.stem, **fem_options(elements, kind=kind))
+        write = calculix.export if model == "fem" else solid_deck.export
+        paths, apart = write(brake, output, brake_file.stem, **fem_options(elements, kind=kind))
     for path in paths:
         tell(str(path))
     for name in apart:

@@ -12,6 +12,7 @@ from drumlin.errors import BadInput, NoAnswer
 
 OPTIONS = {  # model -> its own options
     "fem": ("elements", "kind", "penalty", "tolerance"),
+    "solid": ("elements", "across", "penalty", "fields"),
     "foundation": ("sections", "lift"),
 }
 
@@ -36,6 +37,10 @@ def solve(
     lift: Annotated[
         list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
     ] = None,
+    across: Annotated[int | None, typer.Option(help="elements over half the width of a solid lining")] = None,
+    fields: Annotated[
+        Path | None, typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes")
+    ] = None,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="figures of merit, how it was solved, what is left out")
     ] = False,
@@ -46,18 +51,22 @@ def solve(
     from drumlin.models import pick
 
     brakes = [read_any(brake_file) for brake_file in brake_files]
-    check_outputs(json_file, pressure)
+    check_outputs(json_file, pressure, fields)
     options = fem_options(elements, kind=kind, penalty=penalty) | (
         {} if tolerance is None else {"tolerance": tolerance}
     )
     chosen = [pick(model, brake) for brake in brakes]
-    options |= {name: value for name, value in (("sections", sections), ("lift", lift)) if value is not None}
+    more = (("sections", sections), ("lift", lift), ("across", across), ("fields", fields))
+    options |= {name: value for name, value in more if value is not None}
     for owner, names in OPTIONS.items():
-        if model != owner and set(names) & set(options):
-            *some, last = (f"--{name}" for name in names)
-            raise BadInput(f"{', '.join(some)} and {last} belong to --model {owner}, not to {model!r}")
-    if pressure is not None and len(brakes) > 1:
-        raise BadInput("--pressure writes the table of one brake; give one brake file")
+        others = [f"--{name}" for name in names if name not in OPTIONS.get(model, ())]
+        if model != owner and any(option.removeprefix("--") in options for option in others):
+            *some, last = others
+            said = f"{', '.join(some)} and {last} belong" if some else f"{last} belongs"
+            raise BadInput(f"{said} to --model {owner}, not to {model!r}")
+    for option, path in (("--pressure", pressure), ("--fields", fields)):
+        if path is not None and len(brakes) > 1:
+            raise BadInput(f"{option} writes the file of one brake; give one brake file")
     failed, found = 0, list[dict[str, Any]]()
     for i, (brake_file, brake, one) in enumerate(zip(brake_files, brakes, chosen, strict=True)):
         try:
@@ -93,22 +102,18 @@ def compare(
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.brake.file import toml_text
-    from drumlin.brake.plane_brake import FlatBrake, read_any
+    from drumlin.brake.plane_brake import read_any
     from drumlin.files import check_folder
     from drumlin.report.comparison import write_comparison
 
     text = toml_text(brake_file)
     brake = read_any(brake_file, text)
-    if isinstance(brake, FlatBrake):
-        raise BadInput(
-            f"{brake_file}: plane: compare takes brakes on a drum; solve this one by --model linear or short"
-        )
     folder = output or Path("reports") / brake_file.stem
     check_folder(folder)
     with busy("comparing the models"):
         result = write_comparison(brake, text, folder, fem_options(elements, kind=kind, penalty=penalty))
     tell(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
-    print_table(result.table)
+    print_table(result.table, result.columns)
     for line in result.notes:
         tell(line)
     tell(f"report: {result.page}")
@@ -131,9 +136,9 @@ def hold(
 
     from drumlin.brake.file import read_brake
     from drumlin.brake.units import quantity
-    from drumlin.fem.assembly import prepare
     from drumlin.fem.holding import as_dict, full_slip_rotation
     from drumlin.fem.holding import hold as turn
+    from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
 
     brake = read_brake(brake_file)
@@ -144,7 +149,7 @@ def hold(
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
     end = None if rotation is None else quantity("--rotation", rotation, "rad")
     with busy("holding") as say:
-        scene = prepare(brake, **options)
+        scene = scene_of(brake, **options)
         end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
         states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
     if json_file is not None:
@@ -163,9 +168,9 @@ def sensitivity(
 ) -> None:
     """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the elastic brake."""
     from drumlin.brake.file import read_brake
-    from drumlin.fem.assembly import prepare
     from drumlin.fem.sensitivity import as_text
     from drumlin.fem.sensitivity import sensitivity as slopes
+    from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
 
     brake = read_brake(brake_file)
@@ -173,7 +178,7 @@ def sensitivity(
     options = fem_options(elements, kind=kind, penalty=penalty)
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
     with busy("sensitivity"):
-        found = slopes(prepare(brake, **options), brake, **stiffness)
+        found = slopes(scene_of(brake, **options), brake, **stiffness)
     if json_file is not None:
         write_json(json_file, found.as_dict())
     tell(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
@@ -237,12 +242,14 @@ def wear(
 
     with busy("running in") as say:
         if model == "fem":
-            from drumlin.fem.assembly import prepare
+            from drumlin.fem.solve import scene_of
+            from drumlin.wear.linings import guided as on_guides
 
-            scene = prepare(brake, **meshing)
+            brake = on_guides(brake) if guided else brake
+            scene = scene_of(brake, **meshing)
 
             def setup_of(turning: Any) -> WearSetup:
-                return fem_setup(scene, turning, guide="radius" if guided else "hinge")
+                return fem_setup(scene, turning)
         else:
 
             def setup_of(turning: Any) -> WearSetup:

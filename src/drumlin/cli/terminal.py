@@ -5,10 +5,13 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from textwrap import fill
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from drumlin.errors import file_fault
 from drumlin.texts import one_line
+
+if TYPE_CHECKING:
+    from drumlin.comparison import Column as TableColumn
 
 SAME = ("case", "rotation")  # columns that are the same in all rows of one brake
 LEAST = ["self_energising", "contact", "reaction_error", "reaction", "peak_error", "peak_pressure", "seconds"]
@@ -118,13 +121,11 @@ def print_columns(columns: Mapping[str, Column], least: Sequence[str], width: in
         tell(f"not shown here, the terminal is too narrow: {', '.join(cut)}")
 
 
-def print_table(table: Sequence[dict[str, Any]]) -> None:
-    """Rows of a comparison for people."""
-    from drumlin.comparison import COLUMNS
-
+def print_table(table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]") -> None:
+    """Rows of a comparison for people, in the columns `shown`."""
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
     columns = {}
-    for c in COLUMNS:
+    for c in shown:
         if c.key not in SAME and any(row.get(c.key) is not None for row in table):
             head = fill(c.heading, 9, break_long_words=False) + (f"\n[{c.unit}]" if c.unit else "")
             cells = [one_line(c.text(row)) for row in table]

@@ -19,10 +19,10 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg
 
 from drumlin.arrays import Bools, Floats, Ints
 from drumlin.errors import NoAnswer
-from drumlin.lapack import dgecon, dgetrf, dgetrs
 
 MOST_STEPS = 120  # a brake that has an answer needs some ten
 MOST_PASSES = 10  # changes of each node while an answer is followed from wider gaps
@@ -98,7 +98,7 @@ def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS)
     fewest, patience = n + 1, PATIENCE
     base: _Equations | None = None
     for step in range(1, most + 1):
-        if k and not (B[active] != 0).any(axis=0).all():  # a motion that nothing resists yet
+        if k and not _resisted(B, active):  # a motion that nothing resists yet
             active = active | _first_touch(q, B, C, h)
         if base is not None and _few_released(base, active):
             equations: _Equations = _Released(base, active)
@@ -209,8 +209,8 @@ def condition(problem: Problem, active: Bools) -> float:
     matrix = matrix_on(equilibrated(problem)[0], active)
     if not matrix.size:
         return 1.0
-    lu, _, _ = dgetrf(matrix)
-    reciprocal, _ = dgecon(lu, np.abs(matrix).sum(axis=0).max())
+    lu, _, _ = scipy.linalg.lapack.dgetrf(matrix)
+    reciprocal, _ = scipy.linalg.lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max())
     return float(1 / reciprocal) if reciprocal else np.inf
 
 
@@ -324,7 +324,7 @@ def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
     """LU factors and pivots; raises NoAnswer for a singular matrix."""
     if not matrix.size:
         return matrix, np.zeros(0, dtype=np.int32)
-    lu, pivots, info = dgetrf(matrix)
+    lu, pivots, info = scipy.linalg.lapack.dgetrf(matrix)
     if info or not np.isfinite(np.diagonal(lu)).all():
         raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
     return lu, pivots
@@ -332,7 +332,7 @@ def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
 
 def _back(factors: tuple[Floats, Ints], right: Floats) -> Floats:
     """Back-substitution; LAPACK directly, since scipy's checks cost more than these small systems."""
-    return dgetrs(*factors, right)[0] if len(right) else right
+    return scipy.linalg.lapack.dgetrs(*factors, right)[0] if len(right) else right
 
 
 def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
@@ -351,10 +351,22 @@ def _tangent(equations: _Equations, d: Floats, h: Floats, dq: Floats) -> Floats:
     return equations.solve(d * dq, h)[0] * d
 
 
+def _resisted(B: Floats, active: Bools) -> bool:
+    """Whether each free motion meets a node of the contact set, motions of the same nodes one each."""
+    moved = B[active] != 0
+    if not moved.any(axis=0).all():
+        return False
+    return B.shape[1] < 2 or all(np.count_nonzero(moved[:, of].any(axis=1)) >= len(of) for of in _together(B))
+
+
 def _first_touch(q: Floats, B: Floats, C: Floats, h: Floats, *, alone: bool = False) -> Bools:
     """For each free motion the nodes that the actuation closes first, when nothing touches; `alone`: one of them."""
     touching = np.zeros(len(q), dtype=bool)
-    for k in range(B.shape[1]):
+    for motions in _together(B):
+        if len(motions) > 1:
+            touching |= _first_pair(q, B[:, motions], C[motions], h[motions])
+            continue
+        (k,) = motions
         bearing = C[k] * h[k] > 0  # nodes whose pressure resists the actuation
         if not bearing.any():
             raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
@@ -363,4 +375,40 @@ def _first_touch(q: Floats, B: Floats, C: Floats, h: Floats, *, alone: bool = Fa
             touching[reach.argmin()] = True
         else:
             touching |= reach <= reach.min()
+    return touching
+
+
+MOST_PAIRS = 64  # nodes among which the two that bear two motions first are looked for
+
+
+def _together(B: Floats) -> list[list[int]]:
+    """The motions (n, k) in sets that move the same nodes."""
+    found: list[list[int]] = []
+    for k in range(B.shape[1]):
+        moves = B[:, k] != 0
+        like = next((motions for motions in found if (moves & (B[:, motions[0]] != 0)).any()), None)
+        if like is None:
+            found.append([k])
+        else:
+            like.append(k)
+    return found
+
+
+def _first_pair(q: Floats, B: Floats, C: Floats, h: Floats) -> Bools:
+    """Two nodes whose pressures balance two motions B (n, 2), C (2, n), with those that leave the others most open."""
+    on = np.flatnonzero((B != 0).any(axis=1))
+    on = on[np.unique(np.linspace(0, len(on) - 1, min(len(on), MOST_PAIRS)).astype(int))]
+    i, j = (on[side] for side in np.triu_indices(len(on), 1))
+    det = C[0, i] * C[1, j] - C[0, j] * C[1, i]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        p, r = (h[0] * C[1, j] - h[1] * C[0, j]) / det, (h[1] * C[0, i] - h[0] * C[1, i]) / det
+        gaps = B[i, 0] * B[j, 1] - B[j, 0] * B[i, 1]
+        y = np.array([B[i, 1] * q[j] - B[j, 1] * q[i], B[j, 0] * q[i] - B[i, 0] * q[j]]) / gaps
+    bears = (p >= 0) & (r >= 0) & np.isfinite(p + r) & np.isfinite(y).all(axis=0)
+    if not bears.any() or len(h) > 2:
+        raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
+    open_ = (q[on] + (B[on] @ y[:, bears]).T).min(axis=1)
+    best = np.flatnonzero(bears)[np.argmax(open_)]
+    touching = np.zeros(len(q), dtype=bool)
+    touching[[i[best], j[best]]] = True
     return touching

@@ -25,6 +25,7 @@ from drumlin.errors import NoAnswer
 LARGEST = 1e3  # friction coefficient up to which a limit is looked for
 STEP = 0.05  # largest step of mu; above mu = 1 relative to it
 CLOSE = 1e-8  # relative distance from an eigenvalue at which the contact set must hold
+QUIET = 0.5  # growth of pressure with the second half of friction; up to half of the limit there is no more
 RESOLUTION = 1e-12  # relative, of a limit where the answer turns back
 
 
@@ -102,11 +103,12 @@ def answer(
     law: float,
     brake: str,
 ) -> Contact:
-    """The answer at a friction coefficient: the stable one that settles at once from the contact set `start`, up to the
-    limit of the rigid shoe; else the one that is followed from mu = 0, which is unique there.
+    """The answer at a friction coefficient: the one that is followed from mu = 0, which is unique there.
 
-    Not any stable one, nor the one that wider gaps lead to: beyond the limit some stand apart, reached by no friction
-    that grows from 0, on a few nodes that another mesh lacks.
+    Below the limit of the rigid shoe that is the stable one that settles at once from the contact set `start`, if from
+    half of the friction on pressures grow by less than QUIET of themselves, as they do up to half of the limit; else
+    it is followed in many small steps. Not any stable one, nor the one that wider gaps lead to: near the limit, where
+    the contact grows fast, and beyond it some stand apart, reached by no friction that grows from 0.
 
     problem_at: the problem at a friction coefficient, linear in it; law: mu_lock of the rigid shoe; brake: what
     there is an equilibrium of, in words. Raises NoAnswer with both limits where the answer ends before that friction,
@@ -116,14 +118,17 @@ def answer(
         return _without_friction(problem_at(0.0), start)
     try:
         found = settle(problem_at(friction), start)
-        if found.regular and friction < law:
-            return found
+        stable = found.regular and friction < law
         reason = "self-locking, no stable equilibrium"
+        if stable and _quiet(found, settle(problem_at(0.5 * friction), found.active)):
+            return found
     except NoAnswer as error:
-        reason = str(error)
+        stable, reason = False, str(error)
     try:
         end = limit(Sliding.through(problem_at(0.0), problem_at(1.0)), friction)
-    except NoAnswer:
+    except NoAnswer:  # none without friction: friction is not to blame
+        if stable:
+            return found
         raise NoAnswer(reason) from None
     if np.isinf(end.friction):
         return end.last
@@ -131,6 +136,11 @@ def answer(
         f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "
         f"mu_lock = {end.friction:.4g} (sine law: {law:.4g})"
     )
+
+
+def _quiet(found: Contact, half: Contact) -> bool:
+    """Whether pressures have grown by less than QUIET since half of the friction."""
+    return half.regular and float(found.p.sum()) <= (1 + QUIET) * float(half.p.sum())
 
 
 def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:

@@ -17,7 +17,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Point
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, edge_nodes, edge_points, radial
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, edge_nodes, edge_points, radial, straight
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
@@ -47,7 +47,8 @@ class Body:
 
     With the frame held, under the nodal forces -N^T and T^T and the unit actuations (force x, force y, couple
     about `load_centre`): `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded` (n, 3) are N times the
-    contact displacements, what they take from the weighted gap; `held_*` (3, ...) the force x, y and moment that
+    contact displacements, what they take from the weighted gap; `tip_dragged` (3, n) and `tip_loaded` (3, 3) what the
+    unit actuations move along; `held_*` (3, ...) the force x, y and moment that
     hold the frame meanwhile. The dragged ones are None where mu = 0. `turned` (2n,): contact displacement per
     turn [rad] about the pin.
     """
@@ -62,6 +63,8 @@ class Body:
     closing_pressed: Floats
     closing_dragged: Floats | None
     closing_loaded: Floats
+    tip_dragged: Floats | None
+    tip_loaded: Floats
     held_pressed: Floats
     held_dragged: Floats | None
     held_loaded: Floats
@@ -76,7 +79,7 @@ class Body:
 class Scene:
     """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if it has one.
 
-    `apart`: each shoe meets the ring as if the others did not press it.
+    `apart`: each shoe meets the ring as if the others did not press it. `model`: whose bodies they are.
     """
 
     brake: Brake
@@ -85,6 +88,7 @@ class Scene:
     seconds: Seconds
     left_out: tuple[str, ...]
     apart: bool = False
+    model: str = "fem"
 
 
 def why_not(brake: Brake) -> str | None:
@@ -109,11 +113,12 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         behind = (body, *loaded.tolist())
     elif body is not None:
         arcs.append(tuple(sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist())))
-        behind = (body.shape, body.thickness, body.width, body.material)
+        behind = (body.shape, body.thickness, body.width, body.material, shoe.held_by in {"pivot", "guide"})
+        arcs += [arc for arc in [shoe.grip(brake.drum.radius)] if arc is not None]
     return (
         brake.drum.radius,
         shoe.side,
-        round(shoe.hinge.radius / brake.drum.radius, 12),
+        tuple(np.round(shoe.own_pin / brake.drum.radius, 12).tolist()),
         tuple(round(angle, 12) for arc in arcs for angle in arc),
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
@@ -159,14 +164,17 @@ def bare(brake: Brake) -> Brake:
             "rotation": "counter-clockwise",
             "friction": float(brake.friction > 0),
             "drum": brake.drum.model_copy(update={"out_of_round": (), "angle": 0.0}),
-            "shoes": tuple(_bare(shoe) for shoe in brake.shoes),
+            "shoes": tuple(bare_shoe(shoe) for shoe in brake.shoes),
         }
     )
 
 
-def _bare(shoe: Shoe) -> Shoe:
+def bare_shoe(shoe: Shoe) -> Shoe:
+    """The shoe without what its body does not depend on; see `bare`."""
     force: dict[str, Any] = {"force": 1.0, "direction": 0.0}
-    if not isinstance(shoe.body, Beam):  # a beam ends where it is loaded
+    if (
+        not isinstance(shoe.body, Beam) and shoe.guide is None
+    ):  # a beam ends where it is loaded; a guide has its pin there
         force["point"] = Point(x=0.0, y=0.0)
     return shoe.model_copy(
         update={
@@ -206,9 +214,9 @@ def prepare(
         key = shape_of(brake, shoe)
         if key not in made:
             made[key] = cache.get(
-                (_bare(shoe), brake.drum.radius, brake.friction > 0, setting, content(shoe)),
+                (bare_shoe(shoe), brake.drum.radius, brake.friction > 0, setting, content(shoe)),
                 partial(_body, brake, shoe, mesher, seconds),
-                _bytes,
+                size_of,
             )
         bodies.append(made[key])
     ring = None
@@ -217,7 +225,7 @@ def prepare(
         with clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
             key = (bare(brake), setting, *map(content, brake.shoes))
-            ring = cache.get(key, partial(ring_body, brake, brake.drum.ring, lines, elements), _bytes)
+            ring = cache.get(key, partial(ring_body, brake, brake.drum.ring, lines, elements), size_of)
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
@@ -235,7 +243,7 @@ def lacking(brake: Brake) -> list[str]:
     ]
 
 
-def _bytes(body: Body | RingBody) -> int:
+def size_of(body: Body | RingBody) -> int:
     """What a condensed body keeps, about: its matrices."""
     n = len(body.line.nodes)
     return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)
@@ -271,13 +279,14 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         K = stiffness(basis, materials_of(shoe))
     with clock(seconds, "ties"):
         pin = pin_of(shoe)
-        line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
+        unit = brake.drum.radius if shoe.flat else None
+        line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2, unit)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         ties = tie(basis, line.nodes, rigid, pin)
-        if "actuation" in mesh.boundaries:
+        if "actuation" in mesh.boundaries and shoe.held_by in {"hinge", "abutment"}:
             full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
             loads = ties.matrix.T @ full
-        else:  # the force acts on the rigid shoe itself
+        else:  # the force acts on the rigid shoe itself, or on what holds the back of the body
             loads, load_centre = np.zeros((ties.matrix.shape[1], 3)), pin
             loads[-FRAME:] = np.eye(3)
     return Assembled(mesh, basis, line, K, ties, loads, load_centre)
@@ -285,7 +294,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
 
 def pin_of(shoe: Shoe) -> Floats:
     """The pin (2,) [m] in the shoe's frame."""
-    return np.array([shoe.hinge.radius, 0.0])
+    return shoe.own_pin
 
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
@@ -302,7 +311,7 @@ def coupled(
 ) -> Body:
     """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the rest of a Body."""
     n = len(line.nodes)
-    coupling = couple(line, shoe.lining.width, radial(shoe.sign))
+    coupling = line.couple(shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
     forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
     Y = condensed.half(np.hstack(forces))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
@@ -316,6 +325,8 @@ def coupled(
         closing_pressed=closing[:, pressed],
         closing_loaded=closing[:, loaded],
         closing_dragged=closing[:, dragged] if friction else None,
+        tip_dragged=Y[:, loaded].T @ Y[:, dragged] if friction else None,
+        tip_loaded=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
         held_pressed=holding[:, pressed],
         held_loaded=holding[:, loaded] - condensed.load_f,
         held_dragged=holding[:, dragged] if friction else None,
@@ -357,7 +368,7 @@ def actuation(body: Body | Assembled, shoe: Shoe) -> tuple[Floats, float]:
     In the shoe's frame; a negative force counts as one newton the other way.
     """
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
-    force, point = shoe.frame.to_shoe(direction), shoe.frame.to_shoe(shoe.actuation.point.xy)
+    force, point = shoe.frame.to_shoe(direction), shoe.own_points(shoe.actuation.point.xy)
     couple_ = float(cross(point - body.load_centre, force))
     return np.array([*force, couple_]), float(cross(point - pin_of(shoe), force))
 

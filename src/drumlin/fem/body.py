@@ -12,16 +12,18 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+import skfem
+from scipy.linalg.lapack import dpotrf
+from scipy.sparse.linalg import splu
+from skfem.models.elasticity import lame_parameters, plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.fields import Material
 from drumlin.errors import NoAnswer
 from drumlin.fem.elimination import SINGULAR, dissection, eliminate
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.lapack import dpotrf, solve_lower
-from drumlin.later import later
-
-skfem, sp, spla = map(later, ("skfem", "scipy.sparse", "scipy.sparse.linalg"))
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 
@@ -71,7 +73,7 @@ class Condensed:
 
     def half(self, forces: Floats) -> Floats:
         """Y = L_cc^-1 forces, for nodal forces (2n, m) on the contact nodes."""
-        return solve_lower(self.L_cc, forces)
+        return scipy.linalg.solve_triangular(self.L_cc, forces, lower=True, check_finite=False)
 
     def displacement(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacement of all nodes (2, nodes) [m], by one sparse factorisation that nothing else needs.
@@ -87,7 +89,7 @@ class Condensed:
         A, ties, unit = self.inside()
         right = unit[:-FRAME] @ loads - A[:-FRAME, -FRAME:] @ frame
         right[len(right) - len(nodal) :] += nodal
-        u = spla.splu(A[:-FRAME, :-FRAME], permc_spec="MMD_AT_PLUS_A").solve(right)
+        u = splu(A[:-FRAME, :-FRAME], permc_spec="MMD_AT_PLUS_A").solve(right)
         return np.asarray(ties.matrix @ np.vstack([u, frame]))
 
 
@@ -98,9 +100,11 @@ def scalar_basis(mesh: Any) -> Any:
 
 
 def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]], *, precise: bool = False) -> Any:
-    """Plane-stress stiffness (2 nodes, 2 nodes), unknown 2 i + c for component c of node i [N/m].
+    """Stiffness (d nodes, d nodes) of plane stress, d = 2, or of a solid, d = 3; unknown d i + c for component c of
+    node i [N/m].
 
-    materials: subdomain -> (material, width [m]); precise: in long double, from the nodes on.
+    materials: subdomain -> (material, width [m]), of a solid a plain factor in the width's place; precise: in long
+    double, from the nodes on (plane stress only).
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
@@ -112,21 +116,22 @@ def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]], *, pr
     gradients, dx = (
         _precise_gradients(basis) if precise else (np.array([psi[0].grad for psi in basis.basis]), basis.dx)
     )  # (a, i, elements, points), (elements, points)
+    a, d, elements, points = gradients.shape
+    constants = plane_stress if d == 2 else lame_parameters
     lame = np.zeros((2, basis.mesh.nelements))
-    for name, elements in basis.mesh.subdomains.items():
+    for name, members in basis.mesh.subdomains.items():
         material, width = materials[name]
-        lame[:, elements] = material.lame[:, None] * width
+        lame[:, members] = np.array(constants(material.E, material.nu))[:, None] * width
     lam, mu = lame[:, :, None, None, None, None]
-    a, _, elements, points = gradients.shape
-    G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, 2 * a, points)
-    H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, 2, a, 2)  # Int psi_a,i psi_b,j
+    G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, d * a, points)
+    H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, d, a, d)  # Int psi_a,i psi_b,j
     K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
-    for i in range(2):
+    for i in range(d):
         K[:, :, i, :, i] += mu[:, :, 0, :, 0] * np.trace(H, axis1=2, axis2=4)
-    dofs = (2 * basis.element_dofs.T[:, :, None] + np.arange(2)).reshape(elements, 2 * a).astype(np.int32)
-    rows = np.broadcast_to(dofs[:, :, None], (elements, 2 * a, 2 * a))
+    dofs = (d * basis.element_dofs.T[:, :, None] + np.arange(d)).reshape(elements, d * a).astype(np.int32)
+    rows = np.broadcast_to(dofs[:, :, None], (elements, d * a, d * a))
     columns = np.broadcast_to(dofs[:, None, :], rows.shape)
-    return sp.coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * basis.N, 2 * basis.N)).tocsc()
+    return sp.coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(d * basis.N, d * basis.N)).tocsc()
 
 
 def _precise_gradients(basis: Any) -> tuple[Any, Any]:
@@ -182,5 +187,5 @@ def condense(K: Any, ties: Ties, loads: Floats, contact: int) -> Condensed:
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
         raise NoAnswer(SINGULAR)
-    L_fc = solve_lower(L_cc, S[:contact, contact:]).T
+    L_fc = scipy.linalg.solve_triangular(L_cc, S[:contact, contact:], lower=True, check_finite=False).T
     return Condensed(L_cc, L_fc, left[:contact], left[contact:], work, partial(Inside, A, ties, loads))

@@ -14,7 +14,7 @@ from drumlin.response.response import Response
 def beam_deflection(scene: Scene, brake: Brake, response: Response, index: int) -> tuple[Floats, Floats]:
     """Stations x (m,) [m] along the axis of the straight beam of shoe `index`, and its displacement w (m,) [m]."""
     shoe = brake.shoes[index]
-    axis, all_fields = axis_of(shoe.hinge.xy, shoe.actuation.point.xy), fields(scene, brake, response, index)
+    axis, all_fields = axis_of(shoe.pin.xy, shoe.actuation.point.xy), fields(scene, brake, response, index)
     away = all_fields.points - axis.hinge
     on = np.abs(away @ axis.towards) < 1e-9 * axis.length
     x, first = np.unique(np.round(away[on] @ axis.along, 12), return_index=True)

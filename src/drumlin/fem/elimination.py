@@ -10,13 +10,12 @@ products, the kept unknowns come last whatever the sparsity, nothing of the fact
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.linalg.blas import dtrsm
+from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Floats, Ints
 from drumlin.errors import NoAnswer
-from drumlin.lapack import dpotrf, dtrsm
-from drumlin.later import later
-
-sp = later("scipy.sparse")
 
 LEAF = 5  # halvings that a smallest region goes without: it has up to 32 elements
 
@@ -40,7 +39,7 @@ class Eliminated(NamedTuple):
 
 
 def dissection(xy: Floats, elements: Ints) -> Order:
-    """Nested dissection of a mesh: nodes xy (2, n) [m]; elements (k, m): nodes of each element.
+    """Nested dissection of a mesh: nodes xy (2, n) or (3, n) [m]; elements (k, m): nodes of each element.
 
     The elements are halved across the long direction of their region. A node comes after all nodes of the regions
     inside its own.
@@ -52,10 +51,7 @@ def dissection(xy: Floats, elements: Ints) -> Order:
     resolution = 1e-9 * float(np.ptp(centre, axis=1).max()) or 1.0
     for level in range(depth):
         size = np.bincount(half, minlength=1 << level)
-        dx, dy = centre - _means(half, centre)
-        xy_, xx_yy = _means(half, np.array([dx * dy, dx * dx - dy * dy]))
-        along = 0.5 * np.arctan2(2 * xy_, xx_yy)  # principal axis
-        place = np.round((dx * np.cos(along) + dy * np.sin(along)) / resolution)
+        place = np.round(_along(half, centre - _means(half, centre)) / resolution)
         order = np.lexsort((place, half))
         rank = np.empty(count, dtype=np.int64)
         rank[order] = np.arange(count) - (np.cumsum(size) - size)[half[order]]
@@ -71,6 +67,17 @@ def dissection(xy: Floats, elements: Ints) -> Order:
     nodes = np.lexsort((height, end))
     new = np.diff(end[nodes], prepend=-1).astype(bool) | np.diff(height[nodes], prepend=-1).astype(bool)
     return Order(nodes, np.cumsum(new) - 1)
+
+
+def _along(group: Ints, x: Floats) -> Floats:
+    """Places (m,) of the points x (d, m) of groups (m,), off the middle of each, along its principal axis."""
+    if len(x) == 2:
+        xy, xx_yy = _means(group, np.array([x[0] * x[1], x[0] * x[0] - x[1] * x[1]]))
+        along = 0.5 * np.arctan2(2 * xy, xx_yy)
+        return np.asarray(x[0] * np.cos(along) + x[1] * np.sin(along))
+    spread = np.array([[np.bincount(group, a * b) for b in x] for a in x]).transpose(2, 0, 1)
+    axis = np.linalg.eigh(spread)[1][:, :, -1]
+    return np.einsum("md,dm->m", axis[group], x)
 
 
 def _means(group: Ints, values: Floats) -> Floats:
@@ -115,9 +122,9 @@ def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
             work += y.T @ y
         if len(later):
             after = regions if later[0] >= inner else int(region[later[0]])
-            left[after].append((later, F[own:, own:] - below @ below.T))
+            left[after].append((later, np.subtract(F[own:, own:], below @ below.T, order="F")))
     kept = np.arange(inner, A.shape[0])
-    S = lower[inner:, inner:].toarray()
+    S = lower[inner:, inner:].toarray(order="F")
     _gather(S, kept, left, regions)
     return Eliminated(np.tril(S) + np.tril(S, -1).T, f[inner:], work)
 
@@ -126,5 +133,5 @@ def _gather(F: Floats, touched: Ints, left: list[list[tuple[Ints, Floats]]], reg
     """Add what earlier fronts left on the unknowns `touched` (n,) to the lower triangle of a front F (n, n)."""
     for unknowns, rest in left[region]:
         place = np.searchsorted(touched, unknowns)
-        F[np.ix_(place, place)] += rest
+        F.T[np.ix_(place, place)] += rest.T  # rows that lie together in memory
     left[region] = []

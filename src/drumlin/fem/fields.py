@@ -7,12 +7,14 @@ from typing import Any
 import meshio
 import numpy as np
 import skfem
+from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake, Frame, Shoe
 from drumlin.brake.fields import Material
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Body, Scene, actuation, materials_of
+from drumlin.fem.hp.grid import Grid
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.files import replacing
 from drumlin.response.response import Response, ShoeResponse
@@ -80,7 +82,7 @@ def _fields(
     return Fields(
         points=xy,
         cells=np.concatenate([block[1] + start for start, block in zip(starts[:-1], blocks, strict=True)]),
-        cell_type=kind_of(mesh).cell,
+        cell_type="quad" if isinstance(mesh, Grid) else kind_of(mesh).cell,
         part=np.concatenate([np.full(len(block[1]), i) for i, block in enumerate(blocks)]),
         displacement=frame.to_brake(u[:, nodes].T),
         stress=np.column_stack([xx, yy, shear]),
@@ -97,29 +99,37 @@ def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) ->
     p = answer.pressure[:: frame.sense]
     drag = brake.drag_on(shoe)
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
-    turn = frame.sense * (answer.turn or 0.0)
-    return body.condensed.displacement(nodal, np.array([0.0, 0.0, turn]), load)
+    motion = answer.motion or (0.0, 0.0, frame.sense * (answer.turn or 0.0))
+    return body.condensed.displacement(nodal, np.array(motion), load)
 
 
 def _part(mesh: Any, u: Floats, name: str, material: Material) -> tuple[Ints, Ints, Floats]:
     """Nodes, cells (numbered within the nodes) and nodal mean stresses (n, 2, 2) of one subdomain."""
     elements = mesh.subdomains[name]
-    element = kind_of(mesh).element()
-    at = element.doflocs.T
-    basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
-    dofs = basis.element_dofs
-    gradient = np.zeros((2, 2, *basis.dx.shape))
-    for psi, row in zip(basis.basis, dofs, strict=True):
-        gradient += u[:, None, row, None] * psi[0].grad[None]
+    dofs, slopes, cut = _at_nodes(mesh, elements)
+    gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
     strain = 0.5 * (gradient + gradient.transpose(1, 0, 2, 3))
-    lam, mu = material.lame
+    lam, mu = plane_stress(material.E, material.nu)
     stress = 2 * mu * strain
     stress[[0, 1], [0, 1]] += lam * (strain[0, 0] + strain[1, 1])
     nodes, cells = np.unique(dofs, return_inverse=True)
     cells = cells.reshape(dofs.shape)
     total = np.zeros((len(nodes), 2, 2))
     np.add.at(total, cells, stress.transpose(3, 2, 0, 1))
-    return nodes, cells.T, total / np.bincount(cells.ravel())[:, None, None]
+    return nodes, cells[cut].reshape(len(cut), -1).T, total / np.bincount(cells.ravel())[:, None, None]
+
+
+def _at_nodes(mesh: Any, elements: Ints) -> tuple[Ints, Floats, Ints]:
+    """Of elements: their nodes (a, n), the gradients (a, 2, n, a) of the shape functions there, and the corners (k, c)
+    of the c cells that each is drawn as, by their places in `a`."""
+    if isinstance(mesh, Grid):
+        dofs = mesh.element_dofs[:, elements]
+        return dofs, mesh.gradients(elements), mesh.quarters
+    element = kind_of(mesh).element()
+    at = element.doflocs.T
+    basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
+    slopes = np.array([psi[0].grad for psi in basis.basis])
+    return basis.element_dofs, slopes, np.arange(len(slopes))[:, None]
 
 
 def write_vtu(path: Path, parts: list[Fields]) -> None:

@@ -7,32 +7,83 @@ together. Whatever is done with the contact (sliding, holding, wear, sensitivity
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
+from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg
 
-from drumlin.arrays import Bools, Floats, block_diagonal
+from drumlin.arrays import Bools, Floats
 from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.support import moved
 from drumlin.contact import active_set, self_locking
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
-from drumlin.laws import locking_friction
+from drumlin.fem.sharing import Pushed, Sharing, share
+from drumlin.laws import rigid
 
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
+
+
+class Motions(NamedTuple):
+    """The free motions of a shoe, of a unit each, in its own frame: contact displacements `moved` (2n, k), those that
+    its equilibria are tested on, `tested` (2n, k), and the `work` (k,) of the actuation on these per newton. `tip`
+    (k,): how far the actuation's point goes along its force; `of` (3, k): dx, dy at its pin and turn."""
+
+    moved: Floats
+    tested: Floats
+    work: Floats
+    tip: Floats
+    of: Floats
+
+
+def motions_of(body: Body, shoe: Shoe, sense: int = 1) -> Motions:
+    """The free motions of a shoe; sense: of an abutment's friction, see `Held.freedoms`."""
+    free, frame = (shoe if shoe.actuation.force else shoe.under(1.0)).freedoms(sense), shoe.frame
+    tip = free.tip * math.copysign(1.0, shoe.actuation.force)
+    xy, pin = shoe.points(body.line.xy), shoe.pin.xy[:, None]
+
+    def own(motions: Floats, at: Floats) -> Floats:
+        u = frame.to_shoe(np.moveaxis(moved(motions, at), 0, -1))  # (n, k, 2)
+        return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
+
+    work = free.work / (abs(shoe.actuation.force) or 1.0)
+    found = own(free.motions, xy), own(free.tests, xy), work
+    of = np.vstack([own(free.motions, pin), frame.sense * free.motions[:, 2]])
+    if free.names[0] == "turn":  # about the pin: free of the round-off of a turn about the drum's centre
+        for part in found[:2]:
+            part[:, 0] = body.turned
+        work[0] = tip[0] = actuation(body, shoe)[1]
+        of[:, 0] = 0.0, 0.0, 1.0
+    return Motions(*found, tip, of)
 
 
 @dataclass(frozen=True)
 class ShoeGroup:
     """The shoes `members` of a brake on a prepared scene, at the contact stiffness `penalty` E/t.
 
-    All of its problem is per newton of `unit_force`, so that one force alone enters only through the gap.
+    All of its problem is per newton of `unit_force`, so that one force alone enters only through the gap. `senses`: how
+    friction acts at the abutments, one of a shoe.
     """
 
     scene: Scene
     brake: Brake
     members: tuple[int, ...]
     penalty: float = math.inf
+    senses: tuple[int, ...] = ()
+
+    @cached_property
+    def motions(self) -> tuple[Motions, ...]:
+        """The free motions of each shoe."""
+        senses = self.senses or (1,) * len(self.members)
+        return tuple(motions_of(*of) for of in zip(self.bodies, self.shoes, senses, strict=True))
+
+    @cached_property
+    def rows(self) -> tuple[slice, ...]:
+        """The motions of each shoe among those of the group."""
+        begins = np.cumsum([0, *(motions.work.size for motions in self.motions)])
+        return tuple(slice(int(a), int(b)) for a, b in pairwise(begins))
 
     @cached_property
     def shoes(self) -> tuple[Shoe, ...]:
@@ -73,12 +124,12 @@ class ShoeGroup:
     @cached_property
     def levers(self) -> Floats:
         """(n, shoes) [m^3]: friction times this by the pressures is the torque of each shoe."""
-        return block_diagonal(*(body.coupling.lever for body in self.bodies)).T
+        return np.asarray(scipy.linalg.block_diag(*(body.coupling.lever for body in self.bodies)).T)
 
     @cached_property
     def masses(self) -> Floats:
         """(n, n) [m^2]: what weighs a gap on the linings."""
-        return block_diagonal(*(body.coupling.M for body in self.bodies))
+        return np.asarray(scipy.linalg.block_diag(*(body.coupling.M for body in self.bodies)))
 
     @cached_property
     def ring(self) -> tuple[Floats, Floats] | None:
@@ -92,41 +143,83 @@ class ShoeGroup:
     def problem(self) -> active_set.Problem:
         """Full slip, the drum dragging the linings by mu p, as one complementarity problem.
 
-        The weighted gap  w = M (g + p/eps) - N u + N_ring u_ring  closes as the lining moves by u, elastically and with
-        the shoe's turn y about its pin, and opens as the ring moves by u_ring;  C p = h  is the balance of moments
-        about the pins.
+        The weighted gap  w = M (g + p/eps) - N u + N_ring u_ring  closes as the lining moves by u, elastically and by
+        the shoe's free motions y, and opens as the ring moves by u_ring;  C p = h  are the equilibria in these motions.
         """
+        return self.blocks if self.sharing is None else self.sharing.problem
+
+    @cached_property
+    def sharing(self) -> Sharing | None:
+        """How the shoes share forces by struts and a cam; None where each has its own."""
+        names = [shoe.name for shoe in self.shoes]
+        links = [(names.index(link.source), names.index(link.to)) for link in self.brake.links if link.to in names]
+        drive = self.brake.actuation
+        cam = [k for k in range(len(names)) if k not in [to for _, to in links]] if drive and drive.is_cam else []
+        if not links and not cam:
+            return None
+        pushed = [self._pushed(k) for k in range(len(names))]
+        own = np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
+        total = drive.total / self.unit_force if drive else 0.0
+        return share(self.blocks, pushed, own, links, cam, total)
+
+    def _pushed(self, k: int) -> Pushed:
+        body, shoe, motions = self.bodies[k], self.shoes[k], self.motions[k]
+        drag, coupling = self.brake.drag_on(shoe), body.coupling
+        load, _ = actuation(body, shoe)
+        tip = -(load @ body.closing_loaded.T) + (0.0 if body.tip_dragged is None else drag * (load @ body.tip_dragged))
+        nodal = (drag * coupling.T - coupling.N).reshape(len(tip), -1, 2).sum(axis=1)  # (n, 2) per pressure
+        bearing = np.zeros(len(tip)) if shoe.abutment is None else -shoe.frame.to_brake(nodal) @ shoe.bearing
+        direct = 0.0 if shoe.abutment is None else -float(shoe.bearing @ shoe.actuation.direction_vector)
+        return Pushed(
+            part=self.parts[k], rows=self.rows[k], opened=-(body.closing_loaded @ load), tip=tip,
+            yields=float(load @ body.tip_loaded @ load), work=motions.work, moves=motions.tip, bearing=bearing,
+            direct=direct,
+        )  # fmt: skip
+
+    def forces(self, p: Floats) -> Floats:
+        """The actuation forces (shoes,) under the pressures p (n,), both per newton."""
+        own = np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
+        return own if self.sharing is None else self.sharing.forces(p)
+
+    def amounts(self, found: active_set.Contact) -> list[Floats]:
+        """The free motions of each shoe in an answer, per newton."""
+        y = found.y if self.sharing is None else self.sharing.amounts(found.p, found.y)
+        return [y[rows] for rows in self.rows]
+
+    @cached_property
+    def blocks(self) -> active_set.Problem:
+        """The problem with the forces of each shoe's own actuation."""
         parts = [self._shoe_problem(k) for k in range(len(self.members))]
         if self.ring is None and len(parts) == 1:
             return parts[0]
-        A = block_diagonal(*(part.A for part in parts))
+        A = scipy.linalg.block_diag(*(part.A for part in parts))
         if self.ring is not None:
             pressed, dragged = self.ring
             A += pressed.T @ (pressed + self.brake.drag * dragged)
         return active_set.Problem(
             A=A,
             q=np.concatenate([part.q for part in parts]),
-            B=block_diagonal(*(part.B for part in parts)),
-            C=block_diagonal(*(part.C for part in parts)),
+            B=scipy.linalg.block_diag(*(part.B for part in parts)),
+            C=scipy.linalg.block_diag(*(part.C for part in parts)),
             h=np.concatenate([part.h for part in parts]),
         )
 
     def _shoe_problem(self, k: int) -> active_set.Problem:
         body, shoe = self.bodies[k], self.shoes[k]
         drag = self.brake.drag_on(shoe)
-        load, moment = actuation(body, shoe)
-        share = abs(shoe.actuation.force) / self.unit_force
+        load, _ = actuation(body, shoe)
+        motions = self.motions[k]
+        own = abs(shoe.actuation.force) / self.unit_force
         N, T, M = body.coupling.N, body.coupling.T, body.coupling.M
-        approach = N @ body.turned  # per turn
-        A, C = -body.closing_pressed, -approach
+        A, C = -body.closing_pressed, -(N @ motions.tested)
         if body.closing_dragged is not None:
-            A, C = A - drag * body.closing_dragged, C + drag * (T @ body.turned)
+            A, C = A - drag * body.closing_dragged, C + drag * (T @ motions.tested)
         return active_set.Problem(
             A=A + M / self.stiffnesses[k],
-            q=M @ (self.gaps[k] / self.unit_force) - share * (body.closing_loaded @ load),
-            B=-approach[:, None],
-            C=C[None],
-            h=np.array([-share * moment]),
+            q=M @ (self.gaps[k] / self.unit_force) - own * (body.closing_loaded @ load),
+            B=-(N @ motions.moved),
+            C=C.T,
+            h=-own * motions.work,
         )
 
     def at_friction(self, friction: float) -> active_set.Problem:
@@ -144,25 +237,92 @@ class ShoeGroup:
         Raises NoAnswer: self-locking, no equilibrium, not converged, a turn too large for small displacements.
         """
         for body, shoe, gap in zip(self.bodies, self.shoes, self.gaps, strict=True):
-            _check_reach(shoe, body.line.xy, gap, actuation(body, shoe)[1])
-        law = min(locking_friction(self.brake, shoe) for shoe in self.shoes)
+            if shoe.held_by == "hinge" and not shoe.flat:
+                _check_reach(shoe, body.line.xy, gap, actuation(body, shoe)[1])
+        law = min(rigid.locking_friction(self.brake, shoe) for shoe in self.shoes)
         try:
             return self_locking.answer(self.at_friction, self.brake.friction, first, law=law, brake="elastic as it is")
         except NoAnswer as error:
             raise NoAnswer(f"{self.names}: {error}") from error
 
+    def settled(self, first: Bools | None = None) -> tuple["ShoeGroup", active_set.Contact]:
+        """The group with the friction at its abutments as its answer has it, and that answer.
+
+        Friction opposes the slide of a foot, or holds it. Raises NoAnswer as `answer` does, and where a foot would
+        leave its abutment.
+        """
+        failure = NoAnswer(f"{self.names}: no equilibrium, a foot leaves its abutment")
+        begin = self.senses or (1,) * len(self.members)
+        choices = [(own, *(s for s in shoe.senses if s != own)) for own, shoe in zip(begin, self.shoes, strict=True)]
+        for k, senses in enumerate(product(*choices)):
+            group = self if senses == begin else replace(self, senses=senses)
+            try:
+                found = group.answer(first)
+            except NoAnswer as error:
+                if k == 0:
+                    failure = error
+                continue
+            if all(group.consistent(found, i) for i in range(len(self.members))):
+                return group, found
+        raise failure
+
+    def consistent(self, found: active_set.Contact, k: int) -> bool:
+        """Whether an answer presses the foot of shoe `k` on its abutment, and friction opposes its slide, or holds."""
+        shoe, body = self.shoes[k], self.bodies[k]
+        if shoe.abutment is None:
+            return True
+        drag, p = self.brake.drag_on(shoe), found.p[self.parts[k]]
+        nodal = (drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p).reshape(-1, 2)
+        push = self.forces(found.p)[k] * shoe.actuation.direction_vector
+        reaction = -shoe.frame.to_brake(nodal.sum(axis=0)) - push
+        c, s = math.cos(shoe.abutment.direction), math.sin(shoe.abutment.direction)
+        bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
+        sense = self.senses[k] if self.senses else 1
+        if bearing <= 0 or shoe.abutment.friction == 0:
+            return bearing > 0
+        if sense == 0:
+            return abs(along) <= shoe.abutment.friction * bearing * (1 + 1e-9)
+        return sense * float(self.amounts(found)[k][1]) <= 0
+
 
 def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
     """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
-    touching = [i for i, shoe in enumerate(brake.shoes) if turns_towards(scene.bodies[i], shoe)]
+    touching = [i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)]
+    names = [shoe.name for shoe in brake.shoes]
+    behind = {names.index(link.to): names.index(link.source) for link in brake.links}
+    touching = sorted({*touching, *(to for to, source in behind.items() if source in touching)})
+    if brake.actuation is not None and brake.actuation.is_cam:
+        lacking = [shoe.name for i, shoe in enumerate(brake.shoes) if i not in touching]
+        if lacking:
+            raise NoAnswer(f"shoe {lacking[0]!r}: the cam does not press it")
     return grouped(scene, brake, touching, penalty)
 
 
 def grouped(scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf) -> list[ShoeGroup]:
-    """The shoes `touching` in groups: each alone, or all together where they meet through an elastic ring."""
-    alone = scene.ring is None or scene.apart
+    """The shoes `touching` in groups: each alone, or all together where they meet through an elastic ring or share a
+    force."""
+    alone = (scene.ring is None or scene.apart) and brake.shares is None
     groups = [(i,) for i in touching] if alone else [tuple(touching)] if touching else []
-    return [ShoeGroup(scene, brake, members, penalty) for members in groups]
+    senses = {i: _sense(brake, brake.shoes[i]) for i in touching}
+    return [ShoeGroup(scene, brake, members, penalty, tuple(senses[i] for i in members)) for members in groups]
+
+
+def _sense(brake: Brake, shoe: Shoe) -> int:
+    """How friction acts where the rigid shoe is held: what is tried first of the elastic one."""
+    if len(shoe.senses) == 1:
+        return 1
+    try:
+        found = rigid.press(brake, shoe)
+    except NoAnswer:
+        return 1
+    return 1 if found is None else found.sense
+
+
+def pressed(body: Body, brake: Brake, shoe: Shoe) -> bool:
+    """Whether the force presses the shoe on the drum, at one lining point at least."""
+    if shoe.held_by == "hinge":
+        return turns_towards(body, shoe)
+    return shoe.actuation.force != 0 and rigid.bears(brake, shoe) >= 0
 
 
 def turns_towards(body: Body, shoe: Shoe) -> bool:
@@ -182,6 +342,8 @@ def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
 def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
     """Gap [m] of the unloaded lining at the points xy (2, ...) [m] of its mesh, at the angles phi (...) there."""
     theta, radius = shoe.frame.theta(phi), brake.drum.radius
+    if shoe.flat:
+        return xy[1] + clearance.gap(brake, shoe, theta)
     off = shoe.sign * (radius - np.hypot(*xy))
     return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + clearance.gap(brake, shoe, theta)  # 0.0: not round-off
 
@@ -194,7 +356,7 @@ def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
     """
     if (gap <= 0).any():
         return
-    a, r = shoe.hinge.radius, np.hypot(*xy)
+    a, r = shoe.pin.radius, np.hypot(*xy)
     v = xy * ((r - shoe.sign * gap) / r) - np.array([[a], [0.0]])  # the lining stands back by its gap
     d, psi = np.hypot(*v), np.arctan2(v[1], v[0])
     cosine = (r**2 - a**2 - d**2) / (2 * a * d)

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.linalg
 
-from drumlin.arrays import Floats, Ints, block_diagonal
+from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
@@ -60,7 +61,7 @@ def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
     """
     normal = group.at_friction(0.0)
     shoes = [_tangential(group, k) for k in range(len(group.members))]
-    A_wt, A_sp, A_st, B_s, C_t, Q = (block_diagonal(*(shoe[k] for shoe in shoes)) for k in range(6))
+    A_wt, A_sp, A_st, B_s, C_t, Q = (scipy.linalg.block_diag(*(shoe[k] for shoe in shoes)) for k in range(6))
     q_s, lever = (np.concatenate([shoe[k] for shoe in shoes]) for k in (6, 7))
     if group.ring is not None:
         pressed, dragged = group.ring
@@ -82,14 +83,14 @@ def _tangential(group: ShoeGroup, k: int) -> tuple[Floats, ...]:
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation(body, shoe)
     share = abs(shoe.actuation.force) / group.unit_force
-    turning = T @ body.turned
+    motions = group.motions[k]
     compliance = coupling.M / group.stiffnesses[k]
     return (
         pressed.T @ dragged,  # -N u under T^T t
         -dragged.T @ pressed,
         -dragged.T @ dragged,
-        -turning[:, None],
-        turning[None],
+        -(T @ motions.moved),
+        (T @ motions.tested).T,
         compliance,
         -share * (dragged.T @ (loaded @ load)),
         coupling.lever,

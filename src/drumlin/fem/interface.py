@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
+from drumlin.response.response import Surface
 from drumlin.response.resultants import GAUSS, WEIGHTS, angle_near, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
@@ -40,12 +41,24 @@ class ContactLine:
         """Degree of the interpolation along an edge."""
         return len(self.pieces) - 1
 
+    def couple(self, width: float, directions: Directions) -> "Coupling":
+        """The coupling with a counterface of known directions, the lining being `width` [m] wide."""
+        return couple(self, width, directions)
+
+    def along(self, p: Floats) -> tuple[Floats, Floats]:
+        """Angles (n,) [rad] and pressure (n,) [Pa] along the line; of a face its mean over the width."""
+        return self.phi, p
+
+    def surface(self, p: Floats) -> Surface | None:
+        """The pressure over arc and width, of a face."""
+        return None
+
 
 @dataclass(frozen=True)
 class Coupling:
     """The matrices of the weak coupling: M (n, n), N and T (n, 2n), and the torque's lever (n,).
 
-    `lever` = b Int psi_i |x| ds [m^3]: torque = mu lever . p.
+    `lever` = b Int psi_i |x| ds [m^3]: torque = mu lever . p; on a plane without |x|: the braking force.
     """
 
     M: Floats
@@ -80,11 +93,15 @@ def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> tu
     return psi, x, ds
 
 
-def contact_line(basis: Any, facets: Ints, middle: float) -> ContactLine:
-    """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad]."""
+def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = None) -> ContactLine:
+    """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad].
+
+    unit [m]: on a plane, whose "angles" are x/unit.
+    """
     dofs = edge_nodes(basis, facets)
     nodes = np.unique(dofs)
-    phi = angle_near(middle, basis.doflocs[:, nodes])
+    xy = basis.doflocs[:, nodes]
+    phi = angle_near(middle, xy) if unit is None else xy[0] / unit
     by_angle = np.argsort(phi)
     nodes, phi = nodes[by_angle], phi[by_angle]
     place = np.empty(basis.N, dtype=np.int64)
@@ -104,11 +121,17 @@ def radial(sign: int) -> Directions:
     return directions
 
 
+def straight(x: Floats) -> tuple[Floats, Floats]:
+    """Normals and tangents at the points x (2, ...) of a plane y = 0 under the lining."""
+    ones, zeros = np.ones(x.shape[1:]), np.zeros(x.shape[1:])
+    return np.array([zeros, -ones]), np.array([ones, zeros])
+
+
 def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
     """The coupling of a lining of this width b [m] with a counterface of known directions; see `radial`."""
     n, m = len(line.nodes), line.pieces.shape[1]
     psi, x, ds = edge_points(line.xy[:, line.pieces])
-    r, weight = np.hypot(*x), width * ds
+    r, weight = np.ones(ds.shape) if directions is straight else np.hypot(*x), width * ds
     normal, tangent = directions(x)
     pair = (psi[:, None] * psi).reshape(len(psi) ** 2, -1).T  # (q, a b)
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()

@@ -61,7 +61,7 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
             answers[i] = _untouched(brake.shoes[i])
     balance = worst([answer.balance for answer in answers.values()])
     return Response(
-        model="fem",
+        model=scene.model,
         shoes=tuple(answers[i].response for i in sorted(answers)),
         balance=balance,
         iterations=max(answer.steps for answer in answers.values()),
@@ -114,19 +114,24 @@ def _untouched(shoe: Shoe) -> _Answer:
 def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     """The answers of a group of shoes that meet the drum together, by the shoe's place in the brake."""
     first = None if start is None else np.concatenate([_touching(group, k, start) for k in range(len(group.members))])
-    found = group.answer(first)
+    group, found = group.settled(first)
     size = group.unit_force
     soft = zip(group.bodies, group.stiffnesses, group.parts, strict=True)
     opened = np.concatenate([body.coupling.M / stiffness @ found.p[part] for body, stiffness, part in soft])
     change = size * found.tangent(opened)  # by the penalty's compliance
-    answers = {}
+    answers, amounts, forces = {}, group.amounts(found), size * group.forces(found.p)
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
-        answers[i] = _answer(group, k, size * found.p[part], size * float(found.y[k]), change[part], found.steps)
+        answers[i] = _answer(group, k, size * found.p[part], size * amounts[k], change[part], found.steps, forces[k])
+    if group.sharing is not None:
+        if not _imbalance(answers) < LARGEST_IMBALANCE:
+            raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
+        return answers
+    solid = group.scene.model == "solid"  # whose whole system is not put together
     small = sum(body.unknowns * body.line.order**2 for body in group.bodies) <= MAX_REFINED
     lost = max(body.condensed.lost for body in group.bodies)
-    if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small else LARGEST_IMBALANCE):
+    if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small and not solid else LARGEST_IMBALANCE):
         return answers
-    if not small and max(body.line.order for body in group.bodies) > 2:  # high degrees fill the factors: minutes
+    if solid or (not small and max(body.line.order for body in group.bodies) > 2):  # the factors fill: minutes
         raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
     try:
         refined = refined_group(group, found.active)
@@ -134,8 +139,8 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
         raise NoAnswer(f"{group.names}: lost digits, {TOO_FAR}; refined: {error}") from error
     steps = found.steps + refined.sets
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
-        p, turn, reaction = size * refined.p[k], size * float(refined.turns[k]), size * refined.reactions[k]
-        answers[i] = _answer(group, k, p, turn, change[part], steps, reaction)
+        p, y, reaction = size * refined.p[k], size * refined.motions[k], size * refined.reactions[k]
+        answers[i] = _answer(group, k, p, y, change[part], steps, forces[k], reaction)
     left = _imbalance(answers)
     if refined.correction > LARGEST_CORRECTION or not left < LARGEST_IMBALANCE:
         raise NoAnswer(
@@ -164,30 +169,45 @@ def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> Ref
 
 
 def _answer(
-    group: ShoeGroup, k: int, p: Floats, turn: float, change: Floats, steps: int, reaction: Floats | None = None
+    group: ShoeGroup,
+    k: int,
+    p: Floats,
+    y: Floats,
+    change: Floats,
+    steps: int,
+    force: float,
+    reaction: Floats | None = None,
 ) -> _Answer:
-    """What shoe `k` of a group does under the pressure p (n,) and the turn about its pin, in its own frame.
+    """What shoe `k` of a group does under the pressure p (n,), its free motions y and its force [N], in its own frame.
 
-    change (n,): of the pressure by the penalty; reaction (2,): of the pin, where it is known otherwise than from the
+    change (n,): of the pressure by the penalty; reaction (3,): of the frame, where it is known otherwise than from the
     condensed body.
     """
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
     load, moment = actuation(body, shoe)
-    load, moment = abs(shoe.actuation.force) * load, abs(shoe.actuation.force) * moment
+    if group.sharing is not None and force < 0:
+        raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, what pushes it would have to pull")
+    load, moment = abs(force) * load, abs(force) * moment
     drag = brake.drag_on(shoe)
     nodal = (drag * (coupling.T.T @ p) - coupling.N.T @ p).reshape(-1, 2)  # on the lining [N]
     refined = reaction is not None
     if reaction is None:
-        reaction = held(body, p, drag, load)[:2]
-    pin = pin_of(shoe)
+        reaction = held(body, p, drag, load)
+    pin, motions = pin_of(shoe), group.motions[k]
+    reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
+    acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
+    left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
     balance = relative_balance(
         [nodal.sum(axis=0), reaction, load[:2]],
         # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
-        [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))],
+        [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2])), twist],
     )
+    if shoe.held_by != "hinge":
+        balance = Balance(balance.force, max(balance.moment, float(left.max())))
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
+    phi, mean = line.along(p)
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"
         if math.isinf(penalty)
@@ -199,14 +219,19 @@ def _answer(
     response = pressed_shoe(
         shoe,
         brake.drum.radius,
-        frame.theta(line.phi),
-        p,
+        frame.theta(phi),
+        mean,
         order=line.order,
         torque=abs(drag) * pressed,
         normal_force=float(np.linalg.norm((coupling.N.T @ p).reshape(-1, 2).sum(axis=0))),
-        self_energising=drag * float((coupling.T @ body.turned) @ p) * moment > 0,
+        self_energising=drag * float((coupling.T @ motions.tested[:, 0]) @ p) * float(work[0]) > 0,
         hinge_reaction=frame.to_brake(reaction),
-        turn=frame.sense * turn,
+        turn=frame.sense * float(motions.of[2] @ y),
+        force=None if group.sharing is None else force,
+        pivot_reaction=-frame.to_brake(nodal.sum(axis=0)) if shoe.pivot is not None else None,
+        reaction_moment=frame.sense * twist,
+        motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
+        surface=line.surface(p),
     )
     return _Answer(response, balance, steps, note)
 

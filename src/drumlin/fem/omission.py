@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import skfem
 
 from drumlin.arrays import Floats
 from drumlin.brake.components import Beam, Body
@@ -21,11 +22,8 @@ from drumlin.fem.hp.adapt import Tolerance, adapt, check_tolerance
 from drumlin.fem.hp.levels import Respond
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.reduced import sketcher, with_closed_forms
-from drumlin.later import later
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response
-
-skfem = later("skfem")
 
 SAVING = (("ring", "shoe"), ("ring",), ("shoe",))
 """What takes a third of a solve or more, in the order in which it is tried; the other parts cost next to nothing."""
@@ -155,7 +153,7 @@ def _undragged(scene: Scene, brake: Brake) -> Scene:
     made: dict[int, assembly.Body] = {}
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
-            x, y = body.line.xy - np.array([[shoe.hinge.radius], [0.0]])
+            x, y = body.line.xy - np.array([[shoe.pin.radius], [0.0]])
             rigid = np.stack([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]]).transpose(0, 2, 1).reshape(3, -1)
             held = -rigid @ body.coupling.T.T
             made[id(body)] = replace(body, closing_dragged=np.zeros_like(body.closing_pressed), held_dragged=held)
@@ -186,7 +184,9 @@ def predict(brake: Brake, names: Sequence[str], respond: Respond, sketch: Make |
     return change(respond(*scene_without(brake, names, sketch)), whole)
 
 
-def adapt_without(brake: Brake, tolerance: float, respond: Respond, soft: float = 0.0) -> Response:
+def adapt_without(
+    brake: Brake, tolerance: float, respond: Respond, soft: float = 0.0, cache: assembly.Cache | None = None
+) -> Response:
     """`adapt`, without the ring and the shoes' elasticity where that is predicted to stay below the tolerance.
 
     Predicted changes count SAFETY times and are part of the response's error. Afterwards what is left out is added
@@ -197,24 +197,20 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond, soft: float 
     whole = Tolerance(tolerance, tolerance)
     names, predicted = _chosen(brake, SHARE * tolerance, respond)
     if not names:
-        return adapt(brake, whole, respond, soft=soft)
-    simple, used = simplified(brake, names), list[Scene]()
-
-    def keeping(scene: Scene, brake: Brake, *, start: Response | None = None) -> Response:
-        used[:] = [scene]
-        return respond(scene, brake, start=start)
-
+        return adapt(brake, whole, respond, soft=soft, cache=cache).response
+    simple = simplified(brake, names)
     try:
-        found = adapt(simple, Tolerance(*[tolerance - _size(predicted)] * 2), keeping, soft=soft)
-        seen = change(found, respond(with_closed_forms(used[0], brake), brake, start=found))
+        left = Tolerance(*[tolerance - _size(predicted)] * 2)
+        scene, found = adapt(simple, left, respond, soft=soft, cache=cache)
+        seen = change(found, respond(with_closed_forms(scene, brake), brake, start=found))
     except NoAnswer:  # of the simpler brake, or of the whole one: then it says so itself
-        return adapt(brake, whole, respond, soft=soft)
+        return adapt(brake, whole, respond, soft=soft, cache=cache).response
     largest = Change(*map(max, predicted, seen))
     more = {"pressure": largest.pressure, "torque": largest.each, "peak": largest.peak, "reaction": largest.reaction}
     shoes = tuple(replace(shoe, error=_with(shoe.error, more)) for shoe in found.shoes)
     error = _with(found.error, more | {"torque": largest.shoes})
     if not max(error["pressure"], error["torque"]) <= tolerance:
-        return adapt(brake, whole, respond, soft=soft)
+        return adapt(brake, whole, respond, soft=soft, cache=cache).response
     lines = [
         f"{' and '.join(names)}: taken as rigid, predicted to change torque by at most {predicted.shoes:.1e}, "
         f"p by {predicted.pressure:.1e} (L2); on the final mesh {seen.shoes:.1e} and {seen.pressure:.1e}"
@@ -236,7 +232,7 @@ def _size(predicted: Change) -> float:
 def _chosen(brake: Brake, allowed: float, respond: Respond) -> tuple[tuple[str, ...], Change]:
     """What of SAVING may be left out within `allowed`, and the change that is predicted; () where nothing may."""
     nothing, has = Change(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), present(brake)
-    if any(shoe.mesh is not None for shoe in brake.shoes) or assembly.why_not(brake) is not None:
+    if any(shoe.mesh is not None or shoe.flat for shoe in brake.shoes) or assembly.why_not(brake) is not None:
         return (), nothing
     candidates = [names for names in SAVING if set(names) <= set(has)]
     if not candidates:

@@ -161,7 +161,7 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
         tangent = math.copysign(1.0, far - near) * np.column_stack([-np.sin(phi), np.cos(phi)])
         ds = axis * abs(far - near) / SECTIONS
     else:
-        hinge, end_ = shoe.frame.to_shoe(shoe.hinge.xy), shoe.frame.to_shoe(shoe.actuation.point.xy)
+        hinge, end_ = shoe.frame.to_shoe(shoe.pin.xy), shoe.frame.to_shoe(shoe.actuation.point.xy)
         line = axis_of(hinge, end_)
         along, foot = line.length * middle, hinge
         at, tangent = hinge + along[:, None] * line.along, np.tile(line.along, (SECTIONS, 1))
@@ -209,7 +209,7 @@ def _ring(brake: Brake, ring: Ring, bodies: tuple[assembly.Body, ...]) -> RingBo
         c, s = _waves(body, shoe, k)
         pressed.append(np.vstack([root[:, None] * c, root[:, None] * s]))
         dragged.append(np.vstack([-turned[:, None] * s, turned[:, None] * c]))
-    return RingBody(None, None, bodies[0].line, None, tuple(pressed), tuple(dragged), (), None)  # type: ignore[arg-type]
+    return RingBody(None, None, bodies[0].line, None, tuple(pressed), tuple(dragged), (), k, None)  # type: ignore[arg-type]
 
 
 def _waves(body: assembly.Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:

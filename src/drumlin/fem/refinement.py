@@ -1,8 +1,8 @@
 """The whole brake as one sparse system, solved by another elimination and refined in long double.
 
-What condensation leaves out stays in: all displacements of the shoes (and of the ring), the turns y, the pressures p
-on the contact set, together. A shoe moves by u = v + r y: v with its frame held, r the motion a turn about the pin,
-which strains nothing, so that K r = 0 never meets the round-off of K. Per newton of the largest force:
+What condensation leaves out stays in: all displacements of the shoes (and of the ring), the free motions y, the
+pressures p on the contact set, together. A shoe moves by u = v + r y: v with its frame held, r its free motions, which
+strain nothing, so that K r = 0 never meets the round-off of K. Per newton of the largest force:
 
     K v + (N - drag T)^T p = f,    r^T (N - drag T)^T p = moment,
     M (g + p/eps) - N v - N r y + N_ring u_ring = 0  on the contact set
@@ -22,18 +22,16 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
 
-from drumlin.arrays import Bools, Floats, Ints
+from drumlin.arrays import Bools, Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.contact.active_set import SLACK
 from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import Scene, actuation, materials_of, pin_of
+from drumlin.fem.assembly import Scene, actuation, materials_of
 from drumlin.fem.body import FRAME, stiffness
-from drumlin.fem.group import ShoeGroup
-from drumlin.fem.ring import rim_loads
-from drumlin.later import later
-
-sp, spla = map(later, ("scipy.sparse", "scipy.sparse.linalg"))
+from drumlin.fem.group import Motions, ShoeGroup
 
 LONG = np.longdouble
 EPSILON = float(np.finfo(float).eps)
@@ -46,14 +44,14 @@ MOST_SETS = 40  # contact sets tried from the one that is given
 class Refined(NamedTuple):
     """Solution of the whole system for a group of shoes, per newton of their largest force.
 
-    `p`: pressures (n_i,) of each shoe; `turns` (shoes,); `reactions` (shoes, 2) on the frames in the shoes' own;
+    `p`: pressures (n_i,) of each shoe; `motions` (k_i,); `reactions` (shoes, 3) on the frames in the shoes' own;
     `torque` [m]: of all shoes. `gap` (n,): weighted gaps of all nodes over the largest term in them. `correction`:
     the last one of the pressures, relative; `corrections` their number; `sets`: contact sets tried. `condition`: the
     torque's own, relative to each entry of the assembled system.
     """
 
     p: tuple[Floats, ...]
-    turns: Floats
+    motions: tuple[Floats, ...]
     reactions: Floats
     torque: float
     gap: Floats
@@ -67,15 +65,15 @@ class Refined(NamedTuple):
 class Whole:
     """The system of a group of shoes: `matrix` and `right` in long double, rows of the pressures last.
 
-    `pressures`: place of each shoe's pressures; `turns` (shoes,): places of the turns; `held`: for each shoe the place
-    of its first unknown, and the rows (2, unknowns) and loads (2,) of what holds its frame; `lever` (unknowns,):
+    `pressures`: place of each shoe's pressures; `motions`: places of its free motions; `held`: for each shoe the place
+    of its first unknown, and the rows (3, unknowns) and loads (3,) of what holds its frame; `lever` (unknowns,):
     torque = lever . x; `scale` (unknowns,): of the unknowns, and of the rows.
     """
 
     matrix: Any
     right: Any
     pressures: tuple[slice, ...]
-    turns: Ints
+    motions: tuple[slice, ...]
     held: tuple[tuple[int, Any, Any], ...]
     lever: Floats
     scale: Floats
@@ -93,7 +91,7 @@ def whole(group: ShoeGroup, *, carried: bool = True) -> Whole:
     keeps more digits where the drum holds the lining and a soft shoe turns behind it.
     """
     scene, brake, size, members = group.scene, group.brake, group.unit_force, group.members
-    sections = [_shoe_block(scene, brake, i, size, carried) for i in members]
+    sections = [_shoe_block(scene, brake, i, size, group.motions[k], carried) for k, i in enumerate(members)]
     ring = _ring_block(scene, brake) if scene.ring is not None else None
     blocks = [part.K for part in sections] + ([ring.K] if ring else [])
     starts = np.cumsum([0, *(block.shape[0] for block in blocks)])
@@ -122,7 +120,10 @@ def whole(group: ShoeGroup, *, carried: bool = True) -> Whole:
         matrix=matrix,
         right=right,
         pressures=tuple(slice(int(a), int(b)) for a, b in pairwise(firsts)),
-        turns=starts[1 : len(members) + 1] - 1,
+        motions=tuple(
+            slice(int(end) - motions.work.size, int(end))
+            for end, motions in zip(starts[1 : len(members) + 1], group.motions, strict=True)
+        ),
         held=tuple((int(at), part.held, part.held_load) for at, part in zip(starts, sections, strict=False)),
         lever=lever,
         scale=_scale(matrix, int(firsts[0])),
@@ -130,8 +131,8 @@ def whole(group: ShoeGroup, *, carried: bool = True) -> Whole:
 
 
 class _ShoeBlock(NamedTuple):
-    """One shoe: stiffness on (inner, contact, turn), pressures -> its rows, displacements -> closing (n, .), load;
-    and the rows of the frame's dx, dy with their load. The turn has no stiffness."""
+    """One shoe: stiffness on (inner, contact, free motions), pressures -> its rows, displacements -> closing (n, .),
+    load; and the rows of the frame with their load. The free motions have no stiffness."""
 
     K: Any
     pushed: Any
@@ -141,33 +142,33 @@ class _ShoeBlock(NamedTuple):
     held_load: Any
 
 
-def _shoe_block(scene: Scene, brake: Brake, index: int, size: float, carried: bool) -> _ShoeBlock:
+def _shoe_block(scene: Scene, brake: Brake, index: int, size: float, motions: Motions, carried: bool) -> _ShoeBlock:
     body, shoe = scene.bodies[index], brake.shoes[index]
     ties = body.condensed.ties.matrix.astype(LONG)
     K = stiffness(body.basis, materials_of(shoe), precise=True)
     A = (ties.T @ K @ ties).tocsr()
     inside, n = A.shape[0] - FRAME, len(body.line.nodes)
-    unit, moment = actuation(body, shoe)
+    unit, _ = actuation(body, shoe)
     share = LONG(abs(shoe.actuation.force)) / size
     load = share * (body.condensed.loads.astype(LONG) @ unit.astype(LONG))
     N, T = body.coupling.N.astype(LONG), body.coupling.T.astype(LONG)
     drag = LONG(brake.drag_on(shoe))
     pushing = (N - drag * T).T
-    x, y = (body.line.xy - pin_of(shoe)[:, None]).astype(LONG)
-    turned = np.column_stack([-y, x]).ravel()
-    first, shape = inside - 2 * n, (inside + 1, n)
+    moved, tested, of = (part.astype(LONG) for part in (motions.moved, motions.tested, motions.of))
+    free = moved.shape[1]
+    first, shape = inside - 2 * n, (inside + free, n)
     closed = _placed(N.T, shape, row=first)
     if carried:
-        closed = closed + _placed((N @ turned)[None], shape, row=inside)
-    columns = np.append(np.arange(inside), [] if carried else inside + FRAME - 1).astype(int)
-    along = None if carried else A[:inside, inside + FRAME - 1 :]
+        closed = closed + _placed((N @ moved).T, shape, row=inside)
+    along = None if carried else (A[:, inside:] @ sp.csr_matrix(of)).tocsr()
+    held = A[inside:, :inside] if along is None else sp.hstack([A[inside:, :inside], along[inside:]]).tocsr()
     return _ShoeBlock(
-        K=_joined([[A[:inside, :inside], along], [None, None]], [inside, 1]),
-        pushed=_placed(pushing, shape, row=first) + _placed((turned @ pushing)[None], shape, row=inside),
+        K=_joined([[A[:inside, :inside], along if along is None else along[:inside]], [None, None]], [inside, free]),
+        pushed=_placed(pushing, shape, row=first) + _placed(tested.T @ pushing, shape, row=inside),
         closed=closed.T.tocsr(),
-        load=np.append(load[:inside], share * LONG(moment)),
-        held=A[inside : inside + 2][:, columns],
-        held_load=load[inside : inside + 2],
+        load=np.append(load[:inside], share * motions.work.astype(LONG)),
+        held=held,
+        held_load=load[inside:],
     )
 
 
@@ -185,11 +186,11 @@ def _ring_block(scene: Scene, brake: Brake) -> _RingBlock:
     K = stiffness(basis, {"drum": (part.section.material, part.section.width)}, precise=True).tocsr()
     keep = np.ones(2 * basis.N, dtype=bool)
     if part.support == "fixed":
-        support = basis.get_dofs(ring.mesh.boundaries["support"]).flatten()
-        keep[2 * support] = keep[2 * support + 1] = False
+        keep[2 * ring.support] = keep[2 * ring.support + 1] = False
         K = K[keep][:, keep]
     else:
-        rim = sp.csr_matrix(rim_loads(basis, ring.mesh.boundaries["support"]).astype(LONG))
+        assert ring.free is not None
+        rim = sp.csr_matrix(ring.free.rim.transpose(1, 0, 2).reshape(-1, FRAME).astype(LONG))
         K = _joined([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])
     place = np.cumsum(keep) - 1
     dofs = place[np.column_stack([2 * ring.line.nodes, 2 * ring.line.nodes + 1]).ravel()]
@@ -274,7 +275,7 @@ def _refined(system: Whole, on: Bools, solution: _Solution, gap: Floats, sets: i
     reactions = [(rows @ x[start : start + rows.shape[1]] - load).astype(float) for start, rows, load in system.held]
     return Refined(
         p=tuple(np.maximum(x[part].astype(float), 0.0) for part in system.pressures),
-        turns=x[system.turns].astype(float),
+        motions=tuple(x[part].astype(float) for part in system.motions),
         reactions=np.array(reactions),
         torque=torque,
         gap=gap,
@@ -292,7 +293,7 @@ def _solution(system: Whole, on: Bools, order: str) -> _Solution:
     D = sp.diags(scale.astype(LONG))
     A, b = (D @ A @ D).tocsr(), scale * b
     try:
-        factors = spla.splu(A.astype(float).tocsc(), permc_spec=order)
+        factors = splu(A.astype(float).tocsc(), permc_spec=order)
     except RuntimeError as error:
         raise NoAnswer("no equilibrium: the whole system is singular") from error
     x = np.zeros(len(at), dtype=LONG)

@@ -16,6 +16,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy.linalg
+import skfem
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.components import Ring, Section
@@ -23,10 +25,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, edge_points
 from drumlin.fem.mesh.grading import FACE_SIZE, graded, lining_angles, lining_layers
-from drumlin.later import later
 from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
-
-skfem, linalg = map(later, ("skfem", "scipy.linalg"))
 
 
 @dataclass(frozen=True)
@@ -35,8 +34,8 @@ class RingBody:
 
     `pressed[i]`, `dragged[i]` (m, n_i): for shoe i the half flexibilities under the nodal forces N^T and -T^T of
     its pressure: the weighted gap of shoe i opens under the pressure of shoe j by
-    pressed[i]^T (pressed[j] + drag dragged[j]) p_j. `coupled[i]`: N and T (n_i, 2n) of shoe i. `free`: what makes a
-    free ring determinate, None where its far edge is fixed.
+    pressed[i]^T (pressed[j] + drag dragged[j]) p_j. `coupled[i]`: N and T (n_i, 2n) of shoe i. `support`: nodes of
+    the far edge. `free`: what makes a free ring determinate, None where that edge is fixed.
     """
 
     mesh: Any
@@ -46,6 +45,7 @@ class RingBody:
     pressed: tuple[Floats, ...]
     dragged: tuple[Floats, ...]
     coupled: tuple[tuple[Floats, Floats], ...]
+    support: Ints
     free: "Free | None"
 
     def displacement(self, pressures: list[Floats], drag: float) -> Floats:
@@ -129,7 +129,7 @@ def ring_body(brake: Brake, ring: Ring, linings: tuple[ContactLine, ...], elemen
         rim = rim_loads(basis, mesh.boundaries["support"])
         condensed = condense(K, ties, ties.matrix.T @ rim, n)
         free = Free.of(basis, rim, condensed, line)
-    return coupled_ring(brake, linings, mesh, basis, line, condensed, free)
+    return coupled_ring(brake, linings, mesh, basis, line, condensed, support, free)
 
 
 def coupled_ring(
@@ -139,6 +139,7 @@ def coupled_ring(
     basis: Any,
     line: ContactLine,
     condensed: Condensed,
+    support: Ints,
     free: "Free | None",
 ) -> RingBody:
     """A condensed ring, coupled with the linings, given by their contact lines in the shoes' frames."""
@@ -148,7 +149,7 @@ def coupled_ring(
     )
     pressed = tuple(_half(condensed, N.T, free) for N, _ in coupled)
     dragged = tuple(_half(condensed, -T.T, free) for _, T in coupled)
-    return RingBody(mesh, basis, line, condensed, pressed, dragged, coupled, free)
+    return RingBody(mesh, basis, line, condensed, pressed, dragged, coupled, support, free)
 
 
 def _facets_under(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
@@ -260,12 +261,13 @@ class Free:
 
     @classmethod
     def of(cls, basis: Any, rim: Floats, condensed: Condensed, line: ContactLine) -> "Free":
+        """From the rim's forces B (2 nodes, FRAME) `rim`, and the ring condensed with B as its loads."""
         x, y = basis.doflocs
         rigid = np.zeros((basis.N, 2, FRAME))
         rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
         rigid[:, 0, 2], rigid[:, 1, 2] = -y, x
         balance = np.linalg.solve(rigid.reshape(-1, FRAME).T @ rim, rigid[line.nodes].reshape(-1, FRAME).T)
-        root = linalg.sqrtm(condensed.load_work).real
+        root = scipy.linalg.sqrtm(condensed.load_work).real
         return cls(
             rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), np.asarray(balance), condensed.half(condensed.load_c), root
         )

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
@@ -225,7 +226,7 @@ def _moduli(body: Body, shoe: Shoe, at: _Adjoint, drag: float, load: Floats, sof
     effects = {}
     for name, (material, width) in materials_of(shoe).items():
         parts = {other: (material, width if other == name else 0.0) for other in materials_of(shoe)}
-        K = stiffness(body.basis, parts)
+        K: sp.csc_matrix = stiffness(body.basis, parts)
         effects[name] = -float(u[:, 1] @ (K @ u[:, 0])) + (soft if name == "lining" else 0.0)
     return effects
 
@@ -249,7 +250,7 @@ def against_differences(
     mu, shoe, of, key = brake.friction, brake.shoes[index], found.shoes[index], f"shoe[{index}]."
     gap, body, material = shoe.lining.clearance, shoe.body, shoe.lining.material
     assert isinstance(gap, float) and body is not None and body.material is not None
-    E, x, y = body.material.E, shoe.hinge.x, shoe.hinge.y
+    E, x, y = body.material.E, shoe.pin.x, shoe.pin.y
     table: list[tuple[str, str, float, Callable[[float], dict[str, Any]], float]] = [
         ("dT/dμ", "N m", found.friction, lambda s: {"friction": mu + s}, 1e-5),
         ("dT/dF", "m", of.force, lambda s: {"actuation.force": shoe.actuation.force * (1 + s)}, 1e-4),

@@ -1,23 +1,31 @@
 """A brake by finite elements from the file up: divided, condensed, solved, finer until its error is small enough."""
 
+from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from drumlin.brake.drum_brake import Brake
-from drumlin.errors import BadInput
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.unrolled import unrolled, why_not
+from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import adapt as adapt_meshes
-from drumlin.fem.assembly import ELEMENTS, Cache, prepare
+from drumlin.fem.assembly import ELEMENTS, Cache, Scene, prepare
+from drumlin.fem.hp import scene as hp
 from drumlin.fem.hp.adapt import DEFAULT, adapt
+from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, respond
 from drumlin.fem.omission import adapt_without
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Response
+from drumlin.response.response import Response, shoe_balance, worst
 
 SOFT = 2.0  # times one over the penalty: the relative error of p that it makes at most, as seen on random brakes
 
+UNSAID = 1e-8  # by how much the balance of p(theta) may be worse than the nodal one without a word
+
 
 def solve(
-    brake: Brake,
+    brake: AnyBrake,
     *,
     elements: int | None = None,
     kind: str | None = None,
@@ -30,9 +38,51 @@ def solve(
     tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the division and
     of what is left out for it; NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is
     reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind`
-    on meshes of that kind. BadInput is raised for elements and a tolerance together. cache: bodies of earlier solves on
-    meshes, see `prepare`.
+    on meshes of that kind. BadInput is raised for elements and a tolerance together. cache: bodies of earlier solves.
     """
+    if isinstance(brake, FlatBrake):
+        reason = why_not(brake)
+        if reason is not None:
+            raise BadInput(f"fem does not apply to this brake: {reason}")
+        found = by_elements(
+            unrolled(brake), elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
+        )
+        return with_merits(brake, on_plane(brake, found))
+    options: dict[str, Any] = {
+        "elements": elements,
+        "kind": kind,
+        "tolerance": tolerance,
+        "penalty": penalty,
+        "cache": cache,
+    }
+    return with_merits(brake, _with_curve_balance(brake, by_elements(brake, **options)))
+
+
+def on_plane(brake: FlatBrake, found: Response) -> Response:
+    """A response of the `unrolled` brake in lengths x [m]."""
+    unit = brake.shoes[0].lining.end - brake.shoes[0].lining.start
+    shoes = tuple(
+        replace(
+            shoe,
+            torque=0.0,
+            theta=unit * shoe.theta,
+            contact_arcs=tuple((unit * a, unit * b) for a, b in shoe.contact_arcs),
+        )
+        for shoe in found.shoes
+    )
+    return replace(found, shoes=shoes, left_out=tuple(line for line in found.left_out if not line.startswith("drum:")))
+
+
+def by_elements(
+    brake: Brake,
+    *,
+    elements: int | None = None,
+    kind: str | None = None,
+    tolerance: float | None = None,
+    penalty: float = PENALTY,
+    cache: Cache | None = None,
+) -> Response:
+    """`solve` of a brake on a drum, or one `unrolled`, without its figures of merit."""
     check_penalty(penalty)
     answer = partial(respond, penalty=penalty)
     if tolerance is not None and elements is not None:
@@ -40,10 +90,42 @@ def solve(
     if tolerance is not None and kind is not None:  # a studied method
         found = adapt_meshes(brake, tolerance, answer, kind)
     elif tolerance is not None:
-        found = adapt_without(brake, tolerance, answer, SOFT / penalty)
-    elif elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes):
-        found = adapt(brake, DEFAULT, answer, must=False, soft=SOFT / penalty)
+        found = adapt_without(brake, tolerance, answer, SOFT / penalty, cache)
+    elif _levelled(brake, elements, kind):
+        found = adapt(brake, DEFAULT, answer, must=False, soft=SOFT / penalty, cache=cache).response
     else:
+        found = answer(scene_of(brake, elements=elements, kind=kind, cache=cache), brake)
+    return found
+
+
+def scene_of(
+    brake: Brake, *, elements: int | None = None, kind: str | None = None, cache: Cache | None = None
+) -> Scene:
+    """The scene that `solve` ends on, for what is done with the brake besides: holding, wear, slopes, pictures.
+
+    A brake that has no answer as it slides is divided by the second level. Raises BadInput as `solve`.
+    """
+    if not _levelled(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
-        found = answer(prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache), brake)
-    return with_merits(brake, found)
+        return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
+    try:
+        return adapt(brake, DEFAULT, respond, must=False, cache=cache).scene
+    except NoAnswer:
+        return hp.scene(brake, LEVELS[1], cache=cache)
+
+
+def _levelled(brake: Brake, elements: int | None, kind: str | None) -> bool:
+    """Whether a brake is divided by levels, not by one mesh."""
+    return elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes)
+
+
+def _with_curve_balance(brake: Brake, found: Response) -> Response:
+    """The response with a note where p(theta) on the round drum balances worse than the forces at the mesh's nodes."""
+    curve = worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(found.shoes)])
+    if max(curve.force - found.balance.force, curve.moment - found.balance.moment) <= UNSAID:
+        return found
+    note = (
+        f"p(theta) on the round drum balances to {curve.force:.1e} (force) and {curve.moment:.1e} (moment) only: "
+        "the lining's elements are not quite as round"
+    )
+    return replace(found, notes=(*found.notes, note))

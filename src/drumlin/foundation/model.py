@@ -15,8 +15,9 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg
 
-from drumlin.arrays import Bools, Floats, block_diagonal
+from drumlin.arrays import Bools, Floats
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
@@ -25,7 +26,8 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.foundation.post import Post, post, shoe_angles, trapezoid
 from drumlin.foundation.ring import drag_flexibility, flexibility
 from drumlin.laws import locking_friction
-from drumlin.laws.hinged import no_contact, pressing_moment
+from drumlin.laws.hinged import pressing_moment
+from drumlin.laws.rigid import no_contact
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Deformation, Response, ShoeResponse, pressed_shoe, shoe_balance, untouched, worst
 from drumlin.response.resultants import Resultant
@@ -112,10 +114,10 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
         C.append(-moments[:1])
         h.append(-p.loaded[:1])
     problem = active_set.Problem(
-        block_diagonal(*A) + ring,
+        scipy.linalg.block_diag(*A) + ring,
         np.concatenate(q),
-        block_diagonal(*B),
-        block_diagonal(*C),
+        scipy.linalg.block_diag(*B),
+        scipy.linalg.block_diag(*C),
         np.concatenate(h),
     )
     return System(posts, ring, problem)

@@ -49,7 +49,7 @@ def post(brake: Brake, shoe: Shoe, sections: int, *, tilt: bool, wedge: bool, pl
     """The shoe on a grid of `sections` divisions of the beam; the options are those of the model."""
     body, lining, R = shoe.body, shoe.lining, brake.drum.radius
     assert isinstance(body, Beam)  # why_not
-    axis = axis_of(shoe.hinge.xy, shoe.actuation.point.xy)
+    axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     ends = np.sort(axis.angle(np.array([lining.start, lining.end])))
     start, end = (axis.foot + R * np.sin(ends)).tolist()
     x, under = stations(axis.length, start, end, sections)

@@ -146,20 +146,30 @@ def fault_of(given: Input, end: Ending) -> str:
     return _fault_of_refusal(end) if end.status else _fault_of_answer(given, end)
 
 
+KEPT = ("m/", "m.", "t.csv")
+"""What a refused run may leave: meshes up to the one that failed, a sweep's table of failed cases and its journal."""
+_NOTES = re.compile(r"(?:drumlin: t\.csv\.journal: [^\n]*\n)*")
+
+
 def _fault_of_refusal(end: Ending) -> str:
-    if end.err.count("\n") != 1 or not end.err.startswith("drumlin: "):
+    said = _NOTES.sub("", end.err, count=1)
+    if said.count("\n") != 1 or not said.startswith("drumlin: "):
+        said = end.err  # a journal that is refused is named like one that is repaired
+    if said.count("\n") != 1 or not said.startswith("drumlin: "):
         return f"not one line: {end.err[:200]!r}"
-    if any(not name.startswith(("m/", "m.")) for name in end.written):
+    if any(not name.startswith(KEPT) for name in end.written):
         return f"files of a refused run: {', '.join(end.written)[:200]}"
     return ""
 
 
 def _fault_of_answer(given: Input, end: Ending) -> str:
-    if end.err:
+    if not _NOTES.fullmatch(end.err):
         return f"an answer with {end.err[:200]!r} in stderr"
     if _NOT_FINITE.search(end.out):
         return f"not finite: {_around(end.out)}"
-    if set(end.written) & {name for name in given.files if name != "r.csv"}:
+    if any(end.written.get(name) != data for name, data in given.right.items()):
+        return f"not the right {', '.join(given.right)}"
+    if set(end.written) & {name for name in given.files if name not in {"r.csv", "t.csv.journal"}}:
         return f"an input was written over: {', '.join(end.written)}"
     return next((why for name, data in end.written.items() if (why := _bad_file(name, data))), "")
 
@@ -173,12 +183,12 @@ def _bad_file(name: str, data: bytes) -> str:
     """What is wrong with a file that was written."""
     if Path(name).name.startswith(".drumlin-"):
         return f"a temporary file is left: {name}"
-    if data.startswith(b"{"):
+    if data.startswith(b"{") and ".journal" not in name:
         try:
             json.loads(data, parse_constant=_refuse)
         except ValueError as error:
             return f"{name}: {error}"
-    if data.startswith(b"shoe,"):
+    if data.startswith((b"shoe,", b"case,")):
         for row in csv.reader(io.StringIO(data.decode())):
             if any(_NOT_FINITE.fullmatch(cell) for cell in row):
                 return f"{name}: {row}"

@@ -11,9 +11,10 @@ import re
 import string
 import tempfile
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from drumlin.brake.drum_brake import Brake
@@ -39,11 +40,15 @@ REFERENCE = "reports/reference/values/double_shoe_brake.json"
 
 
 class Input(NamedTuple):
-    """Files by name and the words of a command line that is run in their folder."""
+    """Files by name and the words of a command line that is run in their folder.
+
+    `right`: what files of an answer must hold, where that is known.
+    """
 
     kind: str
     files: dict[str, bytes]
     words: list[str]
+    right: Mapping[str, bytes] = MappingProxyType({})
 
 
 @cache

@@ -15,12 +15,12 @@ import numpy as np
 
 from drumlin.arrays import Floats, Values
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
+from drumlin.brake.support import MOVES
 from drumlin.brake.units import mm
 from drumlin.errors import NoAnswer
-from drumlin.laws.hinged import no_contact
+from drumlin.laws.rigid import no_contact
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Balance, Response, ShoeResponse, relative_balance, untouched, worst
-from drumlin.response.resultants import gauss_points
+from drumlin.response.response import Response, ShoeResponse, flat_balance, untouched, worst
 
 
 class FlatLoad(NamedTuple):
@@ -107,14 +107,18 @@ FLAT_SHORT = FlatLaw(
 
 def layout(brake: FlatBrake, shoe: FlatShoe) -> FlatLayout:
     """What a law asks of a shoe on a plane."""
-    return FlatLayout(*shoe.span, h=shoe.hinge.y, s=brake.spin * shoe.frame.sense)
+    return FlatLayout(*shoe.span, h=shoe.pin.y, s=brake.spin * shoe.frame.sense)
 
 
 def why_not(law: FlatLaw, brake: AnyBrake) -> str | None:
     """Why a law of flat shoes does not apply to a brake; None where it does."""
     if not isinstance(brake, FlatBrake):
         return "its shoes press on a drum, not on a plane"
+    if brake.shares:
+        return brake.shares
     for shoe in brake.shoes:
+        if shoe.held_by != "hinge":
+            return f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}"
         x_min, x_max = shoe.span
         if law is LINEAR and x_min < 0:
             return f"shoe {shoe.name!r}: the lining must lie on one side of the hinge, not reach {mm(-x_min)} beyond"
@@ -141,7 +145,7 @@ def solve(law: FlatLaw, brake: FlatBrake) -> Response:
 
 def _shoe(law: FlatLaw, brake: FlatBrake, shoe: FlatShoe) -> ShoeResponse:
     pad, mu, w = layout(brake, shoe), brake.friction, shoe.lining.width
-    moment = -shoe.frame.sense * shoe.actuation.moment_about(shoe.hinge)
+    moment = -shoe.frame.sense * shoe.actuation.moment_about(shoe.pin)
     if moment <= 0:  # no force, or one that lifts the lining off the plane
         return untouched(shoe, -shoe.actuation.vector)
     if law.resistance(mu, pad) <= 0:
@@ -162,25 +166,4 @@ def _shoe(law: FlatLaw, brake: FlatBrake, shoe: FlatShoe) -> ShoeResponse:
         contact_arcs=((shoe.lining.start, shoe.lining.end),),
         theta=x,
         pressure=amplitude * law.pressure(shoe.frame.distance(x), pad),
-    )
-
-
-def flat_balance(brake: FlatBrake, index: int, response: ShoeResponse) -> Balance:
-    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(x), about the hinge.
-
-    A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
-    """
-    if not response.contact_arcs:
-        return Balance(0.0, 0.0)
-    shoe = brake.shoes[index]
-    x, p, dx = gauss_points(response.theta, response.pressure, response.order)
-    load = p * dx * shoe.lining.width
-    contact = float(np.sum(load)) * np.array([brake.friction * brake.spin, 1.0])
-    return relative_balance(
-        [contact, response.hinge_reaction, shoe.actuation.vector],
-        [
-            float(np.sum(load * (x - shoe.hinge.x))),
-            brake.friction * brake.spin * shoe.hinge.y * float(np.sum(load)),
-            shoe.actuation.moment_about(shoe.hinge),
-        ],
     )

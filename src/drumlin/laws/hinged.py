@@ -14,25 +14,21 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.support import MOVES
 from drumlin.brake.units import deg
 from drumlin.errors import NoAnswer
+from drumlin.laws.rigid import LEFT_OUT, NODES, no_contact
 from drumlin.laws.shapes import SINE, Law, Layout, Load, equivalent_friction
 from drumlin.response.merit import double_delta, with_merits
 from drumlin.response.response import Response, ShoeResponse, contact_resultant, shoe_balance, untouched, worst
 from drumlin.response.resultants import Resultant, cross
 
-NODES = 257  # of p(theta) over the lining; quadratic pieces: integrals are right to 1e-10
 SLACK = 1e-9  # rad
-
-LEFT_OUT = (
-    "elasticity of shoe, backing and drum: rigid by assumption",
-    "clearance and misfit: the law is that of a lining that fits, new or worn in, on a round drum",
-)
 
 
 def layout(brake: Brake, shoe: Shoe) -> Layout:
     """What a law asks of the shoe of a brake."""
-    return Layout(*shoe.arc, R=brake.drum.radius, a=shoe.hinge.radius, dD=double_delta(brake, shoe))
+    return Layout(*shoe.arc, R=brake.drum.radius, a=shoe.pin.radius, dD=double_delta(brake, shoe))
 
 
 def locking_friction(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
@@ -42,13 +38,13 @@ def locking_friction(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
 
 def why_not(law: Law, brake: AnyBrake) -> str | None:
     """Why a law of hinged shoes does not apply to a brake; None where it does."""
-    if isinstance(brake, FlatBrake):
-        return "its shoes press on a plane, not on a drum"
+    if isinstance(brake, FlatBrake) or brake.shares:
+        return brake.shares or "its shoes press on a plane, not on a drum"
     for shoe in brake.shoes:
         phi_1, phi_2 = shoe.arc
         said = f"shoe {shoe.name!r}:"
-        if shoe.pivot is not None:
-            return f"{said} it turns about a pivot on its lever, not about its hinge"
+        if shoe.held_by != "hinge":
+            return f"{said} {MOVES[shoe.held_by]}"
         if law is SINE:
             if phi_1 < -SLACK or phi_2 > math.pi + SLACK:
                 return f"{said} the lining must lie within 0 to 180 deg of the hinge, not {deg(phi_1)} to {deg(phi_2)}"
@@ -78,11 +74,6 @@ def solve(law: Law, brake: Brake) -> Response:
 def sine(brake: Brake) -> Response:
     """The response of a brake by the sine law; raises NoAnswer for a self-locking shoe."""
     return solve(SINE, brake)
-
-
-def no_contact(name: str, body: str = "drum") -> str:
-    """The note for a shoe that its force does not press."""
-    return f"shoe {name!r}: no contact, the force does not turn it towards the {body}"
 
 
 def _notes(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[str]:
@@ -139,7 +130,7 @@ def guided_torque(brake: Brake) -> float:
 
 def pressing_moment(shoe: Shoe) -> float:
     """Moment of the actuation about the hinge [N m], positive where it turns the lining towards the drum."""
-    return -shoe.sign * shoe.frame.sense * shoe.actuation.moment_about(shoe.hinge)
+    return -shoe.sign * shoe.frame.sense * shoe.actuation.moment_about(shoe.pin)
 
 
 def contact(brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0) -> Resultant:
@@ -165,12 +156,12 @@ def pressed(
 ) -> ShoeResponse:
     """The response of a rigid shoe that touches all along its lining with pressure(phi) [Pa]."""
     phi = np.linspace(*shoe.arc, NODES)[:: shoe.frame.sense]
-    helping = contact.moment + float(cross(-shoe.hinge.xy, contact.friction))
+    helping = contact.moment + float(cross(-shoe.pin.xy, contact.friction))
     return ShoeResponse(
         name=shoe.name,
         torque=abs(contact.moment),
         normal_force=float(np.linalg.norm(contact.normal)),
-        self_energising=helping * shoe.actuation.moment_about(shoe.hinge) > 0,
+        self_energising=helping * shoe.actuation.moment_about(shoe.pin) > 0,
         peak_pressure=float(pressure(np.array(peak_at))),
         hinge_reaction=-shoe.actuation.vector - contact.force,
         contact_arcs=((shoe.lining.start, shoe.lining.end),),

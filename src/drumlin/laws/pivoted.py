@@ -8,22 +8,19 @@ G, and with the actuation none about the lever's pin H (UWA notes, hinged shoe w
 
 The first bracket of a row is the load of cos, the second that of sin, both by `moments_about`. B = 0 about
 the lining's middle, p = p_0 cos, only when G lies there at the radius `pivot_radius`.
+
+Formulas on arrays, of a lining that presses all along; a brake is solved by `rigid`, of which this is a special case.
 """
 
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from drumlin.arrays import Floats, Values
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
-from drumlin.errors import NoAnswer
-from drumlin.laws.hinged import LEFT_OUT, contact, layout, no_contact, pressed, pressing_moment
-from drumlin.laws.shapes import Layout, Load, cos_load, moments_about, sine_load
-from drumlin.response.merit import with_merits
-from drumlin.response.response import Response, ShoeResponse, shoe_balance, untouched, worst
+from drumlin.laws.shapes import Layout, cos_load, moments_about, sine_load
 
 ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no moment about the pivot"
 
@@ -98,28 +95,12 @@ def why_not(brake: AnyBrake) -> str | None:
     """Why the law does not apply to a brake; None where it does."""
     if isinstance(brake, FlatBrake):
         return "its shoes press on a plane, not on a drum"
+    if brake.shares:
+        return brake.shares
     for shoe in brake.shoes:
         if shoe.pivot is None:
             return f"shoe {shoe.name!r}: it has no pivot"
-        if shoe.arc[1] - shoe.arc[0] > math.pi:
-            return f"shoe {shoe.name!r}: the lining's arc must not be more than 180 deg"
     return None
-
-
-def solve(brake: Brake) -> Response:
-    """The response of a brake of shoes on pivots, from the actuation of each lever.
-
-    Raises NoAnswer for a self-locking lever and for a shoe that tips about its pivot.
-    """
-    shoes = tuple(_shoe(brake, shoe) for shoe in brake.shoes)
-    response = Response(
-        model="pivoted",
-        shoes=shoes,
-        balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
-        left_out=(*LEFT_OUT, "friction in the pivot"),
-        notes=tuple(no_contact(shoe.name) for shoe in shoes if not shoe.contact_arcs),
-    )
-    return with_merits(brake, response)
 
 
 def pivot_place(shoe: Shoe) -> tuple[float, float]:
@@ -127,34 +108,3 @@ def pivot_place(shoe: Shoe) -> tuple[float, float]:
     assert shoe.pivot is not None, "why_not() has refused a shoe without pivot"
     x, y = shoe.frame.to_shoe(shoe.pivot.xy)
     return float(x), float(y)
-
-
-def _shoe(brake: Brake, shoe: Shoe) -> ShoeResponse:
-    arc, mu, pivot = layout(brake, shoe), brake.friction, pivot_place(shoe)
-    moment = pressing_moment(shoe)
-    if moment <= 0:
-        return untouched(shoe, -shoe.actuation.vector)
-    mu_lock = locking_friction(arc, *pivot)
-    if mu == mu_lock:
-        raise NoAnswer(_locked(shoe, mu, mu_lock))
-    A, B = coefficients(moment, shoe.lining.width, mu, arc, *pivot)
-
-    def pressure(phi: Floats) -> Floats:
-        return np.asarray(A * np.cos(phi) + B * np.sin(phi))
-
-    ends = pressure(np.array(shoe.arc))
-    if ends.max() <= 0 and mu_lock < mu:
-        raise NoAnswer(_locked(shoe, mu, mu_lock))
-    if ends.min() < -1e-12 * np.abs(ends).max():
-        raise NoAnswer(
-            f"shoe {shoe.name!r}: tips about its pivot, p = A cos + B sin would be {ends.min():.4g} Pa at one "
-            f"end and {ends.max():.4g} Pa at the other; the law holds only while all of the lining presses"
-        )
-    load = Load(*(A * c + B * s for c, s in zip(cos_load(arc), sine_load(arc), strict=True)))
-    forces = contact(brake, shoe, load)
-    peak_at = float(np.clip(math.atan2(B, A), *shoe.arc))
-    return replace(pressed(brake, shoe, forces, pressure, peak_at), pivot_reaction=-forces.force)
-
-
-def _locked(shoe: Shoe, mu: float, mu_lock: float) -> str:
-    return f"shoe {shoe.name!r}: self-locking, friction {mu:g} is not below mu_lock = {mu_lock:.6g} of the pivoted law"

@@ -11,7 +11,7 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -48,8 +48,16 @@ MOST_DOUBLINGS = 4  # of the drum's rotation, until the lining slips everywhere
 LONGEST = 3600  # s
 
 
+class Posed(NamedTuple):
+    """How a shoe is posed to CalculiX: `text(setting, name)`, its deck, and `along(forces)`: of the forces (n, 2) on
+    all nodes of the drum those on the nodes of its arc."""
+
+    text: Callable[[Setting, str], str]
+    along: Callable[[Floats], Floats]
+
+
 class State(NamedTuple):
-    """What CalculiX found at one scale s, in the shoe's frame, over s: forces on the nodes of the drum's arc (n, 2) and
+    """What CalculiX found at one scale s, in the shoe's frame, over s: forces on the drum's nodes (n, 2) and
     of the pin on the shoe (2,) [N], moment of the contact about the drum's centre [N m], counter-clockwise in the
     brake, turn about the pin [rad], counter-clockwise in the brake.
 
@@ -141,8 +149,15 @@ def solve(
     return Peer("calculix", installed, response, seconds, seconds, seconds, unknowns, notes)
 
 
+def plane_pose(brake: Brake, loaded: Loaded) -> Posed:
+    """A shoe in plane stress."""
+    count = len(drum_angles(loaded))
+    arc = slice(count) if loaded.shoe.sign > 0 else slice(-count, None)
+    return Posed(lambda setting, name: deck(brake, loaded, setting, name), lambda forces: forces[arc])
+
+
 def slipping_states(
-    brake: Brake, loaded: Loaded, scales: Sequence[float], setting: Setting
+    brake: Brake, loaded: Loaded, scales: Sequence[float], setting: Setting, posed: Posed | None = None
 ) -> tuple[list[State], float]:
     """States of a shoe at each scale, the drum turned so far that the lining slips, and that rotation [rad].
 
@@ -151,7 +166,7 @@ def slipping_states(
     for _ in range(MOST_DOUBLINGS + 1):
         states = []
         for scale in scales:
-            states.append(run(brake, loaded, setting._replace(scale=scale)))
+            states.append(run(brake, loaded, setting._replace(scale=scale), posed))
             check(loaded, states[-1])
             if states[-1].sticking > MOST_STICKING:
                 break
@@ -164,13 +179,14 @@ def slipping_states(
     )
 
 
-def run(brake: Brake, loaded: Loaded, setting: Setting) -> State:
+def run(brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None = None) -> State:
     """Write a deck into a folder of its own, run `ccx` on one thread, and read its state.
 
     Raises NoAnswer where it does not end normally.
     """
     version()
-    text = deck(brake, loaded, setting)
+    posed = posed or plane_pose(brake, loaded)
+    text = posed.text(setting, "shoe")
     with tempfile.TemporaryDirectory(prefix="drumlin-calculix-") as folder:
         (Path(folder) / "shoe.inp").write_text(text, encoding="utf-8")
         ended = run_process(["ccx", "shoe"], Path(folder), LONGEST)
@@ -179,7 +195,8 @@ def run(brake: Brake, loaded: Loaded, setting: Setting) -> State:
             said = faults[-1] if faults else f"its process ended with status {ended.status}"
             raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX: {said[:200]}")
         dat, sta = ((Path(folder) / f"shoe.{suffix}").read_text() for suffix in ("dat", "sta"))
-        return read_state(dat, sta, ended.output, brake, loaded, setting)._replace(seconds=ended.seconds)
+        state = read_state(dat, sta, ended.output, brake, loaded, setting)
+        return state._replace(contact=posed.along(state.contact), seconds=ended.seconds)
 
 
 def read_state(dat: str, sta: str, output: str, brake: Brake, loaded: Loaded, setting: Setting) -> State:
@@ -275,8 +292,7 @@ def _response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
     """The response to one state. Pressure and shear are those whose nodal forces are CalculiX's on the drum."""
     shoe, frame = loaded.shoe, loaded.shoe.frame
     theta = drum_angles(loaded)
-    friction_arc = slice(len(theta)) if shoe.sign > 0 else slice(-len(theta), None)
-    forces = state.contact[friction_arc][:: frame.sense]
+    forces = state.contact[:: frame.sense]
     phi = frame.phi(theta)[:: frame.sense]
     radius = float(np.hypot(*loaded.parts.line.xy).mean())
     xy = radius * np.array([np.cos(phi), np.sin(phi)])

@@ -76,9 +76,15 @@ def deck(brake: Brake, loaded: Loaded, setting: Setting, name: str = "shoe") -> 
         *_shoe(loaded, grid),
         *drum_lines,
         *_sections(loaded, setting),
-        *_contact(brake, loaded, setting, grid),
-        *_hinge(loaded, grid),
-        *_step(brake, loaded, setting, grid, drum_xy),
+        *contact(
+            brake,
+            loaded,
+            setting,
+            faces(grid.cells, grid.edges["contact"], grid.corners),
+            "S1" if shoe.sign > 0 else "S3",
+        ),
+        *hinge(loaded, grid),
+        *step(brake, setting, grid, drum_xy, _load(loaded, setting, grid)),
     ]
     return "\n".join(lines) + "\n"
 
@@ -97,7 +103,7 @@ def _grid(loaded: Loaded) -> Grid:
 
 
 def _shoe(loaded: Loaded, grid: Grid) -> list[str]:
-    hinge = loaded.shoe.hinge.xy * MM
+    hinge = loaded.shoe.pin.xy * MM
     lines = ["*NODE, NSET=NSHOE"]
     lines += [_node(i + 1, grid.xy[i]) for i in np.unique(grid.cells)]
     lines += ["*NODE, NSET=PIN", _node(grid.pin, hinge)]
@@ -128,14 +134,15 @@ def _sections(loaded: Loaded, setting: Setting) -> list[str]:
     return lines
 
 
-def _contact(brake: Brake, loaded: Loaded, setting: Setting, grid: Grid) -> list[str]:
+def contact(brake: Brake, loaded: Loaded, setting: Setting, slave: list[str], master: str) -> list[str]:
+    """Contact of the lining's faces `slave` (lines "element, face") with the face `master` of the drum's elements."""
     lining = loaded.shoe.lining
     unit = lining.material.E * MPA / (lining.thickness * MM)
     return [
         "*SURFACE, NAME=SLINING, TYPE=ELEMENT",
-        *faces(grid.cells, grid.edges["contact"], grid.corners),
+        *slave,
         "*SURFACE, NAME=SDRUM, TYPE=ELEMENT",
-        f"DRUM, {'S1' if loaded.shoe.sign > 0 else 'S3'}",
+        f"DRUM, {master}",
         "*SURFACE INTERACTION, NAME=SLIDING",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
         f"{setting.penalty * unit:.12e}",
@@ -146,12 +153,12 @@ def _contact(brake: Brake, loaded: Loaded, setting: Setting, grid: Grid) -> list
     ]
 
 
-def _hinge(loaded: Loaded, grid: Grid) -> list[str]:
+def hinge(loaded: Loaded, grid: Grid) -> list[str]:
     """The hinge's nodes move as a rigid line with the pin's node and the turn; stiff springs bear the pin, since
     CalculiX prints no reaction of a node that equations tie."""
     lines = ["** the hinge's line turns about the pin", "*EQUATION"]
     for i in np.unique(grid.edges["hinge"]):
-        x, y = grid.xy[i] - loaded.shoe.hinge.xy * MM
+        x, y = grid.xy[i] - loaded.shoe.pin.xy * MM
         lines += ["3", f"{i + 1}, 1, 1., {grid.pin}, 1, -1., {grid.turn}, 1, {y:.12e}"]
         lines += ["3", f"{i + 1}, 2, 1., {grid.pin}, 2, -1., {grid.turn}, 1, {-x:.12e}"]
     lines.append("** the pin's bearing: its force on the shoe is that of these springs")
@@ -162,10 +169,10 @@ def _hinge(loaded: Loaded, grid: Grid) -> list[str]:
     return [*lines, "*BOUNDARY", f"{grid.pin}, 3, 3"]
 
 
-def _step(brake: Brake, loaded: Loaded, setting: Setting, grid: Grid, drum_xy: Floats) -> list[str]:
-    """Load and rotation together, and what is printed."""
+def step(brake: Brake, setting: Setting, grid: Grid, drum_xy: Floats, load: list[str]) -> list[str]:
+    """Load (lines of nodal forces) and rotation together, and what is printed; the drum's nodes are at (n, 2) [mm]."""
     lines = ["*STEP, INC=1000", "*STATIC", f"{1 / setting.steps:.12e}, 1.", "*CONTROLS, PARAMETERS=FIELD"]
-    lines += [f"{setting.accuracy:.12e}, {setting.accuracy:.12e}", "*CLOAD", *_load(loaded, setting, grid)]
+    lines += [f"{setting.accuracy:.12e}, {setting.accuracy:.12e}", "*CLOAD", *load]
     angle = brake.spin * setting.scale * setting.rotation
     c, s = math.cos(angle), math.sin(angle)
     lines.append("*BOUNDARY")

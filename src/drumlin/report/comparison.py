@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.brake.drum_brake import Brake
-from drumlin.comparison import COLUMNS, Comparison, as_csv, compare
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.comparison import Column, Comparison, as_csv, columns_of, compare, motion_of
 from drumlin.errors import NoAnswer
 from drumlin.files import write_text
 from drumlin.models import refusals
@@ -21,9 +22,10 @@ class Written(NamedTuple):
     table: list[dict[str, Any]]
     notes: list[str]
     page: Path
+    columns: tuple[Column, ...]
 
 
-def panels(comparison: Comparison) -> list[tuple[str, dict[str, Any]]]:
+def panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
     """A panel of pressures for each shoe: every model that answered."""
     brake = comparison.brake
     made = []
@@ -31,7 +33,7 @@ def panels(comparison: Comparison) -> list[tuple[str, dict[str, Any]]]:
         responses = {model: response.shoes[i] for model, response in comparison.responses.items()}
         if responses:
             helps = any(response.self_energising for response in responses.values())
-            made.append((f"{shoe.name}, {brake.rotation}: friction {'assists' if helps else 'opposes'}", responses))
+            made.append((f"{shoe.name}, {motion_of(brake)}: friction {'assists' if helps else 'opposes'}", responses))
     return made
 
 
@@ -40,11 +42,11 @@ def draw_fields(brake: Brake, response: Response, folder: Path, name: str, **opt
 
     `options`: those of the scene. A page shows what came of it by the macro `fields`.
     """
-    from drumlin.fem.assembly import prepare  # noqa: PLC0415
     from drumlin.fem.fields import fields, ring_fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
+    from drumlin.fem.solve import scene_of  # noqa: PLC0415
     from drumlin.report.render import render  # noqa: PLC0415
 
-    scene = prepare(brake, **options)
+    scene = scene_of(brake, **options)
     parts = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
     if scene.ring is not None:
         parts.append(ring_fields(scene, brake, response))
@@ -53,12 +55,12 @@ def draw_fields(brake: Brake, response: Response, folder: Path, name: str, **opt
     return render(folder / f"{name}.vtu", folder / f"{name}.png", brake, title)
 
 
-def results_json(comparisons: Sequence[Comparison], **more: Any) -> str:
+def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
     """Every number of some comparisons as JSON text, with versions; seconds of each model are medians."""
     cases = [
         {
             "case": c.case,
-            "rotation": c.brake.rotation,
+            "rotation": motion_of(c.brake),
             "friction": c.brake.friction,
             "models": [
                 {
@@ -74,7 +76,7 @@ def results_json(comparisons: Sequence[Comparison], **more: Any) -> str:
     return json.dumps({"versions": versions(), "cases": cases, **more}, indent=1) + "\n"
 
 
-def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str, Any]) -> Written:
+def write_comparison(brake: AnyBrake, source: str, folder: Path, options: dict[str, Any]) -> Written:
     """Compare all models that apply to a brake and write page, CSV, JSON, figure, fields into `folder`.
 
     Raises NoAnswer, and writes nothing, where no model has an answer.
@@ -85,11 +87,11 @@ def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str,
     table = comparison.rows
     write_text(folder / "results.csv", as_csv(table))
     write_text(folder / "results.json", results_json([comparison]))
-    figures.save(figures.pressures(panels(comparison)), folder / "pressure.svg")
+    figures.save(figures.pressures(panels(comparison), flat=isinstance(brake, FlatBrake)), folder / "pressure.svg")
     fem = comparison.responses.get("fem")
-    drawn = fem is not None and any(shoe.contact_arcs for shoe in fem.shoes)
+    drawn = isinstance(brake, Brake) and fem is not None and any(shoe.contact_arcs for shoe in fem.shoes)
     not_drawn = None
-    if fem is not None and drawn:
+    if isinstance(brake, Brake) and fem is not None and drawn:
         chosen = {k: v for k, v in options.items() if k in {"elements", "kind"}}
         not_drawn = draw_fields(brake, fem, folder, "fields", **chosen)
     notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]
@@ -100,10 +102,10 @@ def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str,
         folder / "index.html",
         brake=brake,
         rows=table,
-        columns=COLUMNS,
+        columns=columns_of(brake),
         drawn=drawn,
         not_drawn=not_drawn,
         notes=notes + left,
         source_text=source,
     )
-    return Written(table, notes, page)
+    return Written(table, notes, page, columns_of(brake))

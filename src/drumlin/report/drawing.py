@@ -16,14 +16,8 @@ from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import Actuation, Beam, Body
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.fields import Point
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
-from drumlin.report.palette import BLUE, RED
-
-MM = 1e3
-INK, FAINT, DRUM, BODY, BLOCK, LINING, FORCE, MOTION = (
-    "#1d2733", "#5b6875", "#e6ebf0", "#aab6c2", "#e3cfa4", "#c89b6a", RED, BLUE,
-)  # fmt: skip
+from drumlin.report.signs import BLOCK, BODY, DRUM, FAINT, FORCE, INK, LINING, MM, MOTION, arm, between, held
 
 
 def draw_brake(axes: Axes, brake: AnyBrake) -> None:
@@ -47,6 +41,7 @@ def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
     _drum(axes, brake, unit)
     for shoe in brake.shoes:
         _shoe(axes, shoe, R, unit)
+    between(axes, brake, unit)
     corners = np.array([[-1.0, -1.0], [1.0, 1.0]]) * _outermost(brake)
     points = [corners, *(_places(shoe, R, unit) for shoe in brake.shoes)]
     _frame(axes, np.concatenate(points), 1.8 * unit)
@@ -119,19 +114,19 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
     if isinstance(shoe.body, Body) and not own:
         arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
         _layer(axes, shoe, R, lining, shoe.body.thickness * MM, arc, BODY)
-    _pin(axes, shoe.hinge, unit, fixed=True)
-    if shoe.pivot is not None:
-        _pin(axes, shoe.pivot, unit, fixed=False)
+    held(axes, shoe, unit)
+    arm(axes, shoe, R / MM, unit)
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     inside = R - 1.8 * unit - (shoe.depth * MM if shoe.sign > 0 else 0.0)
     _label(axes, inside * np.array([math.cos(middle), math.sin(middle)]), shoe.name)
-    _force(axes, shoe.actuation, _loaded_point(shoe, R), unit)
+    if shoe.actuation.force:  # that of a strut is drawn with it
+        _force(axes, shoe.actuation, _loaded_point(shoe, R), unit)
 
 
 def _beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
     """A straight beam, and the block that fills the space up to the lining's back."""
     assert isinstance(shoe.body, Beam)
-    axis = axis_of(shoe.hinge.xy * MM, shoe.actuation.point.xy * MM)
+    axis = axis_of(shoe.pin.xy * MM, shoe.actuation.point.xy * MM)
     half = 0.5 * (shoe.body.thickness * MM if shoe.body.thickness else unit)
     if shoe.backing is not None:
         angle = axis.angle(np.linspace(shoe.lining.start, shoe.lining.end, 60))
@@ -160,7 +155,7 @@ def _strokes(shoe: Shoe, R: float) -> list[Floats]:
     """Lines (n, 2) [mm] that stand for a rigid shoe: its back, to the hinge, to the force; or its lever."""
     angles = np.linspace(shoe.lining.start, shoe.lining.end, 80)
     back = _back(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
-    hinge, load = shoe.hinge.xy * MM, _loaded_point(shoe, R)
+    hinge, load = shoe.pin.xy * MM, _loaded_point(shoe, R)
     if shoe.pivot is not None:
         pivot = shoe.pivot.xy * MM
         return [back, np.array([back[40], pivot]), np.array([hinge, pivot, load])]
@@ -187,7 +182,7 @@ def _loaded_point(shoe: Shoe, R: float) -> Floats:
     depth = R - shoe.sign * (shoe.depth - half) * MM
     arc = shoe.body if isinstance(shoe.body, Body) else shoe.lining
     ends = [depth * np.array([math.cos(angle), math.sin(angle)]) for angle in (arc.start, arc.end)]
-    far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.hinge.xy * MM)))
+    far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy * MM)))
     along = np.array([math.cos(shoe.actuation.direction), math.sin(shoe.actuation.direction)])
     nearest = point + ((far - point) @ along) * along
     middle = point - (point @ along) * along
@@ -200,7 +195,7 @@ def _loaded_point(shoe: Shoe, R: float) -> Floats:
 def _places(shoe: Shoe, R: float, unit: float) -> Floats:
     """Points (n, 2) [mm] that must be in the picture."""
     load = _loaded_point(shoe, R)
-    hinge = shoe.hinge.xy * MM
+    hinge = shoe.pin.xy * MM
     size = np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
     return np.concatenate([_room(shoe.actuation, load, unit), hinge + size])
 
@@ -209,7 +204,7 @@ def _places(shoe: Shoe, R: float, unit: float) -> Floats:
 
 
 def _draw_flat(axes: Axes, brake: FlatBrake) -> None:
-    pins = [x for shoe in brake.shoes for x in (shoe.hinge.x, shoe.actuation.point.x)]
+    pins = [x for shoe in brake.shoes for x in (shoe.pin.x, shoe.actuation.point.x)]
     ends = [x for shoe in brake.shoes for x in (shoe.lining.start, shoe.lining.end)]
     left, right = min(pins + ends) * MM, max(pins + ends) * MM
     unit = (right - left) / 20
@@ -223,14 +218,14 @@ def _draw_flat(axes: Axes, brake: FlatBrake) -> None:
     for shoe in brake.shoes:
         _flat_shoe(axes, shoe, unit)
         load = shoe.actuation.point.xy * MM
-        pin = shoe.hinge.xy * MM + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
+        pin = shoe.pin.xy * MM + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
         places.append(np.concatenate([_room(shoe.actuation, load, unit), pin]))
     _frame(axes, np.concatenate(places), 2 * unit)
 
 
 def _flat_shoe(axes: Axes, shoe: FlatShoe, unit: float) -> None:
     start, end = shoe.lining.start * MM, shoe.lining.end * MM
-    hinge, load = shoe.hinge.xy * MM, shoe.actuation.point.xy * MM
+    hinge, load = shoe.pin.xy * MM, shoe.actuation.point.xy * MM
     top = 0.8 * unit
     axes.add_patch(Rectangle((start, 0), end - start, top, facecolor=LINING, edgecolor=INK, lw=0.8, zorder=3))
     lever = load - hinge
@@ -239,8 +234,11 @@ def _flat_shoe(axes: Axes, shoe: FlatShoe, unit: float) -> None:
     block = [(start, top), *feet.tolist(), (end, top)]
     axes.add_patch(PathPatch(Outline(np.array([*block, block[0]])), facecolor=BODY, edgecolor="none", zorder=2))
     axes.plot(*np.array([hinge, load]).T, color=BODY, lw=7, solid_capstyle="round", zorder=2)
-    _pin(axes, shoe.hinge, unit, fixed=True)
+    held(axes, shoe, unit)
     _label(axes, np.array([0.5 * (start + end), 2.0 * unit]), shoe.name)
+    if shoe.held_by != "hinge":
+        _force(axes, shoe.actuation, load, unit)
+        return
     axes.annotate(
         "", (hinge[0], 0), (hinge[0], hinge[1]), arrowprops={"arrowstyle": "<->", "color": FAINT, "lw": 0.8}, zorder=4
     )
@@ -287,20 +285,6 @@ def _arrow(axes: Axes, tail: Floats, tip: Floats, color: str, width: float) -> N
             color=color, lw=20 * width, shrinkA=0, shrinkB=0, zorder=6,
         )
     )  # fmt: skip
-
-
-def _pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
-    """A pin: on hatched ground, or on the lever."""
-    x, y = point.xy * MM
-    if fixed:
-        foot = np.array([[x, y], [x - 0.7 * unit, y - 1.1 * unit], [x + 0.7 * unit, y - 1.1 * unit], [x, y]])
-        axes.fill(*foot.T, facecolor="white", edgecolor=INK, lw=1, zorder=4)
-        ground = (x - unit, y - 1.45 * unit)
-        axes.add_patch(
-            Rectangle(ground, 2 * unit, 0.35 * unit, facecolor="none", edgecolor=FAINT, hatch="////", lw=0, zorder=4)
-        )
-        axes.plot([x - unit, x + unit], [y - 1.1 * unit] * 2, color=INK, lw=1, zorder=4)
-    axes.add_patch(Circle((x, y), 0.32 * unit, facecolor="white", edgecolor=INK, lw=1.4, zorder=5))
 
 
 def _label(axes: Axes, place: Floats, text: str, color: str = INK, **style: Any) -> None:

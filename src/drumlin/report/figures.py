@@ -39,6 +39,7 @@ NAMES = {
     "short": "short shoe",
     "pivoted": "shoe on a pivot",
     "linear": "long flat shoe",
+    "rigid": "rigid shoe",
     "foundation": "elastic foundation",
     "lifted": "foundation, all lifted",
 }
@@ -109,8 +110,12 @@ def smooth(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
     return theta, np.maximum(shoe.pressure_at(theta), 0.0)
 
 
-def pressures(panels: Sequence[tuple[str, Mapping[str, ShoeResponse]]], columns: int = 2) -> Figure:
-    """Pressure over the angle on the drum: a panel (title, {model: response}) each, one pressure scale for all.
+def pressures(
+    panels: Sequence[tuple[str, Mapping[str, ShoeResponse]]], columns: int = 2, *, flat: bool = False
+) -> Figure:
+    """Pressure over the angle on the drum, or over the place on a plane: a panel (title, {model: response}) each.
+
+    One pressure scale for all.
 
     A singular edge is cut off above the largest pressure away from the edges, and marked. Two curves have their names
     beside them, more a key below.
@@ -119,24 +124,25 @@ def pressures(panels: Sequence[tuple[str, Mapping[str, ShoeResponse]]], columns:
         rows, few = math.ceil(len(panels) / columns), max(len(responses) for _, responses in panels) <= 2
         figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
+        unit = 1e3 if flat else math.degrees(1)
         highest = max(shoe.peak_pressure for _, responses in panels for shoe in responses.values())
         for axes, (title, responses) in zip(grid.flat, panels, strict=False):
             axes.set_title(title)
-            axes.set_xlabel("angle on the drum θ [deg]")
+            axes.set_xlabel("place x [mm]" if flat else "angle on the drum θ [deg]")
             axes.set_ylim(0, 1.12 * highest * 1e-6 if highest > 0 else 1)
             drawn = {model: smooth(shoe) for model, shoe in responses.items()}
             for model, (theta, p) in drawn.items():
-                axes.plot(np.degrees(theta), p * 1e-6, **look_of(model), lw=1.8, label=name_of(model))
-                mark_cut(axes, np.degrees(theta), p * 1e-6, color_of(model))
+                axes.plot(theta * unit, p * 1e-6, **look_of(model), lw=1.8, label=name_of(model))
+                mark_cut(axes, theta * unit, p * 1e-6, color_of(model))
                 if model == "fem":
-                    axes.fill_between(np.degrees(theta), p * 1e-6, color=color_of(model), alpha=0.12, lw=0)
-            axes.set_xlim(math.degrees(theta[0]) - 3, math.degrees(theta[-1]) + 3)
+                    axes.fill_between(theta * unit, p * 1e-6, color=color_of(model), alpha=0.12, lw=0)
+            axes.set_xlim(theta[0] * unit - 3, theta[-1] * unit + 3)
             axes.label_outer(remove_inner_ticks=False)
             if few:
                 even = np.linspace(theta[0], theta[-1], 200)
                 lines = [np.interp(even, *curve) * 1e-6 for curve in drawn.values()]
                 for i, model in enumerate(drawn):
-                    name_curve(axes, np.degrees(even), lines, i, name_of(model), color_of(model))
+                    name_curve(axes, even * unit, lines, i, name_of(model), color_of(model))
         for axes in grid[:, 0]:
             axes.set_ylabel("pressure p [MPa]")
         for axes in grid.flat[len(panels) :]:

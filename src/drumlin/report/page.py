@@ -21,7 +21,7 @@ from markupsafe import Markup
 import drumlin
 from drumlin.comparison import Column
 from drumlin.files import write_text
-from drumlin.texts import formatted
+from drumlin.texts import formatted, typed
 
 _MEDIA = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
 
@@ -92,7 +92,7 @@ def fill(template: Path, page: Path, **values: Any) -> Path:
         **values,
         versions=versions(),
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
-        command=" ".join(["drumlin", *sys.argv[1:]]),
+        command=typed(["drumlin", *sys.argv[1:]]),
     )
     write_text(page, with_contents(text))
     return page

@@ -33,14 +33,14 @@ def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
     """Draw a .vtu file of fields into a .png; returns None, or one line that says why there is no picture."""
     marks = {
         "radius": brake.drum.radius,
-        "pins": [list(shoe.hinge.xy) for shoe in brake.shoes],
+        "pins": [list(shoe.pin.xy) for shoe in brake.shoes],
         "forces": [[*shoe.actuation.point.xy, *shoe.actuation.vector] for shoe in brake.shoes],
         "title": title,
     }
     command = [sys.executable, "-P", "-c", CHILD, str(Path(__file__).parents[2]), str(fields)]
     try:
         with replacing(picture) as partial:
-            _drawn([*command, str(partial), json.dumps(marks)])
+            drawn([*command, str(partial), json.dumps(marks)])
         return None
     except NoPicture as error:
         if picture.is_file():
@@ -48,7 +48,7 @@ def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
         return f"no field picture: off-screen rendering is not possible here ({one_line(str(error), 200)})"
 
 
-def _drawn(command: list[str]) -> None:
+def drawn(command: list[str]) -> None:
     """Run a process that draws. Raises NoPicture with the last that it said."""
     try:
         done = subprocess.run(command, capture_output=True, timeout=TIMEOUT, check=False)

@@ -5,9 +5,12 @@ from typing import Any
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.plane_brake import AnyBrake
-from drumlin.fem.assembly import prepare
+from drumlin.arrays import Ints
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.unrolled import unrolled
+from drumlin.fem.assembly import Body
+from drumlin.fem.hp.grid import Grid
+from drumlin.fem.solve import scene_of
 from drumlin.models import refusals
 from drumlin.report.drawing import draw_brake
 
@@ -20,18 +23,25 @@ def draw(brake: AnyBrake, **options: Any) -> Figure:
     axes = figure.subplots()
     draw_brake(axes, brake)
     axes.set_title(f"{brake.title}, {brake.motion}")
-    if not isinstance(brake, Brake) or "fem" in refusals(brake):
+    if "fem" in refusals(brake):
         return figure
-    for shoe, body in zip(brake.shoes, prepare(brake, **options).bodies, strict=True):
-        xy = shoe.frame.to_brake(body.basis.doflocs.T) * 1e3
-        corners = len(body.mesh.t)
-        around = body.basis.element_dofs[: 2 * corners]  # corners, then the middles of quadratic edges
-        if len(around) == 2 * corners:
-            around = around.reshape(2, corners, -1).swapaxes(0, 1).reshape(2 * corners, -1)
+    own = unrolled(brake) if isinstance(brake, FlatBrake) else brake
+    for shoe, body in zip(own.shoes, scene_of(own, **options).bodies, strict=True):
+        xy = shoe.points(body.basis.doflocs).T * 1e3
+        around = body.mesh.outline if isinstance(body.mesh, Grid) else _around(body)
         for name, elements in body.mesh.subdomains.items():
             axes.add_collection(
                 PolyCollection(
-                    xy[around[:, elements].T], facecolor=PARTS[name], edgecolor="#40505f", lw=0.25, zorder=3.5
+                    list(xy[around[:, elements].T]), facecolor=PARTS[name], edgecolor="#40505f", lw=0.25, zorder=3.5
                 )
             )
     return figure
+
+
+def _around(body: Body) -> Ints:
+    """Nodes around each element of a mesh, corners and the middles of quadratic edges (k, elements)."""
+    corners = len(body.mesh.t)
+    around = body.basis.element_dofs[: 2 * corners]
+    if len(around) == 2 * corners:
+        around = around.reshape(2, corners, -1).swapaxes(0, 1).reshape(2 * corners, -1)
+    return around

@@ -19,7 +19,7 @@ from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import warnings
-from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse, contact_resultant
+from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse, contact_resultant, loaded
 from drumlin.response.resultants import cross, integrate
 
 B = TypeVar("B", bound=Brake | FlatBrake)
@@ -32,7 +32,7 @@ def double_delta(brake: Brake, shoe: Shoe) -> int:
     towards the hinge; else it is -1. A lining that begins beyond half a turn from its hinge is pressed by the other
     sense, which the actuation's moment tells.
     """
-    M = shoe.actuation.moment_about(shoe.hinge)
+    M = shoe.actuation.moment_about(shoe.pin)
     beyond = shoe.arc[1] > math.pi and M * -shoe.sign * shoe.frame.sense < 0
     return shoe.sign * brake.spin * shoe.frame.sense * (1 if beyond else -1)
 
@@ -42,8 +42,8 @@ def merit(brake: Brake, index: int, response: ShoeResponse) -> Merit:
     shoe = brake.shoes[index]
     R, b = brake.drum.radius, shoe.lining.width
     contact = contact_resultant(brake, index, response)
-    to_centre = -shoe.hinge.xy
-    M = shoe.actuation.moment_about(shoe.hinge)
+    to_centre = -shoe.pin.xy
+    M = shoe.actuation.moment_about(shoe.pin)
     M_N = float(cross(to_centre, contact.normal))
     M_F = contact.moment + float(cross(to_centre, contact.friction))
     N, T = float(np.linalg.norm(contact.normal)), response.torque
@@ -85,9 +85,9 @@ def barecki_shoe_factor(mu: Values, angle: Values, psi: Values, delta: Values, g
 def flat_merit(brake: FlatBrake, index: int, response: ShoeResponse) -> FlatMerit:
     """Figures of merit of shoe `index` of a brake on a plane."""
     shoe = brake.shoes[index]
-    M = shoe.actuation.moment_about(shoe.hinge)
+    M = shoe.actuation.moment_about(shoe.pin)
     force = brake.friction * response.normal_force
-    resisting = -math.copysign(1, M) * brake.friction * brake.spin * shoe.hinge.y * response.normal_force
+    resisting = -math.copysign(1, M) * brake.friction * brake.spin * shoe.pin.y * response.normal_force
     return FlatMerit(
         braking_force=force,
         braking_force_over_moment=_over(force, abs(M)),
@@ -106,13 +106,13 @@ def brake_factor(brake: AnyBrake, response: Response) -> float | None:
 
     Of shoes with equal forces it is the sum of their shoe factors.
     """
-    force = math.fsum(abs(shoe.actuation.force) for shoe in brake.shoes) / len(brake.shoes)
+    force = math.fsum(abs(shoe.actuation.force) for shoe in loaded(brake, response).shoes) / len(brake.shoes)
     return _over(effect(response), force * (1.0 if isinstance(brake, FlatBrake) else brake.drum.radius))
 
 
 def with_merits(brake: AnyBrake, response: Response) -> Response:
     """The response with the figures of merit of its shoes, the load of a drum's bearings, and warnings as notes."""
-    shoes = enumerate(response.shoes)
+    shoes, brake = enumerate(response.shoes), loaded(brake, response)
     if isinstance(brake, FlatBrake):
         return replace(response, merits=tuple(flat_merit(brake, i, shoe) for i, shoe in shoes))
     return replace(

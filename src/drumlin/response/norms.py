@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from drumlin.arrays import Floats, unique
+from drumlin.arrays import Floats
 from drumlin.response.response import EDGE_ZONE, ShoeResponse
 from drumlin.response.resultants import GAUSS, WEIGHTS
 
@@ -16,7 +16,7 @@ def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE)
     else infinite.
     """
     start, end = b.theta[0] + edge, b.theta[-1] - edge
-    knots = unique(np.concatenate([[start, end], a.theta[:: a.order], b.theta[:: b.order]]))
+    knots = np.unique(np.concatenate([[start, end], a.theta[:: a.order], b.theta[:: b.order]]))
     knots = knots[(knots >= start) & (knots <= end)]
     half = 0.5 * np.diff(knots)[:, None]
     theta = (knots[:-1, None] + half * (1 + GAUSS)).ravel()

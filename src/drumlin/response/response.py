@@ -9,10 +9,10 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.plane_brake import FlatBrake, FlatShoe
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
-from drumlin.response.resultants import Resultant, contact_arcs, cross, largest, resultant
+from drumlin.response.resultants import Resultant, contact_arcs, cross, gauss_points, largest, resultant
 from drumlin.response.show import as_html, as_text, plot
 
 EDGE_ZONE = math.radians(0.2)
@@ -44,6 +44,14 @@ class Deformation(NamedTuple):
     z: Floats
 
 
+class Surface(NamedTuple):
+    """The pressure over arc and width: `pressure` (n, m) [Pa] at the response's angles and at `z` (m,) [m] off the
+    mid-plane, growing; between these quadratic in z over every two steps."""
+
+    z: Floats
+    pressure: Floats
+
+
 @dataclass(frozen=True)
 class ShoeResponse:
     """What one shoe does.
@@ -54,9 +62,12 @@ class ShoeResponse:
     `hinge_reaction` (2,) [N] the force of the pin on the shoe. `peak_pressure` [Pa] is the largest pressure; of
     elastic models the largest one more than half a lining thickness from the lining's ends, where a sharp
     edge has no bound. `turn` [rad] is the rotation of the shoe about its pin, where a model knows it.
-    `pivot_reaction` (2,) [N] is the force of the pivot on the shoe, where there is one; `lumped` the contact's
-    forces, where a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
-    `deformation` of beam and ring, of the foundation model. `error`: estimated relative errors "pressure" (L2 outside
+    `pivot_reaction` (2,) [N] is the force of the pivot on the shoe, where there is one; `reaction_moment` [N m] what a
+    guide adds to its force, about `Held.pin`; `force` [N] of the actuation, where shoes share it; `motion` dx, dy [m]
+    at `Held.pin` and turn [rad] in the shoe's own frame, of a shoe without hinge; `lumped` the contact's forces, where
+    a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
+    `deformation` of beam and ring, of the foundation model. `surface` of a solid: its `pressure` is then the mean over
+    the width, in `peak_pressure` too. `error`: estimated relative errors "pressure" (L2 outside
     the edge zones), "torque", "peak" and "reaction", None where nothing was estimated.
 
     Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
@@ -75,7 +86,11 @@ class ShoeResponse:
     turn: float | None = None
     lumped: Resultant | None = None
     pivot_reaction: Floats | None = None
+    reaction_moment: float = 0.0
+    force: float | None = None
+    motion: tuple[float, float, float] | None = None
     deformation: Deformation | None = None
+    surface: Surface | None = None
     error: Mapping[str, float] | None = None
 
     def pressure_at(self, theta: Floats) -> Floats:
@@ -124,10 +139,16 @@ class ShoeResponse:
         }
         if self.error is not None:
             data["error"] = dict(self.error)
+        if self.force is not None:
+            data["force"] = self.force
+        if self.reaction_moment:
+            data["reaction_moment"] = self.reaction_moment
         if self.pivot_reaction is not None:
             data["pivot_reaction"] = [float(x) for x in self.pivot_reaction]
         if self.deformation is not None:
             data["deformation"] = {key: values.tolist() for key, values in self.deformation._asdict().items()}
+        if self.surface is not None:
+            data["surface"] = {key: values.tolist() for key, values in self.surface._asdict().items()}
         return data
 
 
@@ -253,12 +274,13 @@ def pressed_shoe(
     hinge_reaction: Floats,
     turn: float | None = None,
     located: bool = True,
+    surface: Surface | None = None,
     **more: Any,
 ) -> ShoeResponse:
     """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
 
-    radius: of the drum [m]; located: the ends of the contact and the peak are located within their elements; more:
-    other attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
+    radius: of the drum [m]; located: the ends of the contact and the peak are located within their elements; surface:
+    its rows as the angles; more: other attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure, zone = theta[forward], pressure[forward], edge_zone(shoe, radius)
@@ -278,6 +300,7 @@ def pressed_shoe(
         pressure=pressure,
         order=order,
         turn=turn,
+        surface=None if surface is None else surface._replace(pressure=surface.pressure[forward]),
         **more,
     )
 
@@ -330,6 +353,22 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
     )
 
 
+def loaded(brake: AnyBrake, response: Response) -> AnyBrake:
+    """The brake under the forces that its shoes share in a response."""
+    forces = [shoe.force for shoe in response.shoes]
+    if all(force is None for force in forces):
+        return brake
+    shoes = tuple(shoe if force is None else shoe.under(force) for shoe, force in zip(brake.shoes, forces, strict=True))
+    return brake.model_copy(update={"shoes": shoes})
+
+
+def balance_of(brake: AnyBrake, index: int, response: ShoeResponse) -> Balance:
+    """Equilibrium of shoe `index`, on a drum or on a plane."""
+    if isinstance(brake, FlatBrake):
+        return flat_balance(brake, index, response)
+    return shoe_balance(brake, index, response)
+
+
 def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
     """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(theta), about the hinge.
 
@@ -340,12 +379,37 @@ def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
     shoe = brake.shoes[index]
     contact = contact_resultant(brake, index, response)
     forces = [contact.force, response.hinge_reaction, shoe.actuation.vector]
-    hinge = shoe.hinge.xy
+    hinge = shoe.pin.xy
     moments = [
         contact.moment - float(cross(hinge, contact.force)),
-        shoe.actuation.moment_about(shoe.hinge),
+        shoe.actuation.moment_about(shoe.pin),
+        response.reaction_moment,
     ]
+    if shoe.guide is not None:  # it may bear no moment at all: then its parts say what is small
+        moments += [float(cross(hinge, shoe.actuation.vector)), -float(cross(hinge, shoe.actuation.vector))]
     return relative_balance(forces, moments)
+
+
+def flat_balance(brake: FlatBrake, index: int, response: ShoeResponse) -> Balance:
+    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(x), about the hinge.
+
+    A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
+    """
+    if not response.contact_arcs:
+        return Balance(0.0, 0.0)
+    shoe = brake.shoes[index]
+    x, p, dx = gauss_points(response.theta, response.pressure, response.order)
+    load = p * dx * shoe.lining.width
+    contact = float(np.sum(load)) * np.array([brake.friction * brake.spin, 1.0])
+    return relative_balance(
+        [contact, response.hinge_reaction, shoe.actuation.vector],
+        [
+            float(np.sum(load * (x - shoe.pin.x))),
+            brake.friction * brake.spin * shoe.pin.y * float(np.sum(load)),
+            shoe.actuation.moment_about(shoe.pin),
+            response.reaction_moment,
+        ],
+    )
 
 
 def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:

@@ -21,7 +21,7 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake
 from drumlin.errors import BadInput, DrumlinError, NoAnswer
-from drumlin.fem.assembly import ELEMENTS, Cache
+from drumlin.fem.assembly import Cache
 from drumlin.files import content_digest
 from drumlin.journal import Journal, key_of, source_stamp
 from drumlin.models import pick
@@ -55,8 +55,8 @@ def respond(case: Case, cache: Cache | None = None) -> Response:
     """
     brake = vary(case.brake, case.changes) if case.changes else case.brake
     options = dict(case.options)
-    if case.model == "fem" and "tolerance" not in options:
-        options |= {"cache": cache, "elements": options.get("elements", ELEMENTS)}
+    if case.model == "fem":
+        options["cache"] = cache
     return pick(case.model, brake).solve(brake, **options)
 
 
@@ -101,8 +101,10 @@ def row_of(brake: AnyBrake, response: Response) -> Row:
 
     "torque" [N m] of the whole brake (on a plane: "braking_force" [N]), "brake_factor" T/(F R) with the mean force F
     of its shoes (on a plane: braking force / F), "peak_pressure" [Pa] the largest of its shoes, "balance" the worse
-    of forces and moments. Of each shoe: torque, peak_pressure, shoe_factor T/(F R), hinge_reaction [N], contact_start
-    and contact_end [rad; on a plane m] from where to where it touches, contact_arcs how many arcs that is.
+    of forces and moments; where they are estimated, the relative errors "error_pressure", "error_torque", "error_peak"
+    and "error_reaction" (see `Response.error`). Of each shoe: torque, peak_pressure, shoe_factor T/(F R),
+    hinge_reaction [N], contact_start and contact_end [rad; on a plane m] from where to where it touches, contact_arcs
+    how many arcs that is.
     """
     flat = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]
     radius = brake.drum.radius if isinstance(brake, Brake) else 1.0
@@ -112,6 +114,7 @@ def row_of(brake: AnyBrake, response: Response) -> Row:
         "brake_factor": brake_factor(brake, response),
         "peak_pressure": max(shoe.peak_pressure for shoe in response.shoes),
         "balance": max(response.balance.force, response.balance.moment),
+        **{f"error_{name}": value for name, value in (response.error or {}).items()},
     }
     for i, shoe in enumerate(response.shoes):
         own, load = flat[i] if flat else shoe.torque, abs(brake.shoes[i].actuation.force)

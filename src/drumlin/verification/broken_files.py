@@ -58,7 +58,7 @@ def huge_file(rng: random.Random, sound: Sound) -> Input:
         lambda: text + "\nx = " + "[" * 50_000,
         lambda: text + "\n# " + "x" * 2_000_000,
         lambda: "[a." + ".".join("b" for _ in range(20_000)) + "]",
-        lambda: text.replace('force = "', 'force = "' + "9" * 5_000, 1),
+        lambda: text.replace('width = "', 'width = "' + "9" * 5_000, 1),
         lambda: "\0" * 900_000,
         lambda: text.replace("[[shoe]]", "[[shoe]]\n" * 20_000, 1),
     ]

@@ -11,6 +11,7 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.file import differing, read_brake
 from drumlin.brake.units import LARGEST, to_si
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
@@ -148,6 +149,9 @@ def check(brake: Brake, known: Reference, curves: dict[str, Curve]) -> list[Verd
     if [shoe.name for shoe in known.shoes] != [shoe.name for shoe in brake.shoes]:
         said = ", ".join(shoe.name for shoe in known.shoes)
         raise BadInput(f"the reference is of another brake, with the shoes {said}")
+    key = differing(brake, read_brake(Path("brake_file"), known.text))
+    if key is not None:
+        raise BadInput(f"the reference is of another brake: {key} is not the same")
     return [_verdict(brake, spec, shoe, curves[shoe.name]) for spec, shoe in zip(brake.shoes, known.shoes, strict=True)]
 
 

@@ -5,7 +5,7 @@ import multiprocessing
 import resource
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -26,6 +26,7 @@ from drumlin.fem.model import PENALTY, respond
 ELEMENTS = 140  # about 20 000 unknowns for a car's shoe
 REPEATS = 7
 SIZES = (20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)  # unknowns of a shoe in the table
+SOLID_ELEMENTS = (16, 24, 32, 48, 72)  # along the lining of a solid shoe in its table
 FITTED = 600_000  # the exponent is fitted to the sizes up to here
 
 
@@ -132,6 +133,32 @@ def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
     if len(fitted) > 1:
         exponent = float(np.polyfit(np.log([c.unknowns for c in fitted]), np.log([c.solve for c in fitted]), 1)[0])
         yield f"solve ~ N^{exponent:.2f} up to {fitted[-1].unknowns} unknowns"
+
+
+def solid_table(brake: Brake, elements: Sequence[int] = SOLID_ELEMENTS) -> Iterator[str]:
+    """Cost of solid shoes against unknowns as lines for people, in seconds of processor time, as they come.
+
+    Further: another friction coefficient on the same bodies. Each size is measured in a process of its own.
+    """
+    yield "unknowns  contact nodes  solve [s]  further [s]  peak memory [GiB]"
+    for count in elements:
+        with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as process:
+            unknowns, nodes, memory, first, further = process.submit(_solid_cost, brake, count).result()
+        yield f"{unknowns:8d}  {nodes:13d}  {first:9.2f}  {further:11.2f}  {memory / 2**30:17.2f}"
+
+
+def _solid_cost(brake: Brake, elements: int) -> tuple[int, int, int, float, float]:
+    from drumlin.fem.solid import model as solid  # noqa: PLC0415  (hexahedra load only where they are used)
+
+    start = time.process_time()
+    scene = solid.prepare(brake, elements=elements)
+    respond(scene, brake)
+    first = time.process_time() - start
+    memory, start = peak_memory(), time.process_time()
+    respond(scene, vary(brake, {"friction": 0.9 * brake.friction}))
+    bodies = {id(body): body for body in scene.bodies}.values()
+    unknowns, nodes = sum(body.unknowns for body in bodies), sum(len(body.line.nodes) for body in bodies)
+    return unknowns, nodes, memory, first, time.process_time() - start
 
 
 def measure(brake: Brake, **options: Any) -> list[str]:

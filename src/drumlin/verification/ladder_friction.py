@@ -297,7 +297,7 @@ def _equilibrium() -> float:
     _, response, brake = _brake()
     moments = []
     for spec, shoe in zip(brake.shoes, response.shoes, strict=True):
-        pin, force = spec.hinge.xy, shoe.hinge_reaction
+        pin, force = spec.pin.xy, shoe.hinge_reaction
         act, at = spec.actuation.vector, spec.actuation.point.xy
         moments.append(at[0] * act[1] - at[1] * act[0] + pin[0] * force[1] - pin[1] * force[0])
     return abs(math.fsum(moments)) / response.torque

@@ -80,7 +80,7 @@ def _double_block() -> float:
     one = lever_block(R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1)
     data = one.shoes[0].model_dump()
     data["name"] = "below"
-    data["hinge"] = {"x": one.shoes[0].hinge.x, "y": -one.shoes[0].hinge.y}
+    data["hinge"] = {"x": one.shoes[0].pin.x, "y": -one.shoes[0].pin.y}
     data["lining"] |= {"start": -one.shoes[0].lining.end, "end": -one.shoes[0].lining.start}
     data["actuation"] |= {"direction": math.pi / 2, "point": {"x": 0.25, "y": -0.125}}
     both = vary(one, {"shoe": [one.shoes[0].model_dump(), data]})

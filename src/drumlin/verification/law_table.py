@@ -14,7 +14,7 @@ from drumlin.models import MODELS
 from drumlin.response.merit import barecki_shoe_factor
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
 
-LAW_NAMES = tuple(name for name in MODELS if name != "fem")
+LAW_NAMES = tuple(name for name in MODELS if name not in {"fem", "solid"})
 Row = dict[str, Any]
 
 
@@ -76,10 +76,10 @@ def word_rows(brake: Brake) -> list[Row]:
         for shoe, data, merit in zip(response.shoes, brake.shoes, response.merits, strict=True):
             assert isinstance(merit, Merit) and merit.resultant_angle is not None and merit.friction_radius is not None
             R = brake.drum.radius
-            arm = abs(data.actuation.moment_about(data.hinge) / data.actuation.force)
+            arm = abs(data.actuation.moment_about(data.pin) / data.actuation.force)
             angle = data.frame.phi(np.array(merit.resultant_angle))
             S = barecki_shoe_factor(
-                brake.friction, angle, merit.friction_radius, data.hinge.radius / R, arm / R, merit.double_delta
+                brake.friction, angle, merit.friction_radius, data.pin.radius / R, arm / R, merit.double_delta
             )
             rows.append(
                 {

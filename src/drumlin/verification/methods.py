@@ -29,6 +29,11 @@ def methods(brake: Brake, *, peers: bool = False, short: bool = False) -> list[M
         for kind in kinds
         for tolerance in (tolerances if kind == "quad2" else tolerances[:2])
     ]
+    found += [Method("columns", f"level {level + 1}", {"level": level}) for level in range(2 if short else 5)]
+    found += [
+        Method("columns, error stated", f"tolerance {tolerance:g}", {"tolerance": tolerance})
+        for tolerance in ((5e-3,) if short else (5e-3, 1e-3, 1e-4, 1e-5))
+    ]
     some = sizes[-1:] if short else sizes[:3]
     for family in ("weak penalty", "pointwise penalty"):
         found += [

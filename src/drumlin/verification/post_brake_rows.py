@@ -94,7 +94,7 @@ def gaps(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
     changes = {}
     for i, shoe in enumerate(brake.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 181)
-        axis = axis_of(shoe.hinge.xy, shoe.actuation.point.xy)
+        axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
         changes[f"shoe[{i}].lining.clearance"] = np.column_stack([theta, gap(axis.angle(theta))]).tolist()
     return vary(brake, changes)
 

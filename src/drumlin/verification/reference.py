@@ -1,8 +1,8 @@
 """Reference values of a brake that others can cite, and how far somebody's p(theta) is from them.
 
-Two discretisations that share no mesh, quadratic quadrilaterals and quadratic triangles, both far finer than a solve
-needs and graded to every corner and to the ends of the contact, with exact contact. The quadrilaterals give the value,
-the distance of the triangles is its uncertainty.
+The value comes from columns of high degree on the finer of two divisions, with exact contact. Its uncertainty is the
+larger of two distances: from the other division, of another degree and grading, and from curved triangles, which share
+nothing with it but the brake.
 """
 
 import importlib.metadata
@@ -11,8 +11,9 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,14 +24,16 @@ from drumlin.arrays import Bools, Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.units import LARGEST
 from drumlin.errors import BadInput
-from drumlin.fem.adapt import scene_refined
-from drumlin.fem.mesh.grading import fine
+from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.levels import steps
+from drumlin.fem.hp.places import places_of
+from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
-from drumlin.fem.solve import solve
 from drumlin.files import read_text, write_text
 from drumlin.response.norms import pressure_distance
-from drumlin.response.response import Response, ShoeResponse, contact_resultant, edge_zone
+from drumlin.response.response import Response, ShoeResponse, contact_resultant, edge_zone, pressed_shoe
 from drumlin.texts import check_digits, check_toml
+from drumlin.verification import triangles
 
 FORMAT = "drumlin reference values, 1"
 DIGITS = 10  # significant digits in a file
@@ -38,8 +41,13 @@ PACKAGES = ("numpy", "scipy", "scikit-fem")
 _LIST = re.compile(r"\[[-+0-9.eE,\s]*\]")  # in JSON, of numbers only
 LARGEST_FILE = 10_000_000  # bytes
 METHOD = (
-    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: graded quadratic "
-    "quadrilaterals; uncertainty: distance of graded quadratic triangles, four to a cell of a division of their own"
+    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: columns of elements of "
+    "high degree; uncertainty: the larger of the distances from another division of them and from curved triangles "
+    "with contact node by node"
+)
+ALONE = (
+    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: columns of elements of "
+    "high degree; uncertainty: the distance from another division of them"
 )
 UNITS = {
     "torque": "N m",
@@ -55,43 +63,78 @@ UNITS = {
 
 
 class Refinement(NamedTuple):
-    """A fine mesh: its kind, the least elements along a lining, its shortest element over the lining's thickness, and
-    the factor by which elements grow away from corners and contact ends."""
+    """How finely a reference is solved: two divisions into columns, the second one cited, after `first` levels that
+    find the ends of the contact; the meshes of triangles."""
 
-    kind: str
-    elements: int
-    smallest: float
-    along: float
-
-
-FIRST = Refinement("quad2", 120, 2e-3, 1.4)  # finds the contact's ends
-REFINEMENTS = (Refinement("quad2", 400, 7e-4, 1.25), Refinement("tri2", 200, 1e-3, 1.2))
+    first: int
+    levels: tuple[Level, Level]
+    triangles: tuple[triangles.Level, ...]
 
 
-def fine_response(brake: Brake, guess: Response, refinement: Refinement) -> Response:
-    """The response with exact contact on a fine mesh, graded to the contact ends of an earlier response."""
-    kind, elements, smallest, along = refinement
-    divide = partial(fine, elements=elements, smallest=smallest, along=along)
-    scene = scene_refined(brake, guess, divide, kind, elements)
-    return respond(scene, brake, penalty=math.inf, start=guess)
+DEG = math.pi / 180
+FINE = Refinement(
+    3,
+    (
+        Level(7, 0.02, 0.01, 0.002, 0.45, 15 * DEG, 0.02, 0.01, 0.01, 0.3),
+        Level(8, 0.01, 0.006, 0.001, 0.5, 15 * DEG, 0.015, 0.003, 0.01, 0.4),
+    ),
+    triangles.LEVELS,
+)
+"""Sizes that grow slowly towards the ends of the layers and the hinge, where the torque feels them; thinner columns at
+the lining's ends would cost a stiff shoe more digits than they bring."""
 
 
-class Pair(NamedTuple):
-    """The two responses of a reference; `value` is the one that is cited."""
+class Trio(NamedTuple):
+    """The responses of a reference: `value` is cited, `before` on the other division, `other` by triangles, None where
+    these do not cover the brake."""
 
     value: Response
-    other: Response
+    before: Response
+    other: Response | None
+
+    @property
+    def others(self) -> tuple[Response, ...]:
+        """Those whose distances are the uncertainty."""
+        return (self.before,) if self.other is None else (self.before, self.other)
 
 
-def responses(brake: Brake, refinements: tuple[Refinement, Refinement] = REFINEMENTS) -> Pair:
-    """Both fine responses of a brake. Raises BadInput where finite elements do not apply or a mesh is given by a file,
+def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
+    """The fine responses of a brake. Raises BadInput where finite elements do not apply or a mesh is given by a file,
     NoAnswer where there is no equilibrium."""
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(f"shoe {shoe.name!r} has a mesh file, which is not refined: no reference values")
-    first = fine_response(brake, solve(brake, elements=40), FIRST)
-    value, other = (fine_response(brake, first, refinement) for refinement in refinements)
-    return Pair(value, other)
+    respond_ = partial(respond, penalty=math.inf)
+    *_, last = islice((step.response for step in steps(brake, respond_)), refinement.first)
+    found = []
+    for level in refinement.levels:
+        last = respond_(scene(brake, level, places_of(brake, last)), brake, start=last)
+        found.append(last)
+    before, value = found
+    return Trio(value, before, _by_triangles(brake, value, refinement))
+
+
+def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Response | None:
+    """The finest solution by triangles in the form of `like`; None where they do not cover the brake."""
+    try:
+        *_, solutions = triangles.sequence(brake, refinement.triangles)
+    except BadInput:
+        return None
+    shoes = [
+        pressed_shoe(
+            shoe,
+            brake.drum.radius,
+            found.theta,
+            found.pressure,
+            order=found.order,
+            torque=found.torque,
+            normal_force=found.normal_force,
+            self_energising=own.self_energising,
+            hinge_reaction=found.hinge_reaction,
+        )
+        for shoe, found, own in zip(brake.shoes, solutions, like.shoes, strict=True)
+    ]
+    return replace(like, model="triangles", shoes=tuple(shoes))
 
 
 def peak_away(response: ShoeResponse, edge: float, points: int = 2001) -> float:
@@ -155,29 +198,36 @@ class Reference:
     title: str
     text: str
     command: str
+    method: str
     versions: dict[str, str]
     torque: Sure
     shoes: tuple[ShoeReference, ...]
 
 
-def reference(brake: Brake, text: str, command: str, pair: Pair | None = None) -> Reference:
-    """The reference values of a brake; `pair`: its fine responses, already there. Raises as responses."""
-    pair = pair or responses(brake)
+def reference(brake: Brake, text: str, command: str, trio: Trio | None = None) -> Reference:
+    """The reference values of a brake; `trio`: its fine responses, already there. Raises as responses."""
+    trio = trio or responses(brake)
     versions = {"drumlin": drumlin.__version__, **{name: importlib.metadata.version(name) for name in PACKAGES}}
-    shoes = tuple(_shoe(brake, i, *pair) for i in range(len(brake.shoes)))
-    torque = Sure(pair.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))  # shoes do not cancel
-    return Reference(brake.title, text, command, versions, torque, shoes)
+    shoes = tuple(_shoe(brake, i, trio) for i in range(len(brake.shoes)))
+    torque = Sure(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))  # shoes do not cancel
+    method = ALONE if trio.other is None else METHOD
+    return Reference(brake.title, text, command, method, versions, torque, shoes)
 
 
-def _sure(value: Any, other: Any) -> Sure:
-    """A value whose uncertainty is its distance from another one; of arrays of another shape: infinite."""
-    value, other = np.asarray(value, dtype=float), np.asarray(other, dtype=float)
-    apart = float(np.linalg.norm(value - other)) if value.shape == other.shape else math.inf
+def _sure(value: Any, *others: Any) -> Sure:
+    """A value whose uncertainty is its distance from the farthest of others; of arrays of another shape: infinite."""
+    value = np.asarray(value, dtype=float)
+    apart = 0.0
+    for other in others:
+        off = np.asarray(other, dtype=float)
+        apart = max(apart, float(np.linalg.norm(value - off)) if value.shape == off.shape else math.inf)
     return Sure(value.tolist(), apart)
 
 
-def _shoe(brake: Brake, index: int, value: Response, other: Response) -> ShoeReference:
-    spec, a, b = brake.shoes[index], value.shoes[index], other.shoes[index]
+def _shoe(brake: Brake, index: int, trio: Trio) -> ShoeReference:
+    spec = brake.shoes[index]
+    own = [response.shoes[index] for response in (trio.value, *trio.others)]
+    a = own[0]
     edge = edge_zone(spec, brake.drum.radius)
     first, last = spec.lining.start, spec.lining.end
     degrees = np.arange(math.ceil(math.degrees(first) + 1e-6), math.degrees(last) - 1e-6)
@@ -185,17 +235,17 @@ def _shoe(brake: Brake, index: int, value: Response, other: Response) -> ShoeRef
     pressure = a.pressure_at(theta)
     return ShoeReference(
         name=spec.name,
-        torque=_sure(a.torque, b.torque),
-        contact_force=_sure(*(contact_resultant(brake, index, x).force for x in (a, b))),
-        hinge_reaction=_sure(a.hinge_reaction, b.hinge_reaction),
-        peak_pressure=_sure(peak_away(a, edge), peak_away(b, edge)),
-        contact_arcs=_sure(np.reshape(a.contact_arcs, (-1, 2)), np.reshape(b.contact_arcs, (-1, 2))),
+        torque=_sure(*(x.torque for x in own)),
+        contact_force=_sure(*(contact_resultant(brake, index, x).force for x in own)),
+        hinge_reaction=_sure(*(x.hinge_reaction for x in own)),
+        peak_pressure=_sure(*(peak_away(x, edge) for x in own)),
+        contact_arcs=_sure(*(np.reshape(x.contact_arcs, (-1, 2)) for x in own)),
         ends=(first, last),
         edge=edge,
         theta=theta,
         pressure=pressure,
-        uncertainty=np.abs(b.pressure_at(theta) - pressure),
-        distance=pressure_distance(b, a) if a.pressure.any() else 0.0,
+        uncertainty=np.max([np.abs(x.pressure_at(theta) - pressure) for x in own[1:]], axis=0),
+        distance=max(pressure_distance(x, a) for x in own[1:]) if a.pressure.any() else 0.0,
     )
 
 
@@ -232,7 +282,7 @@ def as_dict(found: Reference) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "title": found.title,
-        "method": METHOD,
+        "method": found.method,
         "units": UNITS,
         "command": found.command,
         "versions": found.versions,
@@ -260,6 +310,7 @@ def read_reference(path: Path) -> Reference:
             _text(data["title"]),
             _text(data["brake_file"]),
             _text(data["command"]),
+            _text(data["method"]),
             {_text(name): _text(version) for name, version in data["versions"].items()},
             _sure_from(data["torque"]),
             tuple(_shoe_from(shoe) for shoe in data["shoes"]),

@@ -23,10 +23,10 @@ from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, prepare, why_not
 from drumlin.fem.fields import Fields, fields
 from drumlin.fem.model import respond
-from drumlin.laws import hinged, pivoted
+from drumlin.laws import hinged, law
 from drumlin.response.norms import relative
 from drumlin.wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
-from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
+from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup, guided
 from drumlin.wear.run_in import COEFFICIENT, Target, checks, distance, life, norm, run_in, target, unit_distance, worn
 
 ARCHARD = WearLaw(COEFFICIENT)
@@ -88,15 +88,16 @@ def setup_of(model: str, brake: Brake, elements: int) -> WearSetup:
     """The setup of a brake by one of the models of `ways`."""
     if model.startswith("foundation"):
         return foundation_setup(brake, lift=("all",) if "lifted" in model else ())
-    return fem_setup(prepare(brake, elements=elements), brake, guide="radius" if model == "guided" else "hinge")
+    own = guided(brake) if model == "guided" else brake
+    return fem_setup(prepare(own, elements=elements), own)
 
 
 def law_of(model: str, brake: Brake) -> tuple[str, float]:
     """What the pressure of a model tends to, and the torque [N m] of the brake's law."""
     if model == "guided":
         return "cos", hinged.guided_torque(brake)
-    if any(shoe.pivot for shoe in brake.shoes):
-        return "A cos + B sin", pivoted.solve(brake).torque
+    if model == "fem" and any(shoe.held_by != "hinge" for shoe in brake.shoes):
+        return "A cos + B sin", law(brake).torque
     # As published, the foundation's sections turn without tilt.
     return "x cos" if model == "foundation" else "sin", hinged.sine(brake).torque
 

@@ -24,6 +24,8 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.errors import BadInput, DrumlinError
 from drumlin.fem.assembly import Scene, prepare
+from drumlin.fem.hp.adapt import DEFAULT, Tolerance, adapt
+from drumlin.fem.hp.levels import LEVELS, steps
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.mesh.grading import Division, lining_layers
 from drumlin.fem.model import respond
@@ -33,7 +35,7 @@ from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, edge_zone
 from drumlin.verification import pointwise
 from drumlin.verification.cost import peak_memory
-from drumlin.verification.reference import Pair, peak_away
+from drumlin.verification.reference import Trio, peak_away
 
 REPEATS = 5  # at least
 LEAST_SECONDS = 0.1  # of a measurement, all repeats together
@@ -97,6 +99,20 @@ def _unknowns(scene: Scene) -> int:
     return sum(body.unknowns for body in bodies) + (0 if scene.ring is None else int(2 * scene.ring.basis.N))
 
 
+def _columns(brake: Brake, *, level: int) -> Solved:
+    """Columns of a level without an estimate, after the coarsest one has found the ends of the contact."""
+    answer = partial(respond, penalty=math.inf)
+    *_, (scene, response) = steps(brake, answer, levels=(LEVELS[0], LEVELS[level])[-level - 1 :])
+    return Solved(response, lambda: answer(scene, _other(brake)), partial(_unknowns, scene))
+
+
+def _estimated(brake: Brake, *, tolerance: float) -> Solved:
+    """Columns to a tolerance that is estimated; of the torque the default, where that is less."""
+    answer, allowed = partial(respond, penalty=math.inf), Tolerance(tolerance, min(tolerance, DEFAULT.torque))
+    scene, response = adapt(brake, allowed, answer)
+    return Solved(response, lambda: answer(scene, _other(brake)), partial(_unknowns, scene))
+
+
 def _adapted(brake: Brake, *, tolerance: float, kind: str | None = None) -> Solved:
     return Solved(solve(brake, tolerance=tolerance, kind=kind, penalty=math.inf))
 
@@ -112,6 +128,8 @@ FAMILIES: Mapping[str, Callable[..., Solved]] = {
     "even mesh": _mesh,
     "graded mesh": _mesh,
     "adapted mesh": _adapted,
+    "columns": _columns,
+    "columns, error stated": _estimated,
     "weak penalty": _mesh,
     "pointwise penalty": _pointwise,
 }
@@ -136,13 +154,17 @@ def errors(brake: Brake, response: Response, truth: Response) -> dict[str, float
     return {"torque_error": abs(relative(response.torque, truth.torque)), **worst}
 
 
-def floor(brake: Brake, pair: Pair) -> dict[str, float]:
-    """The distance of both fine responses of a reference: errors below it are not claimed.
+def floor(brake: Brake, trio: Trio) -> dict[str, float]:
+    """The largest distance of the other responses of a reference from its value: errors below it are not claimed.
 
     That of the torque is the sum of the shoes' distances, which do not cancel.
     """
-    apart = math.fsum(abs(a.torque - b.torque) for a, b in zip(*(r.shoes for r in pair), strict=True))
-    return errors(brake, pair.other, pair.value) | {"torque_error": apart / pair.value.torque if apart else 0.0}
+    found: dict[str, float] = {}
+    for other in trio.others:
+        apart = math.fsum(abs(a.torque - b.torque) for a, b in zip(trio.value.shoes, other.shoes, strict=True))
+        own = errors(brake, other, trio.value) | {"torque_error": apart / trio.value.torque if apart else 0.0}
+        found = {name: max(value, found.get(name, 0.0)) for name, value in own.items()}
+    return found
 
 
 class Timing(NamedTuple):
@@ -300,7 +322,12 @@ def series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], list[Any]
         if row["status"] == "converged":
             found.setdefault((row["family"], series_name(row)), []).append(row)
     for members in found.values():
-        members.sort(key=lambda row: (row.get("elements") or row.get("sections") or 0, -(row.get("tolerance") or 0)))
+        members.sort(
+            key=lambda row: (
+                row.get("elements") or row.get("sections") or row.get("level") or 0,
+                -(row.get("tolerance") or 0),
+            )
+        )
     return found
 
 
@@ -310,6 +337,8 @@ def series_name(row: Mapping[str, Any]) -> str:
         return str(row["model"])
     if row["family"] == "foundation":
         return "lifted" if row.get("lift") else "as published"
+    if row["family"].startswith("columns"):
+        return "columns"
     if "penalty" in row:
         return f"{row.get('kind', DEFAULT_KIND)}, {row['penalty']:g} E/t"
     return str(row.get("kind", DEFAULT_KIND)) + (", even" if row["family"] in PEER_FAMILIES and row.get("even") else "")

@@ -21,8 +21,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg
 
-from drumlin.arrays import Bools, Floats, block_diagonal
+from drumlin.arrays import Bools, Floats
 from drumlin.contact import active_set
 from drumlin.errors import BadInput, NoAnswer
 
@@ -157,7 +158,7 @@ def _check(law: WearLaw, tolerance: float, distance: float) -> None:
     if not 0.3 <= law.exponent <= 4:
         raise BadInput(f"exponent = {law.exponent:g}: must be from 0.3 to 4")
     if math.isinf(distance) and law.coefficient == 0:
-        raise BadInput("coefficient = 0: nothing wears, so that a distance must be given")
+        raise BadInput("coefficient = 0: nothing wears, so that a distance in m must be given")
 
 
 def run_on(interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]) -> list[WearState]:
@@ -175,13 +176,13 @@ def together(interfaces: WearInterfaces) -> WearInterface:
     problems = [interface.problem for interface in interfaces]
     return WearInterface(
         problem=active_set.Problem(
-            A=block_diagonal(*(p.A for p in problems)),
+            A=scipy.linalg.block_diag(*(p.A for p in problems)),
             q=np.concatenate([p.q for p in problems]),
-            B=block_diagonal(*(p.B for p in problems)),
-            C=block_diagonal(*(p.C for p in problems)),
+            B=scipy.linalg.block_diag(*(p.B for p in problems)),
+            C=scipy.linalg.block_diag(*(p.C for p in problems)),
             h=np.concatenate([p.h for p in problems]),
         ),
-        weight=block_diagonal(*(interface.weight for interface in interfaces)),
+        weight=scipy.linalg.block_diag(*(interface.weight for interface in interfaces)),
         loaded=np.concatenate([interface.loaded for interface in interfaces]),
         pressure=np.concatenate([interface.pressure for interface in interfaces]),
         area=np.concatenate([interface.area for interface in interfaces]),

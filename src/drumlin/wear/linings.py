@@ -1,27 +1,24 @@
 """A brake as linings that wear: the contact problems of `wear`, from finite elements or the foundation model.
 
-Besides shoes on hinges: rigid ones on a pivot of a lever, and on a guide along a radius, with the lining meshed.
+However the shoes are held and pushed.
 """
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.contact import active_set
+from drumlin.brake.file import vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Body, Scene
-from drumlin.fem.group import grouped, turns_towards
+from drumlin.fem.group import Motions, groups_of
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment
-from drumlin.response.resultants import cross
 from drumlin.wear.archard import WearInterface
-
-Guide = Literal["hinge", "radius"]
 
 
 class Surface(NamedTuple):
@@ -74,39 +71,16 @@ class WearSetup(NamedTuple):
         return slice(parts[0].start, parts[-1].stop)
 
 
-class Motions(NamedTuple):
-    """Rigid motions of a shoe, in its frame: contact displacements (2n, k), and the actuation's work on each (k,)."""
-
-    moved: Floats
-    work: Floats
-
-
-def fem_setup(scene: Scene, brake: Brake, *, penalty: float = math.inf, guide: Guide = "hinge") -> WearSetup:
-    """The setup of a brake on a prepared scene of finite elements.
-
-    guide: "hinge", the shoes turn about their hinges, and rigid ones about their pivots too; "radius", rigid shoes
-    that move along the middle radius of their linings, the guide bearing what else acts on them.
-    Raises BadInput, and NoAnswer where no shoe touches.
-    """
-    special = guide == "radius" or any(shoe.pivot for shoe in brake.shoes)
-    if special and (scene.ring is not None or any(shoe.body or shoe.mesh for shoe in brake.shoes)):
-        raise BadInput("a shoe on a guide or a pivot is worn in as a rigid one: leave out [shoe.body] and [drum.ring]")
-    motions = [motions_of(body, shoe, guide) for body, shoe in zip(scene.bodies, brake.shoes, strict=True)]
-    pressing = [
-        turns_towards(body, shoe) if guide == "hinge" else bool(moves.work[0] > 0)
-        for body, shoe, moves in zip(scene.bodies, brake.shoes, motions, strict=True)
-    ]
-    touching = [i for i, presses in enumerate(pressing) if presses]
+def fem_setup(scene: Scene, brake: Brake, *, penalty: float = math.inf) -> WearSetup:
+    """The setup of a brake on a prepared scene of finite elements. Raises NoAnswer where no shoe touches."""
     interfaces, surfaces = list[WearInterface](), list[Surface]()
-    for group in grouped(scene, brake, touching, penalty):
+    for group in groups_of(scene, brake, penalty):
         size, problem = group.unit_force, group.problem
         problem = problem._replace(q=size * problem.q, h=size * problem.h)  # newtons
-        if special:
-            problem = _moving(problem, group.bodies[0], brake, group.shoes[0], motions[group.members[0]])
         gap = np.concatenate(group.gaps)
         placed = [
-            (i, shoe.frame.theta(body.line.phi), body.line.order, _approach(body, shoe, motions[i]))
-            for i, body, shoe in zip(group.members, group.bodies, group.shoes, strict=True)
+            (i, shoe.frame.theta(body.line.phi), body.line.order, _approach(body, motions, shoe))
+            for i, body, shoe, motions in zip(group.members, group.bodies, group.shoes, group.motions, strict=True)
         ]
         surfaces += _surfaces(brake, surfaces, len(interfaces), placed)
         interfaces.append(
@@ -153,32 +127,22 @@ def foundation_setup(brake: Brake, *, sections: int = foundation.SECTIONS, lift:
     return _setup(brake, "foundation", interfaces, surfaces)
 
 
-def motions_of(body: Body, shoe: Shoe, guide: Guide) -> Motions:
-    """The rigid motions that a shoe has: its turn about the hinge, that about the pivot, or its way along a radius."""
-    x, y = body.line.xy
-    force, at = shoe.frame.to_shoe(shoe.actuation.vector), shoe.frame.to_shoe(shoe.actuation.point.xy)
-    if guide == "radius":
-        middle = sum(shoe.arc) / 2
-        e = shoe.sign * np.array([math.cos(middle), math.sin(middle)])
-        return Motions(np.tile(e, len(x))[:, None], np.array([float(e @ force)]))
-    moved = [body.turned]
-    work = [float(cross(at - np.array([shoe.hinge.radius, 0.0]), force))]
-    if shoe.pivot is not None:  # the actuation acts on the lever: it does no work where the shoe turns on its pivot
-        u, v = shoe.frame.to_shoe(shoe.pivot.xy)
-        moved.append(np.column_stack([v - y, x - u]).ravel())
-        work.append(0.0)
-    return Motions(np.column_stack(moved), np.array(work))
+def guided(brake: Brake) -> Brake:
+    """The brake with its shoes on guides along the middle radius of their linings, which bear all else."""
+    held = {"hinge": None, "pivot": None, "abutment": None}
+    return vary(
+        brake,
+        {
+            f"shoe[{i}].{key}": value
+            for i, shoe in enumerate(brake.shoes)
+            for key, value in (held | {"guide": {"direction": shoe.lining.middle + (shoe.sign < 0) * math.pi}}).items()
+        },
+    )
 
 
-def _moving(problem: active_set.Problem, body: Body, brake: Brake, shoe: Shoe, motions: Motions) -> active_set.Problem:
-    """The problem of a rigid shoe with these motions: C is what the contact does on them, against the actuation."""
-    drag = brake.drag_on(shoe)
-    approach = body.coupling.N @ motions.moved
-    C = (drag * (body.coupling.T @ motions.moved) - approach).T
-    return problem._replace(B=-approach, C=C, h=-motions.work)
-
-
-def _approach(body: Body, shoe: Shoe, motions: Motions) -> Floats:
+def _approach(body: Body, motions: Motions, shoe: Shoe) -> Floats:
+    if shoe.flat:
+        return -motions.moved[1::2]
     c, s = np.cos(body.line.phi)[:, None], np.sin(body.line.phi)[:, None]
     return shoe.sign * (c * motions.moved[0::2] + s * motions.moved[1::2])
 

@@ -11,20 +11,19 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.optimize
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.later import later
+from drumlin.laws import rigid
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
 from drumlin.wear import archard
 from drumlin.wear.archard import WearLaw, WearState
 from drumlin.wear.linings import Surface, WearSetup
-
-optimize = later("scipy.optimize")
 
 COEFFICIENT = 1e-14
 """k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings. In units of 1/(k E/t) nothing depends
@@ -53,6 +52,12 @@ def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = 
 
 
 def _worn_pressure(setup: WearSetup, surface: Surface, exponent: float) -> Floats:
+    shares = setup.brake.shares
+    if shares or (surface.approach.shape[1] > 1 and exponent == 1):  # it may lift off somewhere
+        if exponent != 1:
+            raise NoAnswer(f"shoe {surface.name!r}: {shares}; its worn-in state is known for the exponent 1 only")
+        under = rigid.forced(setup.brake)
+        return rigid.pressure(rigid.press(under, under.shoes[surface.shoe]), surface.theta)
     interface = setup.interfaces[surface.interface]
     C = interface.problem.C[surface.rows, surface.local] / interface.pressure[surface.local]
     h = interface.problem.h[surface.rows]
@@ -70,7 +75,7 @@ def _worn_pressure(setup: WearSetup, surface: Surface, exponent: float) -> Float
         scale = np.abs(h).max()
         unit = pressure(y)
         factor = float(scale / np.abs(C @ unit).max()) ** exponent  # p goes as y^(1/m)
-        found = optimize.root(lambda z: (C @ pressure(z * y * factor) - h) / scale, np.ones(len(h)), tol=1e-13)
+        found = scipy.optimize.root(lambda z: (C @ pressure(z * y * factor) - h) / scale, np.ones(len(h)), tol=1e-13)
         if not found.success:
             raise NoAnswer(f"{said}: no worn-in pressure in equilibrium found")
         y = found.x * y * factor
@@ -213,14 +218,15 @@ def life(
 
 class Checks(NamedTuple):
     """Balances of a run, relative: its worn volume against the integral of the wear rate (k Int Int p dA ds), and that
-    of the worn shape over the round lining against the energy, V = k W/mu for the exponent 1 (nan for others).
+    of the worn shape over the round lining against the energy, V = k W/mu.
 
-    `ripple`: the largest checkerboard of any state after the first; see archard.ripple.
+    `energy`: None without friction and for other exponents than 1. `ripple`: the largest checkerboard of any state
+    after the first, see archard.ripple; None where the linings have too few nodes.
     """
 
     volume: float
-    energy: float
-    ripple: float
+    energy: float | None
+    ripple: float | None
 
 
 def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Checks:
@@ -228,7 +234,7 @@ def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Check
     end, brake = states[-1], setup.brake
     area = np.concatenate([interface.area for interface in setup.interfaces])
     scale = end.removed or 1.0
-    by_energy = math.nan
+    by_energy = None
     if brake.friction > 0 and law.exponent == 1:
         shape = sum(
             brake.shoes[s.shoe].lining.width * brake.drum.radius * _integral(s, s.along(end.depth))
@@ -237,7 +243,7 @@ def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Check
         by_energy = abs(shape - law.coefficient * end.work / (brake.friction * brake.drum.radius)) / scale
     ripples = [archard.ripple(s.along(state.pressure)) for state in states[1:] for s in setup.surfaces]
     seen = [ripple for ripple in ripples if not math.isnan(ripple)]
-    return Checks(abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=math.nan))
+    return Checks(abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=None))
 
 
 def _integral(surface: Surface, values: Floats) -> float:
@@ -289,10 +295,11 @@ def report_lines(
 ) -> list[str]:
     """A run as lines of text: some of its states, evenly spread, then what became of it."""
     unit = unit_distance(setup, law)
+    wears = f", 1/(k K) = {unit * 1e-3:.5g} km" if law.coefficient else ": nothing wears"
     force = setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     said = [
         f"{setup.brake.title}: {setup.model}, {setup.brake.motion}, mu = {setup.brake.friction:g}, "
-        f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:g}, 1/(k K) = {unit * 1e-3:.5g} km",
+        f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:.9g}{wears}",
         f"{'s':>9}{'s k K':>9}{'torque':>10}{'force':>9}{'peak p':>9}{'p off law':>11}{'T off law':>11}{'deepest':>10}",
         f"{'[km]':>9}{'':9}{'[N m]':>10}{'[N]':>9}{'[MPa]':>9}{'[%]':>11}{'[%]':>11}{'wear [mm]':>10}",
     ]
@@ -312,9 +319,11 @@ def report_lines(
             f"the law for {_part(spent.pressure)}, the torque for {_part(spent.torque)}"
         )
     balance = checks(setup, states, law)
+    energy = "" if balance.energy is None else f", energy {balance.energy:.1e}"
+    ripple = "" if balance.ripple is None else f"checkerboard at most {balance.ripple:.1e}; "
     said.append(
-        f"worn volume {states[-1].removed * 1e9:.5g} mm^3; balance: volume {balance.volume:.1e}, energy "
-        f"{balance.energy:.1e}; checkerboard at most {balance.ripple:.1e}; {len(states) - 1} steps"
+        f"worn volume {states[-1].removed * 1e9:.5g} mm^3; balance: volume {balance.volume:.1e}{energy}; "
+        f"{ripple}{len(states) - 1} steps"
     )
     return said
 

@@ -1,63 +1,81 @@
-"""The clearance of worn-in linings: that with which they bear by the sine law, however elastic the brake is.
+"""The clearance of worn-in linings: that with which they bear by the rigid-shoe law, however elastic the brake is.
 
-Wear goes with the pressure, so it ends where all points wear as the shoe turns: p ~ sin(phi). The gap that gives this
-pressure on a round drum makes up for all that is elastic, and what is left free, a turn of the shoe, is such that the
-unloaded lining touches.
+Wear goes with the pressure, so it ends where all points wear as the shoe moves: p ~ sin(phi) about a hinge. The gap
+that gives this pressure on a round drum makes up for all that is elastic, and what is left free, a motion of the shoe,
+is such that the unloaded lining touches.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
+import scipy.linalg
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake, vary
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import Scene, prepare
+from drumlin.brake import AnyBrake, Brake, FlatBrake, Shoe, vary
+from drumlin.brake.components import Misfit
+from drumlin.brake.fields import Rows
+from drumlin.brake.unrolled import unrolled
+from drumlin.fem.assembly import Scene
 from drumlin.fem.group import groups_of
 from drumlin.fem.model import PENALTY, respond
+from drumlin.fem.solve import on_plane, scene_of
 from drumlin.foundation.model import SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
-from drumlin.later import later
-from drumlin.laws import hinged, sine
-from drumlin.laws.shapes import SINE
+from drumlin.laws import rigid, sine
 from drumlin.response import Response
 from drumlin.response.merit import with_merits
-
-linalg = later("scipy.linalg")
 
 FITTING = {"shoe.lining.clearance": 0.0, "shoe.lining.misfit": {}}
 ROUND: dict[str, Any] = {"drum.out_of_round": []}
 
 
-def solve(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
-    """The response of a brake of finite elements with linings that are worn in; `options` of `prepare`."""
-    scene = prepare(brake, **options)
-    return with_merits(brake, respond(scene, worn_in(scene, brake), penalty=penalty))
+def solve(brake: AnyBrake, *, penalty: float = PENALTY, **options: Any) -> Response:
+    """The response of a brake of finite elements with linings that are worn in; `options` of `scene_of`."""
+    own = unrolled(brake) if isinstance(brake, FlatBrake) else brake
+    scene = scene_of(own, **options)
+    found = respond(scene, worn_in(scene, own), penalty=penalty)
+    return with_merits(brake, on_plane(brake, found) if isinstance(brake, FlatBrake) else found)
 
 
 def worn_in(scene: Scene, brake: Brake) -> Brake:
     """The brake with every clearance and misfit of its linings replaced by those that wear ends with.
 
     A drum that is not round stays so: as it turns it wears the lining evenly, as far as the whole lining stays in
-    contact. Raises NoAnswer for a self-locking shoe, BadInput where the sine law does not apply.
+    contact. Raises NoAnswer for a self-locking shoe.
     """
-    reason = hinged.why_not(SINE, brake)
-    if reason is not None:
-        raise BadInput(f"worn-in lining: no sine law for this brake: {reason}")
-    law, fitting = sine(brake), vary(brake, FITTING)
-    changes: dict[str, list[list[float]]] = {}
-    round_ = vary(fitting, ROUND)
+    under = rigid.forced(brake)
+    pressed = [rigid.press(under, shoe) for shoe in under.shoes]
+    fitting = fitted(brake)
+    round_ = fitted(brake, drum=True)
+    gaps: dict[int, Rows] = {}
     for group in groups_of(scene, round_):
         size, problem, M = group.unit_force, group.problem, group.masses
         angles = [shoe.frame.theta(body.line.phi) for body, shoe in zip(group.bodies, group.shoes, strict=True)]
-        p = np.concatenate([law.shoes[i].pressure_at(theta) for i, theta in zip(group.members, angles, strict=True)])
-        closed = linalg.solve(M, size * problem.q + problem.A @ p, assume_a="pos")
-        closing = np.abs(linalg.solve(M, problem.B, assume_a="pos"))  # per turn
-        for k, (i, theta, part) in enumerate(zip(group.members, angles, group.parts, strict=True)):
-            rows = _clearance(theta, closed[part], closing[part, k])
-            changes[f"shoe[{i}].lining.clearance"] = rows[:: brake.shoes[i].frame.sense].tolist()
-    return vary(fitting, changes)
+        p = np.concatenate([rigid.pressure(pressed[i], theta) for i, theta in zip(group.members, angles, strict=True)])
+        closed = scipy.linalg.solve(M, size * problem.q + problem.A @ p, assume_a="pos")
+        ratios = np.divide(closed, p, out=np.full(len(p), -np.inf), where=p > 0)
+        for i, theta, part in zip(group.members, angles, group.parts, strict=True):
+            # The motion that the law wears by, so far that the unloaded lining touches; one way of all under a cam.
+            most = np.max(ratios if brake.shares else ratios[part])
+            rows = np.column_stack([theta, most * p[part] - closed[part]])[:: brake.shoes[i].frame.sense]
+            gaps[i] = tuple(map(tuple, rows.tolist()))
+    return fitted(fitting, gaps)
+
+
+def fitted(brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool = False) -> Brake:
+    """The brake with linings that fit, but for the clearances `gaps` by shoe; drum: and on a round drum."""
+
+    def fit(i: int, shoe: Shoe) -> Shoe:
+        clearance = (gaps or {}).get(i, 0.0)
+        lining = shoe.lining.model_copy(update={"clearance": clearance, "misfit": Misfit()})
+        return shoe.model_copy(update={"lining": lining})
+
+    shoes = tuple(fit(i, shoe) for i, shoe in enumerate(brake.shoes))
+    changes: dict[str, Any] = {"shoes": shoes}
+    if drum:
+        changes["drum"] = brake.drum.model_copy(update={"out_of_round": ()})
+    return brake.model_copy(update=changes)
 
 
 def worn_in_foundation(brake: Brake, *, sections: int = SECTIONS, lift: Iterable[str] = ()) -> Brake:

@@ -20,7 +20,8 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.hp.levels import Respond, steps
+from drumlin.fem.assembly import Cache
+from drumlin.fem.hp.levels import Respond, Step, steps
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import EDGE_ZONE, Response, ShoeResponse
 
@@ -60,25 +61,33 @@ class Tolerance(NamedTuple):
 DEFAULT = Tolerance(5e-3, 1e-4)
 
 
-def adapt(brake: Brake, tolerance: Tolerance, respond: Respond, *, must: bool = True, soft: float = 0.0) -> Response:
-    """The response whose estimated errors are within the tolerance.
+def adapt(
+    brake: Brake,
+    tolerance: Tolerance,
+    respond: Respond,
+    *,
+    must: bool = True,
+    soft: float = 0.0,
+    cache: Cache | None = None,
+) -> Step:
+    """The response whose estimated errors are within the tolerance, on its scene.
 
-    soft: the relative error that a finite penalty makes. Raises NoAnswer, saying what was reached, where the levels do
-    not suffice, unless it need not be; BadInput for a brake with a mesh file.
+    soft: the relative error that a finite penalty makes; cache: see `scene`. Raises NoAnswer, saying what was reached,
+    where the levels do not suffice, unless it need not be; BadInput for a brake with a mesh file.
     """
     responses: list[Response] = []
     error = Errors({}, ())
     unknowns = 0
     missed = f"tolerance {tolerance.pressure:g} not reached"
     try:
-        for made, found in steps(brake, respond):
+        for scene, found in steps(brake, respond, cache):
             responses.append(found)
-            unknowns = max(body.unknowns for body in made.bodies)
+            unknowns = max(body.unknowns for body in scene.bodies)
             if len(responses) > 1:
-                lost = max(body.condensed.lost for body in made.bodies)
+                lost = max(body.condensed.lost for body in scene.bodies)
                 error = estimate(responses, soft + ROUND_OFF * lost)
                 if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
-                    return _final(responses, error, unknowns, "")
+                    return Step(scene, _final(responses, error, unknowns, ""))
     except NoAnswer as refusal:  # of finer levels
         if not error.brake:
             raise
@@ -86,7 +95,7 @@ def adapt(brake: Brake, tolerance: Tolerance, respond: Respond, *, must: bool = 
     if must:
         said = f"estimated error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}"
         raise NoAnswer(f"{missed} on {len(responses)} meshes of up to {unknowns} unknowns a shoe: {said}")
-    return _final(responses, error, unknowns, missed)
+    return Step(scene, _final(responses, error, unknowns, missed))
 
 
 class Errors(NamedTuple):

@@ -3,6 +3,8 @@
 from functools import partial
 
 import numpy as np
+import scipy.linalg
+from scipy.linalg.lapack import dpotrf
 
 from drumlin.brake.drum_brake import Shoe
 from drumlin.errors import NoAnswer
@@ -13,7 +15,6 @@ from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.grid import Block, Grid
 from drumlin.fem.hp.shoe import end_load, line_of
 from drumlin.fem.interface import ContactLine
-from drumlin.lapack import dpotrf, solve_lower
 
 
 def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
@@ -36,7 +37,11 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
         count += inner.size
         blocks.append(Block(np.column_stack([faces[k], inner]), depth[first * p :], places, div.part[first:]))
         faces[k] = inner[:, -1]
-    sets = {"hinge": faces[0], "actuation": faces[1]}
+    grip = shoe.grip(radius)
+    if grip is None:
+        sets = {"hinge": faces[0], "actuation": faces[1]}
+    else:
+        sets = {"hinge": under[-1, (along > grip[0] - 1e-9) & (along < grip[1] + 1e-9)]}
     return Grid(p, tuple(blocks), shoes.map_of(shoe, radius), sets, count)
 
 
@@ -46,7 +51,7 @@ def condensed(shoe: Shoe, radius: float, div: Division, found: shoes.Condensed, 
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
         raise NoAnswer(SINGULAR)
-    L_fc = solve_lower(L, S[FRAME:, :FRAME]).T
+    L_fc = scipy.linalg.solve_triangular(L, S[FRAME:, :FRAME], lower=True, check_finite=False).T
     inside = partial(_inside, shoe, div, grid)
     return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, found.lost)
 
@@ -56,7 +61,7 @@ def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
 
     K = grid.stiffness(assembly.materials_of(shoe))
     n = (len(div.angles) - 1) * div.degree + 1
-    ties = tie(grid, np.arange(n), grid.sets["hinge"], np.array([shoe.hinge.radius, 0.0]))
+    ties = tie(grid, np.arange(n), grid.sets["hinge"], shoe.own_pin)
     loads = np.zeros((ties.matrix.shape[1], FRAME))
     if "actuation" in grid.sets:
         full = np.zeros((grid.N, 2, FRAME))
@@ -75,4 +80,9 @@ def contact_line(shoe: Shoe, radius: float, div: Division) -> ContactLine:
     phi = line_of(div.angles, p)
     m = len(div.angles) - 1
     pieces = np.arange(m) * p + np.arange(p + 1)[:, None]
-    return ContactLine(np.arange(len(phi)), radius * np.array([np.cos(phi), np.sin(phi)]), phi, pieces)
+    return ContactLine(
+        np.arange(len(phi)),
+        shoes.map_of(shoe, radius)(np.zeros(1), phi) if shoe.flat else radius * np.array([np.cos(phi), np.sin(phi)]),
+        phi,
+        pieces,
+    )

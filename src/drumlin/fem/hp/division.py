@@ -68,6 +68,12 @@ class Division:
     part: tuple[str, ...]
 
     @property
+    def key(self) -> tuple[int, bytes, bytes, bytes, bytes]:
+        """Equal for equal divisions of a shoe."""
+        ends = self.angles, self.before, self.after, self.depths
+        return self.degree, *(each.tobytes() for each in ends)  # type: ignore[return-value]
+
+    @property
     def layers(self) -> int:
         """Number of layers under the lining."""
         return len(self.part)
@@ -117,7 +123,7 @@ def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
     found = [Layer("lining", shoe.lining.thickness)]
     if isinstance(shoe.body, Beam):
         assert shoe.body.section is not None and shoe.backing is not None  # why_not
-        axis = axis_of(shoe.hinge.xy, shoe.actuation.point.xy)
+        axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
         ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
         nearest = 1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max())
         room = axis.distance - shoe.body.section.thickness / 2 - (radius + shoe.lining.thickness) * nearest
@@ -136,7 +142,14 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
-    marks = _marks(start, end, scale, [(x, level.end ** (1 + kink) * min(t, size)) for x, size, kink in places])
+    marks = _marks(
+        start, end, scale, [_mark(level.end ** (1 + kink) * min(t, size), x, kink) for x, size, kink in places]
+    )
+    grip = shoe.grip(radius)
+    if grip is not None:
+        size = level.hinge * layers[-1].thickness / radius
+        kept = [mark for mark in marks[1:-1] if min(abs(mark[0] - x) for x in grip) > max(mark[1], size)]
+        marks = [marks[0], *sorted([*kept, *((x, size) for x in grip)]), marks[-1]]
     angles = [
         ends_of(graded(b[0] - a[0], a[1], b[1], level.ratio, level.largest), a[0], b[0])[:-1]
         for a, b in pairwise(marks)
@@ -161,6 +174,13 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
 
 
+def _mark(size: float, x: float, kink: bool) -> tuple[float, float]:
+    """Where columns end, and their size there: an end of the contact to half a column, so that bodies of brakes that
+    differ by less are one and the same."""
+    size = 2.0 ** math.floor(math.log2(size))
+    return (x if kink else round(2 * x / size) * size / 2), size
+
+
 def _marks(start: float, end: float, edge: float, places: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
     """Ends and places (phi, size) without places that lie in the column at an end or at the place before."""
     marks = [(start, edge)]
@@ -175,7 +195,7 @@ def _marks(start: float, end: float, edge: float, places: Sequence[tuple[float, 
 def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float, float]:
     """Where the body begins and ends [rad]; beyond the lining of a straight beam distances along it over R + t."""
     if isinstance(shoe.body, Beam):
-        axis, back = axis_of(shoe.hinge.xy, shoe.actuation.point.xy), radius + shoe.lining.thickness
+        axis, back = axis_of(shoe.pin.xy, shoe.actuation.point.xy), radius + shoe.lining.thickness
         a = np.sort(axis.angle(shoe.frame.theta(np.array([start, end]))))
         foot = axis.foot + back * np.sin(a)
         return start - float(foot[0]) / back, end + (axis.length - float(foot[1])) / back
@@ -190,7 +210,7 @@ def _depths(layers: list[Layer], level: Level, face: float, *, straight: bool) -
     for k, layer in enumerate(layers):
         t = layer.thickness
         outer = face if k == 0 else level.back * min(t, layers[k - 1].thickness)
-        inner = level.back * min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
+        inner = level.back * (min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t)  # the last one is held
         if layer.part == "shoe":
             inner = level.hinge * t
         sizes = graded(t, outer, inner, level.through, t)

@@ -1,19 +1,22 @@
 """The isoparametric quadrilateral of degree p: its shape functions, its stiffness, elimination of what is inside it.
 
-Nodes lie at Gauss-Lobatto points in both directions; shape functions are products of Lagrange's polynomials. They map
-the element, too, so rigid motions are exact (Zienkiewicz & Taylor, The Finite Element Method, section 8).
+Nodes lie at Gauss-Lobatto points in both directions. skfem's ElementQuadP spans the same polynomials; its values at the
+nodes turn its hierarchical functions into these nodal ones, once a degree. Displacements use the functions that map the
+element, so rigid motions are exact (Zienkiewicz & Taylor, The Finite Element Method, section 8).
 """
 
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+import skfem
 from numpy.polynomial.legendre import leggauss
+from scipy.linalg.blas import dtrsm
+from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Floats, Ints
 from drumlin.errors import NoAnswer
-from drumlin.lapack import dpotrf, dtrsm
-from drumlin.response.resultants import lobatto, shape, slopes
+from drumlin.response.resultants import lobatto
 
 CHUNK = 16_000  # slopes that are worked on at once: they stay in the processor's cache
 SMALL = 24  # unknowns up to which a batch is eliminated at once, rather than one after the other by faster routines
@@ -45,9 +48,17 @@ def element(p: int, *, precise: bool = False) -> Element:
 
 def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
     """Values (a, q) and slopes (a, 2, q) of the nodal functions, nodes by rows, at points x (2, q) of [0, 1]^2."""
-    (u, v), (du, dv) = ([of(p, 2 * at - 1) for at in x] for of in (shape, slopes))
-    values, across, along = (np.einsum("iq,jq->ijq", a, b) for a, b in ((u, v), (2 * du, v), (u, 2 * dv)))
-    return values.reshape(-1, x.shape[1]), np.stack([across, along], axis=2).reshape(-1, 2, x.shape[1])
+    hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
+    count = (p + 1) ** 2
+
+    def of(points: Floats) -> tuple[Floats, Floats]:
+        both = [hierarchical.lbasis(points, i) for i in range(count)]
+        return np.array([value for value, _ in both]), np.array([slope for _, slope in both])
+
+    at_nodes, _ = of(_grid(0.5 * (lobatto(p) + 1)))
+    values, slopes = of(x)
+    nodal: Floats = np.asarray(np.linalg.inv(at_nodes), dtype=float)
+    return nodal @ values, (nodal @ slopes.reshape(count, -1)).reshape(slopes.shape)
 
 
 def _grid(x: Floats) -> Floats:

@@ -10,13 +10,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
+from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.fields import Material
-from drumlin.fem.hp.element import element, stiffness
-from drumlin.later import later
-
-sp = later("scipy.sparse")
+from drumlin.fem.hp.element import element, shape_functions, stiffness
+from drumlin.response.resultants import lobatto
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,26 @@ class Grid:
             names += [part for part in block.part for _ in range((block.id.shape[1] - 1) // self.degree)]
         return {name: np.flatnonzero(np.array(names) == name) for name in dict.fromkeys(names)}
 
+    @cached_property
+    def quarters(self) -> Ints:
+        """Places in an element of the corners (4, p p) of the quadrilaterals between its nodes."""
+        at = np.arange((self.degree + 1) ** 2).reshape(self.degree + 1, -1)
+        return np.array([at[:-1, :-1].ravel(), at[:-1, 1:].ravel(), at[1:, 1:].ravel(), at[1:, :-1].ravel()])
+
+    @cached_property
+    def outline(self) -> Ints:
+        """Nodes around each element (4 p, elements)."""
+        at = np.arange((self.degree + 1) ** 2).reshape(self.degree + 1, -1)
+        return self.element_dofs[np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])]
+
+    def gradients(self, elements: Ints) -> Floats:
+        """Gradients (a, 2, elements, a) [1/m] of an element's shape functions at its nodes."""
+        p = self.degree
+        nodes = 0.5 * (lobatto(p) + 1)
+        _, slopes = shape_functions(p, np.array([np.repeat(nodes, p + 1), np.tile(nodes, p + 1)]))
+        J = np.einsum("can,adq->nqcd", self.doflocs[:, self.element_dofs[:, elements]], slopes)
+        return np.asarray(np.einsum("adq,nqdc->acnq", slopes, np.linalg.inv(J)))
+
     def stiffness(self, materials: Mapping[str, tuple[Material, float]], *, precise: bool = False) -> Any:
         """Plane-stress stiffness (2 N, 2 N), unknown 2 i + c for component c of node i [N/m]; precise: long double."""
         p, order = self.degree, element(self.degree).order
@@ -80,7 +100,7 @@ class Grid:
         lame = np.zeros((len(dofs), 2), dtype=xy.dtype)
         for name, elements in self.subdomains.items():
             material, width = materials[name]
-            lame[elements] = material.lame * width
+            lame[elements] = np.array(plane_stress(material.E, material.nu)) * width
         K = stiffness(np.ascontiguousarray(xy), lame, p)
         both = (2 * dofs[:, :, None] + np.arange(2)).reshape(len(dofs), -1).astype(np.int32)
         rows = np.broadcast_to(both[:, :, None], (*both.shape, both.shape[1]))

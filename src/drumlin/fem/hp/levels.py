@@ -1,7 +1,7 @@
 """A brake on finer and finer divisions, each moved to the ends of the contact that the one before it found."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 from drumlin.brake.drum_brake import Brake
@@ -19,12 +19,13 @@ LEVELS = tuple(
         (3, 0.6, 0.12, 0.15, 0.25, 20 * DEG, 0.35, 0.6, 0.6, 0.15),
         (4, 0.2, 0.06, 0.035, 0.35, 20 * DEG, 0.2, 0.25, 0.25, 0.16),
         (5, 0.07, 0.025, 0.008, 0.4, 16 * DEG, 0.08, 0.09, 0.09, 0.17),
-        (6, 0.025, 0.01, 0.002, 0.42, 15 * DEG, 0.03, 0.03, 0.03, 0.18),
-        (7, 0.008, 0.004, 0.0005, 0.45, 15 * DEG, 0.012, 0.011, 0.011, 0.2),
-        (7, 0.0025, 0.0015, 0.00012, 0.45, 12 * DEG, 0.005, 0.004, 0.004, 0.22),
+        (6, 0.025, 0.01, 0.002, 0.42, 15 * DEG, 0.03, 0.03, 0.03, 0.2),
+        (7, 0.008, 0.004, 0.0005, 0.45, 15 * DEG, 0.012, 0.011, 0.011, 0.24),
+        (7, 0.0025, 0.0015, 0.00012, 0.5, 12 * DEG, 0.005, 0.004, 0.004, 0.32),
     )
 )
-"""Each has about a quarter of the error of the one before it."""
+"""Each has about a quarter of the error of the one before it, also of what the growth of the sizes leaves: that of the
+degree p and the ratio q goes as ((1 - sqrt q)/(1 + sqrt q))^p, and two levels that share p and q do not see it."""
 MOST_PASSES = 8
 SETTLED = 0.1  # of the length of the contact: an end of it is located by the first level where it moves by less
 
@@ -43,14 +44,19 @@ class Step(NamedTuple):
     response: Response
 
 
-def steps(brake: Brake, respond: Respond) -> Iterator[Step]:
-    """The brake on all levels, finer and finer. Raises NoAnswer where two levels have none."""
+def steps(
+    brake: Brake, respond: Respond, cache: assembly.Cache | None = None, levels: Sequence[Level] = ()
+) -> Iterator[Step]:
+    """The brake on all levels, or on those given, finer and finer; cache: see `scene`.
+
+    Raises NoAnswer where two levels have none.
+    """
     last: Response | None = None
     refused = 0
-    for level in LEVELS:
+    for level in levels or LEVELS:
         for _ in range(MOST_PASSES):
             places = places_of(brake, last)
-            made = scene(brake, level, places)
+            made = scene(brake, level, places, cache)
             try:
                 found = respond(made, brake, start=last)
             except NoAnswer:

@@ -1,5 +1,7 @@
 """Where the pressure of a lining is not smooth: the ends of its contact and the kinks of its gap."""
 
+import math
+
 import numpy as np
 
 from drumlin.brake import clearance
@@ -8,6 +10,8 @@ from drumlin.fem import assembly
 from drumlin.response.response import Response, ShoeResponse
 
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
+
+DIGITS = 20  # binary ones of an end of the contact
 
 
 def places_of(brake: Brake, response: Response | None) -> dict[tuple[object, ...], list[Place]]:
@@ -23,6 +27,13 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     start, end = shoe.arc
     arcs = [] if response is None else [sorted(shoe.frame.phi(np.array(arc)).tolist()) for arc in response.contact_arcs]
     found = [(float(x), end - start, True) for x in shoe.frame.phi(np.array(clearance.kinks(shoe.lining))).tolist()]
-    for first, last in arcs:
+    for one, other in arcs:
+        first, last = (_rounded(x, other - one) for x in (one, other))
         found += [(first, last - first, False), (last, last - first, False)]
     return [place for place in found if start < place[0] < end]
+
+
+def _rounded(x: float, length: float) -> float:
+    """An end of the contact to a millionth of its length: round-off, as between numbers of threads, moves no mesh."""
+    digits = DIGITS - math.frexp(length)[1]
+    return math.ldexp(round(math.ldexp(x, digits)), -digits)

@@ -6,6 +6,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg
+from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Bools, Floats, Ints
 from drumlin.brake.components import Section
@@ -20,11 +22,7 @@ from drumlin.fem.hp.grid import Block, Grid
 from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, nodes_of, rigid, within
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
-from drumlin.lapack import dpotrf
-from drumlin.later import later
 from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape, slopes
-
-linalg = later("scipy.linalg")
 
 TURN = 2 * math.pi
 CLOSE = 1e-9  # rad: ends of columns that are nearer to each other are one
@@ -94,9 +92,9 @@ def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> R
         R = rigid(grid.doflocs, np.zeros(2))
         touching = R.reshape(-1, 2, FRAME)[contact.nodes].reshape(-1, FRAME)
         balance: Floats = np.asarray(np.linalg.solve(R.T @ rim, touching.T), dtype=float)
-        root = linalg.sqrtm(work).real
+        root = scipy.linalg.sqrtm(work).real
         held = Free(rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), balance, condensed.half(condensed.load_c), root)
-    return coupled_ring(brake, linings, grid, grid, contact, condensed, held)
+    return coupled_ring(brake, linings, grid, grid, contact, condensed, grid.sets["support"], held)
 
 
 def _columns(

@@ -1,30 +1,22 @@
 """Scenes of brakes whose shoes are columns of high degree."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from functools import partial
 
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem import assembly
 from drumlin.fem.hp.body import condensed, contact_line, grid_of
-from drumlin.fem.hp.division import Level, divide
+from drumlin.fem.hp.division import Division, Level, divide
 from drumlin.fem.hp.ring import ring_body
 from drumlin.fem.hp.shoe import condense
 
 Places = Mapping[tuple[object, ...], Sequence[tuple[float, float, bool]]]  # by the shape of a shoe: see `divide`
 
 
-def body(
-    shoe: Shoe,
-    radius: float,
-    level: Level,
-    places: Sequence[tuple[float, float, bool]],
-    friction: bool,
-    seconds: assembly.Seconds,
-) -> assembly.Body:
-    """The condensed body of a parametric shoe at a level."""
+def body(shoe: Shoe, radius: float, div: Division, friction: bool, seconds: assembly.Seconds) -> assembly.Body:
+    """The condensed body of a parametric shoe that is divided so."""
     with assembly.clock(seconds, "condensation"):
-        div = divide(shoe, radius, level, places)
         found = condense(shoe, radius, div, assembly.materials_of(shoe))
         line, grid = contact_line(shoe, radius, div), grid_of(shoe, radius, div)
         inner = condensed(shoe, radius, div, found, grid)
@@ -33,17 +25,30 @@ def body(
         return assembly.coupled(made, shoe, line, inner, found.centre, friction=friction)
 
 
-def scene(brake: Brake, level: Level, places: Places | None = None) -> assembly.Scene:
-    """The scene of a brake at a level; `places`: where the pressure is not smooth.  Raises as assembly.prepare."""
+def scene(
+    brake: Brake, level: Level, places: Places | None = None, cache: assembly.Cache | None = None
+) -> assembly.Scene:
+    """The scene of a brake at a level. Raises as assembly.prepare.
+
+    places: where the pressure is not smooth; cache: bodies of earlier scenes, taken from there and put there.
+    """
     reason = assembly.why_not(brake)
     if reason is not None:
         raise BadInput(f"fem does not apply to this brake: {reason}")
+    cache = cache or assembly.Cache()
     seconds: assembly.Seconds = {}
+    divisions: list[Hashable] = []
     made: dict[tuple[object, ...], assembly.Body] = {}
     keys = [assembly.shape_of(brake, shoe) for shoe in brake.shoes]
     for shoe, key in zip(brake.shoes, keys, strict=True):
         if key not in made:
-            made[key] = body(shoe, brake.drum.radius, level, (places or {}).get(key, ()), brake.friction > 0, seconds)
+            div = divide(shoe, brake.drum.radius, level, (places or {}).get(key, ()))
+            divisions.append(div.key)
+            made[key] = cache.get(
+                (assembly.bare_shoe(shoe), brake.drum.radius, brake.friction > 0, div.key),
+                partial(body, shoe, brake.drum.radius, div, brake.friction > 0, seconds),
+                assembly.size_of,
+            )
     bodies = tuple(made[key] for key in keys)
     left_out = ["interior fields: recovered only for a picture"]
     if len(made) < len(bodies):
@@ -53,5 +58,7 @@ def scene(brake: Brake, level: Level, places: Places | None = None) -> assembly.
     ring = None
     if brake.drum.ring is not None:
         with assembly.clock(seconds, "ring"):
-            ring = ring_body(brake, tuple(body.line for body in bodies), level)
+            lines = tuple(body.line for body in bodies)
+            own = (assembly.bare(brake), level, *divisions)
+            ring = cache.get(own, partial(ring_body, brake, lines, level), assembly.size_of)
     return assembly.Scene(brake, bodies, ring, seconds, (*left_out, *assembly.lacking(brake)))

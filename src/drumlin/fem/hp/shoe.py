@@ -5,14 +5,15 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from skfem.models.elasticity import plane_stress
 
-from drumlin.arrays import Floats, Ints, unique
+from drumlin.arrays import Floats, Ints
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.body import FRAME
-from drumlin.fem.hp.columns import columns, merged, stack, turned, turned_rows
+from drumlin.fem.hp.columns import columns, merge, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.element import condensed_elements, element, eliminate
 from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape
@@ -40,6 +41,14 @@ def map_of(shoe: Shoe, radius: float) -> Map:
     if isinstance(shoe.body, Beam):
         return _beam_map(shoe, radius)
 
+    if shoe.flat:
+
+        def along(depth: Floats, phi: Floats) -> Floats:
+            x, y = np.broadcast_arrays(radius * phi, depth)
+            return np.stack([x, y])
+
+        return along
+
     def arc(depth: Floats, phi: Floats) -> Floats:
         r = radius - shoe.sign * depth
         return np.stack([r * np.cos(phi), r * np.sin(phi)])
@@ -50,7 +59,7 @@ def map_of(shoe: Shoe, radius: float) -> Map:
 def _beam_map(shoe: Shoe, radius: float) -> Map:
     """Depth 0 to 1: the lining, to 2: the block, cut square to the beam, to 3: the beam."""
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
-    axis, thickness = axis_of(shoe.hinge.xy, shoe.actuation.point.xy), shoe.lining.thickness
+    axis, thickness = axis_of(shoe.pin.xy, shoe.actuation.point.xy), shoe.lining.thickness
     back, beam = radius + thickness, shoe.body.section.thickness
     s, e = shoe.arc
     start = float(np.min(axis.angle(shoe.frame.theta(np.array([s, e])))))
@@ -95,7 +104,7 @@ def distinct(sizes: Floats) -> tuple[Floats, Ints]:
 
 def lame_of(materials: dict[str, tuple[Material, float]], part: tuple[str, ...]) -> Floats:
     """lambda and mu of plane stress times the width of each layer (l, 2) [N/m]."""
-    found = {name: width * m.lame for name, (m, width) in materials.items()}
+    found = {name: width * np.array(plane_stress(m.E, m.nu)) for name, (m, width) in materials.items()}
     return np.array([found[name] for name in part])
 
 
@@ -108,15 +117,24 @@ def rigid(xy: Floats, pin: Floats) -> Floats:
 
 
 class _Columns(NamedTuple):
-    """Columns in directions of their own at each node: those under the lining, before and behind it, in their order."""
+    """Columns in directions of their own at each node: those under the lining, before and behind it, in their order;
+    `gripped` (k, ...): those under the lining from number `first` on, with their back held."""
 
     under: Floats
     before: Floats
     after: Floats
+    gripped: Floats
+    first: int
 
 
-def _columns(shoe: Shoe, place: Map, div: Division, materials: dict[str, tuple[Material, float]]) -> _Columns:
-    p, straight = div.degree, isinstance(shoe.body, Beam)
+def _columns(
+    shoe: Shoe,
+    place: Map,
+    div: Division,
+    materials: dict[str, tuple[Material, float]],
+    grip: tuple[float, float] | None = None,
+) -> _Columns:
+    p, straight = div.degree, isinstance(shoe.body, Beam) or shoe.flat
     beyond = [np.sort(div.before), np.sort(div.after)]
     parts = [div.angles, *beyond] if div.first < div.layers else [div.angles]
     counts = [len(ends) - 1 for ends in parts]
@@ -125,8 +143,8 @@ def _columns(shoe: Shoe, place: Map, div: Division, materials: dict[str, tuple[M
     if not straight:
         sizes, which = distinct(np.concatenate([np.diff(ends) for ends in parts]))
         along = 0.5 * sizes[:, None] * lobatto(p)
-    under = unique(which[: counts[0]])
-    over = unique(which[counts[0] :])
+    under = np.unique(which[: counts[0]])
+    over = np.unique(which[counts[0] :])
     lame = lame_of(materials, div.part)
     xy = [nodes_of(place, div.depths, along[under], p)]
     if len(over):
@@ -136,12 +154,21 @@ def _columns(shoe: Shoe, place: Map, div: Division, materials: dict[str, tuple[M
     split = xy[0].shape[0] * xy[0].shape[1]
     held = div.first == div.layers
     of = stack(p, div.layers, contact=True, held=held)
-    made = columns(K[:split].reshape(div.layers, -1, *K.shape[1:]), of)
+    stacks = K[:split].reshape(div.layers, -1, *K.shape[1:])
+    made = columns(stacks, of)
     if not straight:
         made = turned(made, directions(along[under], of.line // 2, contact=True))
     place_of = np.zeros(len(along), dtype=np.int64)
     place_of[under] = np.arange(len(under))
     lining = made[place_of[which[: counts[0]]]]
+    gripped, first = lining[:0], 0
+    if grip is not None:
+        of = stack(p, div.layers, contact=True, held=True)
+        back = columns(stacks, of)
+        if not straight:
+            back = turned(back, directions(along[under], of.line // 2, contact=True))
+        first, last = (int(np.abs(div.angles - x).argmin()) for x in grip)
+        gripped = back[place_of[which[first:last]]]
     sides = [np.zeros((0, 0, 0))] * 2
     if len(over):
         of = stack(p, div.layers - div.first, contact=False, held=False)
@@ -151,7 +178,7 @@ def _columns(shoe: Shoe, place: Map, div: Division, materials: dict[str, tuple[M
         place_of[over] = np.arange(len(over))
         at = np.cumsum(counts)
         sides = [made[place_of[which[at[k] : at[k + 1]]]] for k in range(2)]
-    return _Columns(lining, *sides)
+    return _Columns(lining, sides[0], sides[1], gripped, first)
 
 
 def directions(along: Floats, line: int, *, contact: bool) -> Floats:
@@ -162,15 +189,16 @@ def directions(along: Floats, line: int, *, contact: bool) -> Floats:
 
 def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> Condensed:
     """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular stiffness."""
-    p, place, pin = div.degree, map_of(shoe, radius), np.array([shoe.hinge.radius, 0.0])
-    straight, held = isinstance(shoe.body, Beam), div.first == div.layers
-    found = _columns(shoe, place, div, materials)
+    p, place, pin = div.degree, map_of(shoe, radius), shoe.own_pin
+    straight, held = isinstance(shoe.body, Beam) or shoe.flat, div.first == div.layers
+    grip = shoe.grip(radius)
+    found = _columns(shoe, place, div, materials, grip)
     line = stack(p, div.layers, contact=True, held=held).line
-    S = merged(found.under, line, 2)
+    S = merged(found.under, line, 2) if grip is None else _on_grip(found, line)
     phi = line_of(div.angles, p)
     back = np.zeros_like(phi) if straight else phi  # directions of the contact nodes
     R = rigid(place(np.zeros(1), phi), pin)
-    if held:  # a rigid shoe: its back is held, the force acts on it
+    if held or grip is not None:  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
         S = turned(eliminate(_contact_first(S, line, 0)[None], 2 * len(phi))[0], -back)
         none = np.zeros((FRAME, FRAME))
         return Condensed(_balanced(S, R), np.vstack([np.eye(FRAME), np.zeros((len(R), FRAME))]), none, pin, 0.0)
@@ -191,6 +219,23 @@ def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tupl
     on_frame = unit - R.T @ load
     lost = float(np.abs(on_frame + A[HELD, LOADS])[:2, :2].max())
     return Condensed(_balanced(S, R), np.vstack([on_frame, load]), -A[LOADS, LOADS], centre, lost)
+
+
+def _on_grip(found: _Columns, line: int) -> Floats:
+    """The piece under the lining, its back held by a grip, with what the body is beyond the lining: both ends free."""
+    last = found.first + len(found.gripped)
+    left, right = merged(found.under[: found.first], line, 2), merged(found.under[last:], line, 2)
+    left, right = left[:-2, :-2], np.delete(np.delete(right, [line - 2, line - 1], 0), [line - 2, line - 1], 1)
+    S = merge(left[None], merged(found.gripped, line - 2, 2)[None], line - 2, 2)
+    S = merge(S, right[None], line - 2, 2)[0]
+    for beyond, far in ((found.before, False), (found.after, True)):
+        if len(beyond):
+            part = beyond.shape[1] // 2
+            K = merged(beyond, part, 0)
+            order = np.arange(2 * part) if far else np.roll(np.arange(2 * part), part)  # the lining's side first
+            own = len(S) - part + np.arange(part) if far else line - part + np.arange(part)
+            S[own[:, None], own] += eliminate(K[order[:, None], order][None], part)[0]
+    return S
 
 
 def _with_ends(S: Floats, line: int, found: _Columns, held: Floats, load: Floats) -> Floats:

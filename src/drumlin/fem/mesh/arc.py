@@ -7,41 +7,30 @@ Named groups: subdomains "shoe", "lining", "backing"; boundaries "contact" (lini
 from typing import Any, NamedTuple
 
 import numpy as np
+import skfem
 
+from drumlin.arrays import Floats
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.mesh.beam import beam_mesh
 from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, Division, divide, layers_behind, overhang
-from drumlin.later import later
-
-skfem = later("skfem")
 
 
 class Kind(NamedTuple):
-    """A kind of mesh: names of skfem's mesh and element, meshio's names of its cells and of their edges."""
+    """A kind of mesh: skfem's mesh and element, meshio's names of its cells and of their edges."""
 
-    mesh_name: str
-    element_name: str
+    mesh: Any
+    element: Any
     cell: str
     edge: str
 
-    @property
-    def mesh(self) -> Any:
-        """skfem's class of the mesh."""
-        return getattr(skfem, self.mesh_name)
-
-    @property
-    def element(self) -> Any:
-        """skfem's class of the element."""
-        return getattr(skfem, self.element_name)
-
 
 KINDS = {
-    "quad2": Kind("MeshQuad2", "ElementQuad2", "quad9", "line3"),
-    "quad1": Kind("MeshQuad1", "ElementQuad1", "quad", "line"),
-    "tri2": Kind("MeshTri2", "ElementTriP2", "triangle6", "line3"),
-    "tri1": Kind("MeshTri1", "ElementTriP1", "triangle", "line"),
+    "quad2": Kind(skfem.MeshQuad2, skfem.ElementQuad2, "quad9", "line3"),
+    "quad1": Kind(skfem.MeshQuad1, skfem.ElementQuad1, "quad", "line"),
+    "tri2": Kind(skfem.MeshTri2, skfem.ElementTriP2, "triangle6", "line3"),
+    "tri1": Kind(skfem.MeshTri1, skfem.ElementTriP1, "triangle", "line"),
 }
 DEFAULT_KIND = "quad2"
 
@@ -49,6 +38,14 @@ DEFAULT_KIND = "quad2"
 def kind_of(mesh: Any) -> Kind:
     """The kind of a mesh."""
     return next(kind for kind in KINDS.values() if kind.mesh is type(mesh))
+
+
+def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
+    """The angles (n,) with the inner ones that are nearest to the places moved there."""
+    angles = np.array(angles)
+    for x in places:
+        angles[1 + np.abs(angles[1:-1] - x).argmin()] = x
+    return angles
 
 
 def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = DEFAULT_KIND) -> Any:
@@ -75,6 +72,8 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         layers.append(("shoe", shoe.body.thickness))
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
+        grip = shoe.grip(radius)
+        angles = _moved_to(angles, grip or ())
         angles = np.concatenate(
             [overhang(phi_1, body[0], division)[:0:-1], angles, overhang(phi_2, body[1], division)[1:]]
         )
@@ -100,14 +99,18 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
     else:
         near, far = sorted(body, key=abs)
         behind = outer & (middle[0] > lining_depth)
-        on["hinge"] = behind & (np.abs(middle[1] - near) < slack)
-        on["actuation"] = behind & (np.abs(middle[1] - far) < slack)
+        if grip is None:
+            on["hinge"] = behind & (np.abs(middle[1] - near) < slack)
+            on["actuation"] = behind & (np.abs(middle[1] - far) < slack)
+        else:
+            back = outer & (middle[0] > bounds[-1] * (1 - slack))
+            on["hinge"] = back & (middle[1] > grip[0] - slack) & (middle[1] < grip[1] + slack)
     shape = KINDS[kind].mesh
     mesh = shape.from_mesh(grid)
     depth, phi = mesh.doflocs
     r = radius - shoe.sign * depth
     return shape(
-        np.array([r * np.cos(phi), r * np.sin(phi)]),
+        np.array([radius * phi, depth]) if shoe.flat else np.array([r * np.cos(phi), r * np.sin(phi)]),
         mesh.t,
         _subdomains={name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layers)},
         _boundaries={name: np.flatnonzero(where) for name, where in on.items()},

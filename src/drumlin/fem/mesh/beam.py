@@ -8,6 +8,7 @@ import math
 from typing import Any
 
 import numpy as np
+import skfem
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import Axis, axis_of
@@ -15,9 +16,6 @@ from drumlin.brake.components import Beam, Section
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.units import mm
 from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, Division, layers_behind, overhang
-from drumlin.later import later
-
-skfem = later("skfem")
 
 PARTS = ("lining", "backing", "shoe")
 
@@ -33,7 +31,7 @@ def why_not(shoe: Shoe, radius: float) -> str | None:
         return "nothing fills the space between its straight beam and the lining: no [shoe.backing]"
     if isinstance(shoe.body.offset, tuple) and any(offset for _, offset in shoe.body.offset):
         return "a beam with a curved axis is not meshed"
-    return _no_room(shoe, axis_of(shoe.hinge.xy, shoe.actuation.point.xy), section, radius)
+    return _no_room(shoe, axis_of(shoe.pin.xy, shoe.actuation.point.xy), section, radius)
 
 
 def _no_room(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | None:
@@ -55,7 +53,7 @@ def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
     "hinge" and "actuation" are the beam's end faces.
     """
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
-    axis, section, thickness = axis_of(shoe.hinge.xy, shoe.actuation.point.xy), shoe.body.section, shoe.lining.thickness
+    axis, section, thickness = axis_of(shoe.pin.xy, shoe.actuation.point.xy), shoe.body.section, shoe.lining.thickness
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
     start, end, back = float(angles[0]), float(angles[-1]), radius + thickness
     foot = axis.foot + back * np.sin(np.array([start, end]))

@@ -93,7 +93,7 @@ def contact(brake: Brake, faces: list[Face], shoes: list[Shoe], rim: Rim | None,
         B[part, i] = -normal @ one.turned
         C[i, part] = one.turned @ pull
         q[part] = one.gap - normal @ one.loaded
-        h[i] = -shoe.actuation.moment_about(shoe.hinge)
+        h[i] = -shoe.actuation.moment_about(shoe.pin)
         weight[part] = one.mass.sum(axis=1)
         spread.append((normal, pull))
     if rim is not None:

@@ -118,7 +118,7 @@ def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
     psi, _, ds = along(nodes.xy[kept][of], body.degree)
     mass = np.zeros((len(kept), len(kept)))
     np.add.at(mass, (of[:, :, None], of[:, None, :]), shoe.lining.width * np.einsum("aq,bq,kq->kab", psi, psi, ds))
-    arm = nodes.xy[kept] - shoe.hinge.xy
+    arm = nodes.xy[kept] - shoe.pin.xy
     return Face(
         theta=theta,
         xy=nodes.xy[kept],

@@ -30,9 +30,9 @@ def pressed(brake: Brake) -> list[int]:
     for i, shoe in enumerate(brake.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 41)
         e = np.stack([np.cos(theta), np.sin(theta)], axis=1)
-        arm = brake.drum.radius * e - shoe.hinge.xy
+        arm = brake.drum.radius * e - shoe.pin.xy
         closing = shoe.sign * (-arm[:, 1] * e[:, 0] + arm[:, 0] * e[:, 1])
-        if (closing * shoe.actuation.moment_about(shoe.hinge) > 0).any():
+        if (closing * shoe.actuation.moment_about(shoe.pin) > 0).any():
             found.append(i)
     return found
 

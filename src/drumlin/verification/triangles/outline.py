@@ -95,7 +95,7 @@ def _post(shoe: Shoe, R: float) -> Outline:
     section = body.section
     if section is None or backing is None:
         raise BadInput(f"shoe {shoe.name!r}: its beam has no constant section, or nothing before it")
-    axis = axis_of(shoe.hinge.xy, shoe.actuation.point.xy)
+    axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     first, last = np.sort(axis.angle(np.array([lining.start, lining.end]))).tolist()
     t, back = lining.thickness, R + lining.thickness
     low = first - (axis.foot + back * math.sin(first)) / back

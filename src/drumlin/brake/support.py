@@ -1,0 +1,166 @@
+"""How a shoe is held: hinge, pivot of a lever, abutment, guide; and the rigid motions that each leaves it.
+
+A rigid motion of the plane is three numbers (dx, dy [m], turn [rad]) about the origin, the drum's centre or that of a
+plane's coordinates: the point x moves by (dx - turn y, dy + turn x). The reactions of what holds a shoe do no work on
+its `tests`. Its `motions` are the same but where friction acts at an abutment, whose reaction leans away from the
+face's normal: the shoe slides along the face, and is tested along what is square to the reaction.
+"""
+
+import math
+from typing import Annotated, NamedTuple, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from drumlin.arrays import Floats
+from drumlin.brake.components import Actuation
+from drumlin.brake.fields import Angle, Name, Part, Place, Point
+
+KINDS = ("hinge", "abutment", "guide")
+MOVES = {
+    "hinge": "it turns about its hinge",
+    "pivot": "it turns about a pivot on its lever, not about its hinge",
+    "abutment": "its foot slides on an abutment, it has no hinge",
+    "guide": "it moves along a guide, it has no hinge",
+}
+"""How a shoe moves, in words of a refusal, by `Held.held_by`."""
+
+
+class Abutment(Part):
+    """A face that the shoe's foot slides on: it bears at `point`, `direction` [rad] is the face's normal, the direction
+    of its force on the foot without friction. `friction` mu_s opposes the slide."""
+
+    point: Place
+    direction: Angle
+    friction: Annotated[float, Field(ge=0, le=10, strict=True)] = 0.0
+
+
+class Guide(Part):
+    """A straight guide: the shoe moves along `direction` [rad] only, and does not turn."""
+
+    direction: Angle
+
+
+class Freedoms(NamedTuple):
+    """The free motions of a shoe: `motions`, `tests` (k, 3), and the `work` (k,) of the actuation on the tests, in N m
+    of a turn and N of a slide; `tip` (k,): how far the actuation's point goes along its force on the motions, in m.
+    `names` (k,): "turn", "tilt" about a pivot, "slide"."""
+
+    motions: Floats
+    tests: Floats
+    work: Floats
+    tip: Floats
+    names: tuple[str, ...]
+
+
+def turn_about(point: Point) -> Floats:
+    """The motion (3,) of a unit turn about a point."""
+    return np.array([point.y, -point.x, 1.0])
+
+
+def slide_along(angle: float) -> Floats:
+    """The motion (3,) of a unit slide in the direction `angle` [rad]."""
+    return np.array([math.cos(angle), math.sin(angle), 0.0])
+
+
+def work_on(motions: Floats, force: Floats, point: Floats) -> Floats:
+    """Work (k,) of a force (2,) [N] at a point (2,) [m] on rigid motions (k, 3)."""
+    moment = point[0] * force[1] - point[1] * force[0]
+    return motions @ np.array([force[0], force[1], moment])
+
+
+def moved(motions: Floats, xy: Floats) -> Floats:
+    """Displacements (2, n, k) of the points xy (2, n) per unit of rigid motions (k, 3)."""
+    x, y = xy[..., None]
+    dx, dy, turn = motions.T
+    return np.array([dx - turn * y, dy + turn * x])
+
+
+class Held(Part):
+    """What shoes on a drum and on a plane share: a name, what holds them, what pushes them.
+
+    `hinge`: a pin about which the shoe turns. With a `pivot` besides, the hinge is the pin of a lever, the actuation
+    acts on the lever, and the shoe turns about the pivot at the lever's end. Or an `abutment`, or a `guide`.
+    """
+
+    name: Name
+    hinge: Place | None = None
+    pivot: Place | None = None
+    abutment: Abutment | None = None
+    guide: Guide | None = None
+    actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))  # until a strut gives it
+
+    @model_validator(mode="after")
+    def _held(self) -> Self:
+        given = [key for key in KINDS if getattr(self, key) is not None]
+        if not given:
+            raise ValueError("hinge: is missing; a shoe is held by one of hinge, hinge and pivot, abutment, guide")
+        if len(given) > 1:
+            raise ValueError(f"{given[1]}: a shoe is held by one of {', '.join(KINDS)}, not by {' and '.join(given)}")
+        if self.pivot is not None and self.hinge is None:
+            raise ValueError("pivot: is on a lever, whose pin is the hinge; hinge is missing")
+        return self
+
+    @property
+    def held_by(self) -> str:
+        """What holds the shoe: "hinge", "pivot", "abutment" or "guide"."""
+        return "pivot" if self.pivot is not None else next(key for key in KINDS if getattr(self, key) is not None)
+
+    @property
+    def pin(self) -> Point:
+        """The point that its moments and angles count from: the hinge, the foot's on an abutment; of a guided shoe,
+        which has none, the point of its actuation."""
+        if self.hinge is not None:
+            return self.hinge
+        return self.actuation.point if self.abutment is None else self.abutment.point
+
+    def under(self, force: float) -> Self:
+        """The shoe under another force [N] of its actuation."""
+        return self.model_copy(update={"actuation": self.actuation.model_copy(update={"force": force})})
+
+    @property
+    def bearing(self) -> Floats:
+        """The direction (2,) of the force of a smooth abutment on the foot."""
+        assert self.abutment is not None
+        return np.array([math.cos(self.abutment.direction), math.sin(self.abutment.direction)])
+
+    @property
+    def senses(self) -> tuple[int, ...]:
+        """How friction may act where the shoe is held, see `freedoms`: the first is to be tried first."""
+        return (1, -1, 0) if self.abutment is not None and self.abutment.friction > 0 else (1,)
+
+    def freedoms(self, sense: int = 1) -> Freedoms:
+        """The free motions of the shoe.
+
+        sense: of an abutment's friction, +1 along the normal turned by +90 deg, -1 against it; 0 where the foot sticks.
+        """
+        at = self.actuation.point.xy
+        motions, names = [turn_about(self.pin)], ["turn"]
+        if self.guide is not None:
+            motions, names = [slide_along(self.guide.direction)], ["slide"]
+        elif self.pivot is not None:
+            motions.append(turn_about(self.pivot))
+            names.append("tilt")
+        tests = list(motions)
+        if self.abutment is not None and sense != 0:
+            along = self.abutment.direction + math.pi / 2
+            motions.append(slide_along(along))
+            tests.append(slide_along(along + sense * math.atan(self.abutment.friction)))
+            names.append("slide")
+        work = work_on(np.array(tests), self.actuation.vector, at)
+        tip = work_on(np.array(motions), self.actuation.direction_vector, at)
+        if self.pivot is not None:  # the actuation acts on the lever: it does no work where the shoe tilts on its pivot
+            work[1] = tip[1] = 0.0
+        return Freedoms(np.array(motions), np.array(tests), work, tip, tuple(names))
+
+
+def check_motions(key: str, shoe: Held, columns: slice) -> None:
+    """Raise ValueError where two motions of a shoe close its gap alike, so that nothing fixes one of them.
+
+    columns: those of a motion that close the gap, dx and dy on a drum, dy and turn on a plane.
+    """
+    closing = shoe.freedoms().motions[:, columns]
+    if len(closing) == 2 and abs(np.linalg.det(closing)) <= 1e-6 * np.prod(np.linalg.norm(closing, axis=1)):
+        what = "pivot: the lever's pin" if shoe.pivot is not None else "abutment: the normal of its face"
+        where = "the drum's centre" if columns.start == 0 else "the normal of the plane"
+        raise ValueError(f"{key}.{what} must not be in line with it and {where}: the shoe would only slide")

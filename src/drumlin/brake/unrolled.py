@@ -1,0 +1,127 @@
+"""A brake on a plane in the words of one on a drum, so that the same elements, contact and error estimates serve both.
+
+Places x along the plane count in lengths of the first lining, as angles do in radii of a drum: theta = x/unit. What is
+different is said here: normals do not turn, a shoe's own frame is only moved and mirrored, nothing has a moment about
+a centre. In a shoe's frame x counts from its pin towards its lining, y is the height above the plane.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake.components import Body, Drum, Lining, Misfit
+from drumlin.brake.drum_brake import Brake, Frame, Shoe
+from drumlin.brake.plane_brake import FlatBrake, FlatShoe
+
+
+class StraightFrame(Frame):
+    """The frame of a shoe on a plane; `origin`: the pin's theta."""
+
+    def to_brake(self, vectors: Floats) -> Floats:
+        """As of a shoe on a drum."""
+        return np.asarray(vectors) * np.array([float(self.sense), 1.0])
+
+    def to_shoe(self, vectors: Floats) -> Floats:
+        """As of a shoe on a drum."""
+        return np.asarray(vectors) * np.array([float(self.sense), 1.0])
+
+
+class StraightShoe(Shoe):
+    """A shoe on a plane, `unit` [m] of its theta."""
+
+    unit: float
+
+    @property
+    def flat(self) -> bool:
+        """That it presses on a plane."""
+        return True
+
+    @property
+    def frame(self) -> Frame:
+        """The shoe's own frame."""
+        sense = 1 if self.lining.middle * self.unit >= self.pin.x else -1
+        return StraightFrame(self.pin.x / self.unit, sense)
+
+    @property
+    def own_pin(self) -> Floats:
+        """The pin (2,) [m] in its frame."""
+        return np.array([0.0, self.pin.y])
+
+    def own_points(self, xy: Floats) -> Floats:
+        """Points (..., 2) [m] of the brake's frame in its own."""
+        return self.frame.to_shoe(np.asarray(xy) - np.array([self.pin.x, 0.0]))
+
+    def points(self, xy: Floats) -> Floats:
+        """Points (2, n) [m] of its frame in the brake's."""
+        return np.array([self.pin.x + self.frame.sense * xy[0], xy[1]])
+
+    def grip(self, radius: float) -> tuple[float, float] | None:
+        """As of a shoe on a drum."""
+        if self.body is None or self.held_by not in {"pivot", "guide"}:
+            return None
+        assert isinstance(self.body, Body)
+        start, end = self.arc
+        at = self.lining.middle if self.pivot is None else self.pivot.x / self.unit
+        half = min(0.5 * (self.body.grip or self.body.thickness) / self.unit, 0.3 * (end - start))
+        at = float(np.clip(self.frame.phi(np.array(at)), start + 1.5 * half, end - 1.5 * half))
+        return at - half, at + half
+
+
+def why_not(brake: FlatBrake) -> str | None:
+    """Why the shoes of a brake on a plane cannot be meshed; None where they can."""
+    for shoe in brake.shoes:
+        if shoe.lining.thickness is None or shoe.lining.material is None:
+            return f"shoe {shoe.name!r}: its lining has no thickness and material to mesh"
+    return None
+
+
+def unrolled(brake: FlatBrake) -> Brake:
+    """The brake in the words of one on a drum; see `why_not`. Not validated: it is one already."""
+    unit = brake.shoes[0].lining.end - brake.shoes[0].lining.start
+    return Brake.model_construct(
+        title=brake.title,
+        rotation="counter-clockwise" if brake.spin > 0 else "clockwise",
+        friction=brake.friction,
+        drum=Drum(radius=unit),
+        shoes=tuple(_straight(shoe, unit) for shoe in brake.shoes),
+        actuation=brake.actuation,
+        links=brake.links,
+    )
+
+
+def _straight(shoe: FlatShoe, unit: float) -> StraightShoe:
+    lining, body = shoe.lining, shoe.body
+    own: dict[str, Any] = {key: getattr(shoe, key) for key in ("name", "hinge", "pivot", "abutment", "guide")}
+    assert lining.thickness is not None and lining.material is not None  # why_not
+    return StraightShoe.model_construct(
+        **own,
+        actuation=shoe.actuation,
+        side="internal",
+        lining=Lining.model_construct(
+            start=lining.start / unit,
+            end=lining.end / unit,
+            thickness=lining.thickness,
+            width=lining.width,
+            material=lining.material,
+            clearance=lining.clearance,
+            misfit=Misfit(),
+        ),
+        backing=shoe.backing,
+        body=None
+        if body is None
+        else Body.model_construct(
+            shape="arc",
+            thickness=body.thickness,
+            width=body.width,
+            start=body.start / unit,
+            end=body.end / unit,
+            material=body.material,
+            grip=body.grip,
+        ),
+        mesh=None,
+        mesh_unit="m",
+        mesh_frame="brake",
+        mesh_interference=False,
+        unit=unit,
+    )

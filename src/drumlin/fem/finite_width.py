@@ -1,0 +1,77 @@
+"""What a finite width does to a lining, put into the modulus of plane stress: a correction, off by default.
+
+Two things that plane stress leaves out. A lining bonded to a stiff table cannot contract freely across the width but
+near its sides: its Lame constant lies between those of plane stress and of plane strain. And a table that reaches
+beyond its web bends back like a cantilever plate on the lining as foundation (Hetenyi 1946, Beams on Elastic
+Foundation): its sides press less, and the whole lining is softer in the mean.
+"""
+
+import numpy as np
+from skfem.models.elasticity import lame_parameters, plane_stress
+
+from drumlin.brake.components import Body
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.fields import Material
+from drumlin.brake.file import vary
+
+HELD = 0.5
+"""The share of plane strain in a wide lining, by solid shoes: the shoe behind it contracts as well."""
+
+
+def between(material: Material, share: float) -> Material:
+    """The material of the same nu, as stiff through a lining that is held along the arc as `share` plane strain.
+
+    E' = (lambda + 2 mu) (1 - nu^2), lambda that share of the way from plane stress to plane strain.
+    """
+    stress, mu = plane_stress(material.E, material.nu)
+    strain, _ = lame_parameters(material.E, material.nu)
+    stiff = stress + share * (strain - stress) + 2 * mu
+    return material.model_copy(update={"E": float(stiff * (1 - material.nu**2))})
+
+
+def held_share(width: float, thickness: float) -> float:
+    """The share of plane strain in a lining: none where it is no wider than thick."""
+    return HELD * max(0.0, 1 - thickness / width)
+
+
+def flange_mean(reach: float, stiffness: float, foundation: float) -> float:
+    """Mean pressure under a flange over that at the web, which it is clamped to: a strip that reaches so far [m].
+
+    D y'''' + K y = 0, y(0) = 1, y'(0) = 0, y''(c) = y'''(c) = 0, with D [N m] of the strip and K [Pa/m] of the
+    foundation; the mean of y is -(D/(K c)) (y'''(c) - y'''(0)).
+    """
+    beta = (foundation / (4 * stiffness)) ** 0.25
+    if beta * reach < 1e-3:
+        return 1.0
+    roots = beta * np.array([1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j])
+    scale = np.exp(-np.maximum(roots.real, 0) * reach)  # growing parts count from the free end
+    at_end = scale * np.exp(roots * reach)
+    rows = np.array([scale, scale * roots, at_end * roots**2 / beta**2, at_end * roots**3 / beta**3])
+    factors = np.linalg.solve(rows, np.array([1.0, 0, 0, 0], dtype=complex))
+    return float((factors @ ((at_end - scale) / roots)).real / reach)
+
+
+def corrected(shoe: Shoe) -> Material:
+    """The lining's material for plane stress of a shoe of finite width.
+
+    Flanges are those of a table that is the backing, or else of the body itself, beyond a narrower part behind it.
+    """
+    lining = shoe.lining
+    material = between(lining.material, held_share(lining.width, lining.thickness))
+    body, table = shoe.body, shoe.backing
+    if not isinstance(body, Body) or table is None or body.width >= lining.width:
+        return material
+    reach = (lining.width - body.width) / 2
+    plate = table.material.E * table.thickness**3 / (12 * (1 - table.material.nu**2))
+    stretch = material.E / (1 - material.nu**2)  # across the lining, held along the arc
+    mean = flange_mean(reach, plate, stretch / lining.thickness)
+    share = (body.width + 2 * reach * mean) / lining.width
+    return material.model_copy(update={"E": material.E * share})
+
+
+def finite_width(brake: Brake) -> Brake:
+    """The brake whose plane stress is corrected for the widths of its shoes, lining by lining."""
+    return vary(
+        brake,
+        {f"shoe[{i}].lining.material.E": material.E for i, material in enumerate(map(corrected, brake.shoes))},
+    )

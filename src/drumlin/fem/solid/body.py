@@ -1,0 +1,121 @@
+"""A solid shoe, assembled and condensed to what contact and hinge need: the body of the plane, with other matrices.
+
+The half from the mid-plane outwards stands for the whole: its stiffness counts twice, and forces and widths are those
+of the whole shoe. Across the width nothing is pressed or dragged, so that displacements along z are inner unknowns,
+those of the friction surface too.
+"""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from drumlin.arrays import Floats, Ints
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.fem.assembly import Body, Seconds, clock, coupled, end_loads, materials_of, pin_of
+from drumlin.fem.body import FRAME, Ties, condense, stiffness
+from drumlin.fem.elimination import dissection
+from drumlin.fem.interface import contact_line, edge_nodes
+from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
+from drumlin.fem.solid.mesh import Solid, solid_mesh
+
+HALVES = 2.0
+
+
+class SolidBody(Body):
+    """A condensed body whose mesh is of hexahedra."""
+
+    @property
+    def unknowns(self) -> int:
+        """Number of displacement unknowns of the mesh."""
+        return int(3 * self.basis.N)
+
+
+def materials(shoe: Shoe) -> dict[str, Any]:
+    """What `stiffness` takes for a half that stands for the whole."""
+    return {name: (material, HALVES) for name, (material, _) in materials_of(shoe).items()}
+
+
+def behind(shoe: Shoe) -> str:
+    """The subdomain that the hinge holds: a rigid shoe holds the back of the lining or of its backing."""
+    return "shoe" if shoe.body is not None else "lining" if shoe.backing is None else "backing"
+
+
+def hinged(solid: Solid, shoe: Shoe) -> Ints:
+    """Nodes that move as a rigid line with the pin, across the whole width."""
+    line = np.unique(edge_nodes(solid.plane, solid.section.boundaries["hinge"]))
+    return solid.node[line, : solid.levels(behind(shoe))].ravel()
+
+
+def face_of(solid: Solid, shoe: Shoe) -> ContactFace:
+    """The friction surface."""
+    line = contact_line(solid.plane, solid.section.boundaries["contact"], sum(shoe.arc) / 2)
+    return contact_face(line, solid.node, solid.z[: solid.levels("lining")])
+
+
+def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) -> Ties:
+    """The reduced unknowns, in the order of a dissection: inner ones, contact nodes as x, y pairs, frame.
+
+    The `rigid` nodes move with u = (dx, dy) + turn k x (x - pin), free along z unless they are `bonded` to a rigid
+    shoe; nodes of the mid-plane do not leave it.
+    """
+    basis = solid.basis
+    order = dissection(basis.doflocs, basis.element_dofs)
+    inner = np.ones((basis.N, 3), dtype=bool)
+    inner[contact, :2] = inner[rigid, :2] = False
+    inner[solid.node[solid.node[:, 0] >= 0, 0], 2] = False
+    if bonded:
+        inner[rigid, 2] = False
+    inside = inner[order.nodes].ravel()
+    dofs = (3 * order.nodes[:, None] + np.arange(3)).ravel()[inside]
+    region = np.repeat(order.region, 3)[inside]
+    _, region = np.unique(region, return_inverse=True)
+    dofs = np.concatenate([dofs, (3 * contact[:, None] + np.arange(2)).ravel()])
+    frame = len(dofs) + np.arange(FRAME)
+    x, y = basis.doflocs[:2, rigid] - pin[:, None]
+    ones = np.ones(len(rigid))
+    rows = [dofs, 3 * rigid, 3 * rigid, 3 * rigid + 1, 3 * rigid + 1]
+    columns = [np.arange(len(dofs)), *(np.full(len(rigid), frame[k]) for k in (0, 2, 1, 2))]
+    entries = np.concatenate([np.ones(len(dofs)), ones, -y, ones, x]), (np.concatenate(rows), np.concatenate(columns))
+    return Ties(sp.csc_matrix(entries, shape=(3 * basis.N, len(dofs) + FRAME)), region)
+
+
+def end_forces(solid: Solid) -> tuple[Floats, Floats]:
+    """Nodal forces (nodes, 3, 3) (node, component, unit load) of unit force x, y and unit couple on the loaded end,
+    even over the width, and the point (2,) that they act at."""
+    line, centre = end_loads(solid.plane, solid.section.boundaries["actuation"])
+    nodes = np.unique(edge_nodes(solid.plane, solid.section.boundaries["actuation"]))
+    count = solid.levels("shoe")
+    share = width_matrix(solid.z[:count]).sum(axis=1)
+    forces = np.zeros((solid.basis.N, 3, 3))
+    each = line.reshape(-1, 2, 3)[nodes]
+    forces[solid.node[nodes, :count], :2] = each[:, None] * (share / share.sum())[:, None, None]
+    return forces, centre
+
+
+def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[Floats, Floats]:
+    """Unit actuations (unknowns, 3) on the reduced unknowns, and the point (2,) they act at."""
+    if "actuation" not in solid.section.boundaries:  # the force acts on the rigid shoe itself
+        loads = np.zeros((ties.matrix.shape[1], 3))
+        loads[-FRAME:] = np.eye(3)
+        return loads, pin_of(shoe)
+    forces, centre = end_forces(solid)
+    return np.asarray(ties.matrix.T @ forces.reshape(-1, 3)), centre
+
+
+def solid_body(brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Seconds) -> Body:
+    """Mesh, assemble and condense a shoe."""
+    with clock(seconds, "mesh"):
+        solid = solid_mesh(shoe, brake.drum.radius, elements, across)
+    with clock(seconds, "assembly"):
+        K = stiffness(solid.basis, materials(shoe))
+    with clock(seconds, "ties"):
+        face, rigid = face_of(solid, shoe), hinged(solid, shoe)
+        ties = tie(solid, face.nodes, rigid, pin_of(shoe), bonded=shoe.body is None)
+        loads, centre = loads_on(solid, shoe, ties)
+    with clock(seconds, "condensation"):
+        condensed = condense(K, ties, loads, 2 * len(face.nodes))
+    with clock(seconds, "coupling"):
+        made = partial(SolidBody, solid.mesh, solid.basis, face)
+        return coupled(made, shoe, face, condensed, centre, friction=brake.friction > 0)

@@ -1,0 +1,73 @@
+"""The lining's friction surface: the contact line of the section times the width.
+
+Pressure and displacement are products of the line's shape functions and those over the width, zeta_k(z), so every
+matrix of the weak coupling is that of a line of width 1 times  m_kl = 2 Int zeta_k zeta_l dz  over half the width.
+The weights of the quadratic functions are all positive, those of serendipity elements are not.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drumlin.arrays import Floats, Ints
+from drumlin.fem.interface import ContactLine, Coupling, Directions, edge_points
+from drumlin.fem.interface import couple as couple_line
+from drumlin.response.response import Surface
+
+
+@dataclass(frozen=True)
+class ContactFace(ContactLine):
+    """A friction surface: contact nodes by growing angle, and from the mid-plane outwards at each.
+
+    `nodes` (n m,), `xy` (2, n m) [m] and `phi` (n m,) [rad] of all; `pieces` those of the `line`; `z` (m,) [m].
+    """
+
+    line: ContactLine
+    z: Floats
+
+    @property
+    def width(self) -> Floats:
+        """2 Int zeta_k dz (m,) [m]: the whole width is their sum."""
+        return width_matrix(self.z).sum(axis=1)
+
+    def couple(self, width: float, directions: Directions) -> Coupling:
+        """The coupling with a counterface; its width is that of the face."""
+        line, m = couple_line(self.line, 1.0, directions), width_matrix(self.z)
+        n = len(self.line.nodes)
+
+        def spread(vectors: Floats) -> Floats:  # (n, 2n) -> (n m, 2 n m)
+            whole = np.einsum("ijc,kl->ikjlc", vectors.reshape(n, n, 2), m)
+            return np.ascontiguousarray(whole).reshape(n * len(m), -1)
+
+        M, lever = (np.asarray(np.kron(*pair), dtype=float) for pair in ((line.M, m), (line.lever, m.sum(axis=1))))
+        return Coupling(M, spread(line.N), spread(line.T), lever)
+
+    def along(self, p: Floats) -> tuple[Floats, Floats]:
+        """Angles (n,) [rad] and mean pressure over the width (n,) [Pa]."""
+        return self.line.phi, p.reshape(-1, len(self.z)) @ self.width / self.width.sum()
+
+    def surface(self, p: Floats) -> Surface:
+        """The pressure over arc and whole width."""
+        half = p.reshape(-1, len(self.z))
+        return Surface(np.concatenate([-self.z[:0:-1], self.z]), np.hstack([half[:, :0:-1], half]))
+
+
+def width_matrix(z: Floats) -> Floats:
+    """m_kl = 2 Int zeta_k zeta_l dz (m, m) [m] of the quadratic functions over the levels z (m,) [m]."""
+    pieces = np.arange(3)[:, None] + np.arange(0, len(z) - 2, 2)
+    psi, _, dz = edge_points(np.array([z, np.zeros_like(z)])[:, pieces])
+    matrix = np.zeros((len(z), len(z)))
+    np.add.at(matrix, (pieces[:, None], pieces[None]), 2 * np.einsum("aq,bq,iq->abi", psi, psi, dz))
+    return matrix
+
+
+def contact_face(line: ContactLine, node: Ints, z: Floats) -> ContactFace:
+    """The face over a section's line; node (nodes, m): numbers of the nodes of the solid above each of the section."""
+    return ContactFace(
+        nodes=node[line.nodes, : len(z)].ravel(),
+        xy=np.repeat(line.xy, len(z), axis=1),
+        phi=np.repeat(line.phi, len(z)),
+        pieces=line.pieces,
+        line=line,
+        z=z,
+    )

@@ -1,0 +1,130 @@
+"""Displacements and stresses inside solid shoes: recovered only where a picture asks for them."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import meshio
+import numpy as np
+import skfem
+from skfem.models.elasticity import lame_parameters
+
+from drumlin.arrays import Floats, Ints
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.fields import Material
+from drumlin.fem.assembly import Scene, actuation
+from drumlin.fem.solid.body import materials
+from drumlin.files import replacing
+from drumlin.response.response import Response
+
+_BOTTOM = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+_CORNERS = np.array([*_BOTTOM, *((x, y, 1) for x, y, _ in _BOTTOM)], dtype=float)
+_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+_TURNED = [4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19]  # bottom and top exchanged
+
+
+def serendipity(cells: Ints) -> Ints:
+    """Nodes (m, 20) of hexahedra with 20 nodes, in the order of VTK and of CalculiX's C3D20, of skfem's (27, m)."""
+    places = np.vstack([_CORNERS, *(_CORNERS[list(edge)].mean(axis=0) for edge in _EDGES)])
+    local = skfem.ElementHex2.doflocs
+    order = [int(np.flatnonzero((local == place).all(axis=1))[0]) for place in places]
+    return np.asarray(cells[order].T)
+
+
+def oriented(points: Floats, cells: Ints) -> Ints:
+    """Cells (m, 20) of nodes at `points` (n, 3) that all have a positive volume: a mirror image turns them over."""
+    a, b, c, d = (points[cells[:, i]] for i in (0, 1, 3, 4))
+    volume = np.einsum("mi,mi->m", np.cross(b - a, c - a), d - a)
+    return np.where((volume > 0)[:, None], cells, cells[:, _TURNED])
+
+
+class SolidFields(NamedTuple):
+    """Fields of half a shoe (z >= 0) in the brake's frame; nodes stand once for each material that meets in them.
+
+    `points` (n, 3) [m], `cells` (m, 20), `part` (m,): number of the subdomain, `displacement` (n, 3) [m],
+    `von_mises` (n,) [Pa], `pressure` (n,) [Pa] on the friction surface.
+    """
+
+    points: Floats
+    cells: Ints
+    part: Ints
+    displacement: Floats
+    von_mises: Floats
+    pressure: Floats
+
+
+def recover(scene: Scene, brake: Brake, response: Response, index: int) -> SolidFields:
+    """Recover the fields of shoe `index` from the contact pressure of its response."""
+    shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]
+    frame = shoe.frame
+    p = np.zeros(len(body.line.nodes))
+    if answer.surface is not None:
+        m = len(answer.surface.z) // 2
+        p = np.ascontiguousarray(answer.surface.pressure[:: frame.sense, m:]).ravel()
+    nodal = brake.drag_on(shoe) * (body.coupling.T.T @ p) - body.coupling.N.T @ p
+    turn = np.array([0.0, 0.0, frame.sense * (answer.turn or 0.0)])
+    load = abs(shoe.actuation.force) * actuation(body, shoe)[0]
+    u = body.condensed.displacements(nodal[:, None], turn[:, None], load[:, None]).reshape(-1, 3).T
+    pressure = np.zeros(body.basis.N)
+    pressure[body.line.nodes] = p
+    parts = [
+        (*_part(body.mesh, u, members, materials(shoe)[name][0]), name)
+        for name, members in body.mesh.subdomains.items()
+    ]
+    starts = np.cumsum([0, *(len(nodes) for nodes, *_ in parts)])
+    nodes = np.concatenate([part[0] for part in parts])
+
+    def turned(vectors: Floats) -> Floats:
+        return np.column_stack([frame.to_brake(vectors[:2].T), vectors[2]])
+
+    points = turned(body.basis.doflocs[:, nodes])
+    cells = np.concatenate([serendipity(part[1]) + start for part, start in zip(parts, starts, strict=False)])
+    return SolidFields(
+        points=points,
+        cells=oriented(points, cells),
+        part=np.concatenate([np.full(part[1].shape[1], i) for i, part in enumerate(parts)]),
+        displacement=turned(u[:, nodes]),
+        von_mises=np.concatenate([part[2] for part in parts]),
+        pressure=np.concatenate([pressure[part[0]] * (part[3] == "lining") for part in parts]),
+    )
+
+
+def _part(mesh: Any, u: Floats, elements: Ints, material: Material) -> tuple[Ints, Ints, Floats]:
+    """Nodes, cells (27, m) numbered within them, and nodal von Mises stress (n,) of the mean stresses of a part."""
+    element = skfem.ElementHex2()
+    at = element.doflocs.T
+    basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
+    dofs = basis.element_dofs
+    gradient = np.zeros((3, 3, *basis.dx.shape))
+    for psi, row in zip(basis.basis, dofs, strict=True):
+        gradient += u[:, None, row, None] * psi[0].grad[None]
+    strain = 0.5 * (gradient + gradient.transpose(1, 0, 2, 3))
+    lam, mu = lame_parameters(material.E, material.nu)
+    stress = 2 * mu * strain
+    stress[[0, 1, 2], [0, 1, 2]] += lam * np.trace(strain)
+    nodes, cells = np.unique(dofs, return_inverse=True)
+    cells = cells.reshape(dofs.shape)
+    total = np.zeros((len(nodes), 3, 3))
+    np.add.at(total, cells, stress.transpose(3, 2, 0, 1))
+    mean = total / np.bincount(cells.ravel())[:, None, None]
+    deviator = mean - np.trace(mean, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+    return nodes, cells, np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2)))
+
+
+def write_vtu(path: Path, parts: list[SolidFields]) -> None:
+    """Write the fields of all shoes as one .vtu file for ParaView, with units in the names; half of each, z >= 0."""
+    starts = np.cumsum([0] + [len(part.points) for part in parts])
+    mesh = meshio.Mesh(
+        np.concatenate([part.points for part in parts]),
+        [("hexahedron20", part.cells + start) for part, start in zip(parts, starts[:-1], strict=True)],
+        point_data={
+            "displacement [m]": np.concatenate([part.displacement for part in parts]),
+            "von Mises [Pa]": np.concatenate([part.von_mises for part in parts]),
+            "pressure [Pa]": np.concatenate([part.pressure for part in parts]),
+        },
+        cell_data={
+            "part": [part.part for part in parts],
+            "shoe": [np.full(len(part.cells), i) for i, part in enumerate(parts)],
+        },
+    )
+    with replacing(path) as partial:
+        meshio.write(partial, mesh, file_format="vtu")

@@ -1,0 +1,91 @@
+"""The solid model: brake -> scene of solid bodies -> response, by the contact of the plane model."""
+
+from pathlib import Path
+
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.errors import BadInput
+from drumlin.fem.assembly import Body, Scene, Seconds, lacking, shape_of
+from drumlin.fem.model import PENALTY, check_penalty, respond
+from drumlin.fem.solid.body import solid_body
+from drumlin.response.merit import with_merits
+from drumlin.response.response import Response
+
+ELEMENTS = 48
+"""Default number along a lining."""
+MOST_ELEMENTS = 200  # along a lining
+MOST_ACROSS = 24  # over half its width
+SOFTEST = 0.499  # Poisson's ratio up to which displacements alone describe a solid
+
+
+def why_not(brake: Brake) -> str | None:
+    """Why the solid model does not apply to a brake (None: it does)."""
+    from drumlin.fem import assembly  # noqa: PLC0415
+
+    if brake.shares is not None:
+        return f"{brake.shares}; solid shoes have a force each"
+    if brake.drum.ring is not None:
+        return "its drum is an elastic ring; solid shoes are pressed on a rigid drum"
+    for shoe in brake.shoes:
+        if shoe.held_by != "hinge":
+            return f"shoe {shoe.name!r}: is held by its {shoe.held_by}; solid shoes turn about a hinge"
+        if shoe.mesh is not None:
+            return f"shoe {shoe.name!r}: a mesh of its own is a section without widths"
+        for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
+            material = getattr(part, "material", None)
+            if material is not None and material.nu > SOFTEST:
+                return (
+                    f"shoe {shoe.name!r}: {name}.material.nu = {material.nu:g} is all but incompressible; "
+                    f"at most {SOFTEST:g}"
+                )
+    return assembly.why_not(brake)
+
+
+def across_of(shoe: Shoe, elements: int) -> int:
+    """Elements over half the width of a lining with so many along it: the pressure is uneven over about its thickness
+    from the sides, and smooth."""
+    slender = shoe.lining.width / (2 * shoe.lining.thickness)
+    return max(2, round(elements / ELEMENTS * min(2 + slender, 6)))
+
+
+def prepare(brake: Brake, *, elements: int = ELEMENTS, across: int | None = None) -> Scene:
+    """Mesh and condense the solid shoes of a brake; shoes of one shape share one body.
+
+    elements: number along each lining; across: over half its width. Raises BadInput.
+    """
+    reason = why_not(brake)
+    if reason is not None:
+        raise BadInput(f"solid does not apply to this brake: {reason}")
+    for name, value, most in (("elements", elements, MOST_ELEMENTS), ("across", across, MOST_ACROSS)):
+        if value is not None and not 1 <= value <= most:
+            raise BadInput(f"--{name} = {value}: must be from 1 to {most}")
+    seconds: Seconds = {}
+    made: dict[tuple[object, ...], Body] = {}
+    keys = [shape_of(brake, shoe) for shoe in brake.shoes]
+    for key, shoe in zip(keys, brake.shoes, strict=True):
+        if key not in made:
+            made[key] = solid_body(brake, shoe, elements, across or across_of(shoe, elements), seconds)
+    left_out = ["interior fields: recovered only for a picture", "the other half of each shoe: symmetric"]
+    if len(made) < len(keys):
+        left_out.append(f"{len(keys) - len(made)} of {len(keys)} shoes: same shape as another, condensed once")
+    bodies = tuple(made[key] for key in keys)
+    return Scene(brake, bodies, None, seconds, (*left_out, *lacking(brake)), model="solid")
+
+
+def solve(
+    brake: Brake,
+    *,
+    elements: int = ELEMENTS,
+    across: int | None = None,
+    penalty: float = PENALTY,
+    fields: Path | None = None,
+) -> Response:
+    """The response of a brake's solid shoes; options as of `prepare`. fields: a .vtu file to write what is inside
+    them to. Raises BadInput, NoAnswer."""
+    check_penalty(penalty)
+    scene = prepare(brake, elements=elements, across=across)
+    response = with_merits(brake, respond(scene, brake, penalty=penalty))
+    if fields is not None:
+        from drumlin.fem.solid.fields import recover, write_vtu  # noqa: PLC0415  (only where it is asked for)
+
+        write_vtu(fields, [recover(scene, brake, response, i) for i in range(len(brake.shoes))])
+    return response

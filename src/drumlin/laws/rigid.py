@@ -1,0 +1,278 @@
+"""The rigid-shoe law: p = sum of a_k f_k >= 0, with f_k how the freedom k of a shoe closes the gap, and one equilibrium
+for each freedom.
+
+With n and t the lining's normal and the direction of drag, u_k the motions of the shoe and v_j those on which what
+holds it does no work (brake.support), and Q_j the work of the actuation:
+
+    f_k = n.u_k,     w Int p (n.v_j - mu s t.v_j) ds = Q_j     over the part of the lining where p > 0
+
+Its names on the grounds where it is known: sine (a hinge on a drum), A cos + B sin (a pivot or an abutment), cosine (a
+guide on a drum), linear (a hinge on a plane), uniform (a guide on a plane).
+"""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake.drum_brake import Shoe
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
+from drumlin.brake.support import Freedoms
+from drumlin.errors import NoAnswer
+from drumlin.laws.face import Arcs, Face, face_of
+from drumlin.response.merit import with_merits
+from drumlin.response.response import Response, ShoeResponse, balance_of, untouched, worst
+from drumlin.response.resultants import Resultant, cross
+
+ASSUMES = "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
+LEFT_OUT = (
+    "elasticity of shoe, backing and drum: rigid by assumption",
+    "clearance and misfit: the law is that of a lining that fits, new or worn in, on a round drum",
+)
+NODES = 257  # of p over a lining; quadratic pieces: integrals are right to 1e-10
+MOST_STEPS = 200
+
+
+class Pressed(NamedTuple):
+    """A rigid shoe that presses: `c` (2,) the mixture of shapes [Pa], `amounts` (k,) of its freedoms [Pa m/m of the
+    gap], the `arcs` where it presses, `freedoms` with the `sense` of an abutment's friction."""
+
+    face: Face
+    c: Floats
+    amounts: Floats
+    arcs: Arcs
+    freedoms: Freedoms
+    sense: int
+
+    @property
+    def tip(self) -> float:
+        """How far the actuation's point goes along its force, over the lining's compliance [Pa]."""
+        return float(self.freedoms.tip @ self.amounts)
+
+
+def system(face: Face, free: Freedoms, width: float, arcs: Arcs) -> tuple[Floats, Floats]:
+    """N and F (k, k) of the equilibria (N - mu s F) a = Q with the lining pressed on the arcs."""
+    products, shapes = width * face.products(arcs), face.closing(free.motions)
+    N = face.closing(free.tests) @ products[:2] @ shapes.T
+    return N, face.sliding(free.tests) @ products @ shapes.T
+
+
+def locking(face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int) -> float:
+    """mu_lock: the least friction at which the equilibria become singular; inf where there is none."""
+    N, F = system(face, free, width, arcs)
+    size = np.sqrt(np.abs(np.diagonal(N))) + 1e-300
+    N, F = N / np.outer(size, size), F / np.outer(size, size)
+    try:
+        found = np.linalg.eigvals(np.linalg.solve(N, spin * F))
+    except np.linalg.LinAlgError:
+        return math.inf
+    real = found.real[np.abs(found.imag) <= 1e-9 * np.abs(found)]
+    return min((1 / float(x) for x in real if x > 1e-14), default=math.inf)
+
+
+def locking_friction(brake: AnyBrake, shoe: Shoe | FlatShoe) -> float:
+    """mu_lock of a shoe by the law, all of its lining pressed; the least of both senses of an abutment's friction."""
+    face, ends = face_of(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
+    of = [locking(face, shoe.freedoms(sense), shoe.lining.width, ends, brake.spin) for sense in shoe.senses]
+    return min(of)
+
+
+def press(brake: AnyBrake, shoe: Shoe | FlatShoe, *, whole: bool = False) -> Pressed | None:
+    """The shoe as it presses under its actuation; None where that lifts it off, or is none.
+
+    whole: all of the lining bears, tension included, as closed forms have it. Raises NoAnswer: self-locking, or nothing
+    balances the actuation.
+    """
+    face = face_of(brake, shoe)
+    if shoe.actuation.force == 0:
+        return None
+    if bears(brake, shoe) < 0:
+        return None
+    failure: NoAnswer | None = None
+    for sense in shoe.senses:
+        try:
+            found = _settled(brake, shoe, face, sense, whole)
+        except NoAnswer as error:
+            failure = failure or error
+            continue
+        if _consistent(brake, shoe, found):
+            return found
+    raise failure or NoAnswer(f"shoe {shoe.name!r}: no equilibrium, its foot leaves the abutment")
+
+
+def bears(brake: AnyBrake, shoe: Shoe | FlatShoe) -> int:
+    """+1 where pressure without friction can balance the actuation, -1 where tension would, else 0."""
+    face, ends = face_of(brake, shoe), (shoe.lining.start, shoe.lining.end)
+    free = shoe.freedoms(shoe.senses[-1])
+    shapes = face.closing(free.tests)
+    if len(shapes) == 1:
+        most = shapes[0] @ face.shapes(np.linspace(*ends, 65))[:2] * free.work[0]
+        return 1 if most.max() > 1e-12 * np.abs(most).max() else -1
+    try:
+        return face.centre(np.asarray(np.linalg.solve(shapes, free.work), dtype=float), *ends)
+    except np.linalg.LinAlgError:
+        return 0
+
+
+def _settled(brake: AnyBrake, shoe: Shoe | FlatShoe, face: Face, sense: int, whole: bool) -> Pressed:
+    free, ends, mu = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end), brake.friction
+    shapes = face.closing(free.motions)
+    arcs: Arcs = (ends,)
+    mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
+    locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
+    if len(shapes) == 1:  # where it presses is known beforehand
+        arcs = face.pressed(shapes[0] * math.copysign(1.0, free.work[0]), *ends)
+        mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
+        if mu >= mu_lock:
+            raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
+    for _ in range(MOST_STEPS):
+        N, F = system(face, free, shoe.lining.width, arcs)
+        try:
+            amounts: Floats = np.linalg.solve(N - mu * brake.spin * F, free.work).astype(float)
+        except np.linalg.LinAlgError:
+            break
+        c = shapes.T @ amounts
+        after = (ends,) if whole else face.pressed(c, *ends)
+        if after and _same(after, arcs):
+            mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
+            if mu >= mu_lock:
+                break
+            return Pressed(face, c, amounts, arcs, free, sense)
+        if not after:
+            break
+        arcs = after
+    if mu >= mu_lock:
+        raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
+    raise NoAnswer(f"shoe {shoe.name!r}: tips, no pressure of a rigid shoe on its lining balances the actuation")
+
+
+def _same(a: Arcs, b: Arcs) -> bool:
+    return len(a) == len(b) and bool(np.allclose(a, b, rtol=0, atol=1e-13 * max(1.0, np.abs(b).max())))
+
+
+def _consistent(brake: AnyBrake, shoe: Shoe | FlatShoe, found: Pressed) -> bool:
+    """Whether an abutment bears, and its friction opposes the slide, or holds a foot that sticks."""
+    if shoe.abutment is None:
+        return True
+    reaction = -shoe.actuation.vector - _contact(brake, shoe, found).force
+    c, s = math.cos(shoe.abutment.direction), math.sin(shoe.abutment.direction)
+    bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
+    if bearing <= 0:
+        return False
+    if shoe.abutment.friction == 0:
+        return True
+    if found.sense == 0:
+        return abs(along) <= shoe.abutment.friction * bearing * (1 + 1e-12)
+    return found.sense * float(found.amounts[1]) <= 0
+
+
+def _contact(brake: AnyBrake, shoe: Shoe | FlatShoe, found: Pressed) -> Resultant:
+    loads = shoe.lining.width * found.face.products(found.arcs) @ found.c
+    normal, friction, moment = found.face.force(loads, brake.friction * brake.spin)
+    return Resultant(normal, friction, moment)
+
+
+def respond(brake: AnyBrake, shoe: Shoe | FlatShoe, found: Pressed | None) -> ShoeResponse:
+    """The response of a shoe that presses so, or not at all."""
+    if found is None:
+        return untouched(shoe, -shoe.actuation.vector)
+    contact, flat = _contact(brake, shoe, found), isinstance(brake, FlatBrake)
+    place = nodes((shoe.lining.start, shoe.lining.end), found.arcs, 2 if flat else NODES - 1)
+    reaction = -shoe.actuation.vector - contact.force
+    helping = (
+        brake.friction
+        * brake.spin
+        * float(found.amounts @ system(found.face, found.freedoms, 1.0, found.arcs)[1] @ found.amounts)
+    )
+    about = _about(shoe, contact, flat)
+    if shoe.held_by != "guide":  # the moment of friction about the pin has the sense of the actuation's
+        helping = about[1] * shoe.actuation.moment_about(shoe.pin)
+    return ShoeResponse(
+        name=shoe.name,
+        torque=0.0 if flat else abs(contact.moment),
+        normal_force=float(np.linalg.norm(contact.normal)),
+        self_energising=bool(helping > 0),
+        peak_pressure=found.face.peak(found.c, found.arcs),
+        hinge_reaction=reaction,
+        contact_arcs=found.arcs,
+        theta=place,
+        pressure=np.maximum(found.c @ found.face.shapes(place)[:2], 0.0),
+        pivot_reaction=-contact.force if shoe.pivot is not None else None,
+        reaction_moment=-about[0] - about[1] - shoe.actuation.moment_about(shoe.pin) if shoe.guide is not None else 0.0,
+    )
+
+
+def pressure(found: Pressed | None, place: Floats) -> Floats:
+    """The pressure [Pa] of a shoe that presses so at the places of its lining, same shape; 0 of one that does not."""
+    if found is None:
+        return np.zeros(np.shape(place))
+    return np.maximum(found.c @ found.face.shapes(place)[:2], 0.0)
+
+
+def _about(shoe: Shoe | FlatShoe, contact: Resultant, flat: bool) -> tuple[float, float]:
+    """Moments of pressure and of friction about the shoe's pin."""
+    pin = shoe.pin.xy
+    pressure, friction = (contact.moment, 0.0) if flat else (0.0, contact.moment)  # about the origin
+    return pressure - float(cross(pin, contact.normal)), friction - float(cross(pin, contact.friction))
+
+
+def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
+    """Nodes of quadratic pieces over a lining: even ones, and the ends of the contact among those between pieces."""
+    marks = sorted({*ends, *(x for arc in arcs for x in arc)})
+    found = [np.array(marks[:1])]
+    for a, b in pairwise(marks):
+        count = 2 * max(1, round(steps * (b - a) / (ends[1] - ends[0]) / 2))
+        found.append(np.linspace(a, b, count + 1)[1:])
+    return np.concatenate(found)
+
+
+def forced(brake: AnyBrake, *, whole: bool = False) -> AnyBrake:
+    """The brake with the forces that its shoes share, those of a cam and of struts, by the law. Raises NoAnswer."""
+    shoes: list[Shoe | FlatShoe] = list(brake.shoes)
+    place = {shoe.name: i for i, shoe in enumerate(shoes)}
+    behind = {link.to for link in brake.links}
+    if brake.actuation is not None and brake.actuation.is_cam:
+        free = [i for i, shoe in enumerate(shoes) if shoe.name not in behind]
+        yields = []  # of the shoe's tip, per newton
+        for i in free:
+            found = press(brake, shoes[i], whole=whole)
+            if found is None or found.tip <= 0:
+                raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
+            yields.append(found.tip / shoes[i].actuation.force)
+        total = math.fsum(1 / size for size in yields)
+        for i, size in zip(free, yields, strict=True):
+            shoes[i] = shoes[i].under(brake.actuation.total / (size * total))
+    for link in brake.links:
+        source, to = shoes[place[link.source]], place[link.to]
+        found = press(brake, source, whole=whole)
+        shoes[to] = shoes[to].under(0.0 if found is None else math.hypot(*respond(brake, source, found).hinge_reaction))
+    return brake.model_copy(update={"shoes": tuple(shoes)})
+
+
+def solve(brake: AnyBrake, name: str = "rigid", *, whole: bool = False) -> Response:
+    """The response of a brake by the law, under the `name` that it has for such brakes; whole: as for `press`.
+
+    Raises NoAnswer: self-locking, or a shoe that nothing balances.
+    """
+    under = forced(brake, whole=whole)
+    shoes = tuple(respond(under, shoe, press(under, shoe, whole=whole)) for shoe in under.shoes)
+    shared = under.shoes != brake.shoes
+    if shared:
+        shoes = tuple(replace(r, force=shoe.actuation.force) for r, shoe in zip(shoes, under.shoes, strict=True))
+    flat = isinstance(under, FlatBrake)
+    response = Response(
+        model=name,
+        shoes=shoes,
+        balance=worst([balance_of(under, i, shoe) for i, shoe in enumerate(shoes)]),
+        left_out=("elasticity: rigid by assumption",) if flat else LEFT_OUT,
+        notes=tuple(no_contact(shoe.name, "plane" if flat else "drum") for shoe in shoes if not shoe.contact_arcs),
+    )
+    return with_merits(brake, response)
+
+
+def no_contact(name: str, body: str = "drum") -> str:
+    """The note for a shoe that its force does not press."""
+    return f"shoe {name!r}: no contact, the force does not turn it towards the {body}"

@@ -1,0 +1,66 @@
+"""Broken inputs of every kind and sweeps that are killed: what does drumlin make of them?"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from drumlin.fuzzing import kills, promises, trials
+from drumlin.journal import Journal
+from drumlin.report.page import fill
+
+HERE = Path(__file__).parent
+WORKERS = 2
+INPUTS = {
+    "bytes": 1000,
+    "schema": 2000,
+    "sizes": 1500,
+    "meshes": 1500,
+    "references": 700,
+    "tables": 700,
+    "sweeps": 1000,
+    "journals": 400,
+    "command lines": 1200,
+    "words": 300,
+}
+APART = 30  # inputs of each generator that are run as processes of their own, besides
+SWEEPS = {"one job": 4, "two jobs": 4, "Dask": 2}
+KILLS = 10  # of each of these sweeps
+
+
+class Result(NamedTuple):
+    """The verdicts on all inputs by generator, in this process and in others; the sweeps that were killed."""
+
+    within: dict[str, list[trials.Verdict]]
+    apart: dict[str, list[trials.Verdict]]
+    killed: list[dict[str, Any]]
+
+
+def study(
+    *, short: bool = False, say: Callable[[str], None] = lambda _: None, journal: Journal | None = None
+) -> Result:
+    """Try all inputs and kill all sweeps; `short`: five inputs of each generator and no kills."""
+    journal = journal or Journal()
+    within = dict.fromkeys(INPUTS, 5) if short else INPUTS
+    apart = {"words": 1} if short else dict.fromkeys(INPUTS, APART)
+    processes = 0 if short else WORKERS
+    return Result(
+        trials.try_all(within, journal, processes=processes, say=say),
+        trials.try_all(apart, journal, apart=True, processes=processes, say=say),
+        [] if short else kills.kill_all(SWEEPS, KILLS, journal, say),
+    )
+
+
+def report(result: Result, folder: Path) -> Path:
+    """Write the page; returns it."""
+    within, apart = trials.table(result.within), trials.table(result.apart)
+    return fill(
+        HERE / "page.html",
+        folder / "index.html",
+        within=within,
+        apart=apart,
+        killed=kills.table(result.killed),
+        faults=[v.fault for of in (result.within, result.apart) for vs in of.values() for v in vs if v.fault]
+        + [f"{row['way']}: {row['fault']}" for row in result.killed if row["fault"]],
+        promises=promises.PROMISES,
+        statuses=promises.STATUSES,
+    )

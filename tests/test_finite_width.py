@@ -1,0 +1,67 @@
+"""The correction for the width: a flange on a foundation, a lining between plane stress and plane strain."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drumlin.brake.fields import Material
+from drumlin.brake.file import vary
+from drumlin.fem import finite_width
+from drumlin.fem.solid import model
+from drumlin.fem.solve import solve
+from test_solid import t_section
+
+
+def by_differences(beta, reach, count=2000):
+    """Mean of y with y'''' + 4 beta^4 y = 0, y(0) = 1, y'(0) = 0, free at the reach: by energy, cubic elements."""
+    h = reach / count
+    bend = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h * h, -6 * h, 2 * h * h],
+                     [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h * h, -6 * h, 4 * h * h]]) / h**3  # fmt: skip
+    bed = h / 420 * np.array([[156, 22 * h, 54, -13 * h], [22 * h, 4 * h * h, 13 * h, -3 * h * h],
+                              [54, 13 * h, 156, -22 * h], [-13 * h, -3 * h * h, -22 * h, 4 * h * h]])  # fmt: skip
+    size = 2 * count + 2
+    K = np.zeros((size, size))
+    area = np.zeros(size)
+    for i in range(count):
+        part = slice(2 * i, 2 * i + 4)
+        K[part, part] += bend + 4 * beta**4 * bed
+        area[part] += [h / 2, h * h / 12, h / 2, -h * h / 12]
+    y = np.zeros(size)
+    y[0] = 1.0
+    y[2:] = np.linalg.solve(K[2:, 2:], -K[2:, 0])
+    return area @ y / reach
+
+
+@pytest.mark.parametrize("turns", [0.3, 1.0, 2.5])
+def test_the_flange_is_a_beam_on_a_foundation(turns):
+    """With beta c = turns; D = 1, K = 4 beta^4."""
+    reach = 0.7
+    beta = turns / reach
+    found = finite_width.flange_mean(reach, 1.0, 4 * beta**4)
+    assert found == pytest.approx(by_differences(beta, reach, 150), rel=1e-5)
+
+
+def test_a_stiff_flange_presses_evenly_and_a_long_one_under_the_web():
+    assert finite_width.flange_mean(1.0, 1.0, 1e-12) == pytest.approx(1.0, abs=1e-9)
+    for reach in (20.0, 60.0, 500.0):  # Hetenyi: the area under the curve of an infinite beam is 1/beta
+        assert finite_width.flange_mean(reach, 1.0, 4.0) == pytest.approx(1 / reach, rel=1e-6)
+
+
+@given(E=st.floats(1e6, 1e10), nu=st.floats(0.0, 0.49))
+def test_a_lining_lies_between_plane_stress_and_plane_strain(E, nu):
+    material = Material(E=E, nu=nu)
+    assert pytest.approx(E, rel=1e-12) == finite_width.between(material, 0.0).E
+    held = finite_width.between(material, 1.0)  # E/(1 - nu^2) of it is the modulus of a layer that cannot contract
+    assert held.E / (1 - nu**2) == pytest.approx(E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), rel=1e-9)
+
+
+def test_it_halves_the_error_of_a_t_section_and_leaves_a_narrow_one_alone(flexible):
+    brake = t_section(flexible)
+    brake = vary(brake, {"shoe.backing.thickness": 2e-3})
+    true = model.solve(brake, elements=12).shoes[1].torque
+    plane, other = (solve(each, elements=12).shoes[1].torque for each in (brake, finite_width.finite_width(brake)))
+    assert plane / true - 1 > 0.01
+    assert abs(other / true - 1) < 0.4 * abs(plane / true - 1)
+    narrow = vary(flexible, dict.fromkeys(("shoe.lining.width", "shoe.body.width"), 4e-3))
+    assert finite_width.finite_width(narrow) == narrow

@@ -1,0 +1,121 @@
+"""Shoes held by a pivot, an abutment or a guide, by finite elements: rigid limit, balances, mirror images."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import drumlin
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import brake_from, vary
+from drumlin.laws import law
+
+R = 0.11
+STEEL = {"E": 2.1e11, "nu": 0.3}
+BODY = {"thickness": 0.012, "width": 0.04, "start": -1.15, "end": 1.1, "material": STEEL}
+THIN = {"thickness": 0.001, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
+KINDS: dict[str, dict[str, Any]] = {
+    "abutment": {"abutment": {"point": {"x": 0.025, "y": -0.08}, "direction": 0.2}},
+    "rough abutment": {"abutment": {"point": {"x": 0.025, "y": -0.08}, "direction": 0.0, "friction": 0.2}},
+    "pivot": {"hinge": {"x": -0.03, "y": -0.12}, "pivot": {"x": 0.12, "y": 0.004}},
+    "guide": {"guide": {"direction": 0.1}},
+}
+
+
+def brake_of(kind: str, spin: int, mu: float = 0.35, **more: Any) -> Brake:
+    """One internal shoe held so, its lining 2 rad about +x, of 1 mm, rigid unless it has a body."""
+    direction, point = (0.05, {"x": 0.1, "y": 0.01}) if kind == "guide" else (0.0, {"x": 0.02, "y": 0.08})
+    shoe = {
+        "name": "shoe",
+        "side": "internal",
+        "lining": THIN | {"start": -0.95, "end": 0.95},
+        "actuation": {"force": 1000.0, "direction": direction, "point": point},
+    }
+    rotation = "counter-clockwise" if spin > 0 else "clockwise"
+    data = {"title": "t", "rotation": rotation, "friction": mu, "drum": {"radius": R}}
+    return brake_from(data | {"shoe": [shoe | KINDS[kind] | more]})
+
+
+@pytest.mark.parametrize("spin", [1, -1])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_rigid_shoe_with_a_thin_lining_answers_as_its_law(kind: str, spin: int) -> None:
+    brake = brake_of(kind, spin)
+    fem, rigid = drumlin.solve(brake), law(brake)
+    assert fem.torque == pytest.approx(rigid.torque, rel=3e-3)
+    a, b = fem.shoes[0], rigid.shoes[0]
+    assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 6e-3 * np.linalg.norm(b.hinge_reaction)
+    theta = np.linspace(-0.8, 0.8, 33)
+    p, q = a.pressure_at(theta), b.pressure_at(theta)
+    assert np.linalg.norm(p - q) < 0.02 * np.linalg.norm(q)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_elastic_shoe_balances_and_its_mirror_image_answers_alike(kind: str) -> None:
+    brake = brake_of(kind, 1, body=BODY)
+    response = drumlin.solve(brake)
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    data = brake.model_dump(by_alias=True)
+    data["rotation"] = "clockwise"
+    (shoe,) = data["shoe"]
+    for point in (
+        shoe["hinge"],
+        shoe["pivot"],
+        shoe["abutment"] and shoe["abutment"]["point"],
+        shoe["actuation"]["point"],
+    ):
+        if point:
+            point["y"] = -point["y"]
+    for part in (shoe["abutment"], shoe["guide"], shoe["actuation"]):
+        if part:
+            part["direction"] = -part["direction"]
+    for part in (shoe["lining"], shoe["body"]):
+        part["start"], part["end"] = -part["end"], -part["start"]
+    other = drumlin.solve(brake_from(data))
+    assert other.torque == pytest.approx(response.torque, rel=1e-8)
+    a, b = response.shoes[0], other.shoes[0]
+    assert b.hinge_reaction == pytest.approx(a.hinge_reaction * [1, -1], rel=1e-6, abs=1e-6)
+    assert b.reaction_moment == pytest.approx(-a.reaction_moment, rel=1e-6, abs=1e-9)
+    np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-6 * a.peak_pressure)
+
+
+@pytest.mark.parametrize("kind", ["pivot", "guide", "abutment"])
+def test_a_stiff_body_is_a_rigid_shoe(kind: str) -> None:
+    """Wherever pivot, guide or abutment grips it."""
+    stiff = vary(brake_of(kind, -1, body=BODY), {"shoe.body.material.E": 2.1e16})
+    rigid = vary(stiff, {"shoe.body": None})
+    assert drumlin.solve(stiff).torque == pytest.approx(drumlin.solve(rigid).torque, rel=3e-4)
+
+
+def test_what_holds_an_elastic_shoe_bears_what_it_can() -> None:
+    for kind in KINDS:
+        shoe = drumlin.solve(brake_of(kind, -1, body=BODY)).shoes[0]
+        x, y = shoe.hinge_reaction
+        if kind == "abutment":
+            assert math.atan2(y, x) == pytest.approx(0.2, abs=1e-9)
+        if kind == "rough abutment":
+            assert abs(y) <= 0.2 * x * (1 + 1e-9)
+        if kind == "guide":
+            assert abs(x * math.cos(0.1) + y * math.sin(0.1)) < 1e-9 * math.hypot(x, y)
+
+
+def test_the_whole_system_refined_is_the_same_answer() -> None:
+    from drumlin.fem.group import groups_of
+    from drumlin.fem.hp.levels import LEVELS
+    from drumlin.fem.hp.scene import scene
+    from drumlin.fem.model import refined_group
+
+    for kind in KINDS:
+        brake = brake_of(kind, 1, body=BODY)
+        (group,) = groups_of(scene(brake, LEVELS[1]), brake, 1e6)
+        group, found = group.settled()
+        for order in ("COLAMD", "MMD_AT_PLUS_A"):
+            refined = refined_group(group, found.active, order)
+            np.testing.assert_allclose(refined.p[0], found.p, atol=1e-8 * found.p.max())
+            np.testing.assert_allclose(refined.motions[0], found.y, rtol=1e-6, atol=1e-9 * abs(found.y).max())
+
+
+def test_meshes_answer_as_columns_do() -> None:
+    for kind in ("abutment", "pivot", "guide"):
+        brake = vary(brake_of(kind, 1, body=BODY), {"shoe.lining.thickness": 0.006})
+        assert drumlin.solve(brake, elements=60).torque == pytest.approx(drumlin.solve(brake).torque, rel=2e-3)

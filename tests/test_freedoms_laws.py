@@ -1,0 +1,378 @@
+"""The rigid-shoe law, however a shoe is held and pushed: closed forms, its special cases, balances, symmetries."""
+
+import math
+from math import atan, cos, pi, radians, sin
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+from pytest import approx
+
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import brake_from, validated, vary
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.laws import LAWS, law, rigid
+from drumlin.laws.hinged import layout
+from drumlin.laws.shapes import equivalent_friction
+from drumlin.models import MODELS, applicable
+from drumlin.response.response import Response, ShoeResponse, contact_resultant, loaded
+
+many = settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+SIGNS = st.sampled_from([1, -1])
+LINING = {"thickness": 0.005, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
+R, F, C, A, OFF = 0.11, 1000.0, 0.08, 0.08, 0.025  # of the closed form's example
+
+
+def abutted(mu: float, spin: int, m: float, friction: float = 0.0, arc: float = radians(110), at: float = 0.05) -> Any:
+    return {
+        "name": "first",
+        "side": "internal",
+        "abutment": {"point": {"x": OFF, "y": -A}, "direction": atan(m), "friction": friction},
+        "lining": LINING | {"start": at - arc / 2, "end": at + arc / 2},
+        "actuation": {"force": F, "direction": 0.0, "point": {"x": 0.02, "y": C}},
+    }
+
+
+def brake_of(*shoes: dict[str, Any], mu: float = 0.3, spin: int = -1, **more: Any) -> Brake:
+    rotation = "counter-clockwise" if spin > 0 else "clockwise"
+    data = {"title": "t", "rotation": rotation, "friction": mu, "drum": {"radius": R}, "shoe": list(shoes)}
+    return brake_from(data | more)
+
+
+def limpert(mu: float, lead: int, m: float, arc: float = radians(110), be: float = 0.05) -> float:
+    """Brake factor T/(r F) of a shoe on an abutment (Limpert, Brake Design and Safety), upper signs leading."""
+    D = (C + A + m * OFF) / R * cos(be) + m * C / R * sin(be)
+    E = m * C / R * cos(be) - (C + A + m * OFF) / R * sin(be)
+    f = (arc + sin(arc)) / (4 * sin(arc / 2)) * (A + m * OFF) / R
+    G, H = cos(be) + m * sin(be), f - (m * cos(be) - sin(be))
+    return (mu * D + lead * mu**2 * E) / (f - lead * mu * G + mu**2 * H)
+
+
+@pytest.mark.parametrize(("spin", "factor"), [(-1, 1.3888340858866), (1, 0.4747431137095)])
+def test_an_abutted_shoe_is_the_closed_form(spin: int, factor: float) -> None:
+    """All of the lining bearing, tension at its end included, as the closed form has it."""
+    brake = brake_of(abutted(0.35, spin, 0.2), mu=0.35, spin=spin)
+    assert limpert(0.35, -spin, 0.2) == approx(factor, rel=1e-12)
+    response = rigid.solve(brake, whole=True)
+    assert response.torque / (R * F) == approx(factor, rel=1e-12)
+
+
+@many
+@given(st.floats(0.05, 0.45), SIGNS, st.floats(-0.2, 0.4), st.floats(1.0, 2.0), st.floats(-0.1, 0.15))
+def test_abutted_shoes_of_all_kinds_are_the_closed_form(mu: float, spin: int, m: float, arc: float, at: float) -> None:
+    brake = brake_of(abutted(mu, spin, m, arc=arc, at=at), mu=mu, spin=spin)
+    factor = limpert(mu, -spin, m, arc, at)
+    assume(rigid.locking_friction(brake, brake.shoes[0]) > 1.05 * mu)
+    assert rigid.solve(brake, whole=True).torque / (R * F) == approx(factor, rel=1e-9)
+
+
+def test_friction_of_an_abutment_opposes_the_slide_that_it_finds() -> None:
+    """A leading shoe slides with the drum, so that mu_s acts as the slope does; a trailing one the other way."""
+    for spin, m in ((-1, 0.2), (1, -0.2)):
+        rough, sloped = (brake_of(abutted(0.35, spin, *s), mu=0.35, spin=spin) for s in ((0.0, 0.2), (m, 0.0)))
+        assert rigid.solve(rough).torque == approx(rigid.solve(sloped).torque, rel=1e-12)
+
+
+def test_a_foot_that_sticks_is_a_hinge() -> None:
+    """So rough an abutment holds the foot: the sine law about it, with a reaction inside the cone of friction."""
+    brake = brake_of(abutted(0.3, -1, 0.0, friction=2.0), mu=0.3)
+    hinge = vary(brake, {"shoe.abutment": None, "shoe.hinge": {"x": OFF, "y": -A}})
+    assert law(brake).torque == approx(MODELS["sine"].solve(hinge).torque, rel=1e-10)
+    x, y = law(brake).shoes[0].hinge_reaction
+    assert abs(y) <= 2.0 * x
+
+
+def secondary(hx: float, hy: float) -> dict[str, Any]:
+    """The other shoe of a duo-servo brake, hinged at the top, its lining 20 to 130 deg from the strut's end."""
+    lining = LINING | {"start": radians(-90 - 130), "end": radians(-90 - 20)}
+    return {"name": "second", "side": "internal", "hinge": {"x": hx, "y": hy}, "lining": lining}
+
+
+def hinged_factor(mu: float, h: float, a: float, phi_1: float, phi_2: float) -> float:
+    """T/(r F) of a leading hinged shoe, F at the arm h: the textbooks' integrals."""
+    Is, Isc = cos(phi_1) - cos(phi_2), (cos(2 * phi_1) - cos(2 * phi_2)) / 4
+    Iss = (phi_2 - phi_1) / 2 - (sin(2 * phi_2) - sin(2 * phi_1)) / 4
+    return mu * Is * h / (a * Iss - mu * (R * Is - a * Isc))
+
+
+def test_duo_servo_is_the_closed_form() -> None:
+    """B = B1 + B2 (c + B1 r)/a of a strut that pushes along x; with a slope m the equilibria give (c + B1 r)/(a + m o).
+
+    The strut is a two-force member: its line meets the secondary at the arm 2 a + m o about a hinge at (0, a)."""
+    for m in (0.0, 0.2):
+        brake = brake_of(abutted(0.3, -1, m), secondary(0.0, A), link=[{"from": "first", "to": "second"}])
+        B1, B2 = limpert(0.3, 1, m), hinged_factor(0.3, 2 * A, A, radians(50), radians(160))
+        strut = (C + B1 * R) / (A + m * OFF)
+        expected = B1 + B2 * strut * (2 * A + m * OFF) / (2 * A)
+        response = rigid.solve(brake, whole=True)
+        assert response.torque / (R * F) == approx(expected, rel=1e-9)
+        assert response.shoes[1].force == approx(strut * F * math.hypot(1, m), rel=1e-9)
+        as_it_is = rigid.solve(brake)
+        assert max(as_it_is.balance.force, as_it_is.balance.moment) < 1e-9
+
+
+def cam_brake(mu: float, spin: int, **actuation: Any) -> Brake:
+    """Two hinged shoes, mirror images, under an S-cam at the top."""
+    shoes = [
+        {
+            "name": name,
+            "side": "internal",
+            "hinge": {"x": hand * 0.03, "y": -0.09},
+            "lining": LINING | {"start": middle - 0.9, "end": middle + 0.9},
+            "actuation": {"direction": 0.0 if hand > 0 else pi, "point": {"x": hand * 0.02, "y": 0.085}},
+        }
+        for name, hand, middle in (("right", 1, 0.0), ("left", -1, pi))
+    ]
+    return brake_of(*shoes, mu=mu, spin=spin, actuation=actuation or {"force": 2000.0})
+
+
+@many
+@given(st.floats(0.05, 0.5), SIGNS)
+def test_a_cam_that_moves_both_tips_equally_has_the_closed_form(mu: float, spin: int) -> None:
+    """F1 B1 = F2 B2, and the brake factor 4 B1 B2/(B1 + B2) over half of the sum of both forces."""
+    brake = cam_brake(mu, spin)
+    response = law(brake)
+    B = [law(vary(brake, {"actuation": None, "shoe.actuation.force": F})).shoes[i].torque / (R * F) for i in (0, 1)]
+    forces = [shoe.force for shoe in response.shoes]
+    assert sum(forces) == approx(2000.0, rel=1e-12)
+    assert forces[0] * B[0] == approx(forces[1] * B[1], rel=1e-9)
+    assert response.torque / (R * 1000.0) == approx(4 * B[0] * B[1] / (B[0] + B[1]), rel=1e-9)
+    by_torque = law(cam_brake(mu, spin, torque=50.0, radius=0.02, efficiency=0.8))
+    assert by_torque.torque == approx(response.torque, rel=1e-12)
+
+
+def test_a_cylinder_pushes_both_shoes_with_its_pressure() -> None:
+    brake = cam_brake(0.3, 1, pressure=5e6, diameter=0.02, efficiency=0.96)
+    assert [shoe.actuation.force for shoe in brake.shoes] == approx([0.96 * 5e6 * pi * 0.02**2 / 4] * 2)
+    doubled = vary(brake, {"actuation.pressure": 1e7})
+    assert MODELS["sine"].solve(doubled).torque == approx(2 * MODELS["sine"].solve(brake).torque, rel=1e-12)
+
+
+# the special cases
+
+
+def test_the_law_of_a_hinge_is_the_sine_law_and_that_of_a_guide_the_cosine() -> None:
+    for spin in (1, -1):
+        brake = vary(cam_brake(0.3, spin), {"actuation": None, "shoe.actuation.force": F})
+        sine, own = MODELS["sine"].solve(brake), rigid.solve(brake)
+        for a, b in zip(own.shoes, sine.shoes, strict=True):
+            assert a.torque == approx(b.torque, rel=1e-12)
+            assert a.peak_pressure == approx(b.peak_pressure, rel=1e-12)
+            np.testing.assert_allclose(a.hinge_reaction, b.hinge_reaction, rtol=1e-10)
+        guided = vary(brake, {"shoe.hinge": None} | {f"shoe[{i}].guide": {"direction": i * pi} for i in (0, 1)})
+        shoe = law(guided).shoes[0]
+        N = F  # the friction is across the guide
+        assert shoe.torque == approx(0.3 * float(equivalent_friction(0.9)) * N * R, rel=1e-12)
+        assert shoe.pressure == approx(shoe.peak_pressure * np.cos(shoe.theta), rel=1e-12)
+
+
+def test_a_lining_that_reaches_past_its_hinge_lifts_there() -> None:
+    brake = brake_of(abutted(0.3, -1, 0.0))
+    brake = vary(brake, {"shoe.abutment": None, "shoe.hinge": {"radius": 0.09, "angle": -0.5}})
+    assert "within 0 to 180 deg" in str(MODELS["sine"].why_not(brake))
+    shoe = law(brake).shoes[0]
+    assert shoe.contact_arcs[0][0] == approx(-0.5, abs=1e-12)
+    cut = vary(brake, {"shoe.lining.start": -0.5})
+    assert shoe.torque == approx(MODELS["sine"].solve(cut).torque, rel=1e-9)
+
+
+def plane(held: dict[str, Any], mu: float = 0.35, sliding: str = "+x", **actuation: Any) -> FlatBrake:
+    shoe = {
+        "name": "pad",
+        "lining": {"start": 0.06, "end": 0.18, "width": 0.04},
+        "actuation": {"force": 500.0, "direction": -pi / 2, "point": {"x": 0.25, "y": 0.06}} | actuation,
+    } | held
+    return validated(FlatBrake, {"title": "t", "friction": mu, "plane": {"sliding": sliding}, "shoe": [shoe]})
+
+
+def test_on_a_plane_a_guide_makes_p_even_and_a_pivot_balances_about_itself() -> None:
+    guided = law(plane({"guide": {"direction": -pi / 2}})).shoes[0]
+    assert guided.pressure == approx(np.full(3, 500 / (0.12 * 0.04)), rel=1e-12)
+    for sliding, spin in (("+x", 1), ("-x", -1)):
+        brake = plane({"hinge": {"x": 0.0, "y": 0.1}, "pivot": {"x": 0.12, "y": 0.02}}, sliding=sliding)
+        shoe = law(brake).shoes[0]
+        x = np.linspace(0.06, 0.18, 4001)
+        p = shoe.pressure_at(x)
+        about = np.trapezoid(p * ((x - 0.12) + 0.35 * spin * 0.02), x)
+        assert abs(about) < 1e-6 * np.trapezoid(p * abs(x - 0.12), x)
+        assert approx(0.04 * np.trapezoid(p * (x + 0.35 * spin * 0.1), x), rel=1e-6) == 500 * 0.25
+
+
+# all kinds
+
+
+def kinds(draw: Any, mu: float, spin: int) -> AnyBrake:
+    """A brake of any kind."""
+    kind = draw(st.sampled_from(["abutment", "rough", "pivot", "guide", "cam", "servo", "plane guide", "plane pivot"]))
+    m, at, half = draw(st.floats(-0.2, 0.3)), draw(st.floats(-0.15, 0.15)), draw(st.floats(0.3, 0.9))
+    one = abutted(mu, spin, m, arc=2 * half, at=at)
+    if kind == "cam":
+        return cam_brake(mu, spin)
+    if kind == "servo":
+        return brake_of(one, secondary(0.0, A), mu=mu, spin=spin, link=[{"from": "first", "to": "second"}])
+    if kind == "plane guide":
+        return plane({"guide": {"direction": -pi / 2 + m}}, mu, "+x" if spin > 0 else "-x")
+    if kind == "plane pivot":
+        return plane({"hinge": {"x": 0.0, "y": 0.1}, "pivot": {"x": 0.12 + 0.05 * m, "y": 0.02}}, mu)
+    if kind == "rough":
+        one["abutment"]["friction"] = draw(st.floats(0.05, 0.4))
+    if kind in {"pivot", "guide"}:
+        del one["abutment"]
+    if kind == "pivot":
+        reach = float(equivalent_friction(half)) * draw(st.floats(0.9, 1.1))
+        one |= {"hinge": {"x": 0.03, "y": -0.2}, "pivot": {"radius": R * reach, "angle": at + 0.1 * m}}
+    if kind == "guide":
+        one |= {"guide": {"direction": m}}
+    return brake_of(one, mu=mu, spin=spin)
+
+
+@st.composite
+def brakes(draw: st.DrawFn) -> AnyBrake:
+    return kinds(draw, draw(st.floats(0.0, 0.4)), draw(SIGNS))
+
+
+def answered(brake: AnyBrake) -> Response:
+    try:
+        return law(brake)
+    except NoAnswer:
+        assume(False)
+        raise
+
+
+@many
+@given(brakes())
+def test_forces_moments_and_what_holds_the_shoe_balance(brake: AnyBrake) -> None:
+    response = answered(brake)
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    under = loaded(brake, response)
+    for i, (data, shoe) in enumerate(zip(under.shoes, response.shoes, strict=True)):
+        assert shoe.pressure.min() >= 0
+        size = np.linalg.norm(shoe.hinge_reaction) + abs(data.actuation.force)
+        x, y = shoe.hinge_reaction
+        if data.guide is not None:  # bears nothing along itself
+            assert abs(x * cos(data.guide.direction) + y * sin(data.guide.direction)) < 1e-9 * size
+        if data.abutment is not None:
+            c, s = cos(data.abutment.direction), sin(data.abutment.direction)
+            assert abs(-s * x + c * y) <= data.abutment.friction * (c * x + s * y) + 1e-9 * size
+        if data.pivot is not None and isinstance(under, Brake):
+            force, g = contact_resultant(under, i, shoe), data.pivot.xy
+            assert abs(force.moment - (g[0] * force.force[1] - g[1] * force.force[0])) < 1e-7 * size * R
+    for link in under.links:
+        source, to = (next(s for s in response.shoes if s.name == name) for name in (link.source, link.to))
+        assert np.linalg.norm(source.hinge_reaction) == approx(to.force, rel=1e-12)
+
+
+def mirrored(brake: AnyBrake) -> AnyBrake:
+    """The mirror image about the y axis, from the data itself."""
+    data = brake.model_dump(by_alias=True)
+    if "rotation" in data:
+        data["rotation"] = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}[data["rotation"]]
+    else:
+        data["plane"] = {"sliding": {"+x": "-x", "-x": "+x"}[data["plane"]["sliding"]]}
+    flat = isinstance(brake, FlatBrake)
+    for shoe in data["shoe"]:
+        for key in ("hinge", "pivot"):
+            if shoe[key]:
+                shoe[key] |= {"x": -shoe[key]["x"]}
+        for part in (shoe["abutment"], shoe["guide"], shoe["actuation"]):
+            if part:
+                part["direction"] = pi - part["direction"]
+                if "point" in part:
+                    part["point"] |= {"x": -part["point"]["x"]}
+        ends = shoe["lining"]["start"], shoe["lining"]["end"]
+        shoe["lining"] |= dict(zip(("end", "start"), ((0 if flat else pi) - x for x in ends), strict=True))
+    return validated(type(brake), data)
+
+
+def same(a: ShoeResponse, b: ShoeResponse, size: float = 1.0) -> None:
+    assert b.torque == approx(a.torque * size, rel=1e-8, abs=1e-9)
+    assert b.normal_force == approx(a.normal_force * size, rel=1e-8)
+    assert b.peak_pressure == approx(a.peak_pressure * size, rel=1e-8)
+    assert b.self_energising == a.self_energising
+
+
+@many
+@given(brakes(), st.floats(0.1, 10.0))
+def test_mirror_images_and_scaled_forces_answer_alike(brake: AnyBrake, size: float) -> None:
+    response = answered(brake)
+    for a, b in zip(response.shoes, law(mirrored(brake)).shoes, strict=True):
+        same(a, b)
+        np.testing.assert_allclose(b.pressure[::-1], a.pressure, rtol=1e-7, atol=1e-9 * a.peak_pressure)
+    drive = brake.actuation is not None
+    forces = [shoe.actuation.force * size for shoe in brake.shoes]
+    changes = {f"shoe[{i}].actuation.force": force for i, force in enumerate(forces)}
+    more = vary(brake, {"actuation.force": 2000.0 * size} if drive else changes)
+    for a, b in zip(response.shoes, law(more).shoes, strict=True):
+        same(a, b, size)
+
+
+@many
+@given(brakes())
+def test_torque_grows_without_bound_towards_locking(brake: AnyBrake) -> None:
+    """On the part of the lining that presses near the limit; beyond it there is no number."""
+    shoe = brake.shoes[0]
+    assume(len(brake.shoes) == 1 and not (shoe.abutment and shoe.abutment.friction))
+    mu_lock = rigid.locking_friction(brake, shoe)
+    assume(mu_lock < 5 and isinstance(brake, Brake))
+    free = shoe.freedoms()
+    face, ends = rigid.face_of(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
+    N, G = rigid.system(face, free, 1.0, ends)
+    assert abs(np.linalg.det((N - mu_lock * brake.spin * G) / np.abs(N).max())) < 1e-9
+    with pytest.raises(NoAnswer):
+        law(vary(brake, {"friction": mu_lock * 1.001}))
+
+
+def test_every_brake_has_the_rigid_law_under_exactly_one_name(root: Any) -> None:
+    names = {"sine", "pivoted", "linear", "rigid"}
+    for brake in (cam_brake(0.3, 1), brake_of(abutted(0.3, 1, 0.1)), read_any(root / "studies/laws/pad.toml")):
+        assert len(names & {model.name for model in applicable(brake)}) == 1
+    one = vary(cam_brake(0.3, 1), {"actuation": None, "shoe.actuation.force": F})
+    assert law(one).model == "sine"
+    assert law(one).torque == approx(float(MODELS["sine"].solve(one).torque), rel=1e-12)
+    assert LAWS["sine"].locking_friction(layout(one, one.shoes[0])) == approx(
+        rigid.locking_friction(one, one.shoes[0]), rel=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"hinge": None}, "hinge: is missing; a shoe is held by one of hinge, hinge and pivot, abutment, guide"),
+        (
+            {"guide": {"direction": 0.0}},
+            "guide: a shoe is held by one of hinge, abutment, guide, not by hinge and guide",
+        ),
+        ({"hinge": None, "guide": {"direction": pi}}, "guide.direction = 180 deg: must lead the middle of the lining"),
+        ({"hinge": None, "pivot": {"x": 0.1, "y": 0}, "guide": {"direction": 0.0}}, "whose pin is the hinge"),
+        ({"actuation": {"direction": 0.0, "point": {"x": 0.02, "y": 0.08}}}, "shoe[0].actuation.force: is missing"),
+    ],
+)
+def test_misuse_is_refused_in_one_line(changes: dict[str, Any], line: str) -> None:
+    shoe = abutted(0.3, 1, 0.0)
+    del shoe["abutment"]
+    with pytest.raises(BadInput) as refusal:
+        brake_of(shoe | {"hinge": {"x": OFF, "y": -A}} | changes)
+    assert line in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_misuse_of_what_pushes_the_shoes_is_refused_in_one_line() -> None:
+    one, two = abutted(0.3, -1, 0.0), secondary(0.0, A)
+    pushed = two | {"actuation": one["actuation"]}
+    for shoes, more, line in (
+        (
+            (one, pushed),
+            {"link": [{"from": "first", "to": "third"}]},
+            "link[0].to = 'third': must be the name of a shoe",
+        ),
+        ((one, pushed), {"link": [{"from": "second", "to": "first"}]}, "must bear on the strut by an abutment"),
+        ((one, two), {}, "shoe[1].actuation: is missing"),
+        ((one,), {"actuation": {"force": 1.0}}, "a cam moves two shoes, not 1"),
+        ((one, pushed), {"actuation": {"force": 1.0, "radius": 0.01}}, "needs pressure and diameter of a cylinder"),
+    ):
+        with pytest.raises(BadInput) as refusal:
+            brake_of(*shoes, **more)
+        assert line in str(refusal.value)

@@ -1,0 +1,60 @@
+"""Shoes of every kind run in to their rigid-shoe law, and worn in at once they bear by it."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import drumlin
+from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import FlatBrake
+from drumlin.fem.assembly import prepare
+from drumlin.laws import law
+from drumlin.wear.linings import fem_setup
+from drumlin.wear.run_in import checks, run_in, target
+from test_freedoms_fem import BODY, brake_of
+from test_plane_fem import pad
+from test_sharing import cam_brake, servo
+
+THICK = {"shoe.lining.thickness": 0.005}
+BRAKES: dict[str, Any] = {
+    "abutment": lambda: vary(brake_of("abutment", -1, body=BODY), THICK),
+    "pivot": lambda: vary(brake_of("pivot", 1, body=BODY), THICK),
+    "guide": lambda: vary(brake_of("guide", 1, body=BODY), THICK),
+    "cam": lambda: cam_brake(body=0.012, thickness=0.006),
+    "strut": lambda: vary(servo(body=0.02), THICK),
+}
+
+
+@pytest.mark.parametrize("name", BRAKES)
+def test_worn_in_elastic_shoes_bear_by_the_law(name: str) -> None:
+    brake = BRAKES[name]()
+    new, worn, rigid = drumlin.solve(brake), drumlin.solve(brake, worn_in=True), law(brake)
+    assert abs(new.torque / rigid.torque - 1) > 2e-3
+    assert worn.torque == pytest.approx(rigid.torque, rel=1e-3)
+    for a, b in zip(worn.shoes, rigid.shoes, strict=True):
+        assert a.torque == pytest.approx(b.torque, rel=1e-3)
+        if b.force is not None:
+            assert a.force == pytest.approx(b.force, rel=1e-3)
+
+
+def test_a_worn_in_pad_bears_by_the_law() -> None:
+    brake = pad("hinge", "-x", lining={"start": 0.06, "end": 0.18, "thickness": 0.008, "width": 0.04,
+        "material": {"E": 3e8, "nu": 0.25}})  # fmt: skip
+    assert isinstance(brake, FlatBrake)
+    worn, rigid = drumlin.solve(brake, worn_in=True), law(brake)
+    assert worn.merits[0].braking_force == pytest.approx(rigid.merits[0].braking_force, rel=1e-4)
+    x = np.linspace(0.07, 0.17, 21)
+    np.testing.assert_allclose(worn.shoes[0].pressure_at(x), rigid.shoes[0].pressure_at(x), rtol=2e-3)
+
+
+@pytest.mark.parametrize("name", ["abutment", "cam"])
+def test_running_in_ends_at_the_law(name: str) -> None:
+    """The forces of a cam are shared anew at every step: new F1 B1 is not F2 B2, worn in it is."""
+    brake = BRAKES[name]()
+    setup = fem_setup(prepare(brake, elements=24), brake)
+    states, goal = run_in(setup), target(setup)
+    assert goal.torque == pytest.approx(law(brake).torque, rel=2e-4)
+    assert states[-1].torque == pytest.approx(goal.torque, rel=2e-3)
+    assert abs(states[0].torque / goal.torque - 1) > 3e-3
+    assert checks(setup, states, drumlin.wear.archard.WearLaw(1e-14)).volume < 1e-9

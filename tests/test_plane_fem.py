@@ -1,0 +1,143 @@
+"""Pads on a plane by finite elements: rigid limits, closed forms, balances, mirror images."""
+
+import math
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+import drumlin
+from drumlin.brake.file import validated
+from drumlin.brake.plane_brake import FlatBrake
+from drumlin.brake.unrolled import unrolled
+from drumlin.errors import BadInput
+from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.hp.scene import scene
+from drumlin.fem.model import respond
+from drumlin.laws import law
+
+LINING = {"thickness": 0.001, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
+BODY = {"thickness": 0.02, "width": 0.04, "start": 0.05, "end": 0.19, "material": {"E": 2.1e11, "nu": 0.3}}
+KINDS: dict[str, dict[str, Any]] = {
+    "hinge": {"hinge": {"x": 0.0, "y": 0.06}},
+    "guide": {"guide": {"direction": -pi / 2 + 0.2}},
+    "pivot": {"hinge": {"x": 0.0, "y": 0.1}, "pivot": {"x": 0.12, "y": 0.03}},
+    "abutment": {"abutment": {"point": {"x": 0.03, "y": 0.03}, "direction": 0.1, "friction": 0.1}},
+}
+
+
+def pad(kind: str, sliding: str = "+x", mu: float = 0.3, **more: Any) -> FlatBrake:
+    shoe = {
+        "name": "pad",
+        "lining": LINING | {"start": 0.06, "end": 0.18},
+        "actuation": {"force": 500.0, "direction": -pi / 2, "point": {"x": 0.25, "y": 0.08}},
+    }
+    if kind in {"abutment", "guide"}:
+        shoe["actuation"] = {"force": 500.0, "direction": -pi / 2, "point": {"x": 0.14, "y": 0.08}}
+    data = {"title": "t", "friction": mu, "plane": {"sliding": sliding}, "shoe": [shoe | KINDS[kind] | more]}
+    return validated(FlatBrake, data)
+
+
+@pytest.mark.parametrize("sliding", ["+x", "-x"])
+@pytest.mark.parametrize("kind", ["hinge", "guide", "pivot"])
+def test_a_rigid_pad_with_a_thin_lining_answers_as_its_law(kind: str, sliding: str) -> None:
+    brake = pad(kind, sliding)
+    fem, rigid = drumlin.solve(brake), law(brake)
+    assert fem.merits[0].braking_force == pytest.approx(rigid.merits[0].braking_force, rel=3e-3)
+    a, b = fem.shoes[0], rigid.shoes[0]
+    assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 3e-3 * np.linalg.norm(b.hinge_reaction)
+    x = np.linspace(0.07, 0.17, 33)
+    p, q = a.pressure_at(x), b.pressure_at(x)
+    assert np.linalg.norm(p - q) < 5e-3 * np.linalg.norm(q)
+    assert a.torque == 0.0
+
+
+def test_a_thin_lining_gives_way_as_a_bonded_layer() -> None:
+    """Under an even pressure a bonded layer in plane stress is squeezed by p t (1 - nu^2)/E, but for its free ends.
+
+    Those add a width of the order of the thickness, so that halving it halves what is missing."""
+    off = []
+    for t in (0.001, 0.0005):
+        brake = pad("guide", mu=0.0, lining=LINING | {"start": 0.06, "end": 0.18, "thickness": t})
+        shoe = drumlin.solve(brake, penalty=math.inf).shoes[0]
+        assert shoe.motion is not None
+        squeezed = 500.0 / (0.12 * 0.04) * t * (1 - 0.25**2) / 3e8
+        off.append(-shoe.motion[1] / squeezed - 1)
+    assert abs(off[0]) < 0.01
+    assert off[1] == pytest.approx(off[0] / 2, rel=0.1)
+
+
+@pytest.mark.parametrize(("mu", "exponent"), [(0.1, 0.887), (0.3, 0.7095), (0.5, 0.564)])
+def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(mu: float, exponent: float) -> None:
+    """p ~ r^(lambda - 1) where the plane runs onto a square edge of nu 0.3 (plane stress, sliding on a rigid plane).
+
+    lambda solves the transcendental equation of a wedge of 90 deg, free on one side and sliding on the other."""
+    material = {"E": 3e8, "nu": 0.3}
+    lining = LINING | {"start": 0.06, "end": 0.18, "thickness": 0.02, "material": material}
+    brake = pad("guide", mu=mu, lining=lining)
+    found = respond(scene(unrolled(brake), LEVELS[5]), unrolled(brake)).shoes[0]
+    r = np.geomspace(2e-6, 4e-5, 12)
+    p = found.pressure_at((0.06 + r) / 0.12)
+    slope = np.polyfit(np.log(r), np.log(p), 1)[0]
+    assert slope == pytest.approx(exponent - 1, abs=0.02)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) -> None:
+    """The abutted pad slides on a face that bears its friction."""
+    one = "-x" if kind == "abutment" else "+x"
+    brake = pad(kind, one, body=BODY)
+    response = drumlin.solve(brake)
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    data = brake.model_dump(by_alias=True)
+    data["plane"] = {"sliding": "+x" if one == "-x" else "-x"}
+    (shoe,) = data["shoe"]
+    for point in (shoe["hinge"], shoe["pivot"], (shoe["abutment"] or {}).get("point"), shoe["actuation"]["point"]):
+        if point:
+            point["x"] = -point["x"]
+    for part in (shoe["abutment"], shoe["guide"], shoe["actuation"]):
+        if part:
+            part["direction"] = pi - part["direction"]
+    for part in (shoe["lining"], shoe["body"]):
+        part["start"], part["end"] = -part["end"], -part["start"]
+    other = drumlin.solve(validated(FlatBrake, data))
+    a, b = response.shoes[0], other.shoes[0]
+    assert b.normal_force == pytest.approx(a.normal_force, rel=1e-8)
+    assert b.hinge_reaction == pytest.approx(a.hinge_reaction * [-1, 1], rel=1e-6, abs=1e-6)
+    np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-6 * a.peak_pressure)
+
+
+def test_a_pad_answers_alike_wherever_it_stands() -> None:
+    """Moved along the plane by 1.3 m, pins, point of the force and all."""
+    for kind in KINDS:
+        brake = pad(kind, "-x", body=BODY)
+        data = brake.model_dump(by_alias=True)
+        (shoe,) = data["shoe"]
+        for point in (shoe["hinge"], shoe["pivot"], (shoe["abutment"] or {}).get("point"), shoe["actuation"]["point"]):
+            if point:
+                point["x"] += 1.3
+        for part in (shoe["lining"], shoe["body"]):
+            part["start"], part["end"] = part["start"] + 1.3, part["end"] + 1.3
+        a, b = drumlin.solve(brake).shoes[0], drumlin.solve(validated(FlatBrake, data)).shoes[0]
+        assert b.normal_force == pytest.approx(a.normal_force, rel=1e-6)
+        np.testing.assert_allclose(b.pressure_at(a.theta + 1.3), a.pressure, atol=1e-5 * a.peak_pressure)
+
+
+def test_meshes_answer_as_columns_do() -> None:
+    for kind in ("hinge", "pivot"):
+        brake = pad(kind, body=BODY)
+        a, b = drumlin.solve(brake, elements=60), drumlin.solve(brake)
+        assert a.merits[0].braking_force == pytest.approx(b.merits[0].braking_force, rel=2e-3)
+
+
+def test_a_face_on_which_a_pad_would_only_slide_is_refused_in_one_line() -> None:
+    face = {"abutment": {"point": {"x": 0.03, "y": 0.03}, "direction": -pi / 2}}
+    with pytest.raises(BadInput, match="must not be in line with it and the normal of the plane"):
+        pad("hinge", hinge=None, **face)
+
+
+def test_a_pad_without_thickness_is_refused_in_one_line() -> None:
+    bare = {key: None for key in ("thickness", "material")}
+    with pytest.raises(BadInput, match="its lining has no thickness and material to mesh"):
+        drumlin.solve(pad("hinge", lining=LINING | {"start": 0.06, "end": 0.18} | bare))

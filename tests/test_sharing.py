@@ -1,0 +1,139 @@
+"""Shoes that share a force, under a cam and by a strut, by finite elements."""
+
+import math
+from math import pi, radians
+from typing import Any
+
+import numpy as np
+import pytest
+
+import drumlin
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import brake_from, vary
+from drumlin.errors import NoAnswer
+from drumlin.fem.assembly import prepare
+from drumlin.fem.group import groups_of
+from drumlin.fem.model import respond
+from drumlin.laws import law
+from drumlin.response.response import loaded
+
+R = 0.11
+STEEL = {"E": 2.1e11, "nu": 0.3}
+LINING = {"thickness": 0.001, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
+
+
+def brake_of(spin: int, mu: float, shoes: list[dict[str, Any]], **more: Any) -> Brake:
+    rotation = "counter-clockwise" if spin > 0 else "clockwise"
+    return brake_from({"title": "t", "rotation": rotation, "friction": mu, "drum": {"radius": R}, "shoe": shoes} | more)
+
+
+def cam_brake(spin: int = 1, mu: float = 0.3, body: float = 0.0, thickness: float = 0.001) -> Brake:
+    """Two hinged shoes, mirror images, under an S-cam; with a body [m] elastic."""
+    shoes = []
+    for name, hand, middle in (("right", 1, 0.0), ("left", -1, pi)):
+        shoe = {
+            "name": name,
+            "side": "internal",
+            "hinge": {"x": hand * 0.03, "y": -0.085},
+            "lining": LINING | {"thickness": thickness, "start": middle - 0.9, "end": middle + 0.9},
+            "actuation": {"direction": 0.0 if hand > 0 else pi, "point": {"x": hand * 0.02, "y": 0.085}},
+        }
+        if body:
+            ends = (middle - 1.1, middle + 1.1)
+            shoe["body"] = {"thickness": body, "width": 0.04, "start": ends[0], "end": ends[1], "material": STEEL}
+        shoes.append(shoe)
+    return brake_of(spin, mu, shoes, actuation={"force": 2000.0})
+
+
+def servo(spin: int = -1, mu: float = 0.3, body: float = 0.0) -> Brake:
+    first = {
+        "name": "first",
+        "side": "internal",
+        "abutment": {"point": {"x": 0.025, "y": -0.08}, "direction": math.atan(0.1)},
+        "lining": LINING | {"start": 0.1 - radians(50), "end": 0.1 + radians(50)},
+        "actuation": {"force": 1000.0, "direction": 0.0, "point": {"x": 0.02, "y": 0.08}},
+    }
+    lining = LINING | {"start": radians(-90 - 130), "end": radians(-90 - 20)}
+    second = {"name": "second", "side": "internal", "hinge": {"x": -0.01, "y": 0.085}, "lining": lining}
+    if body:
+        arc = {"thickness": body, "width": 0.04, "material": STEEL}
+        first["body"] = arc | {"start": 0.1 - radians(58), "end": 0.1 + radians(58)}
+        second["body"] = arc | {"start": radians(-90 - 140), "end": radians(-90 - 14)}
+    return brake_of(spin, mu, [first, second], link=[{"from": "first", "to": "second"}])
+
+
+@pytest.mark.parametrize("make", [cam_brake, servo])
+@pytest.mark.parametrize("spin", [1, -1])
+def test_rigid_shoes_with_thin_linings_share_as_by_the_law(make: Any, spin: int) -> None:
+    brake = make(spin)
+    fem, rigid = drumlin.solve(brake), law(brake)
+    assert fem.torque == pytest.approx(rigid.torque, rel=3e-3)
+    for a, b in zip(fem.shoes, rigid.shoes, strict=True):
+        assert a.force == pytest.approx(b.force, rel=3e-3)
+        assert a.torque == pytest.approx(b.torque, rel=4e-3)
+
+
+def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
+    """Judged by each shoe alone under its share: another problem, whose tip is found by the work of a small change."""
+    brake = cam_brake(body=0.012, thickness=0.006)
+    scene = prepare(brake, elements=40)
+    both = respond(scene, brake)
+    assert sum(shoe.force for shoe in both.shoes) == pytest.approx(2000.0, rel=1e-9)
+    assert abs(both.shoes[0].force / both.shoes[1].force - 1) > 0.1
+    alone = vary(loaded(brake, both), {"actuation": None})
+    tips = []
+    for i, group in enumerate(groups_of(scene, alone, 1e6)):
+        found = group.answer()
+        own = group._pushed(0)
+        tip = group.unit_force * (own.tip @ found.p + own.yields + own.moves @ found.y)
+        tips.append(tip)
+        shoe = respond(scene, alone).shoes[i]
+        assert shoe.torque == pytest.approx(both.shoes[i].torque, rel=1e-8)
+        np.testing.assert_allclose(shoe.pressure, both.shoes[i].pressure, atol=1e-7 * shoe.peak_pressure)
+    assert tips[0] == pytest.approx(tips[1], rel=1e-8)
+
+
+def test_the_tip_moves_as_the_energy_says() -> None:
+    """Without friction the work of the force is the elastic energy: tip = dW/dF, by central differences of W = F tip/2.
+
+    The brake is linear where the contact does not change with the force, as without gaps."""
+    brake = vary(cam_brake(body=0.012, thickness=0.006, mu=0.0), {"actuation": None, "shoe.actuation.force": 1000.0})
+    scene = prepare(brake, elements=30)
+    (group, _) = groups_of(scene, brake, math.inf)
+    found, own = group.answer(), group._pushed(0)
+    tip = own.tip @ found.p + own.yields + own.moves @ found.y
+    body, part = group.bodies[0], group.parts[0]
+    nodal = -body.coupling.N.T @ found.p[part]
+    u = body.condensed.displacement(nodal, np.array([0.0, 0.0, found.y[0]]), _load(group))
+    from drumlin.fem.assembly import materials_of
+    from drumlin.fem.body import stiffness
+
+    energy = 0.5 * float(u.T.ravel() @ (stiffness(body.basis, materials_of(group.shoes[0])) @ u.T.ravel()))
+    assert 0.5 * tip == pytest.approx(energy, rel=1e-6)
+
+
+def _load(group: Any) -> Any:
+    from drumlin.fem.assembly import actuation
+
+    return actuation(group.bodies[0], group.shoes[0])[0]
+
+
+@pytest.mark.parametrize("make", [cam_brake, servo])
+def test_every_shoe_and_the_whole_brake_balance(make: Any) -> None:
+    brake = make(body=0.012)
+    response = drumlin.solve(brake)
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    under = loaded(brake, response)
+    outside = [shoe.actuation.vector for shoe in under.shoes] + [shoe.hinge_reaction for shoe in response.shoes]
+    if brake.links:  # what the strut does to one it does to the other
+        a, b = response.shoes
+        assert a.hinge_reaction == pytest.approx(-under.shoes[1].actuation.vector, rel=1e-9)
+        assert np.linalg.norm(a.hinge_reaction) == pytest.approx(b.force, rel=1e-9)
+    total = np.sum(outside, axis=0) + -response.bearing_load
+    assert np.linalg.norm(total) < 1e-9 * max(np.linalg.norm(force) for force in outside)
+
+
+def test_a_locked_cam_or_strut_is_refused_with_its_limit() -> None:
+    for make in (cam_brake, servo):
+        with pytest.raises(NoAnswer, match=r"self-locking|would have to pull|no equilibrium"):
+            drumlin.solve(make(mu=3.0), elements=30)

@@ -1,0 +1,272 @@
+"""The solid shoe against plane stress where they must agree, closed forms in three dimensions, balance."""
+
+import json
+import resource
+import time
+
+import meshio
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drumlin.brake.fields import Material
+from drumlin.brake.file import vary
+from drumlin.errors import BadInput
+from drumlin.fem.assembly import prepare
+from drumlin.fem.model import respond
+from drumlin.fem.solid import model
+from drumlin.fem.solid.body import face_of
+from drumlin.fem.solid.face import width_matrix
+from drumlin.fem.solid.mesh import solid_mesh, width_levels
+from drumlin.fem.solve import solve
+from drumlin.response.norms import pressure_distance, relative
+from drumlin.response.response import contact_resultant
+from drumlin.verification import solid_forms
+from test_cli import drumlin
+
+ONE_WIDTH = ("shoe.lining.width", "shoe.body.width")
+
+
+def one_width(brake, width):
+    return vary(brake, dict.fromkeys(ONE_WIDTH, width))
+
+
+def t_section(brake):
+    """Table and web: the table is the backing, as wide as the lining, and the body is the web."""
+    table = {"thickness": 4e-3, "material": {"E": 210e9, "nu": 0.3}}
+    return vary(brake, {"shoe.backing": table, "shoe.body.thickness": 20e-3, "shoe.body.width": 5e-3})
+
+
+@pytest.mark.parametrize("width", [2e-3, 40e-3, 0.2])
+def test_without_lateral_contraction_it_is_plane_stress_at_any_width(flexible, width):
+    brake = vary(one_width(flexible, width), {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0})
+    solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
+    for mine, other in zip(solid.shoes, plane.shoes, strict=True):
+        assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
+        np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
+        np.testing.assert_allclose(mine.hinge_reaction, other.hinge_reaction, rtol=1e-7)
+        np.testing.assert_allclose(mine.surface.pressure.T - mine.pressure, 0, atol=1e-8 * other.peak_pressure)
+
+
+def test_with_lateral_contraction_it_is_not(flexible):
+    solid, plane = (respond(make(flexible, elements=12), flexible) for make in (model.prepare, prepare))
+    assert 1e-4 < max(abs(relative(a.torque, b.torque)) for a, b in zip(solid.shoes, plane.shoes, strict=True)) < 0.05
+
+
+@pytest.mark.slow
+def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(brake):
+    narrow = one_width(brake, brake.shoes[0].lining.thickness / 10)
+    solid, plane = respond(model.prepare(narrow, elements=72, across=1), narrow), solve(narrow)
+    assert abs(relative(solid.torque, plane.torque)) < 1e-4
+    assert max(pressure_distance(a, b) for a, b in zip(solid.shoes, plane.shoes, strict=True)) < 3e-3
+
+
+@pytest.mark.parametrize("rotation", ["clockwise", "counter-clockwise"])
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_forces_and_moments_balance(flexible, rotation, friction):
+    brake = vary(t_section(flexible), {"rotation": rotation, "friction": friction})
+    response = model.solve(brake, elements=16)
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    # Independently of the matrices: the integrals of the pressure over the exact arc, against pin and actuation.
+    for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
+        total = contact_resultant(brake, i, found).force + found.hinge_reaction + shoe.actuation.vector
+        assert np.linalg.norm(total) < 2e-4 * np.linalg.norm(shoe.actuation.vector)
+        assert found.torque == pytest.approx(abs(contact_resultant(brake, i, found).moment), rel=2e-5)
+
+
+def test_the_pressure_along_the_arc_is_the_mean_of_the_surface(flexible):
+    brake = t_section(flexible)
+    for found in model.solve(brake, elements=10).shoes:
+        z, p = found.surface
+        np.testing.assert_array_equal(z, -z[::-1])
+        np.testing.assert_array_equal(p, p[:, ::-1])
+        assert z[-1] == pytest.approx(brake.shoes[0].lining.width / 2)
+        assert (p >= 0).all() and p.shape == (len(found.theta), len(z))
+        simpson = np.zeros(len(z))
+        for k in range(0, len(z) - 2, 2):
+            simpson[k : k + 3] += (z[k + 2] - z[k]) / 6 * np.array([1, 4, 1])
+        np.testing.assert_allclose(p @ simpson / simpson.sum(), found.pressure, rtol=1e-12)
+
+
+def test_a_narrow_web_presses_under_itself(flexible):
+    for found in model.solve(t_section(flexible), elements=16).shoes:
+        middle = len(found.theta) // 2
+        p = found.surface.pressure[middle]
+        assert p[len(p) // 2] > 1.05 * p[-1]
+
+
+def test_the_mirror_image_of_a_brake_is_solved_alike(flexible):
+    brake = t_section(flexible)
+    turned = vary(brake, {"rotation": "clockwise"})
+    a, b = (model.solve(each, elements=10) for each in (brake, turned))
+    np.testing.assert_allclose(a.shoes[0].surface.pressure, b.shoes[1].surface.pressure[::-1], rtol=1e-8)
+    np.testing.assert_allclose(a.shoes[0].torque, b.shoes[1].torque, rtol=1e-10)
+
+
+def test_lame_ring_with_free_faces():
+    errors = [solid_forms.lame_error(n, Material(E=2.0, nu=0.3)) for n in (2, 4)]
+    assert errors[1] < 2e-4
+    assert np.log2(errors[0] / errors[1]) > 2.8
+
+
+def test_a_uniform_pressure_on_the_curved_face_makes_a_uniform_stress():
+    errors = [solid_forms.patch_error(n, Material(E=2.0, nu=0.3)) for n in (4, 8)]
+    assert errors[1] < 2e-7
+    assert np.log2(errors[0] / errors[1]) > 3.8
+
+
+@pytest.mark.slow
+def test_hertz_point_contact():
+    found = solid_forms.point_contact(4)
+    assert found.peak == pytest.approx(1, abs=0.01)
+    assert found.distance < 0.07
+
+
+@given(
+    sides=st.lists(st.floats(1e-3, 0.1), min_size=1, max_size=3),
+    across=st.integers(1, 8),
+    zone=st.floats(1e-3, 0.02),
+)
+def test_elements_end_at_every_side(sides, across, zone):
+    half = {"lining": sides[0], **{str(i): side for i, side in enumerate(sides[1:])}}
+    z = width_levels(half, across, zone)
+    assert z[0] == 0 and (np.diff(z) > 0).all()
+    for side in sides:
+        assert np.abs(z - side).min() < 1e-6 * side
+
+
+@given(st.lists(st.floats(1e-3, 1.0), min_size=1, max_size=5))
+def test_weights_over_the_width_are_positive_and_add_up(steps):
+    ends = np.concatenate([[0.0], np.cumsum(steps)])
+    z = np.sort(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2]))
+    weights = width_matrix(z).sum(axis=1)
+    assert (weights > 0).all()
+    assert weights.sum() == pytest.approx(2 * ends[-1])
+    assert weights @ z**2 == pytest.approx(2 / 3 * ends[-1] ** 3)
+
+
+def test_the_mesh_has_the_volume_of_its_parts(flexible):
+    shoe, R = t_section(flexible).shoes[0], flexible.drum.radius
+    solid = solid_mesh(shoe, R, 16, 3)
+    lining, backing, web = shoe.lining, shoe.backing, shoe.body
+    outer = R
+    for name, part, width, arc in (
+        ("lining", lining, lining.width, lining.end - lining.start),
+        ("backing", backing, lining.width, lining.end - lining.start),
+        ("shoe", web, web.width, web.end - web.start),
+    ):
+        inner = outer - part.thickness
+        volume = float(solid.basis.dx[solid.mesh.subdomains[name]].sum())
+        assert 2 * volume == pytest.approx(arc * (outer**2 - inner**2) / 2 * width, rel=3e-6)
+        outer = inner
+    face = face_of(solid, shoe)
+    assert face.width.sum() == pytest.approx(lining.width)
+
+
+def test_condensed_it_yields_as_the_whole_system_does(flexible):
+    """The flexibility by elimination against a sparse solve of the whole system, for a few loads."""
+    scene = model.prepare(t_section(flexible), elements=8, across=2)
+    body = scene.bodies[0]
+    n = 2 * len(body.line.nodes)
+    random = np.random.default_rng(1)
+    nodal, load, frame = random.normal(size=(n, 2)), random.normal(size=(3, 2)), 1e-9 * random.normal(size=(3, 2))
+    u = body.condensed.displacements(nodal, frame, load)
+    at = (3 * body.line.nodes[:, None] + np.arange(2)).ravel()
+    half = body.condensed.half
+    mine = half(np.eye(n)).T @ half(nodal + body.condensed.load_c @ load)
+    moved = -half(np.eye(n)).T @ (body.condensed.L_fc.T @ frame)
+    np.testing.assert_allclose(mine + moved, u[at], atol=1e-8 * np.abs(u).max())
+
+
+REFUSED = {
+    "its drum is an elastic ring": {
+        "drum.ring": {"thickness": 0.02, "width": 0.05, "material": {"E": 2e11, "nu": 0.3}}
+    },
+    "all but incompressible": {"shoe.lining.material.nu": 0.4995},
+}
+
+
+@pytest.mark.parametrize("said", REFUSED)
+def test_what_it_does_not_cover_it_refuses(flexible, said):
+    with pytest.raises(BadInput, match=said):
+        model.prepare(vary(flexible, REFUSED[said]))
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--kind", "tri2"], "--kind and --tolerance belong to --model fem"),
+        (["--elements", "500"], "--elements = 500: must be from 1 to"),
+        (["--across", "0"], "--across = 0: must be from 1 to"),
+        (["--sections", "9"], "belong to --model foundation"),
+    ],
+)
+def test_options_that_it_has_not(root, options, said):
+    done = drumlin("solve", root / "studies" / "double_shoe" / "flexible.toml", "--model", "solid", *options)
+    assert done.returncode == 2 and said in done.stderr
+
+
+def test_the_command_writes_the_surface(root, tmp_path):
+    file = root / "studies" / "double_shoe" / "flexible.toml"
+    made = [tmp_path / name for name in ("a.json", "a.vtu")]
+    options = ["--model", "solid", "--elements", "8", "--json", made[0], "--fields", made[1]]
+    done = drumlin("solve", file, *options)
+    assert done.returncode == 0 and "flexible shoes: solid" in done.stdout
+    shoe = json.loads(made[0].read_text())["shoes"][1]
+    surface = np.array(shoe["surface"]["pressure"])
+    assert surface.shape == (len(shoe["theta"]), len(shoe["surface"]["z"]))
+    grid = meshio.read(made[1])
+    p, points = grid.point_data["pressure [Pa]"], grid.points
+    shoe = json.loads(made[0].read_text())["shoes"][0]
+    assert p.max() == pytest.approx(max(surface.max(), np.max(shoe["surface"]["pressure"])), rel=1e-9)
+    on = p > 0
+    np.testing.assert_allclose(np.hypot(*points[on, :2].T), 0.15, rtol=1e-12)
+    assert points[:, 2].min() == 0 and points[:, 2].max() == pytest.approx(0.02)
+
+
+def test_the_fields_are_those_of_the_contact(flexible):
+    """The friction surface moves to the drum: the radial displacement where it is pressed is the penalty's own."""
+    from drumlin.fem.solid.fields import recover
+
+    brake = t_section(flexible)
+    scene = model.prepare(brake, elements=8, across=2)
+    response = respond(scene, brake)
+    for i, shoe in enumerate(brake.shoes):
+        found = recover(scene, brake, response, i)
+        r = found.points[:, :2] / np.hypot(*found.points[:, :2].T)[:, None]
+        on = found.pressure > 0
+        moved = np.einsum("nc,nc->n", r, found.displacement[:, :2])
+        assert on.sum() > 50
+        # Weakly, not at every node: against what the shoe moves elsewhere.
+        assert np.abs(moved[on]).mean() < 0.02 * np.abs(found.displacement).max()
+        assert shoe.lining.material.E > 0 and (found.von_mises >= 0).all()
+
+
+@pytest.mark.slow
+def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
+    start = time.process_time()
+    scene = model.prepare(flexible, elements=72, across=6)
+    first = respond(scene, flexible)
+    assert scene.bodies[0].unknowns > 95_000
+    assert time.process_time() - start < 60
+    start = time.process_time()
+    second = respond(scene, vary(flexible, {"friction": 0.4}))
+    assert time.process_time() - start < 2
+    assert second.torque > 1.2 * first.torque
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 6e6  # kB
+
+
+def test_the_cost_table_has_a_row_a_size(flexible):
+    from drumlin.verification.cost import solid_table
+
+    heading, *rows = solid_table(flexible, (6, 12))
+    assert heading.split()[0] == "unknowns"
+    unknowns, seconds = ([float(row.split()[k]) for row in rows] for k in (0, 2))
+    assert unknowns == [model.prepare(flexible, elements=n).bodies[0].unknowns for n in (6, 12)]
+    assert min(seconds) > 0
+
+
+def test_the_cost_of_a_model_that_has_none(root):
+    done = drumlin("cost", root / "studies" / "double_shoe" / "flexible.toml", "--model", "sine")
+    assert done.returncode == 2 and "allowed: fem, solid" in done.stderr

@@ -1,0 +1,121 @@
+"""Solid shoes as decks for CalculiX: what the decks say, and what CalculiX answers where it is installed."""
+
+import numpy as np
+import pytest
+
+from drumlin import peers
+from drumlin.brake.file import vary
+from drumlin.fem.solid import model
+from drumlin.peers import solid_deck
+from drumlin.peers.deck import Setting
+from drumlin.response.norms import pressure_distance, relative
+from test_cli import drumlin
+from test_solid import t_section
+
+needs_calculix = pytest.mark.skipif(peers.missing("calculix") is not None, reason=peers.missing("calculix") or "")
+
+
+def volume(points, nodes):
+    """Volume of a hexahedron with straight edges between its corners, by its six tetrahedra."""
+    a, *others = points[nodes[:8]]
+    around = [(1, 2, 6), (2, 3, 6), (3, 7, 6), (7, 4, 6), (4, 5, 6), (5, 1, 6)]
+    return sum(np.linalg.det(np.array([others[i - 1] - a for i in three])) for three in around) / 6
+
+
+class Parsed:
+    """A deck as its keywords with their rows of words, its nodes (n, 3) by label, and its elements of 20 nodes, which
+    stand on two lines."""
+
+    def __init__(self, text):
+        self.sections = []
+        for line in text.splitlines():
+            assert len(line) <= 132  # CalculiX reads no more
+            if line.startswith("*") and not line.startswith("**"):
+                key, *words = (word.strip() for word in line[1:].split(","))
+                self.sections.append((key, dict(word.partition("=")[::2] for word in words), []))
+            elif not line.startswith("**"):
+                self.sections[-1][2].append([word.strip() for word in line.split(",") if word.strip()])
+        rows = self.rows("NODE")
+        self.points = np.full((max(int(row[0]) for row in rows) + 1, 3), np.nan)
+        for label, *at in rows:
+            self.points[int(label)] = [float(x) for x in at]
+        self.elements, self.sets = {}, {}
+        for key, given, rows in self.sections:
+            if key == "ELEMENT" and given["TYPE"].startswith("C3D20"):
+                for first, second in zip(rows[::2], rows[1::2], strict=True):
+                    label, *nodes = map(int, first + second)
+                    self.elements[label] = nodes
+                    self.sets.setdefault(given["ELSET"], []).append(label)
+        assert all(len(nodes) == 20 for nodes in self.elements.values())
+
+    def rows(self, keyword, **options):
+        return [row for key, given, rows in self.sections if key == keyword and options.items() <= given.items()
+                for row in rows]  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=["one width", "T-section", "external"])
+def posed(request, flexible):
+    brake = t_section(flexible) if request.param == "T-section" else flexible
+    if request.param == "external":
+        brake = vary(flexible, {"shoe.side": "external", "shoe.body": None})
+    loaded, solid = solid_deck._posed(brake, 8, 2)[1]
+    return brake, loaded, solid, Parsed(solid_deck.deck(brake, loaded, solid, Setting(thickness=0.5)))
+
+
+def test_all_elements_have_a_positive_volume_and_the_faces_lie_on_the_drum(posed):
+    brake, _, _, parsed = posed
+    points, elements = parsed.points, parsed.elements
+    assert min(volume(points, nodes) for nodes in elements.values()) > 0
+    lining = [(int(label), face) for label, face in parsed.rows("SURFACE", NAME="SLINING")]
+    ((_, face),) = parsed.rows("SURFACE", NAME="SDRUM")
+    drum = [(label, face) for label in parsed.sets["DRUM"]]
+    assert len(lining) in {8 * 2, 8 * 3} and len(drum) == 8 + 4
+    for label, face in lining + drum:
+        corners = [elements[label][i] for i in solid_deck.FACES[int(face[1:]) - 1]]
+        np.testing.assert_allclose(np.hypot(*points[corners][:, :2].T), brake.drum.radius * 1e3, rtol=1e-9)
+
+
+def test_middles_of_edges_lie_between_their_ends(posed):
+    """The order of the nodes: the middle of an edge is nearer to both its ends than they are to each other."""
+    _, _, _, parsed = posed
+    around = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+    for nodes in parsed.elements.values():
+        x = parsed.points[nodes]
+        for k, (i, j) in enumerate(around):
+            assert np.linalg.norm(x[8 + k] - (x[i] + x[j]) / 2) < 0.05 * np.linalg.norm(x[i] - x[j])
+
+
+def test_the_load_is_half_the_actuation(posed):
+    _, loaded, _, parsed = posed
+    total = np.zeros(2)
+    for _, component, value in parsed.rows("CLOAD"):
+        if int(component) <= 2:
+            total[int(component) - 1] += float(value)
+    if loaded.shoe.body is not None:
+        np.testing.assert_allclose(total, loaded.shoe.actuation.vector / 2, atol=1e-6 * 2e3)
+
+
+def test_the_command_writes_the_decks(root, tmp_path):
+    file = root / "studies" / "double_shoe" / "flexible.toml"
+    done = drumlin("export", file, "--to", "calculix", "--model", "solid", "--elements", 8, "--output", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        f"flexible_{name}_solid_s{scale}.inp" for name in ("left", "right") for scale in ("0.125", "0.25")
+    ]
+    bad = drumlin("export", file, "--to", "calculix", "--model", "sine")
+    assert bad.returncode == 2 and "allowed: fem, solid" in bad.stderr
+
+
+@needs_calculix
+@pytest.mark.slow
+@pytest.mark.parametrize("section", ["one width", "T-section"])
+def test_calculix_answers_alike(flexible, section):
+    """Torque within 1e-3, mean pressure within 2 % away from the edges, on the mesh that both share."""
+    brake = t_section(flexible) if section == "T-section" else flexible
+    mine = model.solve(brake, elements=24, across=3)
+    other = solid_deck.solve(brake, elements=24, across=3).response
+    for a, b in zip(mine.shoes, other.shoes, strict=True):
+        assert abs(relative(b.torque, a.torque)) < 1e-3
+        zone = brake.shoes[0].lining.thickness / brake.drum.radius / 2
+        assert pressure_distance(b, a, zone) < 0.02
+        np.testing.assert_allclose(b.hinge_reaction, a.hinge_reaction, atol=2e-3 * np.linalg.norm(a.hinge_reaction))

@@ -1,0 +1,64 @@
+"""The plane-stress study on its short setting: its headline numbers, and its report."""
+
+import numpy as np
+import pytest
+
+from drumlin.studies import load
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def module():
+    return load("plane_stress")[0]
+
+
+@pytest.fixture(scope="module")
+def result(module):
+    return module.study(short=True)
+
+
+def test_plane_stress_has_the_torque_of_a_t_section_within_two_per_cent_and_is_blind_across_the_width(result):
+    leading = max(result.table, key=lambda row: row["solid_torque"])
+    assert leading["friction"] == "assists"
+    assert leading["torque"] == pytest.approx(0.0118, abs=2e-3)
+    assert abs(leading["corrected_torque"]) < 0.4 * leading["torque"]
+    assert 0.15 < leading["uneven"] < 0.3 and 1.4 < leading["mid_over_side"] < 2
+    assert leading["peak"] < -0.1
+
+
+def test_the_error_is_resolved_against_both_meshes(result):
+    plane, solid = result.certain
+    assert result.validation.resolved
+    assert result.validation.error == pytest.approx(plane.values[-1] - solid.values[-1])
+    assert max(each.uncertainty / each.values[-1] for each in result.certain) < 3e-3
+
+
+def test_without_lateral_contraction_only_the_table_is_left(result):
+    by_nu = dict(result.curves["Poisson's ratio of the lining"])
+    assert min(by_nu) == 0 and max(row["torque"] for row in by_nu[0.0]) > 0.01
+
+
+def test_one_width_is_within_one_per_cent_and_thin_tables_are_not(result):
+    one, table = result.maps
+    assert np.abs(one.errors["torque"]).max() < 0.01
+    worst = table.errors["torque"][0, 0]  # the thinnest table on the narrowest web
+    assert 0.02 < worst < 0.05 and table.errors["uneven"][0, 0] > 0.4
+    assert np.abs(table.errors["corrected_torque"]).max() < 0.01
+
+
+def test_worn_in_the_pressure_is_even_across_the_width_and_the_laws_along_the_arc(result):
+    for uneven, law in zip(result.worn.uneven, result.worn.from_law, strict=True):
+        assert uneven[0] > 0.15 and uneven[-1] < 2e-3
+        assert law[0] > 0.5 and law[-1] < 0.1
+        healed = [np.array(series) / series[0] for series in (uneven, law)]
+        assert (healed[0][1:] < healed[1][1:]).all()  # the width heals first
+
+
+def test_the_report(module, result, tmp_path):
+    page = module.report(result, tmp_path)
+    text = page.read_text()
+    assert "the worst shoe" in text and "E = S − D" in text
+    made = {path.name for path in tmp_path.iterdir()}
+    assert {"map.png", "map.svg", "face.png", "curves.svg", "worn.svg", "solid.vtu", "maps.csv", "errors.csv"} <= made
+    assert "solid.png" in made or "no field picture" in text
