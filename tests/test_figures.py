@@ -20,7 +20,7 @@ TO_XYZ = np.array(
     [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.119192, 0.9503041]]
 )
 WHITE = np.array([0.95047, 1.0, 1.08883])
-APART = 24.0  # CIE 1976 distance: ten times what is just noticed side by side
+APART = 25.0  # CIE 1976 distance: ten times what is just noticed side by side
 
 
 def lab(colour, sight):

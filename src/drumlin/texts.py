@@ -28,12 +28,6 @@ def _shown(character: str) -> str:
     return character if character.isprintable() else character.encode("unicode_escape").decode()
 
 
-def formatted(value: float, form: str) -> str:
-    """A number for people, as format() has it; what rounds to nothing has no sign."""
-    text = format(value, form)
-    return text.lstrip("+-") if _NOTHING.fullmatch(text) else text
-
-
 def typed(words: Sequence[str]) -> str:
     """A command line as a page shows it: of absolute paths, which tell of the machine, the names alone."""
     return one_line(shlex.join(map(_without_folder, words)))
@@ -42,6 +36,12 @@ def typed(words: Sequence[str]) -> str:
 def _without_folder(word: str) -> str:
     option, equals, path = word.rpartition("=") if word.startswith("-") else ("", "", word)
     return option + equals + (PurePath(path).name if PurePath(path).is_absolute() else path)
+
+
+def formatted(value: float, form: str) -> str:
+    """A number for people, as format() has it; what rounds to nothing has no sign."""
+    text = format(value, form)
+    return text.lstrip("+-") if _NOTHING.fullmatch(text) else text
 
 
 def nearest(name: str, names: Iterable[str]) -> str:

@@ -8,17 +8,17 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.report.figures import STYLE
-from drumlin.report.palette import BLUE, BROWN, GREEN, GREY, INK, NAVY, OCHRE, PALE, PURPLE, RED, SKY, VIOLET
+from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, GREY, INK, OCHRE, PALE, PURPLE, RED, SKY
 from drumlin.verification.work_precision import series
 
 COLORS = {
-    "law": RED,
+    "law": FAINT,
     "foundation": GREEN,
     "even mesh": GREY,
     "graded mesh": BLUE,
     "adapted mesh": INK,
-    "columns": VIOLET,
-    "columns, error stated": NAVY,
+    "columns": RED,
+    "columns, error stated": RED,
     "weak penalty": SKY,
     "pointwise penalty": OCHRE,
     "GetFEM": PURPLE,
@@ -50,7 +50,8 @@ def work_precision(title: str, rows: Sequence[Mapping[str, Any]], floors: Mappin
             axes.set_xlabel("run time of a cold solve [ms]")
         grid[0].set_title(title)
         handles: list[Any] = [
-            mpl.lines.Line2D([], [], color=COLORS[family], lw=3, label=family) for family in _families(rows)
+            mpl.lines.Line2D([], [], color=COLORS[family], ls=_style(family, "") or "-", lw=3, label=family)
+            for family in _families(rows)
         ]
         marks = {series_.split(",")[0] for (_, series_) in series(rows)}
         handles += [
@@ -68,6 +69,13 @@ def _families(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     return [family for family in COLORS if family in found]
 
 
+def _style(family: str, name: str) -> str:
+    """Of a series: none of single markers, dotted on even meshes, dashed where the error is stated."""
+    if family == "law":
+        return ""
+    return ":" if name.endswith("even") else "--" if family.endswith("stated") else "-"
+
+
 def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float) -> None:
     lowest = max(100 * floor, 1e-8)
     smallest = lowest / 3
@@ -79,7 +87,7 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
         axes.errorbar(
             seconds, error, xerr=spread, color=COLORS[family], marker=MARKERS.get(name.split(",")[0], "o"),
             ms=9 if family == "law" else 4.5, lw=1.0 if light else 1.5, alpha=0.75 if light else 1.0,
-            ls="" if family == "law" else ":" if name.endswith("even") else "-", elinewidth=0.8,
+            ls=_style(family, name), elinewidth=0.8,
         )  # fmt: skip
     axes.set_xscale("log")
     axes.set_yscale("log")

@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
 from drumlin.report.figures import STYLE
-from drumlin.report.palette import BLUE, GREEN, GREY, INK, PURPLE, RED
 from drumlin.response.response import ShoeResponse, edge_zone
 from drumlin.verification.plane_stress import Map, Rung, Three, Worn, worst
 
@@ -108,7 +107,9 @@ def wear(worn: Worn) -> Figure:
         figure = Figure(figsize=(6.6, 3.9), layout="constrained")
         axes = figure.subplots()
         x: Floats = np.asarray(worn.distance)
-        for shoe, uneven, law, color in zip(worn.last, worn.uneven, worn.from_law, (BLUE, RED), strict=False):
+        for shoe, uneven, law, color in zip(
+            worn.last, worn.uneven, worn.from_law, ("#0b6e99", "#c8553d"), strict=False
+        ):
             axes.semilogy(x, 100 * np.array(uneven), color=color, marker="o", ms=4,
                           label=f"{shoe.name}: off its mean across the width")  # fmt: skip
             axes.semilogy(x, 100 * np.array(law), color=color, ls="--", label=f"{shoe.name}: mean off the sine law")
@@ -121,8 +122,8 @@ def wear(worn: Worn) -> Figure:
 
 def ladder(rungs: Sequence[Rung]) -> Figure:
     """Error over processor time, against the solid truth (full) and against that of plane stress (hollow)."""
-    colors = {"sine": RED, "cosine": PURPLE, "uniform": GREY, "plane stress": BLUE,
-              "plane stress, corrected": GREEN, "solid": INK}  # fmt: skip
+    colors = {"sine": "#c8553d", "cosine": "#7a5195", "uniform": "#8a8f98", "plane stress": "#0b6e99",
+              "plane stress, corrected": "#2a9d5c", "solid": "#1d2733"}  # fmt: skip
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.5, 4.3), layout="constrained")
         panels = figure.subplots(1, 2)

@@ -40,6 +40,7 @@ NAMES = {
     "pivoted": "shoe on a pivot",
     "linear": "long flat shoe",
     "rigid": "rigid shoe",
+    "worn": "finite elements, worn in",
     "foundation": "elastic foundation",
     "lifted": "foundation, all lifted",
 }

@@ -1,24 +1,25 @@
-"""The colours of all figures: eleven that deuteranopes and protanopes, too, tell apart; line styles as second code."""
+"""The colours of all figures: nine that deuteranopes and protanopes tell apart, too, and line styles as second code."""
 
 from typing import Any
 
 BLUE, RED, GREEN, OCHRE, PURPLE = "#0072b2", "#d55e00", "#00c663", "#feaa00", "#7d1fce"
 SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#473815", "#1d2733"
-VIOLET, NAVY = "#1d02f7", "#1d0d5f"
-CATEGORIES = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK, VIOLET, NAVY)
+CATEGORIES = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK)
 FAINT, PALE = "#5b6875", "#e9d8c3"  # of axes and notes, of shaded ground: no categories
 GRADES = ("#2166ac", "#92c5de", "#f7e3b0", "#d6604d")  # from good to bad
 
 LOOKS: dict[str, tuple[str, Any]] = {  # of a model: colour, line style
     "fem": (BLUE, "-"),
     "sine": (RED, "--"),
-    "rigid": (RED, "-."),
     "cosine": (PURPLE, "-."),
     "block": (SKY, (0, (1, 1))),
     "uniform": (GREY, (0, (5, 1, 1, 1, 1, 1))),
     "short": (INK, (0, (3, 1))),
     "pivoted": (OCHRE, "-."),
     "linear": (BROWN, "--"),
+    "rigid": (RED, "-."),
+    "solid": (INK, "-"),
+    "worn": (GREEN, "-"),
     "foundation": (GREEN, (0, (6, 2))),
     "lifted": (OCHRE, ":"),
 }

@@ -1,4 +1,4 @@
-"""The cloud of stated over true errors."""
+"""The cloud of stated over true errors, and the errors of finer and finer columns."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -46,3 +46,19 @@ def _point(row: Mapping[str, Any], name: str, known: bool) -> list[tuple[float, 
     if not (stated > 0 and true > 0) or (true > KNOWN * unsure) != known:
         return []
     return [(true, stated / true)]
+
+
+def levels(rows: Sequence[Mapping[str, Any]]) -> Figure:
+    """Errors of p and of the torque over the cube root of the unknowns of a shoe, the degree beside each."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+        axes = figure.subplots()
+        x = [row["root"] for row in rows]
+        for key, label, mark, color in (("pressure", "p (L2)", "s", "#0b6e99"), ("torque", "torque", "o", "#c8553d")):
+            axes.semilogy(x, [row[key] for row in rows], marker=mark, color=color, label=label)
+        for row in rows:
+            axes.annotate(f"p = {row['degree']}", (row["root"], row["pressure"]), (4, 5), textcoords="offset points")
+        axes.set_xlabel("(unknowns of a shoe)$^{1/3}$")
+        axes.set_ylabel("relative error")
+        axes.legend()
+    return figure
