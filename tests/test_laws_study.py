@@ -63,7 +63,7 @@ def test_report_is_one_page_with_every_law(laws: ModuleType, tmp_path: Path) -> 
         "Uniform pressure",
         "Leading and trailing: whose word means what",
     ):
-        assert f"<h2>{heading}</h2>" in text
+        assert f">{heading}</a></h2>" in text
     assert text.count("data:image/svg+xml") == 9
     assert '<img src="http' not in text
     assert text.count("<b>Assumes</b>") == 7

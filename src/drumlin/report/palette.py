@@ -17,7 +17,7 @@ LOOKS: dict[str, tuple[str, Any]] = {  # of a model: colour, line style
     "short": (INK, (0, (3, 1))),
     "pivoted": (OCHRE, "-."),
     "linear": (BROWN, "--"),
-    "rigid": (RED, "--"),
+    "rigid": (RED, "-."),
     "solid": (INK, "-"),
     "worn": (GREEN, "-"),
     "foundation": (GREEN, (0, (6, 2))),
