@@ -12,8 +12,9 @@ import traceback
 from pathlib import Path
 
 from drumlin.errors import BadInput
-from drumlin.sweeps.cases import run, table, write_table
+from drumlin.sweeps.cases import run
 from drumlin.sweeps.file import read_sweep
+from drumlin.sweeps.table import table, write_table
 
 ROOT = Path(__file__).resolve().parents[1]
 SECONDS = 10  # of processor time

@@ -377,7 +377,7 @@ def test_cost_is_counted_from_the_same_run(brake):
 
 def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
     head, *rows, last = table(brake, sizes=(2_000, 4_000))
-    assert "peak memory" in head
+    assert "memory [GiB]" in head
     assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.4)  # whole layers
     assert all(0.05 < float(row.split()[-1]) < 2 for row in rows)  # GiB: Python and its libraries take 0.08
     assert "solve ~ N^" in last

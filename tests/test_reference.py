@@ -2,6 +2,7 @@
 
 import json
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +63,7 @@ def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_say
         found = read_reference(path)
         folder = next(f for f in ("double_shoe", "laws", "post_brake") if stem.startswith(f + "_"))
         brake_file = ROOT / "studies" / folder / f"{stem.removeprefix(folder + '_')}.toml"
-        assert found.text == brake_file.read_text()
+        assert tomllib.loads(found.text) == tomllib.loads(brake_file.read_text())
         assert stored(found.text, VALUES) == path
         assert path.stat().st_size < 60_000
         assert found.torque.relative < 1e-6

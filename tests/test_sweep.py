@@ -15,8 +15,9 @@ from drumlin.fem import assembly
 from drumlin.fem.assembly import Cache
 from drumlin.fem.solve import solve
 from drumlin.journal import Journal
-from drumlin.sweeps.cases import Case, run, solved, table, write_table
+from drumlin.sweeps.cases import Case, run, solved
 from drumlin.sweeps.file import read_sweep, sweep_from
+from drumlin.sweeps.table import table, write_table
 
 BRAKE = str(STUDY / "brake.toml")
 LAW = {"brake": BRAKE, "model": {"sine": {}}}

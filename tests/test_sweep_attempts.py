@@ -13,8 +13,9 @@ from drumlin.fem.assembly import Cache
 from drumlin.journal import Journal
 from drumlin.sweeps import cases as sweeps
 from drumlin.sweeps import workers
-from drumlin.sweeps.cases import Case, keys_of, run, solve_chunk, solved, table
+from drumlin.sweeps.cases import Case, keys_of, run, solve_chunk, solved
 from drumlin.sweeps.file import read_sweep
+from drumlin.sweeps.table import table
 
 MESHED = """
 brake = "brake.toml"

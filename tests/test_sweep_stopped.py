@@ -16,8 +16,9 @@ from pathlib import Path
 import pytest
 
 from conftest import STUDY
-from drumlin.sweeps.cases import run, table, write_table
+from drumlin.sweeps.cases import run
 from drumlin.sweeps.file import read_sweep
+from drumlin.sweeps.table import table, write_table
 
 pytestmark = pytest.mark.slow
 

@@ -7,8 +7,8 @@
     print(response.torque, response.shoes[0].peak_pressure)
     response.plot()
 
-`solve` answers by one model, `compare` by all that apply, `sweep` for many cases. What is wrong with the input raises
-BadInput, what has no answer NoAnswer, each with one plain line. Numbers are SI: m, N, Pa, rad.
+`solve` answers by one model, `compare` by all that apply, `sweep` for many cases; `vary` changes keys of a brake. What
+is wrong with the input raises BadInput, what has no answer NoAnswer, each with one plain line. Numbers are SI.
 
 Importing drumlin loads nothing else and changes nothing in the process: what is named here is loaded when it is used.
 """
@@ -17,7 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from drumlin.brake import Brake
+    from drumlin.brake import Brake, vary
     from drumlin.brake import read_any as read_brake
     from drumlin.comparison import compare
     from drumlin.errors import BadInput, NoAnswer
@@ -37,6 +37,7 @@ __all__ = [
     "read_brake",
     "solve",
     "sweep",
+    "vary",
 ]
 
 _PLACES = {
@@ -48,6 +49,7 @@ _PLACES = {
     "read_brake": ("drumlin.brake", "read_any"),
     "solve": ("drumlin.models", "solve"),
     "sweep": ("drumlin.sweeps.run", "sweep"),
+    "vary": ("drumlin.brake", "vary"),
 }
 
 

@@ -11,6 +11,7 @@ from drumlin.errors import BadInput
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
 from drumlin.response.response import Response
+from drumlin.texts import nearest
 
 
 class Model(NamedTuple):
@@ -126,7 +127,7 @@ def solve(brake: AnyBrake, model: str = "fem", **options: Any) -> Response:
 def pick(name: str, brake: AnyBrake) -> Model:
     """The model called `name`; raises BadInput where there is none, or where it does not apply to the brake."""
     if name not in MODELS:
-        raise BadInput(f"--model = {name!r}: unknown model; allowed: {', '.join(MODELS)}")
+        raise BadInput(f"--model = {name!r}: unknown model{nearest(name, MODELS)}; allowed: {', '.join(MODELS)}")
     model = MODELS[name]
     reason = model.why_not(brake)
     if reason is not None:

@@ -26,6 +26,7 @@ from drumlin.report.page import fill
 from drumlin.response.response import Response
 from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.cases import Case, Row
+from drumlin.sweeps.table import table, write_table
 from drumlin.sweeps.tolerances import Shares, Tolerance, cases, draw, healing, numbers, shares
 from drumlin.sweeps.workers import executor
 from drumlin.verification import misfit_rows
@@ -174,11 +175,11 @@ def report(result: Result, folder: Path) -> Path:
             drawing.save(figure, folder / f"{name}.{ending}")
     spreads = misfit_rows.spread_rows(drawn)
     ranked = misfit_rows.share_rows(result.tolerances, result.shares)
-    for name, table in (("single", result.single), ("spread", spreads), ("shares", ranked)):
-        write_text(folder / f"{name}.csv", as_csv(table))
+    for name, lines in (("single", result.single), ("spread", spreads), ("shares", ranked)):
+        write_text(folder / f"{name}.csv", as_csv(lines))
     for state, rows in result.rows.items():
         several = cases(result.brake, result.tolerances, result.deviates[: len(rows) // drawn.n])
-        sweep.write_table(sweep.table(several, rows), folder / f"cases_{state.replace(' ', '_')}.csv")
+        write_table(table(several, rows), folder / f"cases_{state.replace(' ', '_')}.csv")
     return fill(
         HERE / "page.html",
         folder / "index.html",

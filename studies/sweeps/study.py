@@ -14,8 +14,9 @@ from studies.sweeps import figures
 from drumlin.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
-from drumlin.sweeps.cases import Row, run, table, write_table
+from drumlin.sweeps.cases import Row, run
 from drumlin.sweeps.file import Sweep, read_sweep
+from drumlin.sweeps.table import table, write_table
 from drumlin.verification.throughput import (
     KEEP,
     Kill,

@@ -14,11 +14,11 @@ from drumlin.fem.mesh.arc import KINDS
 from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.journal import Journal
-from drumlin.report import figures
+from drumlin.report import figures, stated_true_figure
 from drumlin.report.page import fill
 from drumlin.report.stated_true_figure import cloud
 from drumlin.verification import ladder
-from drumlin.verification.orders import distance, estimate_row, order_rows
+from drumlin.verification.orders import distance, estimate_row, level_rows, line, order_rows
 from drumlin.verification.random_brake import random_brake
 from drumlin.verification.stated_true import TOLERANCES, row, summary, truth
 
@@ -37,6 +37,7 @@ class Result(NamedTuple):
     """Errors over meshes of every kind, stated against true errors, random brakes, and cases with known answers."""
 
     orders: list[dict[str, Any]]
+    levels: list[dict[str, Any]]
     estimates: list[dict[str, Any]]
     judged: list[dict[str, Any]]
     floor: dict[str, float]
@@ -65,13 +66,15 @@ def study(
         for tolerance in tolerances:
             say(f"{case}: tolerance {tolerance:g}")
             estimates.append(estimate_row(brake, case, tolerance, reference, floor[case]))
+    say("columns, level by level")
+    levels = level_rows(read_brake(BRAKE))
     judged = []
     for seed in range(FEW if short else BRAKES):
         say(f"random brake {seed}")
         judged += journal.once({"seed": seed}, partial(_judged, seed, TOLERANCES[:1] if short else TOLERANCES))["rows"]
     say("benchmark ladder")
     known = [ladder.row(case) for case in ladder.CASES]
-    return Result(orders, estimates, judged, floor, known, time.perf_counter() - start)
+    return Result(orders, levels, estimates, judged, floor, known, time.perf_counter() - start)
 
 
 def _judged(seed: int, tolerances: Sequence[float]) -> dict[str, Any]:
@@ -94,10 +97,12 @@ def report(result: Result, folder: Path) -> Path:
         figures.save(figures.convergence(series, "error of p in L2"), folder / f"orders_{i + 1}.svg")
     figures.save(cloud(result.judged), folder / "stated_true.svg")
     write_text(folder / "stated_true.csv", as_csv(result.judged))
+    figures.save(stated_true_figure.levels(result.levels), folder / "levels.svg")
+    write_text(folder / "levels.csv", as_csv(result.levels))
     write_text(folder / "orders.csv", as_csv(result.orders))
     write_text(folder / "estimates.csv", as_csv(result.estimates))
     write_text(folder / "ladder.csv", as_csv(result.ladder))
     return fill(
         HERE / "page.html", folder / "index.html", result=result, cases=list(CASES), judged=summary(result.judged),
-        families=len(ladder.families()),
+        families=len(ladder.families()), line=line(result.levels),
     )  # fmt: skip

@@ -3,7 +3,6 @@
 Every number is SI. Where a brake file is read the validation's context asks for units.
 """
 
-import difflib
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -24,6 +23,7 @@ from pydantic import (
 
 from drumlin.arrays import Floats
 from drumlin.brake.units import EXAMPLES, NAMES, to_si
+from drumlin.texts import nearest
 
 
 def _si(value: object, si: str, info: ValidationInfo, key: str = "") -> float:
@@ -84,9 +84,7 @@ class Part(BaseModel):
             allowed = [field.alias or name for name, field in cls.model_fields.items()]
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
-                    close = difflib.get_close_matches(str(key), allowed, n=1)
-                    hint = f" (did you mean {close[0]!r}?)" if close else ""
-                    raise ValueError(f"unknown key {key!r}{hint}; allowed: {', '.join(allowed)}")
+                    raise ValueError(f"unknown key {key!r}{nearest(str(key), allowed)}; allowed: {', '.join(allowed)}")
         return data
 
 

@@ -104,8 +104,20 @@ def read_brake(path: Path, text: str | None = None) -> Brake:
 def vary(brake: P, changes: Mapping[str, Any]) -> P:
     """The brake with some keys changed, validated anew.
 
-    A key is written as in the file's error lines, "shoe[0].lining.thickness"; "shoe.lining.thickness"
-    changes every shoe. Values: SI numbers, or texts with units. Raises BadInput.
+    Parameters
+    ----------
+    brake : as `read_brake` gives it
+    changes : new values by key. A key is written as in the file's error lines, "shoe[0].lining.thickness";
+        "shoe.lining.thickness" changes every shoe. Values: SI numbers, or texts with units
+
+    Returns
+    -------
+    another brake; the given one stays as it is
+
+    Raises
+    ------
+    BadInput
+        for a key that there is not, and a brake that does not fit together, in one line
     """
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():

@@ -1,19 +1,38 @@
 """All commands, in the order of the help."""
 
+from typing import Annotated
+
 import typer
 
+from drumlin import __version__
+from drumlin.cli.exploring import explore
 from drumlin.cli.judging import check, cost, reference
 from drumlin.cli.outputs import export, mesh, view
 from drumlin.cli.solving import compare, hold, sensitivity, solve, wear
+from drumlin.cli.starting import init, schema
 from drumlin.cli.studying import study, sweep
+from drumlin.cli.terminal import tell
 
-app = typer.Typer(
-    add_completion=False,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    help="Shoe brakes by their pressure laws and by finite elements in frictional contact, side by side.",
-)
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        tell(f"drumlin {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _all(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and end")
+    ] = False,
+) -> None:
+    """Shoe brakes by their pressure laws and by finite elements in frictional contact, side by side."""
+
+
 for command in (
-    solve, compare, study, sweep, view, mesh, export, hold, sensitivity, wear, cost, reference, check,
+    init, solve, compare, study, sweep, view, explore, mesh, export, hold, sensitivity, wear, cost, reference, check,
+    schema,
 ):  # fmt: skip
     app.command()(command)

@@ -7,6 +7,7 @@ import typer
 
 from drumlin.errors import BadInput
 
+BrakeFiles = Annotated[list[Path], typer.Argument(metavar="BRAKE.toml...", help="one brake file or more")]
 BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake file")]
 Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
 Kind = Annotated[str | None, typer.Option(metavar="quad2|quad1|tri2|tri1", help="kind of the parametric mesh")]

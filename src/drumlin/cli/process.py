@@ -15,6 +15,8 @@ from typing import NoReturn
 
 from drumlin.errors import BadInput, NoAnswer, Stopped, ended, file_fault
 
+COMPLETING = "_DRUMLIN_COMPLETE"
+
 
 def main() -> NoReturn:
     """Run the command line of this process, and end it."""
@@ -49,6 +51,8 @@ def run(words: Sequence[str]) -> int:
     from drumlin.files import inputs_kept
 
     command = typer.main.get_command(app)
+    if COMPLETING in os.environ:  # a shell asks what may come next
+        command(list(words), prog_name="drumlin")
     with inputs_kept():
         try:
             with command.make_context("drumlin", list(words) or ["--help"]) as context:

@@ -5,9 +5,10 @@ from typing import Annotated, Any
 
 import typer
 
-from drumlin.cli.options import BrakeFile, Elements, Kind, Penalty, fem_options
-from drumlin.cli.terminal import busy, print_response, print_table, tell
-from drumlin.errors import BadInput
+from drumlin.cli.answer import print_response
+from drumlin.cli.options import BrakeFile, BrakeFiles, Elements, Kind, Penalty, fem_options
+from drumlin.cli.terminal import busy, note, print_table, tell
+from drumlin.errors import BadInput, NoAnswer
 
 OPTIONS = {  # model -> its own options
     "fem": ("elements", "kind", "penalty", "tolerance"),
@@ -17,9 +18,12 @@ OPTIONS = {  # model -> its own options
 
 
 def solve(
-    brake_file: BrakeFile,
+    brake_files: BrakeFiles,
     model: Annotated[str, typer.Option(help="which model answers")] = "fem",
-    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write the response as JSON")] = None,
+    json_file: Annotated[
+        Path | None,
+        typer.Option("--json", metavar="FILE", help="write the response as JSON; of several brakes as a list"),
+    ] = None,
     pressure: Annotated[
         Path | None, typer.Option(metavar="FILE", help="write the pressures as CSV, a table that check takes")
     ] = None,
@@ -37,18 +41,21 @@ def solve(
     fields: Annotated[
         Path | None, typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes")
     ] = None,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="figures of merit, how it was solved, what is left out")
+    ] = False,
 ) -> None:
-    """Solve a brake by one model."""
+    """Solve a brake, or several, by one model."""
     from drumlin.brake.plane_brake import FlatBrake, read_any
     from drumlin.files import check_outputs, write_json, write_text
     from drumlin.models import pick
 
-    brake = read_any(brake_file)
+    brakes = [read_any(brake_file) for brake_file in brake_files]
     check_outputs(json_file, pressure, fields)
     options = fem_options(elements, kind=kind, penalty=penalty) | (
         {} if tolerance is None else {"tolerance": tolerance}
     )
-    chosen = pick(model, brake)
+    chosen = [pick(model, brake) for brake in brakes]
     more = (("sections", sections), ("lift", lift), ("across", across), ("fields", fields))
     options |= {name: value for name, value in more if value is not None}
     for owner, names in OPTIONS.items():
@@ -57,15 +64,33 @@ def solve(
             *some, last = others
             said = f"{', '.join(some)} and {last} belong" if some else f"{last} belongs"
             raise BadInput(f"{said} to --model {owner}, not to {model!r}")
-    with busy(f"solving by {model}"):
-        response = chosen.solve(brake, **options)
-    if json_file is not None:
-        write_json(json_file, response.as_dict())
-    if pressure is not None:
-        from drumlin.verification.check import curves_text
+    for option, path in (("--pressure", pressure), ("--fields", fields)):
+        if path is not None and len(brakes) > 1:
+            raise BadInput(f"{option} writes the file of one brake; give one brake file")
+    failed, found = 0, list[dict[str, Any]]()
+    for i, (brake_file, brake, one) in enumerate(zip(brake_files, brakes, chosen, strict=True)):
+        try:
+            with busy(f"solving by {model}"):
+                response = one.solve(brake, **options)
+        except NoAnswer as error:
+            if len(brakes) == 1:
+                raise
+            failed += 1
+            found.append({"brake_file": str(brake_file), "failure": str(error)})
+            note(f"{brake_file}: {error}")
+            continue
+        found.append({"brake_file": str(brake_file), **response.as_dict()})
+        if pressure is not None:
+            from drumlin.verification.check import curves_text
 
-        write_text(pressure, curves_text(response, isinstance(brake, FlatBrake)))
-    print_response(brake, response)
+            write_text(pressure, curves_text(response, isinstance(brake, FlatBrake)))
+        if i > failed:
+            tell("")
+        print_response(brake, response, verbose=verbose)
+    if json_file is not None:
+        write_json(json_file, found[0] if len(brakes) == 1 else found)
+    if failed:
+        raise NoAnswer(f"{failed} of {len(brakes)} brakes have no answer")
 
 
 def compare(
@@ -190,7 +215,7 @@ def wear(
     from drumlin.files import check_outputs, write_json
     from drumlin.wear.archard import WearLaw
     from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
-    from drumlin.wear.run_in import COEFFICIENT, as_dict, report_lines, run_in, target
+    from drumlin.wear.run_in import COEFFICIENT, as_dict, check_depth, report_lines, run_in, target
     from drumlin.wear.run_in import unit_distance as unit_of
 
     brake = read_brake(brake_file)
@@ -241,6 +266,7 @@ def wear(
             options["distance"] = length("--distance", distance, setup)
         say("wearing")
         states = run_in(setup, law, **options)
+    check_depth(setup, states)
     goal = target(setup, law, options.get("torque"))
     if json_file is not None:
         write_json(json_file, as_dict(setup, states, goal, law))

@@ -35,8 +35,9 @@ def sweep(
 
     from drumlin.files import check_outputs
     from drumlin.journal import Journal, source_stamp
-    from drumlin.sweeps.cases import check_output, run, table, write_table
+    from drumlin.sweeps.cases import run
     from drumlin.sweeps.file import read_sweep
+    from drumlin.sweeps.table import check_output, table, write_table
     from drumlin.sweeps.workers import executor
 
     made = read_sweep(sweep_file)
@@ -55,7 +56,7 @@ def sweep(
         except (KeyboardInterrupt, Stopped) as stop:
             stop.add_note(f"{len(journal)} {kept}")
             raise
-    write_table(table(made.cases, rows, sweep_file.parent.resolve()), table_file)
+    write_table(table(made.cases, rows, sweep_file.parent.resolve(), made.pressure), table_file)
     failed = Counter(row["status"].removeprefix("failed: ") for row in rows if row["status"] != "solved")
     tell(f"{len(rows)} cases: {len(rows) - failed.total()} solved, {failed.total()} failed")
     for reason, count in failed.most_common(3):

@@ -261,6 +261,7 @@ class Free:
 
     @classmethod
     def of(cls, basis: Any, rim: Floats, condensed: Condensed, line: ContactLine) -> "Free":
+        """From the rim's forces B (2 nodes, FRAME) `rim`, and the ring condensed with B as its loads."""
         x, y = basis.doflocs
         rigid = np.zeros((basis.N, 2, FRAME))
         rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0

@@ -246,7 +246,7 @@ def command_line(rng: random.Random) -> Input:
     chosen = {}
     for option in commands[name].params:
         required = option.param_type_name == "argument" or option.name == "to"
-        if option.name == "brake_file" or (not required and rng.random() < 0.65):
+        if option.name in {"brake_file", "brake_files"} or (not required and rng.random() < 0.65):
             continue
         value = _word_for(rng, option)
         if option.param_type_name == "argument":

@@ -11,10 +11,11 @@ from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Point
 from drumlin.brake.plane_brake import FlatShoe
+from drumlin.report.palette import BLUE, RED
 
 MM = 1e3
 INK, FAINT, DRUM, BODY, BLOCK, LINING, FORCE, MOTION = (
-    "#1d2733", "#5b6875", "#e6ebf0", "#aab6c2", "#e3cfa4", "#c89b6a", "#c8553d", "#0b6e99",
+    "#1d2733", "#5b6875", "#e6ebf0", "#aab6c2", "#e3cfa4", "#c89b6a", RED, BLUE,
 )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""The cloud of stated over true errors."""
+"""The cloud of stated over true errors, and the errors of finer and finer columns."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -7,10 +7,11 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import STYLE
+from drumlin.report.figures import STYLE, key
+from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 
 TITLES = {"pressure": "pressure p (L2)", "torque": "torque", "peak": "peak pressure", "reaction": "hinge reaction"}
-MARKS = (("o", "#0b6e99"), ("s", "#c8553d"), ("D", "#7a5195"), ("^", "#2a9d5c"))  # a tolerance each
+MARKS = (("o", BLUE), ("s", RED), ("D", PURPLE), ("^", GREEN))  # a tolerance each
 KNOWN = 4.0  # how far above the uncertainty of the truth a true error is known well
 
 
@@ -30,12 +31,12 @@ def cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
                     style = {"color": color, "alpha": 0.8 if known else 0.25, "ls": "", "ms": 4, "label": label}
                     axes.loglog(*zip(*points, strict=True), marker=mark, **style) if points else None
                     drawn += len(points)
-            axes.axhline(1.0, color="#1d2733", lw=1)
+            axes.axhline(1.0, color=INK, lw=1)
             axes.set_title(TITLES[name])
             axes.set_xlabel("true error")
             axes.set_ylabel("stated over true error")
             if drawn:
-                axes.legend()
+                key(figure, axes)
     return figure
 
 
@@ -45,3 +46,19 @@ def _point(row: Mapping[str, Any], name: str, known: bool) -> list[tuple[float, 
     if not (stated > 0 and true > 0) or (true > KNOWN * unsure) != known:
         return []
     return [(true, stated / true)]
+
+
+def levels(rows: Sequence[Mapping[str, Any]]) -> Figure:
+    """Errors of p and of the torque over the cube root of the unknowns of a shoe, the degree beside each."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+        axes = figure.subplots()
+        x = [row["root"] for row in rows]
+        for key, label, mark, color in (("pressure", "p (L2)", "s", "#0b6e99"), ("torque", "torque", "o", "#c8553d")):
+            axes.semilogy(x, [row[key] for row in rows], marker=mark, color=color, label=label)
+        for row in rows:
+            axes.annotate(f"p = {row['degree']}", (row["root"], row["pressure"]), (4, 5), textcoords="offset points")
+        axes.set_xlabel("(unknowns of a shoe)$^{1/3}$")
+        axes.set_ylabel("relative error")
+        axes.legend()
+    return figure

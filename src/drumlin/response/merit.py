@@ -95,6 +95,21 @@ def flat_merit(brake: FlatBrake, index: int, response: ShoeResponse) -> FlatMeri
     )
 
 
+def effect(response: Response) -> float:
+    """What a brake does: its torque [N m], on a plane its braking force [N]."""
+    forces = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]
+    return math.fsum(forces) if forces else response.torque
+
+
+def brake_factor(brake: AnyBrake, response: Response) -> float | None:
+    """T/(F R) of the whole brake with the mean force F of its shoes, on a plane braking force / F; None without force.
+
+    Of shoes with equal forces it is the sum of their shoe factors.
+    """
+    force = math.fsum(abs(shoe.actuation.force) for shoe in loaded(brake, response).shoes) / len(brake.shoes)
+    return _over(effect(response), force * (1.0 if isinstance(brake, FlatBrake) else brake.drum.radius))
+
+
 def with_merits(brake: AnyBrake, response: Response) -> Response:
     """The response with the figures of merit of its shoes, the load of a drum's bearings, and warnings as notes."""
     shoes, brake = enumerate(response.shoes), loaded(brake, response)

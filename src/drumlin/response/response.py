@@ -19,6 +19,7 @@ EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
 STEP = math.radians(0.2)
 """Longest step [rad] of a curve that is drawn or written."""
+SAME_PEAK = 1e-3  # between a peak and the largest value of a curve, whose points may miss it
 
 
 @dataclass(frozen=True)
@@ -309,6 +310,25 @@ def edge_zone(shoe: Shoe, radius: float) -> float:
     of its length where that is all of it."""
     zone, length = shoe.lining.thickness / (2 * radius), shoe.lining.end - shoe.lining.start
     return zone if 2 * zone < length else 0.25 * length
+
+
+class Place(NamedTuple):
+    """Where a pressure peaks: the angle (on a plane x) `at` [rad, m], and the `zone` at the ends that is left out."""
+
+    at: float
+    zone: float
+
+
+def peak_place(brake: Brake | FlatBrake, index: int, response: ShoeResponse) -> Place | None:
+    """Where shoe `index` has its peak pressure, within STEP; None where it does not touch."""
+    if not response.contact_arcs or not response.peak_pressure > 0:
+        return None
+    theta, pressure = response.curve()
+    zone = edge_zone(brake.shoes[index], brake.drum.radius) if isinstance(brake, Brake) else 0.0
+    inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
+    if abs(pressure.max() / response.peak_pressure - 1) < SAME_PEAK or not pressure[inside].any():
+        inside, zone = np.ones(len(theta), dtype=bool), 0.0
+    return Place(float(theta[inside][pressure[inside].argmax()]), zone)
 
 
 def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:

@@ -5,10 +5,7 @@ stopped and went on ends with the same rows as one that was not.
 """
 
 import hashlib
-import importlib
 import json
-import math
-import os
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -21,14 +18,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.file import unit_of, vary
+from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake
-from drumlin.comparison import as_csv
 from drumlin.errors import BadInput, DrumlinError, NoAnswer
 from drumlin.fem.assembly import Cache
-from drumlin.files import content_digest, replacing, write_text
+from drumlin.files import content_digest
 from drumlin.journal import Journal, key_of, source_stamp
 from drumlin.models import pick
+from drumlin.response.merit import brake_factor, effect
 from drumlin.response.response import FlatMerit, Response
 from drumlin.sweeps.workers import Say, waiting_since
 
@@ -109,14 +106,12 @@ def row_of(brake: AnyBrake, response: Response) -> Row:
     hinge_reaction [N], contact_start and contact_end [rad; on a plane m] from where to where it touches, contact_arcs
     how many arcs that is.
     """
-    force = sum(abs(shoe.actuation.force) for shoe in brake.shoes) / len(brake.shoes)
     flat = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]
     radius = brake.drum.radius if isinstance(brake, Brake) else 1.0
-    effect = math.fsum(flat) if flat else response.torque
     row: Row = {
         "status": "solved" if response.converged else "failed: not converged",
-        "braking_force" if flat else "torque": effect,
-        "brake_factor": effect / (force * radius) if force else None,
+        "braking_force" if flat else "torque": effect(response),
+        "brake_factor": brake_factor(brake, response),
         "peak_pressure": max(shoe.peak_pressure for shoe in response.shoes),
         "balance": max(response.balance.force, response.balance.moment),
         **{f"error_{name}": value for name, value in (response.error or {}).items()},
@@ -186,76 +181,6 @@ def run(
                 done(finished, len(cases))
         missing = again
     return [passing.get(key_of(key)) or journal[key] for key in keys]
-
-
-UNITS = {
-    "torque": "N m",
-    "braking_force": "N",
-    "peak_pressure": "Pa",
-    "hinge_reaction": "N",
-}
-
-
-def table(cases: Sequence[Case], rows: Sequence[Row], base: Path | None = None) -> list[Row]:
-    """Cases and their rows as one table in SI, columns headed with name and unit: "shoe.lining.thickness [m]".
-
-    A changed value that is a table itself stands as JSON, a mesh file by its path from the folder `base`.
-    """
-    units: dict[str, str] = {}
-    made = []
-    for number, (case, row) in enumerate(zip(cases, rows, strict=True)):
-        flat = not isinstance(case.brake, Brake)
-        line: Row = {"case": number}
-        for key, value in case.changes.items():
-            if key not in units:
-                units[key] = _headed(key, unit_of(case.brake, key))
-            if base is not None and names_mesh(key):
-                value = Path(os.path.relpath(value, base)).as_posix()  # noqa: PLW2901
-            line[units[key]] = json.dumps(value) if isinstance(value, list | tuple) else value
-        line |= {"model": case.model, "status": row["status"]}
-        for name, value in row.items():
-            last = name.rpartition(".")[2]
-            unit = ("m" if flat else "rad") if last in {"contact_start", "contact_end"} else UNITS.get(last)
-            line[_headed(name, unit)] = value
-        made.append(line)
-    return made
-
-
-def _headed(name: str, unit: str | None) -> str:
-    return f"{name} [{unit}]" if unit else name
-
-
-def write_table(lines: Sequence[Row], path: Path) -> None:
-    """Write a table whole or not at all: Parquet where the name ends in .parquet, else CSV."""
-    if path.suffix != ".parquet":
-        write_text(path, as_csv(lines))
-        return
-    parquet = _parquet()
-    arrow = importlib.import_module("pyarrow")
-    names = dict.fromkeys(name for line in lines for name in line)
-    columns = {name: [line.get(name) for line in lines] for name in names}
-    for name, values in columns.items():
-        if any(isinstance(value, str) for value in values):  # numbers and tables under one key
-            columns[name] = [value if value is None else str(value) for value in values]
-    with replacing(path) as partial:
-        parquet.write_table(arrow.table(columns), partial)
-
-
-def _parquet() -> Any:
-    try:
-        return importlib.import_module("pyarrow.parquet")
-    except ImportError as error:
-        raise BadInput(
-            "--output: Parquet needs the extra drumlin[parquet]; or take a name that ends in .csv"
-        ) from error
-
-
-def check_output(path: Path) -> None:
-    """Raise BadInput for a table that could not be written in the end, before anything is solved."""
-    if path.suffix not in {".csv", ".parquet"}:
-        raise BadInput(f"--output = {str(path)!r}: must end in .csv or .parquet")
-    if path.suffix == ".parquet":
-        _parquet()
 
 
 def keys_of(cases: Iterable[Case]) -> Iterator[dict[str, Any]]:

@@ -113,17 +113,19 @@ class SweepFile(Part):
     combine: Literal["grid", "zip", "random"] = "grid"
     cases: Annotated[int, Field(ge=1, le=MOST_CASES)] | None = None
     seed: Annotated[int, Field(ge=0)] = 0
+    pressure: Literal["Pa", "MPa"] = "Pa"
     model: Annotated[dict[str, dict[str, Any]], Field(default_factory=lambda: {"fem": {}}, min_length=1)]
     vary: Annotated[dict[str, Any], Field(min_length=1)]
 
 
 class Sweep(NamedTuple):
-    """A sweep made ready: its title, base brake, the SI unit of each varied key (None: words), and its cases."""
+    """A sweep made ready: title, base brake, SI unit of each varied key (None: words), cases, unit of its stresses."""
 
     title: str
     brake: AnyBrake
     units: dict[str, str | None]
     cases: list[Case]
+    pressure: str = "Pa"
 
 
 def read_sweep(path: Path) -> Sweep:
@@ -186,7 +188,8 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
     meshes = {path for change in [{}, *changes] for path in mesh_files(brake, change)}
     if lost := [str(path) for path in meshes if content_digest(path) == "none"]:
         raise BadInput(f"mesh = {min(lost)!r}: cannot be read")
-    return Sweep(file.title or brake.title, brake, {key: unit_of(brake, key) for key in specs}, cases)
+    units = {key: unit_of(brake, key) for key in specs}
+    return Sweep(file.title or brake.title, brake, units, cases, file.pressure)
 
 
 def _base_brake(brake: str | dict[str, Any], base: Path) -> AnyBrake:
@@ -316,8 +319,7 @@ def _frozen(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> 
         """What is given, or else the brake file's own value."""
         if given is not None:
             return _number(f"{said}.{name}", given, unit)
-        own = set(nominal)
-        if len(own) > 1 or not isinstance(nominal[0], float):
+        if len(set(nominal)) > 1 or not isinstance(nominal[0], float):
             raise BadInput(f"{said}.{name}: is missing, and the brake file has no single number there")
         return float(nominal[0])
 
@@ -367,9 +369,8 @@ def _deviation(said: str, given: float | str, mean: float, unit: str) -> float:
 
 def _draw(spec: _Spec, key: str, seed: int, count: int) -> list[Any]:
     """The draws of a key, by its own stream of random numbers."""
-    stream = int.from_bytes(hashlib.sha256(key.encode()).digest()[:8])
-    u = np.random.default_rng([seed, stream]).random(count)
-    return spec.at(np.maximum(u, 2.0**-54))  # the stream has steps of 2^-53, and 0 would be minus infinity
+    stream = int.from_bytes(hashlib.sha256(key.encode()).digest()[:8])  # in steps of 2^-53; 0 would be -infinity
+    return spec.at(np.maximum(np.random.default_rng([seed, stream]).random(count), 2.0**-54))
 
 
 def _combined(combine: str, listed: Mapping[str, list[Any]]) -> Iterator[dict[str, Any]]:
@@ -396,5 +397,4 @@ def _check(
             try:
                 vary(brake, {key: value})
             except BadInput:
-                first = next(change for change in changes if change[key] == value)
-                vary(brake, first | middle)
+                vary(brake, next(change for change in changes if change[key] == value) | middle)

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from drumlin.sweeps.cases import Row, run, table
+from drumlin.sweeps.cases import Row, run
 from drumlin.sweeps.file import read_sweep
+from drumlin.sweeps.table import table
 from drumlin.sweeps.workers import executor
 
 
@@ -27,4 +28,5 @@ def sweep(path: Path | str, *, jobs: int = 1) -> list[Row]:
     """
     made = read_sweep(Path(path))
     with executor(jobs) as (pool, workers):
-        return table(made.cases, run(made.cases, executor=pool, workers=workers), Path(path).parent.resolve())
+        rows = run(made.cases, executor=pool, workers=workers)
+    return table(made.cases, rows, Path(path).parent.resolve(), made.pressure)

@@ -117,7 +117,7 @@ def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
 
     Each size is measured in a process of its own, so that its peak memory is its own.
     """
-    yield "unknowns  contact nodes  solve [s]  of its parts  further [ms]  peak memory [GiB]"
+    yield "unknowns  contact nodes  solve [s]  of its parts  further [ms]  memory [GiB]"
     costs = []
     for size in sizes:
         repeats = REPEATS if size <= 2 * SIZES[0] else 1
@@ -127,7 +127,7 @@ def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
         costs.append(c)
         yield (
             f"{c.unknowns:8d}  {c.contact_nodes:13d}  {c.solve:9.3f}  {c.solve_ratio:12.2f}  {c.further * 1e3:12.1f}  "
-            f"{c.memory / 2**30:17.2f}"
+            f"{c.memory / 2**30:12.2f}"
         )
     fitted = [c for c in costs if c.unknowns <= FITTED]
     if len(fitted) > 1:

@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,10 +12,16 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
 from drumlin.comparison import Convergence
 from drumlin.errors import NoAnswer
+from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.hp.places import places_of
+from drumlin.fem.hp.scene import scene
+from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response, ShoeResponse
+from drumlin.verification.reference import FINE, Refinement, responses
 
 RIGID = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}  # E x 10^4 of steel, lining of R/50
 Row = dict[str, Any]
@@ -43,6 +49,50 @@ def order_rows(brake: Brake, case: str, kind: str, sizes: Sequence[int], referen
             row["order"] = math.log(rows[-1]["pressure"] / row["pressure"]) / math.log(n / rows[-1]["elements"])
         rows.append(row)
     return rows
+
+
+COARSE = Level(2, 0.9, 0.3, 0.4, 0.15, math.radians(30), 1.0, 1.0, 1.0, 0.1)
+"""Columns so coarse that they are off by some per cent: where the row of levels begins."""
+
+
+def level_rows(brake: Brake, refinement: Refinement = FINE) -> list[Row]:
+    """Errors of columns, level by level, their ends of the contact known from the reference; exact contact.
+
+    `root`: the cube root of the unknowns of a shoe, over which the logarithm of the error falls straight where every
+    singular point is graded (Babuska & Guo 1986). Nothing is shown below three times the distance of the two divisions
+    of the reference.
+    """
+    found = responses(brake, refinement)
+    true, places = found.value, places_of(brake, found.value)
+    floor = 3 * distance(found.before, true)
+    rows = []
+    for level in (COARSE, *LEVELS):
+        made = scene(brake, level, places)
+        response = respond(made, brake, penalty=math.inf, start=true)
+        unknowns = max(body.unknowns for body in made.bodies)
+        error = distance(response, true)
+        torque = abs(relative(response.torque, true.torque))
+        if error < floor:
+            break
+        rows.append({"degree": level.degree, "unknowns": unknowns, "root": unknowns ** (1 / 3), "pressure": error,
+                     "torque": torque})  # fmt: skip
+    return rows
+
+
+class Line(NamedTuple):
+    """log10 of the error = a - fall (unknowns)^(1/3), fitted, its correlation, and the `decades` that it spans."""
+
+    fall: float
+    correlation: float
+    decades: float
+
+
+def line(rows: Sequence[Row]) -> Line:
+    """The straight line of `level_rows`."""
+    x, y = (
+        np.array(values) for values in zip(*((row["root"], math.log10(row["pressure"])) for row in rows), strict=True)
+    )
+    return Line(-float(np.polyfit(x, y, 1)[0]), -float(np.corrcoef(x, y)[0, 1]), float(np.ptp(y)))
 
 
 def estimate_row(brake: Brake, case: str, tolerance: float, reference: Response, floor: float) -> Row:

@@ -9,6 +9,7 @@ import importlib.metadata
 import json
 import math
 import re
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -31,7 +32,7 @@ from drumlin.fem.model import respond
 from drumlin.files import read_text, write_text
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response, ShoeResponse, contact_resultant, edge_zone, pressed_shoe
-from drumlin.texts import check_digits
+from drumlin.texts import check_digits, check_toml
 from drumlin.verification import triangles
 
 FORMAT = "drumlin reference values, 1"
@@ -407,12 +408,24 @@ def _shoe_from(data: dict[str, Any]) -> ShoeReference:
 
 
 def stored(text: str, *folders: Path) -> Path | None:
-    """The file with reference values of a brake file of this text, in the first of the folders that has one."""
+    """The file with reference values of a brake file that says what this text says, comments aside, in the first of
+    the folders that has one.
+    """
+    asked = _said(text)
     for folder in folders:
         for path in sorted(folder.glob("*.json")):
             try:
-                if json.loads(read_text(path, LARGEST_FILE, "reference values"))["brake_file"] == text:
+                if _said(json.loads(read_text(path, LARGEST_FILE, "reference values"))["brake_file"]) == asked:
                     return path
             except (BadInput, ValueError, LookupError, TypeError, RecursionError):
                 continue  # another JSON file
     return None
+
+
+def _said(text: str) -> object:
+    """What a TOML text says; of another its words."""
+    try:
+        check_toml(text)
+        return tomllib.loads(text)
+    except (ValueError, RecursionError):
+        return text

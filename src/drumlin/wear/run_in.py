@@ -16,6 +16,7 @@ import scipy.optimize
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
+from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
 from drumlin.response.response import edge_zone, nodal_peak
@@ -162,6 +163,22 @@ def worn(setup: WearSetup, state: WearState) -> Brake:
     return vary(setup.brake, changes)
 
 
+def check_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
+    """Raise NoAnswer where more of a lining is worn off than it has, saying which was gone first and when."""
+    s, gone = [state.s for state in states], []
+    for surface in setup.surfaces:
+        has = setup.brake.shoes[surface.shoe].lining.thickness
+        deepest = [float(state.depth[surface.part].max()) for state in states]
+        if deepest[-1] > has:
+            gone.append((float(np.interp(has, deepest, s)), f"shoe {surface.name!r}: its lining of {mm(has)}"))
+    if gone:
+        after, lining = min(gone)
+        raise NoAnswer(
+            f"{lining} is worn through after {after * 1e-3:.4g} km of the {s[-1] * 1e-3:.4g} km asked for or needed to "
+            "settle; a shorter --distance has an answer"
+        )
+
+
 class Life(NamedTuple):
     """The sliding distance [m] at which a lining is worn out, and the parts of it after which p and torque stay
     within `within` of the law; above 1: they never come there.
@@ -283,16 +300,16 @@ def report_lines(
     said = [
         f"{setup.brake.title}: {setup.model}, {setup.brake.motion}, mu = {setup.brake.friction:g}, "
         f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:.9g}{wears}",
-        f"{'s [km]':>12}{'s k K':>11}{'torque [N m]':>14}{'force [N]':>12}{'peak p [MPa]':>14}{'p off law [%]':>15}"
-        f"{'T off law [%]':>15}{'worn depth [mm]':>17}",
+        f"{'s':>9}{'s k K':>9}{'torque':>10}{'force':>9}{'peak p':>9}{'p off law':>11}{'T off law':>11}{'deepest':>10}",
+        f"{'[km]':>9}{'':9}{'[N m]':>10}{'[N]':>9}{'[MPa]':>9}{'[%]':>11}{'[%]':>11}{'wear [mm]':>10}",
     ]
     for i in sorted({round(x) for x in np.linspace(0, len(states) - 1, lines)}):
         state = states[i]
         off = distance(setup, state, goal)
         said.append(
-            f"{state.s * 1e-3:12.5g}{state.s / unit:11.4g}{state.torque:14.6g}{state.force * force:12.5g}"
-            f"{peak(setup, state) * 1e-6:14.4g}{100 * off.pressure:15.3f}{100 * off.torque:+15.4f}"
-            f"{state.depth.max() * 1e3:17.4g}"
+            f"{state.s * 1e-3:9.5g}{state.s / unit:9.4g}{state.torque:10.6g}{state.force * force:9.5g}"
+            f"{peak(setup, state) * 1e-6:9.4g}{100 * off.pressure:11.3f}{100 * off.torque:+11.4f}"
+            f"{state.depth.max() * 1e3:10.4g}"
         )
     said.append(f"worn in (law): torque {goal.torque:.6g} N m")
     if law.coefficient > 0:

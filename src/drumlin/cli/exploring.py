@@ -1,0 +1,33 @@
+"""The command that lets people play with a brake."""
+
+from typing import Annotated
+
+import typer
+
+from drumlin.cli.options import BrakeFile
+from drumlin.cli.terminal import note, tell
+from drumlin.errors import BadInput
+
+
+def explore(
+    brake_file: BrakeFile,
+    port: Annotated[int, typer.Option(help="of this machine; 0: any free one")] = 8765,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open the page in a browser")] = True,
+) -> None:
+    """Play with a brake: a page of this machine with sliders, pressure and torque at once. Ctrl-C ends it."""
+    from drumlin.brake import FlatBrake, read_any
+    from drumlin.explore.serve import serve
+
+    brake = read_any(brake_file)
+    if isinstance(brake, FlatBrake):
+        raise BadInput(f"{brake_file}: is a brake on a plane; explore takes brakes on a drum")
+
+    def ready(address: str) -> None:
+        tell(f"{brake.title}: {address}", at_once=True)
+        note("Ctrl-C ends it")
+        if browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    serve(brake, brake_file.stem, port, ready)

@@ -1,0 +1,42 @@
+"""Commands to start from: example brakes, and the schema of the files for an editor."""
+
+import json
+from typing import Annotated
+
+import typer
+
+from drumlin.cli.terminal import tell, write
+from drumlin.errors import BadInput
+from drumlin.texts import nearest
+
+
+def init(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="an example; without one they are listed")
+    ] = None,
+) -> None:
+    """List the example brakes, or print one of them: drumlin init double_shoe > my.toml."""
+    import tomllib
+
+    from drumlin.studies import example, examples
+
+    if name is not None:
+        write(example(name))
+        return
+    found = examples()
+    wide = max(map(len, found))
+    for key, path in found.items():
+        tell(f"{key:{wide}}  {tomllib.loads(path.read_text(encoding='utf-8'))['title']}")
+
+
+def schema(
+    kind: Annotated[str, typer.Argument(metavar="brake|sweep", help="the kind of file")] = "brake",
+) -> None:
+    """Print the JSON schema of brake or sweep files; an editor completes what its first line names as #:schema."""
+    from drumlin.brake.schema import brake_schema
+    from drumlin.sweeps.schema import sweep_schema
+
+    made = {"brake": brake_schema, "sweep": sweep_schema}
+    if kind not in made:
+        raise BadInput(f"KIND = {kind!r}: unknown kind of file{nearest(kind, made)}; allowed: {', '.join(made)}")
+    write(json.dumps(made[kind](), indent=1, ensure_ascii=False) + "\n")

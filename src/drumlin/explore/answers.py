@@ -1,0 +1,158 @@
+"""Settings -> answers: finite elements beside a law, worn in as far as asked; what is kept is made once.
+
+The bodies depend on geometry and stiffness alone: another friction, force or clearance costs some milliseconds on them.
+The wear of a brake is run once over the whole range of its knob, and read off from there.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+from drumlin.brake import Brake, vary
+from drumlin.errors import DrumlinError, NoAnswer
+from drumlin.explore.knobs import LARGEST_WEAR, Setting, brake_of, knobs_of
+from drumlin.fem.assembly import Scene, bare, prepare
+from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.hp.scene import scene
+from drumlin.fem.model import respond
+from drumlin.fem.self_locking import limits
+from drumlin.laws import LAWS, locking_friction
+from drumlin.models import pick
+from drumlin.response import Response
+from drumlin.response.merit import with_merits
+from drumlin.wear.archard import WearLaw, WearState, at
+from drumlin.wear.linings import WearSetup, fem_setup
+from drumlin.wear.run_in import COEFFICIENT, WORN_OUT, run_in, unit_distance, worn
+
+LEVEL = LEVELS[1]  # of the parametric bodies: torque within some 3e-4, bodies in 30 to 100 ms
+HIGHEST = 5.0  # friction coefficient up to which self-locking is looked for
+WEAR_TOLERANCE = 1e-2  # of p in L2 a step; the torque is then some 1e-4 off
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the models make of a setting.
+
+    `brake`: as it is solved, worn where wear is asked for; None where it is none. `found`, `law`: the responses by
+    finite elements and by the law called `law_name`; where there is none, `failure` and `law_failure` say why.
+    `law_locking`: mu_lock of the worst shoe by that law, None where it has none. `distance` [m]: the sliding distance.
+    """
+
+    setting: Setting
+    brake: Brake | None = None
+    found: Response | None = None
+    failure: str = ""
+    law_name: str | None = None
+    law: Response | None = None
+    law_failure: str = ""
+    law_locking: float | None = None
+    distance: float = 0.0
+
+
+class Worn(NamedTuple):
+    """A brake run in: its setup, its states, and the unit of the sliding distance [m]."""
+
+    setup: WearSetup
+    states: list[WearState]
+    unit: float
+
+
+class Latest:
+    """The last value that was made, by its key."""
+
+    def __init__(self) -> None:
+        self._key: Any = None
+        self._value: Any = None
+
+    def kept(self, key: Any) -> Any:
+        """The value, where it has this key, else None."""
+        return self._value if key == self._key else None
+
+    def get(self, key: Any, make: Callable[[], Any]) -> Any:
+        """The value, made anew where the key is another one."""
+        if self._value is None or key != self._key:
+            self._value = make()
+            self._key = key
+        return self._value
+
+
+class Explorer:
+    """Answers for the settings of one brake. What it keeps saves time and never changes an answer.
+
+    Raises BadInput for a brake that finite elements do not cover.
+    """
+
+    def __init__(self, brake: Brake) -> None:
+        pick("fem", brake)
+        self.brake, self.knobs = brake, knobs_of(brake)
+        self._scene, self._worn, self._limits = Latest(), Latest(), Latest()
+
+    def answer(self, setting: Setting) -> Answer:
+        """The answer for a setting; what has none is said in its lines."""
+        made = Answer(setting, law_name=setting.law)
+        try:
+            brake = brake_of(self.brake, self.knobs, setting)
+            made = replace(made, brake=brake)
+            scene, wear = self.scene(brake), setting.values.get("wear", 0.0)
+            if wear > 0:
+                brake, distance = self._worn_brake(scene, brake, wear)
+                made = replace(made, brake=brake, distance=distance)
+            made = replace(made, found=with_merits(brake, respond(scene, brake)))
+        except DrumlinError as error:
+            made = replace(made, failure=str(error))
+        return _beside(made)
+
+    def scene(self, brake: Brake) -> Scene:
+        """The bodies of a brake, prepared with friction, so that they serve every friction."""
+        dragged = vary(brake, {"friction": 1.0})
+        own = any(shoe.mesh for shoe in brake.shoes)
+        return self._scene.get(bare(dragged), lambda: prepare(dragged) if own else scene(dragged, LEVEL))
+
+    def _worn_brake(self, scene: Scene, brake: Brake, wear: float) -> tuple[Brake, float]:
+        """The brake worn over `wear` times 1/(k K), and that distance [m]. Raises NoAnswer for a lining worn out."""
+        run = self._worn.get(brake, lambda: _run(scene, brake))
+        state = at(run.states, wear * run.unit)
+        for surface in run.setup.surfaces:
+            deepest, lining = state.depth[surface.part].max(), brake.shoes[surface.shoe].lining
+            if deepest > WORN_OUT * lining.thickness:
+                raise NoAnswer(f"shoe {surface.name!r}: worn out, {deepest * 1e3:.3g} mm would be worn off its lining")
+        return worn(run.setup, state), wear * run.unit
+
+    def locking(self, brake: Brake) -> Mapping[tuple[int, ...], float]:
+        """mu_lock of each group of shoes that meet the drum together, up to HIGHEST; empty where nothing touches."""
+        key = vary(brake, {"friction": 1.0})
+
+        def make() -> Mapping[tuple[int, ...], float]:
+            try:
+                found = limits(self.scene(key), key, HIGHEST)
+            except NoAnswer:
+                return {}
+            return {members: limit.friction for members, limit in found.items()}
+
+        known: Mapping[tuple[int, ...], float] = self._limits.get(key, make)
+        return known
+
+    def known_locking(self, brake: Brake) -> Mapping[tuple[int, ...], float] | None:
+        """The same where it is known already, else None: it takes some 30 to 100 ms."""
+        known: Mapping[tuple[int, ...], float] | None = self._limits.kept(vary(brake, {"friction": 1.0}))
+        return known
+
+
+def _run(scene: Scene, brake: Brake) -> Worn:
+    setup, law = fem_setup(scene, brake), WearLaw(COEFFICIENT)
+    unit = unit_distance(setup, law)
+    return Worn(setup, run_in(setup, law, distance=LARGEST_WEAR * unit, tolerance=WEAR_TOLERANCE), unit)
+
+
+def _beside(made: Answer) -> Answer:
+    """The answer with that of its law."""
+    name, brake = made.law_name, made.brake
+    if name is None or brake is None:
+        return made
+    try:
+        if name in LAWS:
+            locking = min(locking_friction(brake, shoe, LAWS[name]) for shoe in brake.shoes)
+            made = replace(made, law_locking=locking)
+        return replace(made, law=pick(name, brake).solve(brake))
+    except DrumlinError as error:
+        return replace(made, law_failure=str(error))

@@ -1,0 +1,75 @@
+"""The server of the page: for this machine only, until it is interrupted."""
+
+import signal
+import threading
+from collections.abc import Callable
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from urllib.parse import quote
+
+from drumlin.brake import Brake
+from drumlin.errors import BadInput, reason_of
+from drumlin.explore.answers import Explorer
+from drumlin.explore.page import reply
+
+ADDRESS = "127.0.0.1"
+PORT = 8765
+OWN = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:"
+
+
+class _Server(ThreadingHTTPServer):
+    """Threads for connections that browsers keep open; one answer at a time, since answers share their bodies."""
+
+    daemon_threads = True
+
+    def __init__(self, explorer: Explorer, name: str, port: int) -> None:
+        super().__init__((ADDRESS, port), _Handler)
+        self.explorer, self.name, self.answering = explorer, name, threading.Lock()
+        self.hosts = {f"{host}:{self.server_port}" for host in ("localhost", ADDRESS)}
+
+
+class _Handler(BaseHTTPRequestHandler):
+    protocol_version = "HTTP/1.1"
+    disable_nagle_algorithm = True
+    timeout = 600
+    server: _Server
+
+    def do_GET(self) -> None:
+        if self.headers.get("Host") not in self.server.hosts:  # another name that leads here: a page of someone else
+            self.send_error(403)
+            return
+        with self.server.answering:
+            found = reply(self.server.explorer, self.path, self.server.name)
+        data = found.text.encode("utf-8", errors="replace")
+        self.send_response(found.status)
+        self.send_header("Content-Type", found.media)
+        self.send_header("Content-Length", str(len(data)))
+        self.send_header("Content-Security-Policy", OWN)
+        self.send_header("Cache-Control", "no-store")
+        if found.file:
+            self.send_header("Content-Disposition", f"attachment; filename*=UTF-8''{quote(found.file)}")
+        self.end_headers()
+        self.wfile.write(data)
+
+    def log_message(self, format: str, *args: object) -> None:
+        """Say nothing: a line a picture would bury the address."""
+
+
+def serve(brake: Brake, name: str, port: int, ready: Callable[[str], None]) -> None:
+    """Serve a brake's page until the process is interrupted; `ready` is told its address once it can be opened.
+
+    name: first words of the file that the page saves; port: 0 for any free one. Raises BadInput for a port that
+    cannot be had, and for a brake that finite elements do not cover.
+    """
+    explorer = Explorer(brake)
+    if not 0 <= port <= 65535:
+        raise BadInput(f"--port = {port}: must be from 1 to 65535, or 0 for any free one")
+    try:
+        server = _Server(explorer, name, port)
+    except OSError as error:
+        raise BadInput(f"--port = {port}: cannot be had ({reason_of(error)}); 0 takes any free one") from error
+    with server:
+        ready(f"http://localhost:{server.server_port}/")
+        try:
+            server.serve_forever(poll_interval=0.2)
+        except KeyboardInterrupt:
+            signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -1,0 +1,65 @@
+"""Settings of Sphinx for the manual; it stands alone, and nothing in it comes from another machine."""
+
+import sys
+from html import escape
+from typing import Any
+
+import latex2mathml.converter
+
+import drumlin
+
+sys.setrecursionlimit(5000)  # long pages of the API
+project = "drumlin"
+author = "the drumlin authors"
+version = release = drumlin.__version__
+html_title = f"drumlin {version}"
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+exclude_patterns: list[str] = []
+myst_enable_extensions = ["dollarmath", "amsmath", "deflist"]
+myst_heading_anchors = 3
+nb_execution_mode = "force"
+nb_execution_timeout = 300
+nb_execution_show_tb = True
+nb_merge_streams = True
+suppress_warnings = ["mystnb.unknown_mime_type"]
+autodoc_default_options = {"members": True, "undoc-members": False}
+autodoc_typehints = "signature"
+autodoc_member_order = "bysource"
+napoleon_numpy_docstring = True
+napoleon_google_docstring = False
+html_theme = "furo"
+html_copy_source = False
+html_show_sourcelink = False
+html_show_copyright = False
+html_use_index = False
+html_css_files = ["manual.css"]
+html_static_path = ["static"]
+html_math_renderer = "mathml"
+
+
+def _mathml(text: str, display: str) -> str:
+    """TeX as MathML, which browsers draw by themselves."""
+    return str(latex2mathml.converter.convert(text, display=display))
+
+
+def _inline(writer: Any, node: Any) -> None:
+    from docutils import nodes  # noqa: PLC0415
+
+    writer.body.append(_mathml(node.astext(), "inline"))
+    raise nodes.SkipNode
+
+
+def _block(writer: Any, node: Any) -> None:
+    from docutils import nodes  # noqa: PLC0415
+
+    number = f'<span class="eqno">({node["number"]})</span>' if node.get("number") else ""
+    for line in node.astext().split("\n\n"):
+        writer.body.append(f'<div class="math">{number}{_mathml(line, "block")}</div>')
+    if not node.astext().strip():
+        writer.body.append(escape(""))
+    raise nodes.SkipNode
+
+
+def setup(app: Any) -> None:
+    """Register the renderer of formulas."""
+    app.add_html_math_renderer("mathml", (_inline, None), (_block, None))

@@ -1,0 +1,234 @@
+"""The reference, read off the program: keys from classes, commands from the command line, names from docstrings."""
+
+import ast
+import inspect
+import pkgutil
+import typing
+from collections.abc import Iterator, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args, get_origin
+
+from pydantic.fields import FieldInfo
+from studies.manual import keys
+
+import drumlin
+from drumlin.brake.fields import Part, unit_in
+from drumlin.brake.units import EXAMPLES, NAMES
+from drumlin.foundation.model import LIFTS
+from drumlin.models import MODELS
+from drumlin.verification.ladder import CASES
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in lines) + "\n"
+
+
+# keys of files
+
+
+def brake_file() -> str:
+    """The keys of the brake file, below an example."""
+    return _example("double_shoe/brake.toml") + _tables(keys.BRAKE)
+
+
+def sweep_file() -> str:
+    """The keys of the sweep file, below an example."""
+    return _example("sweeps/loads.toml") + _tables(keys.SWEEP)
+
+
+def _example(name: str) -> str:
+    return f"```toml\n{(ROOT / 'studies' / name).read_text(encoding='utf-8')}```\n\n"
+
+
+def _tables(tables: Sequence[keys.Table]) -> str:
+    head = ("key", "value", "meaning")
+    return "\n".join(f"## {heading}\n\n{table(head, _rows(kind, words))}" for heading, kind, words in tables)
+
+
+def _rows(kind: type[Part], meanings: dict[str, str]) -> list[tuple[str, str, str]]:
+    """A row for each key. Raises KeyError for a key without meaning, ValueError for a meaning without key."""
+    fields = {field.alias or name: field for name, field in kind.model_fields.items()}
+    if unknown := set(meanings) - set(fields):
+        raise ValueError(f"{kind.__name__}: has no key {sorted(unknown)}")
+    return [(f"`{key}`", _value(field), meanings[key]) for key, field in fields.items()]
+
+
+def _value(field: FieldInfo) -> str:
+    """What a key takes, and its default."""
+    annotation = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
+    said = _kind(annotation)
+    said += "".join(f", {words}" for words in _limits(annotation))
+    if field.is_required():
+        return f"{said}; required"
+    default = field.get_default(call_default_factory=True)
+    plain = isinstance(default, str | int | float) and not isinstance(default, bool)
+    return f"{said}; default `{default}`" if plain else f"{said}; may be left out"
+
+
+def _kind(annotation: Any) -> str:
+    words = _literals(annotation)
+    if words:
+        return " or ".join(f'`"{word}"`' for word in words)
+    unit = unit_in(annotation)
+    if unit:
+        return f'{NAMES[unit]} such as `"{EXAMPLES[unit]}"`'
+    if unit == "":
+        return "a number" if str not in _plain(annotation) else "a number, or a quantity with its unit"
+    plain = _plain(annotation)
+    for kind, said in ((bool, "`true` or `false`"), (int, "a whole number"), (str, "a text"), (Path, "a path")):
+        if kind in plain:
+            return said
+    return "a list" if plain & {tuple, list} else "a table"
+
+
+def _plain(annotation: Any) -> set[Any]:
+    """The types that a type is made of."""
+    if get_origin(annotation) is None:
+        return {annotation}
+    return {get_origin(annotation)} | {kind for part in get_args(annotation) for kind in _plain(part)}
+
+
+def _literals(annotation: Any) -> tuple[str, ...]:
+    if get_origin(annotation) is Literal:
+        return tuple(map(str, get_args(annotation)))
+    return next((found for part in get_args(annotation) if (found := _literals(part))), ())
+
+
+def _limits(annotation: Any) -> Iterator[str]:
+    marks = [m for mark in _marks(annotation) for m in (mark, *getattr(mark, "metadata", ()))]
+    for name, sign in (("gt", ">"), ("ge", "≥"), ("lt", "<"), ("le", "≤")):
+        for mark in marks:
+            if getattr(mark, name, None) is not None:
+                yield f"{sign} {getattr(mark, name):g}"
+
+
+def _marks(annotation: Any) -> tuple[Any, ...]:
+    """What a type is annotated with, or each of its alternatives."""
+    own = getattr(annotation, "__metadata__", ())
+    return own or tuple(mark for part in get_args(annotation) for mark in getattr(part, "__metadata__", ()))
+
+
+# commands
+
+
+def commands() -> str:
+    """The page of the commands, with all their options."""
+    import typer  # noqa: PLC0415
+
+    from drumlin.cli.commands import app  # noqa: PLC0415
+
+    made = typer.main.get_command(app)
+    parts = []
+    for name, command in made.commands.items():  # type: ignore[attr-defined]
+        given = [p for p in command.params if not p.opts[0].startswith("-")]
+        options = [p for p in command.params if p.opts[0].startswith("-") and p.name != "help"]
+        words = " ".join(p.metavar or p.name.upper() for p in given)
+        parts.append(f"## `drumlin {name} {words}`\n\n{inspect.cleandoc(command.help or '')}\n")
+        rows = [(_names(p), _words(p.help), _default(p)) for p in [*given, *options]]
+        parts.append(table(("argument or option", "meaning", "default"), rows))
+    return "\n".join(parts)
+
+
+def _names(param: Any) -> str:
+    names = param.opts if param.opts[0].startswith("-") else [param.metavar or param.name.upper()]
+    other = [*names, *param.secondary_opts]
+    flag = getattr(param, "is_flag", False) or not param.opts[0].startswith("-")
+    value = "" if flag else f" `{param.metavar or param.name.upper()}`"
+    return " or ".join(f"`{name}`" for name in other) + value
+
+
+def _words(text: str | None) -> str:
+    return (text or "").replace("\\[", "[")
+
+
+def _default(param: Any) -> str:
+    value = param.default
+    if param.required:
+        return "required"
+    return "" if value is None or value is False or callable(value) else f"`{value}`"
+
+
+# laws, and the ladder
+
+
+def laws() -> str:
+    """The models, and what can be lifted of the foundation model."""
+    rows = [(f"`{name}`", model.assumes) for name, model in MODELS.items()]
+    lifts = [(f"`{name}`", words) for name, words in LIFTS.items()]
+    heading = "\n## Simplifications that `--lift` removes\n\n"
+    return table(("model", "assumes"), rows) + heading + table(("name", "in place of"), lifts)
+
+
+def ladder() -> str:
+    """The table of all rungs, to stand below the page's own words."""
+    rows = [(case.family, case.shows, case.quantity, f"{case.expected:.6g}", f"{case.tolerance:.0e}", case.tier,
+             case.source) for case in CASES]  # fmt: skip
+    return table(("case", "judges", "quantity", "known answer", "tolerance", "tier", "source"), rows)
+
+
+# names
+
+
+def api() -> str:
+    """The page of every public name: the door's with their sections, then every module's."""
+    parts = ["## `import drumlin`\n"]
+    parts += [_entry(f"drumlin.{name}", getattr(drumlin, name)) for name in drumlin.__all__ if name[0] != "_"]
+    for module in public_modules():
+        names = [_entry(f"{module}.{name}", value) for name, value in members(module)]
+        if names:
+            words = inspect.cleandoc(import_module(module).__doc__ or "")
+            parts += [f"## `{module}`\n\n{_literal(words)}", *names]
+    return "\n".join(parts)
+
+
+def public_modules() -> list[str]:
+    """Names of the modules whose names are there for others: all but the command line, tests of drumlin and reports."""
+    aside = {"cli", "fuzzing", "verification", "peers", "report", "explore"}
+    found = pkgutil.walk_packages(drumlin.__path__, "drumlin.")
+    return sorted(info.name for info in found if info.name.split(".")[1] not in aside)
+
+
+def members(module: str) -> list[tuple[str, Any]]:
+    """Public functions and classes that a module defines, in its order."""
+    made = import_module(module)
+    tree = ast.parse(inspect.getsource(made))
+    kinds = (ast.FunctionDef, ast.ClassDef)
+    return [
+        (node.name, getattr(made, node.name)) for node in tree.body if isinstance(node, kinds) and node.name[0] != "_"
+    ]
+
+
+def _entry(name: str, value: Any) -> str:
+    words = inspect.getdoc(value) or ""
+    text = f"### `{name}`\n\n```python\n{_signature(name, value)}\n```\n\n{_literal(words)}"
+    if inspect.isclass(value):
+        for key, method in vars(value).items():
+            if key[0] != "_" and (inspect.isfunction(method) or isinstance(method, property)):
+                head = "" if isinstance(method, property) else _parameters(method)
+                text += f"`{key}{head}`\n\n{_literal(inspect.getdoc(method) or '')}"
+    return text
+
+
+def _signature(name: str, value: Any) -> str:
+    short = name.rsplit(".", 1)[-1]
+    if inspect.isclass(value):
+        fields = typing.get_type_hints(value) if hasattr(value, "__dataclass_fields__") else {}
+        return f"class {short}" + (f"({', '.join(fields)})" if fields else "")
+    return f"{short}{_parameters(value)}" if callable(value) else short
+
+
+def _parameters(function: Any) -> str:
+    """The parameters in short: `(self, x, *, y=1)`."""
+    parameters = inspect.signature(function).parameters.values()
+    plain = [parameter.replace(annotation=inspect.Parameter.empty) for parameter in parameters]
+    return str(inspect.Signature(plain))
+
+
+def _literal(words: str) -> str:
+    """A docstring as it is written."""
+    return f"```text\n{words}\n```\n\n" if words else ""

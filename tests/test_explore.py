@@ -1,0 +1,335 @@
+"""The page to play with: knobs, answers and pictures without a browser; then one browser that moves a slider."""
+
+import json
+import math
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from contextlib import contextmanager
+from statistics import median
+from urllib.parse import parse_qsl
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import drumlin
+from conftest import ROOT, STUDY
+from drumlin.brake import read_any, read_brake, vary
+from drumlin.explore.answers import Explorer
+from drumlin.explore.knobs import brake_of, knobs_of, link_of, setting_from, start_of
+from drumlin.explore.page import reply
+from drumlin.explore.picture import LINES, PETAL, path_of, picture_of, scale_of
+from drumlin.fem.model import respond
+from drumlin.laws import sine
+from drumlin.response.resultants import integrate
+from drumlin.wear.worn_in import worn_in
+from test_sharing import cam_brake, servo
+
+DRIVER = "/usr/bin/chromedriver"
+PROGRAM = [sys.executable, "-c", "from drumlin.cli import main; main()", "explore"]
+
+
+@pytest.fixture(scope="module")
+def explorer():
+    return Explorer(read_brake(STUDY / "brake.toml"))
+
+
+def knob(explorer, name):
+    return next(knob for knob in explorer.knobs if knob.name == name)
+
+
+def turned(explorer, **values):
+    setting = start_of(explorer.brake)
+    for name, value in values.items():
+        setting = setting.turned(knob(explorer, name), value)
+    return setting
+
+
+def test_untouched_knobs_leave_the_brake_as_it_is(explorer):
+    assert brake_of(explorer.brake, explorer.knobs, start_of(explorer.brake)) == explorer.brake
+    for each in explorer.knobs:  # nor does a knob that is turned and turned back
+        setting = start_of(explorer.brake).turned(each, each.high).turned(each, each.start)
+        assert setting == start_of(explorer.brake)
+
+
+CHANGES = {
+    "friction": (0.41, {"friction": 0.41}),
+    "force": (3.0, {"shoe.actuation.force": "3 kN"}),
+    "shift": (5.0, {"shoe.actuation.point.y": "105 mm"}),  # both lines are level, above the hinges
+    "turn": (10.0, {"shoe[0].actuation.direction": "10 deg", "shoe[1].actuation.direction": "170 deg"}),
+    "clearance": (0.1, {"shoe.lining.clearance": "0.1 mm"}),
+    "misfit": (-0.05, {"shoe.lining.misfit.radius": "149.95 mm"}),
+    "lining": (600.0, {"shoe.lining.material.E": "600 MPa"}),
+    "shoe": (70.0, {"shoe.body.material.E": "70 GPa"}),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_knob_does_what_a_changed_file_does(explorer, name):
+    value, changes = CHANGES[name]
+    answer = explorer.answer(turned(explorer, **{name: value}))
+    brake = vary(explorer.brake, changes)
+    expected = drumlin.solve(brake)
+    assert answer.found.torque == pytest.approx(expected.torque, rel=5e-4)
+    assert answer.found.torque != pytest.approx(drumlin.solve(explorer.brake).torque, rel=1e-3)
+    assert answer.law.torque == pytest.approx(sine(brake).torque, rel=1e-9)
+
+
+def test_every_quantity_has_a_test():
+    assert set(CHANGES) | {"wear"} == {knob.name for knob in knobs_of(read_brake(STUDY / "brake.toml"))}
+
+
+def test_worn_long_enough_the_brake_is_the_laws(explorer):
+    worn = explorer.answer(turned(explorer, wear=50.0))
+    scene = explorer.scene(explorer.brake)
+    goal = respond(scene, worn_in(scene, explorer.brake))
+    assert worn.found.torque == pytest.approx(goal.torque, rel=2e-3)
+    assert worn.found.torque == pytest.approx(worn.law.torque, rel=2e-3)
+    new = explorer.answer(turned(explorer))
+    assert abs(new.found.torque / new.law.torque - 1) > 0.02
+    assert worn.distance == pytest.approx(50 * 8e-3 / (1e-14 * 300e6))  # of t/(k E)
+
+
+def test_a_lining_is_not_worn_beyond_its_thickness():
+    thin = vary(read_brake(STUDY / "brake.toml"), {"shoe.lining.thickness": "0.2 mm", "shoe.lining.material.E": 3e6})
+    explorer = Explorer(thin)
+    answer = explorer.answer(turned(explorer, wear=50.0))
+    assert answer.found is None
+    assert "worn out" in answer.failure
+
+
+def test_what_is_kept_changes_no_answer(explorer):
+    brake = explorer.brake
+    path = [turned(explorer, friction=0.2), turned(explorer, shoe=20.0), turned(explorer, wear=3.0), start_of(brake)]
+    for setting in [*path, *reversed(path)]:
+        assert explorer.answer(setting).found.torque == Explorer(brake).answer(setting).found.torque
+
+
+def test_a_setting_that_keeps_the_bodies_costs_a_fraction_of_a_solve(explorer):
+    def spent(do):
+        times = []
+        for k in range(9):
+            start = time.process_time()
+            do(k)
+            times.append(time.process_time() - start)
+        return median(times)
+
+    brake = explorer.brake
+    explorer.answer(start_of(brake))
+    kept = spent(lambda k: reply(explorer, f"/picture?friction={0.2 + 0.01 * k}", "b"))
+    anew = spent(lambda k: reply(explorer, f"/picture?shoe={100 + k}", "b"))
+    solved = spent(lambda k: drumlin.solve(vary(brake, {"friction": 0.2 + 0.01 * k})))
+    assert kept < 0.4 * solved
+    assert anew < 1.5 * solved
+
+
+def test_self_locking_is_said_and_its_distance(explorer):
+    answer = explorer.answer(start_of(explorer.brake))
+    limit = min(explorer.locking(answer.brake).values())
+    assert limit == pytest.approx(1.1812, rel=1e-3)  # by the condensed matrices on 80 elements
+    assert answer.law_locking == pytest.approx(0.8231, rel=1e-3)
+    locked = Explorer(vary(explorer.brake, {"friction": 0.9}))
+    beyond = locked.answer(turned(locked, friction=1.3))
+    assert "self-locking" in beyond.failure
+    assert "self-locking" in beyond.law_failure
+    assert beyond.found is None
+
+
+def test_a_picture_shows_the_pressure_it_is_of(explorer):
+    answer = explorer.answer(start_of(explorer.brake))
+    picture = picture_of(answer, explorer.brake)
+    assert set(picture.lines) == set(LINES)
+    for shoe, x, y in zip(answer.found.shoes, *picture.lines["fem"], strict=True):
+        area = integrate(shoe.theta, np.maximum(shoe.pressure, 0), shoe.order)
+        assert np.trapezoid(y * 1e6, np.radians(x)) == pytest.approx(area, rel=5e-3)
+        assert y.min() >= 0
+    R = 150.0
+    for x, y, (t, p) in zip(*picture.lines["drum_law"], zip(*picture.lines["law"], strict=True), strict=True):
+        assert np.hypot(x, y) == pytest.approx(R * (1 + PETAL * p / picture.scale))  # internal: off the outer side
+        assert np.unwrap(np.arctan2(y, x)) % (2 * np.pi) == pytest.approx(np.radians(t) % (2 * np.pi))
+    torques = [row[2] for row in picture.rows if row[1] == "finite elements"]
+    assert sum(map(float, torques)) == pytest.approx(answer.found.torque, rel=1e-5)
+    assert path_of(picture.lines["contact"]).count("M") == sum(len(s.contact_arcs) for s in answer.found.shoes)
+
+
+def test_the_scale_is_round_and_holds_the_peak():
+    for peak in np.geomspace(1e-3, 1e3, 200):
+        assert peak <= scale_of(peak) <= 2.5001 * peak
+        assert round(scale_of(peak) / 10 ** math.floor(math.log10(scale_of(peak)) + 1e-9), 6) in {1, 2, 5, 10}
+    assert scale_of(0.0) == 1.0
+
+
+def test_a_link_leads_back_to_its_setting(explorer):
+    setting = turned(explorer, friction=0.345, shoe=77.7, wear=12.25)
+    link = link_of(explorer.knobs, explorer.brake, setting)
+    assert setting_from(explorer.knobs, explorer.brake, dict(parse_qsl(link))) == (setting, ())
+    assert link_of(explorer.knobs, explorer.brake, start_of(explorer.brake)) == ""
+
+
+@pytest.mark.parametrize(
+    ("query", "said"),
+    [
+        ("friction=nan", "friction = 'nan': left out; must be a number"),
+        ("friction=1e999", "must be a number"),
+        ("friction=-3", "friction = -3: moved to 0; allowed: 0 to 1"),
+        ("colour=3", "unknown name 'colour'"),
+        ("rotation=up", "allowed: counter-clockwise, clockwise"),
+        ("law=<script>", "left out; allowed: sine"),
+    ],
+)
+def test_what_a_link_cannot_mean_is_said(explorer, query, said):
+    page = reply(explorer, f"/?{query}", "b")
+    assert page.status == 200
+    assert page.text.count("<script>") == 1  # its own
+    line = next(text for text in page.text.splitlines() if 'id="head"' in text)
+    assert said in line.replace("&#39;", "'")
+    data = json.loads(reply(explorer, f"/picture?{query}", "b").text)
+    assert data["torque"] >= 0
+
+
+@given(
+    st.text(max_size=60), st.dictionaries(st.sampled_from(["friction", "force", "wear", "law"]), st.text(max_size=9))
+)
+def test_no_address_breaks_the_page(explorer, junk, query):
+    words = "&".join(f"{key}={text}" for key, text in query.items())
+    for address in (junk, f"/?{junk}", f"/?{words}"):
+        assert reply(explorer, address, "b").status in {200, 404}
+
+
+def test_a_title_with_tags_stays_a_text():
+    explorer = Explorer(vary(read_brake(STUDY / "brake.toml"), {"title": "<b>x</b>"}))
+    assert "<b>x</b>" not in reply(explorer, "/", "b").text
+
+
+def test_the_saved_file_is_the_brake_that_is_solved(explorer, tmp_path):
+    saved = reply(explorer, "/brake.toml?friction=0.4&wear=2&turn=5", "mine")
+    assert saved.file == "mine_explored.toml"
+    brake = read_any(tmp_path / "b.toml", saved.text)
+    answer = explorer.answer(turned(explorer, friction=0.4, wear=2.0, turn=5.0))
+    assert brake == answer.brake
+    assert drumlin.solve(brake, elements=80).torque == pytest.approx(answer.found.torque, rel=1e-3)
+
+
+def test_a_setting_without_answer_saves_nothing(explorer):
+    locked = reply(Explorer(vary(explorer.brake, {"friction": 0.9})), "/brake.toml?friction=1.5", "b")
+    assert locked.status == 422
+    assert "self-locking" in locked.text
+
+
+BRAKES = [
+    path
+    for path in sorted([*ROOT.glob("studies/*/*.toml"), *ROOT.glob("meshes/*.toml")])
+    if {"shoe", "drum"} <= set(tomllib.loads(path.read_text()))
+]
+
+
+@pytest.mark.parametrize("path", BRAKES, ids=lambda path: path.stem)
+def test_every_example_can_be_explored(path):
+    brake = read_brake(path)
+    explorer = Explorer(brake)
+    answer = explorer.answer(start_of(brake))
+    assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
+    assert reply(explorer, "/", "b").status == 200
+
+
+@pytest.mark.parametrize("brake", [cam_brake(body=0.01), servo(body=0.01)], ids=["cam", "servo"])
+def test_shoes_that_share_a_force_are_explored_by_it(brake):
+    explorer = Explorer(brake)
+    answer = explorer.answer(start_of(brake))
+    assert not answer.failure
+    assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
+    force = knob(explorer, "force")
+    twice = explorer.answer(turned(explorer, force=2 * force.start))
+    assert twice.found.torque == pytest.approx(2 * answer.found.torque, rel=1e-6)  # no clearance: proportional
+    assert reply(explorer, "/", "b").status == reply(explorer, "/picture", "b").status == 200
+
+
+@pytest.mark.slow
+def test_a_browser_moves_a_slider_and_reads_the_torque_of_solve(tmp_path):
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    with served() as address, webdriver.Chrome(chromium(tmp_path), Service(DRIVER)) as browser:
+        browser.get(address)
+        wait = WebDriverWait(browser, 30)
+        wait.until(lambda page: "torque" in page.find_element(By.ID, "head").text)
+
+        def torque():
+            return float(browser.find_element(By.ID, "head").text.split("torque ")[1].split(" N m")[0])
+
+        brake = read_brake(STUDY / "brake.toml")
+        assert torque() == pytest.approx(drumlin.solve(brake).torque, rel=1e-4)
+        browser.find_element(By.ID, "friction").send_keys(Keys.ARROW_RIGHT * 8)
+        assert browser.find_element(By.ID, "friction-value").text == "0.34"
+        wait.until(lambda page: "friction=0.34" in page.current_url)  # settled
+        expected = drumlin.solve(vary(brake, {"friction": 0.34}))
+        assert torque() == pytest.approx(expected.torque, rel=1e-4)
+        browser.find_element(By.ID, "shoe").send_keys(Keys.PAGE_DOWN * 5)  # bodies anew
+        wait.until(lambda page: "shoe=" in page.current_url)
+        E = float(dict(parse_qsl(browser.current_url.split("?")[1]))["shoe"]) * 1e9
+        expected = drumlin.solve(vary(brake, {"friction": 0.34, "shoe.body.material.E": E}))
+        assert torque() == pytest.approx(expected.torque, rel=1e-4)
+        link = browser.find_element(By.ID, "link").get_attribute("href")
+        before = torque()
+        browser.get(link)  # the same state in a page of its own
+        wait.until(lambda page: "torque" in page.find_element(By.ID, "head").text)
+        assert torque() == before
+        assert not [line for line in browser.get_log("browser") if line["level"] == "SEVERE"]
+
+
+@contextmanager
+def served():
+    """The page of the study's brake, served by a process of its own: its address."""
+    with subprocess.Popen(
+        [*PROGRAM, str(STUDY / "brake.toml"), "--port", "0", "--no-browser"], stdout=subprocess.PIPE, text=True
+    ) as server:
+        try:
+            assert server.stdout is not None
+            yield server.stdout.readline().rsplit(" ", 1)[1].strip()
+        finally:
+            server.send_signal(signal.SIGINT)
+            assert server.wait(10) == 0
+
+
+def chromium(folder):
+    """Options of a browser without a screen that keeps to this machine."""
+    from selenium.webdriver.chrome.options import Options
+
+    options = Options()
+    options.binary_location = "/usr/bin/chromium"
+    for word in (
+        "headless", "no-sandbox", "disable-gpu", "disable-quic", "no-first-run", "disable-background-networking",
+        "disable-component-update", "disable-sync", "window-size=1280,900", f"user-data-dir={folder / 'profile'}",
+    ):  # fmt: skip
+        options.add_argument(f"--{word}")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return options
+
+
+def test_only_this_machine_is_answered_by_its_own_name(tmp_path):
+    import http.client
+
+    with served() as address:
+        port = int(address.strip("/").rsplit(":", 1)[1])
+        for host, status in (
+            (f"localhost:{port}", 200),
+            (f"127.0.0.1:{port}", 200),
+            (f"elsewhere.example:{port}", 403),
+        ):
+            connection = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+            connection.request("GET", "/picture", headers={"Host": host})
+            assert connection.getresponse().status == status
+            connection.close()
+        taken = subprocess.run(
+            [*PROGRAM, str(STUDY / "brake.toml"), "--port", str(port), "--no-browser"],
+            capture_output=True, text=True, check=False, timeout=60,
+        )  # fmt: skip
+        assert taken.returncode == 2
+        assert f"--port = {port}: cannot be had" in taken.stderr

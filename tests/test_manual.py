@@ -1,0 +1,239 @@
+"""The manual: what is read off the program is complete, every public name is described, examples and links hold."""
+
+import ast
+import inspect
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import nbformat
+import pytest
+
+import drumlin
+from conftest import ROOT
+from drumlin.brake.fields import Part
+from drumlin.errors import NoAnswer
+from drumlin.models import MODELS
+from drumlin.studies import load
+
+manual = load("manual")[0]
+listing, keys = manual.listing, manual.listing.keys
+PAGES = ROOT / "studies" / "manual" / "pages"
+NOTEBOOKS = sorted((ROOT / "studies" / "notebooks").glob("*.ipynb"))
+
+
+# the reference
+
+
+def parts(kind=Part):
+    for below in kind.__subclasses__():
+        yield below
+        yield from parts(below)
+
+
+def test_every_key_of_every_file_is_described():
+    listed = [kind for _, kind, _ in (*keys.BRAKE, *keys.SWEEP)]
+    here = {kind for kind in parts() if kind.__module__.startswith(("drumlin.brake", "drumlin.sweeps"))}
+    assert {kind.__name__ for kind in here - set(listed)} == {"Distribution", "Held", "StraightShoe"}  # in no file
+    assert len(listed) == len(set(listed))
+    text = listing.brake_file() + listing.sweep_file()
+    for kind in listed:
+        for name, field in kind.model_fields.items():
+            assert f"| `{field.alias or name}` |" in text
+
+
+def test_a_key_without_words_or_words_without_key_fails(monkeypatch):
+    heading, kind, words = keys.BRAKE[0]
+    monkeypatch.setattr(keys, "BRAKE", [(heading, kind, words | {"colour": "none"})])
+    with pytest.raises(ValueError, match="colour"):
+        listing.brake_file()
+    monkeypatch.setattr(keys, "BRAKE", [(heading, kind, {"title": "words"})])
+    with pytest.raises(KeyError, match="rotation"):
+        listing.brake_file()
+
+
+def test_a_value_says_its_kind_unit_and_limits():
+    text = listing.brake_file()
+    assert '| `radius` | a length such as `"8 mm"`, > 0; required |' in text
+    assert "| `friction` | a number, ≥ 0, ≤ 1e+06; required |" in text
+    assert '| `support` | `"fixed"` or `"free"`; default `fixed` |' in text
+
+
+def test_every_command_and_option_is_listed():
+    import typer
+
+    from drumlin.cli.commands import app
+
+    text = listing.commands()
+    for name, command in typer.main.get_command(app).commands.items():
+        assert f"## `drumlin {name} " in text
+        for param in command.params:
+            for option in [o for o in param.opts if o.startswith("--") and o != "--help"]:
+                assert f"`{option}`" in text
+
+
+@pytest.mark.parametrize(
+    "path", ["double_shoe/brake.toml", "post_brake/brake.toml", "laws/pivoted_block.toml", "laws/pad.toml"]
+)
+def test_every_quantity_of_a_response_has_its_formula(path):
+    page = (PAGES / "reference" / "quantities.md").read_text()
+    brake = drumlin.read_brake(ROOT / "studies" / path)
+    for name, model in MODELS.items():
+        if model.why_not(brake) is None:
+            data = drumlin.solve(brake, name, **({"elements": 6} if name in {"fem", "solid"} else {})).as_dict()
+            for key in [*data, *data["shoes"][0]]:
+                assert f"`{key}`" in page, f"{key} of {name}"
+
+
+# public names
+
+
+def test_every_public_name_has_a_docstring():
+    missing = []
+    for path in sorted((ROOT / "src").rglob("*.py")):
+        tree = ast.parse(path.read_text())
+        missing += [str(path)] if ast.get_docstring(tree) is None and path.read_text().strip() else []
+        for node, owner in public(tree):
+            if ast.get_docstring(node) is None:
+                missing.append(f"{path.relative_to(ROOT)}: {owner}{node.name}")
+    assert not missing
+
+
+def public(tree, owner=""):
+    """Public functions, classes and their methods; a method that overrides another's is described there."""
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
+            yield node, owner
+            if isinstance(node, ast.ClassDef) and not node.bases:
+                yield from public(node, f"{node.name}.")
+
+
+FUNCTIONS = [name for name in drumlin.__all__ if inspect.isfunction(getattr(drumlin, name))]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_the_doors_functions_say_what_they_take_return_and_raise(name):
+    function = getattr(drumlin, name)
+    words = inspect.getdoc(function)
+    for heading in ("Parameters", "Returns", "Raises"):
+        assert f"\n{heading}\n{'-' * len(heading)}\n" in words
+    for parameter in inspect.signature(function).parameters:
+        assert re.search(rf"^{parameter} : ", words, re.M), parameter
+
+
+def test_the_api_page_has_every_public_name():
+    text = listing.api()
+    for name in drumlin.__all__:
+        assert name.startswith("_") or f"### `drumlin.{name}`" in text
+    for module in ("drumlin.fem.model", "drumlin.contact.active_set", "drumlin.brake.components"):
+        for name, value in listing.members(module):
+            assert f"### `{module}.{name}`" in text
+            assert (inspect.getdoc(value) or "").splitlines()[0] in text
+
+
+# notebooks
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_stripped_and_uses_the_door_alone(path):
+    for cell in nbformat.read(path, as_version=4).cells:
+        if cell.cell_type == "code":
+            assert not cell.outputs
+            assert cell.execution_count is None
+            tree = ast.parse(cell.source)
+            for node in ast.walk(tree):
+                names = [alias.name for alias in node.names] if isinstance(node, ast.Import | ast.ImportFrom) else []
+                assert not getattr(node, "module", None) or not node.module.startswith("drumlin")
+                assert not any(name.startswith("drumlin.") for name in names)
+                if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "drumlin":
+                    assert node.attr in drumlin.__all__
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::DeprecationWarning")
+def test_a_notebook_runs(path, monkeypatch):
+    from nbclient import NotebookClient
+
+    monkeypatch.setenv("MANUAL_ROOT", str(ROOT))
+    notebook = nbformat.read(path, as_version=4)
+    NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
+    assert sum(bool(cell.outputs) for cell in notebook.cells if cell.cell_type == "code") >= 5
+
+
+# the site
+
+EXECUTED = "---\nfile_format: mystnb\nkernelspec:\n  name: python3\n---\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("# A\n\n[gone](nowhere.md)\n", "nowhere"),
+        ("# A\n\n[gone](#no-such-heading)\n", "no-such-heading"),
+        ("# A\n\n![gone](picture.png)\n", "picture.png"),
+        (
+            f"{EXECUTED}# A\n\n```{{code-cell}}\n1 / 0\n```\n",
+            "ZeroDivision",
+        ),
+    ],
+    ids=["page", "heading", "picture", "example"],
+)
+@pytest.mark.slow
+def test_what_is_broken_fails_the_manual(tmp_path, text, said):
+    (tmp_path / "pages").mkdir()
+    (tmp_path / "pages" / "index.md").write_text(text)
+    with pytest.raises(NoAnswer, match=said):
+        manual.build(tmp_path / "pages", tmp_path / "site")
+
+
+class Links(HTMLParser):
+    """What a page points at and loads, and the places in it that others may point at."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.links, self.loaded, self.places = [], [], {""}
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        found = dict(attrs)
+        self.places.add(found.get("id"))
+        if tag == "a" and found.get("href"):
+            self.links.append(found["href"])
+        if tag in {"script", "img", "iframe"} and found.get("src"):
+            self.loaded.append(found["src"])
+        if tag == "link" and found.get("rel") != "canonical":
+            self.loaded.append(found["href"])
+
+
+@pytest.mark.slow
+def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
+    monkeypatch.setenv("MPLBACKEND", "agg")  # as the command line does
+    page = manual.report(manual.study(), tmp_path / "manual")
+    site = page.parent
+    pages = {path: Links(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
+    assert len(pages) > 20
+    for path, found in pages.items():
+        for address in found.loaded:
+            parts = urlsplit(address)
+            assert not parts.netloc, f"{path.name} loads {address}"
+            assert not address or (path.parent / unquote(parts.path)).exists(), f"{path.name}: {address}"
+        for address in found.links:
+            parts = urlsplit(address)
+            if parts.scheme or parts.netloc:
+                continue
+            target = path if not parts.path else Path(path.parent / unquote(parts.path)).resolve()
+            assert target.exists(), f"{path.name}: {address}"
+            assert target not in pages or unquote(parts.fragment) in pages[target].places, f"{path.name}: {address}"
+    text = (site / "engineer" / "table.html").read_text(encoding="utf-8")
+    torque = drumlin.solve(drumlin.read_brake(ROOT / "studies" / "double_shoe" / "brake.toml")).torque
+    assert f"{torque:.6g}" in text  # what a page shows was computed as it was built
+    for name in ("engineer/table", "engineer/which_law", "researcher/python", "notebooks/engineer"):
+        assert "_images/" in (site / f"{name}.html").read_text(encoding="utf-8")  # the figures of its examples
+    assert "<math" in (site / "researcher" / "contact.html").read_text(encoding="utf-8")
+    for path in pages:  # no command of TeX is left in a formula
+        assert not re.search(r"<m[ion][^>]*>\\", path.read_text(encoding="utf-8")), path.name
+    index = (site / "searchindex.js").read_text(encoding="utf-8")
+    assert '"lock' in index or "lock:" in index
+    assert not list(site.rglob("*.pickle"))

@@ -1,0 +1,165 @@
+"""What the terminal says: the answer first, whole words and lines within 80 columns, refusals that help."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+from conftest import STUDY
+from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import read_any
+from drumlin.models import solve
+from drumlin.response.merit import brake_factor
+from drumlin.response.response import Place, edge_zone, peak_place
+from test_cli import drumlin, process
+
+BRAKE = STUDY / "brake.toml"
+
+
+def words_of(lines):
+    return re.sub(r"\s+", " ", "\n".join(lines)).strip()
+
+
+def changed(tmp_path, name, *pairs):
+    text = BRAKE.read_text()
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new, 1)
+    (tmp_path / name).write_text(text)
+    return tmp_path / name
+
+
+def test_the_answer_comes_first_as_a_table(brake):
+    lines = drumlin("solve", BRAKE).stdout.splitlines()
+    response = solve(brake)
+    T = response.torque
+    assert lines[1] == f"torque {T:.6g} N m, brake factor {T / (2000 * 0.15):.4g} = T/(F R), F the mean force"
+    assert lines[2].split() == ["shoe", "torque", "normal", "peak", "p", "at", "contact", "reaction", "T/(F", "R)"]
+    for row, shoe in zip(lines[4:6], response.shoes, strict=True):
+        name, torque, normal, peak, at, first, _, last, reaction, factor = row.split()
+        assert name == shoe.name
+        assert float(torque) == pytest.approx(shoe.torque, rel=1e-5)
+        assert float(normal) == pytest.approx(shoe.normal_force, rel=1e-5)
+        assert float(peak) * 1e6 == pytest.approx(shoe.peak_pressure, rel=1e-3)
+        assert shoe.pressure_at(math.radians(float(at))) == pytest.approx(shoe.peak_pressure, rel=0.02)
+        assert [float(first), float(last)] == pytest.approx(np.degrees(shoe.contact_arcs[0]), abs=0.051)
+        assert float(reaction) == pytest.approx(np.hypot(*shoe.hinge_reaction), rel=1e-5)
+        assert float(factor) == pytest.approx(shoe.torque / 300, abs=6e-4)
+    assert lines[6] == "peak p: the largest, half a lining's thickness at each end left out"
+    assert lines[7] == "self-energising: left"
+
+
+def test_the_rest_is_for_those_who_ask():
+    short, long = (words_of(drumlin("solve", BRAKE, *more).stdout.splitlines()) for more in ([], ["--verbose"]))
+    for said in ("left out: ", "mechanical_advantage", "active-set steps", "penalty 1e+06"):
+        assert said in long and said not in short
+    assert long.startswith(short)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["solve", BRAKE, "--verbose"],
+        ["solve", STUDY.parent / "post_brake" / "brake.toml", "--model", "foundation", "--verbose"],
+        ["sensitivity", BRAKE, "--elements", 20],
+        ["wear", BRAKE, "--elements", 20, "--distance", "3 km"],
+        ["hold", BRAKE, "--elements", 20, "--steps", 2],
+    ],
+)
+def test_no_line_is_longer_than_80_columns_and_no_word_is_broken(words, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = drumlin(*words).stdout.splitlines()
+    assert len(lines) > 3
+    assert max(map(len, lines)) <= 80
+    monkeypatch.setenv("COLUMNS", "4000")
+    whole = set(" ".join(drumlin(*words).stdout.splitlines()).split())
+    timings = re.compile(r"[\d.,]+|ms:")
+    assert {word for word in " ".join(lines).split() if not timings.fullmatch(word)} <= whole
+
+
+def test_a_shoe_that_is_lifted_off_and_a_warning_are_said_at_once(tmp_path):
+    lifted = changed(tmp_path, "lifted.toml", ('force = "2 kN"', 'force = "-2 kN"'))
+    lines = drumlin("solve", lifted).stdout.splitlines()
+    assert lines[1] == "shoe 'right': no contact, the force does not turn it towards the drum"
+    assert lines[5].split()[:4] == ["right", "0", "0", "0"] and "none" in lines[5]
+    hard = changed(tmp_path, "hard.toml", ('force = "2 kN"', 'force = "60 kN"'))
+    assert "warning: shoe 'right': the lining is strained by up to" in words_of(
+        drumlin("solve", hard).stdout.splitlines()
+    )
+
+
+def test_where_the_pressure_peaks(root, brake):
+    flat = read_any(root / "studies/laws/pad.toml")
+    pad = solve(flat, "linear")
+    assert peak_place(flat, 0, pad.shoes[0]) == Place(flat.shoes[0].lining.end, 0.0)
+    assert brake_factor(flat, pad) == pytest.approx(pad.merits[0].braking_force / flat.shoes[0].actuation.force)
+    response = solve(brake, elements=40)
+    for i, shoe in enumerate(response.shoes):
+        place, zone = peak_place(brake, i, shoe), edge_zone(brake.shoes[i], brake.drum.radius)
+        assert place.zone == pytest.approx(4 / 150, rel=1e-12) == zone  # half of 8 mm at R = 150 mm
+        assert shoe.theta[0] + zone <= place.at <= shoe.theta[-1] - zone
+    lifted = vary(brake, {"shoe[0].actuation.force": -1.0})
+    assert peak_place(lifted, 0, solve(lifted, "sine").shoes[0]) is None
+
+
+def test_several_brakes_are_solved_in_one_call_and_one_failure_costs_no_other(tmp_path):
+    locked = changed(tmp_path, "locked.toml", ("friction = 0.3", "friction = 0.9"))
+    done = drumlin("solve", BRAKE, STUDY / "flexible.toml", "--model", "sine", "--json", tmp_path / "r.json")
+    assert done.returncode == 0 and done.stdout.count("torque 435.216 N m") == 2
+    alone = drumlin("solve", BRAKE, "--model", "sine").stdout
+    assert done.stdout.startswith(alone + "\n")
+    both = json.loads((tmp_path / "r.json").read_text())
+    assert [one["brake_file"] for one in both] == [str(BRAKE), str(STUDY / "flexible.toml")]
+    done = drumlin("solve", locked, BRAKE, "--model", "sine", "--json", tmp_path / "r.json")
+    assert done.returncode == 3 and done.stdout == alone
+    assert done.stderr.splitlines()[0].startswith(f"drumlin: {locked}: shoe")
+    assert done.stderr.splitlines()[1] == "drumlin: 1 of 2 brakes have no answer"
+    first, second = json.loads((tmp_path / "r.json").read_text())
+    assert "self-locking" in first["failure"] and "torque" not in first and second["torque"] > 0
+    done = drumlin("solve", BRAKE, tmp_path / "none.toml", "--model", "sine")
+    assert done.returncode == 2 and not done.stdout and "none.toml" in done.stderr
+    done = drumlin("solve", BRAKE, BRAKE, "--model", "sine", "--pressure", tmp_path / "p.csv")
+    assert done.returncode == 2 and "--pressure" in done.stderr and not (tmp_path / "p.csv").exists()
+
+
+def test_no_more_is_worn_off_than_the_lining_has():
+    words = ["wear", BRAKE, "--elements", 10, "--coefficient", "1e-4 mm^3/(N m)"]
+    done = drumlin(*words, "--distance", "300 km")
+    assert done.returncode == 3 and not done.stdout
+    gone = float(re.search(r"lining of 8 mm is worn through after ([\d.]+) km", done.stderr).group(1))
+    assert drumlin(*words, "--distance", f"{0.99 * gone} km").returncode == 0
+
+
+def test_a_solve_on_columns_loads_what_it_calls_and_no_more():
+    heavy = (
+        "skfem scipy.linalg scipy.sparse scipy.stats scipy.optimize pint rich numpy.ma meshio jinja2 matplotlib pyvista"
+    )
+    code = (
+        "import sys\nfrom drumlin.cli import main\n"
+        "try: main()\n"
+        "except SystemExit as end: assert not end.code\n"
+        f"print('loaded:', sorted(set('{heavy}'.split()) & set(sys.modules)))"
+    )
+    done = process("solve", BRAKE, code=code)
+    assert done.stdout.splitlines()[-1] == "loaded: []", done.stderr
+
+
+@pytest.mark.slow
+def test_a_solve_from_a_cold_shell_costs_little_more_than_importing_skfem():
+    import resource
+    import subprocess
+    import sys
+    from statistics import median
+
+    def spent(*command):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([sys.executable, *map(str, command)], capture_output=True, check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+    solving = ["-c", "from drumlin.cli import main; main()", "solve", BRAKE]
+    spent(*solving)  # the interpreter compiles
+    pairs = [(spent(*solving), spent("-c", "import skfem")) for _ in range(9)]
+    assert median(ours / theirs for ours, theirs in pairs) < 1.1 * 1.15  # a margin for a machine that others use

@@ -1,0 +1,62 @@
+"""A brake written as a file reads as the same brake."""
+
+import tomllib
+
+import pytest
+
+from conftest import ROOT
+from drumlin.brake import read_any, vary
+from drumlin.brake.writing import brake_text, quantity_text
+from drumlin.verification.random_brake import random_brake
+from test_sharing import cam_brake, servo
+
+FILES = [*ROOT.glob("studies/*/*.toml"), *ROOT.glob("meshes/*.toml")]
+BRAKES = [path for path in FILES if "shoe" in tomllib.loads(path.read_text())]
+
+
+@pytest.mark.parametrize("path", BRAKES, ids=lambda path: path.stem)
+def test_every_example_reads_as_it_was_written(path):
+    brake = read_any(path)
+    text = brake_text(brake)
+    assert read_any(path, text) == brake
+    assert len(text) < 6000
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_random_brake_reads_as_it_was_written(seed, tmp_path):
+    brake = random_brake(seed)
+    assert read_any(tmp_path / "b.toml", brake_text(brake)) == brake
+
+
+def test_tables_blocks_lobes_and_names(brake, tmp_path):
+    changed = vary(
+        brake,
+        {
+            "title": 'µ "quoted"',
+            "shoe[0].lining.clearance": [["-70 deg", "0 mm"], ["55 deg", "0.1 mm"]],
+            "shoe[1].lining.misfit": {"radius": 0.1499, "offset": {"x": 1e-5, "y": 0.0}, "blocks": [[2.5, 1e-5]]},
+            "drum.out_of_round": [{"order": 2, "amplitude": 2e-5, "phase": 0.1}],
+        },
+    )
+    text = brake_text(changed)
+    assert read_any(tmp_path / "b.toml", text) == changed
+    assert 'clearance = [["-70 deg", "0 mm"], ["55 deg", "0.1 mm"]]' in text
+
+
+@pytest.mark.parametrize("brake", [cam_brake(), cam_brake(body=0.01), servo(), servo(body=0.01)])
+def test_what_follows_from_a_cam_or_a_strut_is_not_repeated(brake, tmp_path):
+    text = brake_text(brake)
+    assert read_any(tmp_path / "b.toml", text) == brake
+    assert text.count("force = ") == 1
+
+
+def test_a_shoe_without_force_says_so(brake, tmp_path):
+    still = vary(brake, {"shoe.actuation.force": 0.0})
+    assert read_any(tmp_path / "b.toml", brake_text(still)) == still
+
+
+def test_quantities_are_readable_and_exact():
+    assert quantity_text(0.15, "m") == '"150 mm"'
+    assert quantity_text(2000.0, "N") == '"2 kN"'
+    assert quantity_text(0.3, "") == "0.3"
+    assert quantity_text(0.1 + 0.2, "rad") == f'"{0.1 + 0.2!r} rad"'
