@@ -224,7 +224,7 @@ def test_states_that_are_none_are_refused(changes, said):
 def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
     loaded, turned = loaded_shoes(MAIN, 20)[0], []
 
-    def run(brake, loaded, setting):
+    def run(brake, loaded, setting, posed=None):
         turned.append(setting.rotation)
         shear = 1.0 if setting.rotation > limit else 0.5
         return calculix.read_state(*written(brake, loaded, setting, shear=shear)[:3], brake, loaded, setting)
