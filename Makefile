@@ -9,7 +9,11 @@ PACKAGES = calculix-ccx chromium chromium-driver python3-getfem++ libgl1 libglu1
 AS_ROOT = $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 TESTS = -n 2 --dist loadscope --no-skips  # or --skipped: what make test has just skipped
 
-.PHONY: study manual test test-all packages setup clean
+# of the oldest and newest versions: what a change of a library breaks first; its deprecations are for others to read
+SHORT = tests/test_brake.py tests/test_files.py tests/test_fem.py tests/test_laws_examples.py tests/test_page.py
+TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
+
+.PHONY: study manual test test-all oldest newest packages constraints setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
@@ -26,6 +30,28 @@ test: .venv/ready
 
 test-all: packages
 	$(BIN)/pytest $(TESTS)
+	$(MAKE) oldest newest
+
+# The lower bounds of pyproject.toml have no wheels for the newest Pythons: they are tried with the oldest alone.
+oldest: .venv/ready
+	if $(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))'; then \
+	  $(PYTHON) -m venv .venv/oldest && \
+	  $(BIN)/python tests/oldest.py > .venv/oldest.txt && \
+	  .venv/oldest/bin/python -m pip install --quiet --requirement .venv/oldest.txt && \
+	  .venv/oldest/bin/python -m pip install --quiet --no-deps --editable . && \
+	  .venv/oldest/bin/pytest -o filterwarnings=default $(SHORT); \
+	else echo "oldest versions: tried with Python 3.11 alone"; fi
+
+newest:
+	$(PYTHON) -m venv .venv/newest
+	.venv/newest/bin/python -m pip install --quiet --upgrade --editable '.[dev]'
+	.venv/newest/bin/pytest -o filterwarnings=default $(SHORT)
+
+# needs uv; writes every version that is the newest now, with the hashes of all its files
+constraints:
+	(sed '/^#/!d' constraints.txt; echo 'setuptools>=77' | uv pip compile pyproject.toml - --extra dev --universal \
+	  --python-version 3.11 --generate-hashes --no-annotate --no-header --no-emit-index-url --quiet) > constraints.new
+	mv constraints.new constraints.txt
 
 packages: .venv/ready
 	$(AS_ROOT) apt-get update
@@ -34,10 +60,16 @@ packages: .venv/ready
 
 setup: .venv/ready
 
-.venv/ready: pyproject.toml
+.venv/ready: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "drumlin needs Python 3.11 or newer")'
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --editable '.[dev]'
+	if $(BIN)/python -c '$(TESTED)'; then \
+	  $(BIN)/python -m pip install --quiet --require-hashes --requirement constraints.txt && \
+	  $(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .; \
+	else \
+	  echo "no versions are tested with this Python: the newest are installed" && \
+	  $(BIN)/python -m pip install --quiet --editable '.[dev]'; \
+	fi
 	touch $@
 
 clean:

@@ -5,8 +5,10 @@ import math
 import signal
 import subprocess
 import sys
+import time
 import tomllib
 from contextlib import contextmanager
+from statistics import median
 from urllib.parse import parse_qsl
 
 import numpy as np
@@ -105,6 +107,24 @@ def test_what_is_kept_changes_no_answer(explorer):
     path = [turned(explorer, friction=0.2), turned(explorer, shoe=20.0), turned(explorer, wear=3.0), start_of(brake)]
     for setting in [*path, *reversed(path)]:
         assert explorer.answer(setting).found.torque == Explorer(brake).answer(setting).found.torque
+
+
+def test_a_setting_that_keeps_the_bodies_costs_a_fraction_of_a_solve(explorer):
+    def spent(do):
+        times = []
+        for k in range(9):
+            start = time.process_time()
+            do(k)
+            times.append(time.process_time() - start)
+        return median(times)
+
+    brake = explorer.brake
+    explorer.answer(start_of(brake))
+    kept = spent(lambda k: reply(explorer, f"/picture?friction={0.2 + 0.01 * k}", "b"))
+    anew = spent(lambda k: reply(explorer, f"/picture?shoe={100 + k}", "b"))
+    solved = spent(lambda k: drumlin.solve(vary(brake, {"friction": 0.2 + 0.01 * k})))
+    assert kept < 0.4 * solved
+    assert anew < 1.5 * solved
 
 
 def test_self_locking_is_said_and_its_distance(explorer):
@@ -224,9 +244,7 @@ def test_shoes_that_share_a_force_are_explored_by_it(brake):
     assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     force = knob(explorer, "force")
     twice = explorer.answer(turned(explorer, force=2 * force.start))
-    assert twice.found.torque == pytest.approx(
-        2 * answer.found.torque, rel=1e-6
-    )  # without clearance all is proportional
+    assert twice.found.torque == pytest.approx(2 * answer.found.torque, rel=1e-6)  # no clearance: proportional
     assert reply(explorer, "/", "b").status == reply(explorer, "/picture", "b").status == 200
 
 

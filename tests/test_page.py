@@ -35,7 +35,7 @@ def page(tmp_path):
 def test_values_are_escaped_and_prose_is_not(page):
     text = page()
     assert "<title>&lt;x&gt; &amp; y</title>" in text and "<h1>&lt;x&gt; &amp; y</h1>" in text
-    assert "<figcaption>a <b>dot</b> of &lt;x&gt; &amp; y</figcaption>" in text
+    assert "<figcaption><b>Figure 1.</b> a <b>dot</b> of &lt;x&gt; &amp; y</figcaption>" in text
     assert 'alt="a dot of &lt;x&gt; &amp; y"' in text
     assert "off by +1.2%" in text and "<p>no screen</p>" in text
 

@@ -21,6 +21,7 @@ from drumlin.models import applicable
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import EDGE_ZONE, FlatMerit, Response
 from drumlin.response.show import arcs_text
+from drumlin.texts import formatted
 
 B = TypeVar("B", bound=Brake | FlatBrake)
 
@@ -90,7 +91,7 @@ class Column(NamedTuple):
             return "–"
         if not isinstance(value, int | float):
             return str(value)
-        return format(value if self.factor == 1 else value * self.factor, self.form)
+        return formatted(value if self.factor == 1 else value * self.factor, self.form)
 
     @property
     def title(self) -> str:

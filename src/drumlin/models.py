@@ -54,7 +54,9 @@ def _solid(brake: Brake, **options: Any) -> Response:
 def _solid_why_not(brake: AnyBrake) -> str | None:
     from drumlin.fem.solid import model
 
-    return _fem_why_not(brake) or (model.why_not(brake) if isinstance(brake, Brake) else None)
+    if not isinstance(brake, Brake):
+        return "its shoes press on a plane, not on a drum"
+    return model.why_not(brake)
 
 
 def _short_why_not(brake: AnyBrake) -> str | None:

@@ -11,6 +11,7 @@ LONGEST_QUANTITY = 100  # characters of a number and its unit
 MOST_DIGITS = 400  # in a row: what lies beyond 1e308 is no quantity, and long ones take their square in time
 MOST_PARTS = 16  # of a key a.b.c: each key below it takes as many steps again
 
+_NOTHING = re.compile(r"[-+]0(\.0*)?%?")
 _DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
@@ -35,6 +36,12 @@ def typed(words: Sequence[str]) -> str:
 def _without_folder(word: str) -> str:
     option, equals, path = word.rpartition("=") if word.startswith("-") else ("", "", word)
     return option + equals + (PurePath(path).name if PurePath(path).is_absolute() else path)
+
+
+def formatted(value: float, form: str) -> str:
+    """A number for people, as format() has it; what rounds to nothing has no sign."""
+    text = format(value, form)
+    return text.lstrip("+-") if _NOTHING.fullmatch(text) else text
 
 
 def nearest(name: str, names: Iterable[str]) -> str:

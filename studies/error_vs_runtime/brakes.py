@@ -23,9 +23,13 @@ def covered() -> tuple[dict[str, Path], dict[str, str]]:
             brake = read_any(path)
         except DrumlinError:
             continue  # data of a study, no brake
-        if isinstance(brake, FlatBrake) or "fem" in refusals(brake):
+        refusal = refusals(brake).get("fem")
+        unlike = "its shoes press on a plane" if isinstance(brake, FlatBrake) else brake.unhinged()
+        if refusal is not None:
             models = ", ".join(model.name for model in applicable(brake))
-            refused[name] = f"{refusals(brake)['fem']}; only {models}, and nothing to judge by"
+            refused[name] = f"{refusal}; only {models}, and nothing to judge by"
+        elif unlike is not None:
+            refused[name] = f"{unlike}; what stands beside it is the study brakes"
         else:
             found[name] = path
     return found, refused

@@ -8,31 +8,32 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.report.figures import STYLE
+from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, GREY, INK, OCHRE, PALE, PURPLE, RED, SKY
 from drumlin.verification.work_precision import series
 
 COLORS = {
-    "law": "#c8553d",
-    "foundation": "#2a9d5c",
-    "even mesh": "#8a8f98",
-    "graded mesh": "#0b6e99",
-    "adapted mesh": "#1d2733",
-    "columns": "#e07a1f",
-    "columns, error stated": "#9c3d00",
-    "weak penalty": "#7fb8d4",
-    "pointwise penalty": "#d19a1b",
-    "GetFEM": "#7a5195",
-    "CalculiX": "#6b8e23",
+    "law": FAINT,
+    "foundation": GREEN,
+    "even mesh": GREY,
+    "graded mesh": BLUE,
+    "adapted mesh": INK,
+    "columns": RED,
+    "columns, error stated": RED,
+    "weak penalty": SKY,
+    "pointwise penalty": OCHRE,
+    "GetFEM": PURPLE,
+    "CalculiX": BROWN,
 }
 MARKERS = {"quad2": "s", "quad1": "D", "tri2": "^", "tri1": "v", "sine": "*", "cosine": "P", "uniform": "X"}
 PANELS = {"torque_error": "error of the torque [%]", "pressure_error": "error of p, L2, worst shoe [%]"}
 LOOKS = {  # what is left out -> marker, colour
-    "ring": ("o", "#0b6e99"),
-    "coupling": ("D", "#7a5195"),
-    "shoe": ("s", "#c8553d"),
-    "backing": ("^", "#2a9d5c"),
-    "drag": ("v", "#d19a1b"),
-    "curvature": ("P", "#8a8f98"),
-    "all but curvature": ("*", "#1d2733"),
+    "ring": ("o", BLUE),
+    "coupling": ("D", PURPLE),
+    "shoe": ("s", RED),
+    "backing": ("^", GREEN),
+    "drag": ("v", OCHRE),
+    "curvature": ("P", GREY),
+    "all but curvature": ("*", INK),
 }
 LEAST = 1e-6  # changes below it are of no interest
 CHANGES = (("shoes", "shoes' torques (sum of sizes)"), ("pressure", "pressure p (L2, worst shoe)"))
@@ -49,7 +50,8 @@ def work_precision(title: str, rows: Sequence[Mapping[str, Any]], floors: Mappin
             axes.set_xlabel("run time of a cold solve [ms]")
         grid[0].set_title(title)
         handles: list[Any] = [
-            mpl.lines.Line2D([], [], color=COLORS[family], lw=3, label=family) for family in _families(rows)
+            mpl.lines.Line2D([], [], color=COLORS[family], ls=_style(family, "") or "-", lw=3, label=family)
+            for family in _families(rows)
         ]
         marks = {series_.split(",")[0] for (_, series_) in series(rows)}
         handles += [
@@ -57,7 +59,7 @@ def work_precision(title: str, rows: Sequence[Mapping[str, Any]], floors: Mappin
             for name, marker in MARKERS.items()
             if name in marks
         ]
-        handles.append(mpl.patches.Patch(color="#e9d8c3", label="below what the reference knows"))
+        handles.append(mpl.patches.Patch(color=PALE, label="below what the reference knows"))
         figure.legend(handles=handles, loc="outside right upper", fontsize=8.5)
     return figure
 
@@ -65,6 +67,13 @@ def work_precision(title: str, rows: Sequence[Mapping[str, Any]], floors: Mappin
 def _families(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     found = {row["family"] for row in rows if row["status"] == "converged"}
     return [family for family in COLORS if family in found]
+
+
+def _style(family: str, name: str) -> str:
+    """Of a series: none of single markers, dotted on even meshes, dashed where the error is stated."""
+    if family == "law":
+        return ""
+    return ":" if name.endswith("even") else "--" if family.endswith("stated") else "-"
 
 
 def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float) -> None:
@@ -78,13 +87,13 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
         axes.errorbar(
             seconds, error, xerr=spread, color=COLORS[family], marker=MARKERS.get(name.split(",")[0], "o"),
             ms=9 if family == "law" else 4.5, lw=1.0 if light else 1.5, alpha=0.75 if light else 1.0,
-            ls="" if family == "law" else ":" if name.endswith("even") else "-", elinewidth=0.8,
+            ls=_style(family, name), elinewidth=0.8,
         )  # fmt: skip
     axes.set_xscale("log")
     axes.set_yscale("log")
     top = max(100 * row[key] for row in rows if row["status"] == "converged")
     axes.set_ylim(smallest * 0.8, 2.0 * max(top, lowest))
-    axes.axhspan(smallest * 0.8, lowest, color="#e9d8c3", alpha=0.7, lw=0)
+    axes.axhspan(smallest * 0.8, lowest, color=PALE, alpha=0.7, lw=0)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.minorticks_off()
 
@@ -111,8 +120,8 @@ def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
                         marker, ms=7 if marker != "*" else 10, color=color, mec="white", mew=0.6, ls="", label=part,
                     )  # fmt: skip
             ends = [100 * LEAST, 1000]
-            axes.plot(ends, ends, color="#1d2733", lw=1, zorder=1)
-            axes.fill_between(ends, [v / 2 for v in ends], [v * 2 for v in ends], color="#0b6e99", alpha=0.10, lw=0)
+            axes.plot(ends, ends, color=INK, lw=1, zorder=1)
+            axes.fill_between(ends, [v / 2 for v in ends], [v * 2 for v in ends], color=BLUE, alpha=0.10, lw=0)
             axes.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
             axes.set_title(f"Change of the {title}")
             axes.set_xlabel("true change [%]")

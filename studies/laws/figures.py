@@ -11,7 +11,8 @@ from drumlin.brake.plane_brake import AnyBrake
 from drumlin.laws.shapes import SHORT, Layout, equivalent_friction
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.drawing import draw_brake
-from drumlin.report.figures import STYLE, color_of, name_of
+from drumlin.report.figures import STYLE, key, name_of
+from drumlin.report.palette import BLUE, FAINT, GREEN, GREY, PURPLE, RED, look_of
 from drumlin.response.response import ShoeResponse
 
 HIGHEST = 4.0  # of eta and S in a figure; both grow without bound towards locking
@@ -33,10 +34,10 @@ def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.0
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 4.2), layout="constrained")
         panels = figure.subplots(1, 2)
-        for angle, color in zip(angles, ("#0b6e99", "#c8553d", "#2a9d5c", "#7a5195"), strict=False):
+        for angle, color in zip(angles, (BLUE, RED, GREEN, PURPLE), strict=False):
             for dD, style in ((1, "-"), (-1, "--")):
                 shoe = Layout(angle - arc, angle + arc, 1.0, a_over_r, dD)
-                label = f"θm = {math.degrees(angle):.0f}°, δΔ = {dD:+d}"
+                label = rf"$\theta_\mathrm{{m}}$ = {math.degrees(angle):.0f}°, $\delta\Delta$ = {dD:+d}"
                 for axes, merit in zip(panels, (SHORT.mechanical_advantage, SHORT.sensitivity), strict=True):
                     axes.plot(mu, merit(mu, shoe), style, color=color, lw=1.8, label=label)
                 mu_lock = float(SHORT.locking_friction(shoe))
@@ -48,7 +49,7 @@ def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.0
             axes.set_xlabel("friction coefficient μ")
             axes.set_ylim(0, HIGHEST)
             axes.set_xlim(0, mu[-1])
-        panels[0].legend(fontsize=8)
+        key(figure, panels[0])
     return figure
 
 
@@ -59,16 +60,14 @@ def friction_over_arc() -> Figure:
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
         axes = figure.subplots()
         axes.plot(
-            np.degrees(2 * half), equivalent_friction(half), color=color_of("cosine"), lw=1.8, label="p = p₀ cos θ"
+            np.degrees(2 * half), equivalent_friction(half), **look_of("cosine"), lw=1.8, label=r"$p = p_0\,\cos\theta$"
         )
-        axes.plot(
-            np.degrees(2 * half), half / np.sin(half), color=color_of("uniform"), lw=1.8, label="uniform pressure"
-        )
-        axes.set_xlabel("arc of the lining 2θ₀ [deg]")
-        axes.set_ylabel("friction force T/R over μN:  μ′/μ")
+        axes.plot(np.degrees(2 * half), half / np.sin(half), **look_of("uniform"), lw=1.8, label="uniform pressure")
+        axes.set_xlabel(r"arc of the lining $2\theta_0$ [deg]")
+        axes.set_ylabel(r"friction force $T/R$ over $\mu N$:  $\mu'/\mu$ [–]")
         axes.set_xlim(0, 180)
         axes.set_ylim(1, None)
-        axes.legend()
+        key(figure, axes)
     return figure
 
 
@@ -79,14 +78,14 @@ def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
         axes = figure.subplots()
-        for force, color in zip(forces, ("#8a8f98", "#2a9d5c", "#0b6e99", "#c8553d"), strict=False):
+        for force, color in zip(forces, (GREY, GREEN, BLUE, RED), strict=False):
             axes.plot(omega, block.torque(force, omega), color=color, lw=1.8, label=f"F = {force:g} N")
             axes.plot(omega, sticky.torque(force, omega), "--", color=color, lw=1.2)
         for side in (-1, 1):
-            axes.axvline(side * block.omega_threshold, color="#5b6875", lw=0.8, ls=":")
+            axes.axvline(side * block.omega_threshold, color=FAINT, lw=0.8, ls=":")
         axes.set_xlabel("speed ω [rad/s]; dotted: ± threshold")
         axes.set_ylabel("torque T [N m]")
-        axes.legend(title=f"dashed: μ_visc = {viscous:g} N m s/rad")
+        key(figure, axes, title=rf"dashed: $\mu_\mathrm{{visc}}$ = {viscous:g} N m s/rad")
     return figure
 
 
@@ -98,8 +97,8 @@ def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 4.2), layout="constrained")
         left, right = figure.subplots(1, 2)
-        for (law, shoe), style in zip(shoes.items(), ("-", "-", "--", "-", "--", "-", "-"), strict=False):
-            look = {"color": color_of(law), "lw": 1.8, "ls": style, "label": name_of(law)}
+        for law, shoe in shoes.items():
+            look = {**look_of(law), "lw": 1.8, "label": name_of(law)}
             theta, p = shoe.curve()
             if law != "linear":
                 left.plot(np.degrees(theta), p * 1e-6, **look)
@@ -110,8 +109,8 @@ def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
         left.set_ylabel("pressure p [MPa]")
         right.set_title("shapes: p over its mean")
         right.set_xlabel("place along the lining, 0 to 1")
-        right.set_ylabel("p / mean")
+        right.set_ylabel("p / mean [–]")
         for axes in (left, right):
             axes.set_ylim(0, None)
-        right.legend(fontsize=8)
+        key(figure, right)
     return figure

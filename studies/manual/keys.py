@@ -120,7 +120,9 @@ SWEEP: tuple[Table, ...] = (
     ("The sweep", SweepFile, {
         "title": "by default the brake's", "brake": "path of a brake file, or the brake itself as a table",
         "combine": "lists: every value with every other, side by side, or drawn", "cases": "how many draws",
-        "seed": "of the draws", "model": "one table `[model.NAME]` for each model, with its options",
+        "seed": "of the draws",
+        "pressure": "unit of stresses in the table and its heads",
+        "model": "one table `[model.NAME]` for each model, with its options",
         "vary": "the table `[vary]`: key of the brake file, such as `\"shoe[0].lining.thickness\"`, and its values: a "
                 "list, a range or a distribution"}),
     ("A range", Range, {**_ENDS, "count": "how many values", "scale": "evenly spread, or by equal factors"}),

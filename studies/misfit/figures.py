@@ -8,12 +8,13 @@ from matplotlib import patheffects
 from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
-from drumlin.report.figures import COLORS, STYLE, smooth
+from drumlin.report.figures import STYLE, key, mark_cut, smooth
+from drumlin.report.palette import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response
 from drumlin.sweeps.tolerances import Shares, spread
 from drumlin.verification.misfit_rows import QUANTITIES, STATES, Drawn
 
-NEW, WORN, LAW = "#0b6e99", "#2a9d5c", COLORS["sine"]
+NEW, WORN, LAW = BLUE, GREEN, RED
 LEVELS = (-40, -30, -20, -15, -10, -5, 0, 5, 10, 20, 30, 50, 75, 100, 150, 200, 300, 500, 700, 1000)  # of a map [%]
 TINTS = {NEW: "#a9d3e5", WORN: "#b5dfc6"}
 
@@ -28,7 +29,7 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
         for i, (axes, shoe) in enumerate(zip(grid, law.shoes, strict=True)):
             for value, response in family.items():
                 theta, p = smooth(response.shoes[i], 600)
-                color = "#1d2733" if value == 0 else mpl.colormaps["coolwarm"](shade(value))
+                color = INK if value == 0 else mpl.colormaps["coolwarm"](shade(value))
                 axes.plot(
                     np.degrees(theta),
                     p * 1e-6,
@@ -36,14 +37,13 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
                     lw=2.0 if value == 0 else 1.6,
                     label=f"{value:+.0f} µm" if value else "fits",
                 )
+                axes.set_ylim(0, highest * 1e-6)
+                mark_cut(axes, np.degrees(theta), p * 1e-6, color)
             axes.plot(np.degrees(shoe.theta), shoe.pressure * 1e-6, color=LAW, lw=1.8, ls="--", label="sine law")
             axes.set_title(f"{'Leading' if shoe.self_energising else 'Trailing'} shoe")
             axes.set_xlabel("angle on the drum θ [deg]")
-            axes.set_ylim(0, highest * 1e-6)
         grid[0].set_ylabel("pressure p [MPa]")
-        grid[-1].legend(
-            title="radius of lining − drum", fontsize=8, title_fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0)
-        )
+        key(figure, grid[-1], title="radius of lining − radius of drum")
     return figure
 
 
@@ -70,13 +70,13 @@ def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
                 text.set_path_effects([patheffects.withStroke(linewidth=2, foreground="white")])
             axes.contour(x, y, percent, levels=[0.0], colors=LAW, linewidths=2.6)
             axes.plot([], [], color=LAW, lw=2.6, label="as the sine law says")
-            axes.plot(0, 0, "o", color="#1d2733", ms=5, label="lining that fits")
+            axes.plot(0, 0, "o", color=INK, ms=5, label="lining that fits")
             axes.set_title(title)
             axes.set_xlabel("radius of linings − radius of drum [µm]")
             bar = figure.colorbar(filled, ax=axes, shrink=0.9, ticks=lines, format="%+.0f")
             bar.set_label("from the sine law [%]")
         grid[0].set_ylabel("linings moved along the pin's radius [µm]")
-        grid[0].legend(loc="lower left", fontsize=8, frameon=True)
+        key(figure, grid[0])
     return figure
 
 
@@ -86,9 +86,7 @@ def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float
         figure = Figure(figsize=(5.6 * len(states), 3.6), layout="constrained")
         grid = figure.subplots(1, len(states), squeeze=False, sharey=True)[0]
         for axes, (state, series) in zip(grid, states.items(), strict=True):
-            for (name, torque), color in zip(
-                series.items(), ("#0b6e99", "#d19a1b", "#7a5195", "#2a9d5c"), strict=False
-            ):
+            for (name, torque), color in zip(series.items(), (BLUE, OCHRE, PURPLE, GREEN), strict=False):
                 axes.plot(
                     np.degrees(np.append(angles, 2 * np.pi)),
                     np.append(torque, torque[0]),
@@ -102,7 +100,7 @@ def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float
             axes.set_xlim(0, 360)
             axes.set_xticks(range(0, 361, 60))
         grid[0].set_ylabel("torque of the brake [N m]")
-        grid[-1].legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0))
+        key(figure, grid[-1])
     return figure
 
 
@@ -129,8 +127,9 @@ def histograms(drawn: Drawn, nominal: Mapping[str, float]) -> Figure:
             axes.set_xlabel(label)
             axes.set_yticks([])
             axes.set_ylim(0, 1.26 * top)
-        grid[0].set_ylabel("density")
-        grid[-1].legend(fontsize=8)
+        axes.plot([], [], "|-", color=FAINT, ms=10, mew=2, lw=2, label="5th, 50th and 95th percentile")
+        grid[0].set_ylabel("density, linear from 0")
+        key(figure, grid[-1])
     return figure
 
 
@@ -154,14 +153,15 @@ def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
                 error = np.abs(np.array([[one.value - one.low, one.high - one.value] for one in index]).T)
                 name = "with its interactions (total)" if kind == "total" else "alone (first order)"
                 axes.barh(at + shift, np.maximum(value, 0), 0.36, color=fill, label=name)
-                axes.errorbar(value, at + shift, xerr=error, fmt="none", ecolor="#1d2733", elinewidth=0.9, capsize=2)
+                axes.errorbar(value, at + shift, xerr=error, fmt="none", ecolor=INK, elinewidth=0.9, capsize=2)
             axes.set_title(title)
             axes.set_xlabel("share of the variance [–]")
             axes.set_xlim(-0.06, None)
-            axes.axvline(0, color="#5b6875", lw=0.8)
+            axes.axvline(0, color=FAINT, lw=0.8)
             axes.set_yticks(at, [several[i].name for i in order])
             axes.grid(visible=False, axis="y")
-            axes.legend(fontsize=8, loc="lower right")
+        axes.errorbar([], [], xerr=[], fmt="none", ecolor=INK, elinewidth=0.9, capsize=2, label="confidence interval")
+        key(figure, axes)
     return figure
 
 
@@ -184,5 +184,5 @@ def narrowing(distances: Floats, healed: Mapping[str, Floats], nominal: Mapping[
             axes.set_xlim(0, distances[-1])
             axes.set_xlabel("sliding distance · k K [–]")
             axes.set_ylabel(label)
-        grid[0].legend(fontsize=8)
+        key(figure, grid[0])
     return figure

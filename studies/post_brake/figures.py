@@ -10,11 +10,12 @@ from matplotlib.figure import Figure
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.drum_brake import Brake
-from drumlin.report.figures import STYLE, color_of, name_of
+from drumlin.report.figures import STYLE, key, name_of
+from drumlin.report.palette import FAINT, GRADES, INK, look_of
+from drumlin.texts import formatted
 from drumlin.verification.post_brake_rows import Curve, ErrorMap, Merits, Offsets
 
 BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)  # regions of a map: error within 1, 5, 20 %, beyond
-SHADES = ("#1f7a4d", "#8cc9a1", "#f2dda4", "#d98d78")
 
 
 def beams(brake: Brake, found: Sequence[Mapping[str, Curve]]) -> Figure:
@@ -71,18 +72,18 @@ def curves(
                 model, _, rest = name.partition(" ")
                 points = len(x) < 12
                 axes.plot(
-                    x, y, marker="o" if points else None, ms=4, lw=0 if points else 1.8, ls="--" if rest else "-",
-                    color=color_of(model), label=f"{name_of(model)} {rest}".strip(),
+                    x, y, marker="o" if points else None, ms=4, lw=0 if points else 1.8,
+                    **(look_of(model) | ({"ls": ":"} if rest else {})), label=f"{name_of(model)} {rest}".strip(),
                 )  # fmt: skip
             axes.set_title(title)
             axes.set_xlabel(xlabel)
             if zero:
-                axes.axhline(0, color="#5b6875", lw=0.8)
+                axes.axhline(0, color=FAINT, lw=0.8)
         for axes in grid[:, 0]:
             axes.set_ylabel(ylabel)
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
-        grid.flat[0].legend(fontsize=8)
+        key(figure, grid.flat[0])
     return figure
 
 
@@ -99,10 +100,10 @@ def rim(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
         largest = max(float(np.abs(z).max()) for _, models in panels for _, z in models.values())
         for axes, (title, models) in zip(grid.flat, panels, strict=True):
             turn = np.linspace(0, 2 * np.pi, 200)
-            axes.plot(turn, np.zeros(200), color="#1d2733", lw=1, label="unloaded")
+            axes.plot(turn, np.zeros(200), color=INK, lw=1, label="unloaded")
             for (name, (theta, z)), style in zip(models.items(), ("-", "--", ":"), strict=False):
                 model, _, rest = name.partition(" ")
-                axes.plot(theta, -z, lw=1.8, ls=style, color=color_of(model), label=f"{name_of(model)}, {rest}")
+                axes.plot(theta, -z, lw=1.8, **(look_of(model) | {"ls": style}), label=f"{name_of(model)}, {rest}")
             axes.set_ylim(-3 * largest, 1.3 * largest)
             axes.set_yticks([-largest, 0, largest], [f"{-v:+.2g}" for v in (-largest, 0, largest)], fontsize=7)
             axes.set_title(f"{title} [mm]")
@@ -124,7 +125,7 @@ def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]
         columns = len(rows[0])
         figure = Figure(figsize=(4.3 * columns, 3.9 * len(rows)), layout="constrained")
         grid = figure.subplots(len(rows), columns, squeeze=False, sharex=True, sharey=True)
-        shades = ListedColormap(SHADES)
+        shades = ListedColormap(GRADES)
         norm = BoundaryNorm([0, 1, 2, 3, 4], 4)
         for line, panels, place in zip(grid, rows, mark, strict=True):
             for axes, one in zip(line, panels, strict=True):
@@ -133,19 +134,22 @@ def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]
                 axes.pcolormesh(_edges(one.x), _edges(one.y), shown, cmap=shades, norm=norm, edgecolor="white", lw=0.5)
                 for i, y in enumerate(one.y):
                     for j, x in enumerate(one.x):
-                        axes.text(x, y, f"{one.error[i, j] * 100:+.0f}", ha="center", va="center", fontsize=7)
-                axes.plot(*place, marker="s", ms=15, mfc="none", mec="#1d2733", mew=1.4)
+                        color = "white" if region[i, j] == 0 else INK
+                        said = formatted(one.error[i, j] * 100, "+.0f")
+                        axes.text(x, y, said, ha="center", va="center", fontsize=7, color=color)
+                axes.plot(*place, marker="s", ms=15, mfc="none", mec=INK, mew=1.4)
                 axes.set_xscale("log")
                 axes.set_yscale("log")
                 axes.grid(False)
                 axes.set_title(one.title, fontsize=9)
                 axes.label_outer()
-            line[0].set_ylabel("ring: k R⁴/EI_r")
+            line[0].set_ylabel(r"ring: $k R^4/EI_\mathrm{r}$ [–]")
         for axes in grid[-1]:
-            axes.set_xlabel("beam: k R⁴/EI")
+            axes.set_xlabel(r"beam: $k R^4/EI$ [–]")
         words = ("within 1 %", "within 5 %", "within 20 %", "beyond 20 %")
-        handles = [mpl.patches.Patch(color=shade, label=word) for shade, word in zip(SHADES, words, strict=True)]
-        figure.legend(handles=handles, loc="outside lower center", ncols=4)
+        handles = [mpl.patches.Patch(color=shade, label=word) for shade, word in zip(GRADES, words, strict=True)]
+        own = mpl.lines.Line2D([], [], marker="s", ms=11, mfc="none", mec=INK, ls="", label="the study's own brake")
+        figure.legend(handles=[*handles, own], loc="outside lower center", ncols=5)
     return figure
 
 

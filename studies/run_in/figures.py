@@ -10,13 +10,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import COLORS, STYLE
+from drumlin.report.figures import STYLE, key, mark_cut
+from drumlin.report.palette import BLUE, INK, RED
 from drumlin.verification.run_in_limits import Board, Reversals, Run
 from drumlin.wear.archard import at
 from drumlin.wear.linings import Surface
 from drumlin.wear.run_in import peak
 
-NEW, LATE, LAW = COLORS["fem"], "#1d2733", COLORS["sine"]
+NEW, LATE, LAW = BLUE, INK, RED
 DISTANCE = "sliding distance s k K"
 
 
@@ -43,14 +44,16 @@ def pressures(one: Run, curves: Sequence[float]) -> Figure:
             for s, shade in zip(curves, shades, strict=True):
                 p = surface.along(at(states, s * one.unit).pressure)
                 left.plot(theta, p * 1e-6, color=shade, lw=1.6, label=f"s k K = {s:g}" if s else "new")
+                left.set_ylim(0, top * 1e-6)
+                mark_cut(left, theta, p * 1e-6, shade)
             left.plot(theta, surface.along(one.goal.pressure) * 1e-6, color=LAW, lw=1.6, ls="--", label="law")
-            left.set(ylim=(0, top * 1e-6), xlim=(theta[0], theta[-1]), ylabel="pressure p [MPa]")
+            left.set(xlim=(theta[0], theta[-1]), ylabel="pressure p [MPa]")
             left.set_title(f"{surface.name} shoe")
             _over_distance(right, one, surface, top)
             right.set_title(f"{surface.name} shoe, over the distance; white: no contact")
         for axes in grid[-1]:
             axes.set_xlabel("angle on the drum θ [deg]")
-        grid[0, 0].legend(fontsize=8, ncols=2)
+        key(figure, grid[0, 0])
         bar = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top * 1e-6), "viridis")
         figure.colorbar(bar, ax=grid[:, 1].tolist(), label="pressure p [MPa]", shrink=0.8)
     return figure
@@ -115,7 +118,7 @@ def lines(
             axes.set_xlim(0, 1.1 * max(max(one.x) for one in series))
         axes.set_xlabel(f"{DISTANCE} (0: new)" if log else DISTANCE)
         axes.set_ylabel(ylabel)
-        axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5))
+        key(figure, axes)
     return figure
 
 
@@ -136,12 +139,12 @@ def profiles(one: Run, curves: Sequence[float]) -> Figure:
             column[0].set_yscale("symlog", linthresh=1)
             column[0].set_title(f"{surface.name} shoe")
             touching = np.array([surface.along(at(states, s * unit).pressure) > 0 for s in levels])
-            column[1].contourf(theta, levels, touching, levels=[0.5, 1.5], colors=[COLORS["fem"]], alpha=0.35)
+            column[1].contourf(theta, levels, touching, levels=[0.5, 1.5], colors=[BLUE], alpha=0.35)
             column[1].set_yscale("log")
             column[1].set_xlabel("angle on the drum θ [deg]")
         grid[0, 0].set_ylabel("worn depth [µm]")
         grid[1, 0].set_ylabel(f"{DISTANCE}, in contact: filled")
-        grid[0, -1].legend(fontsize=8)
+        key(figure, grid[0, -1])
     return figure
 
 
@@ -156,7 +159,7 @@ def checkerboard(surface: Surface, boards: Sequence[Board]) -> Figure:
         start = min(max(theta[smooth.argmax()] - third / 2, theta[0]), theta[-1] - third)
         for axes, board in zip(grid, boards, strict=True):
             p = surface.along(board.state.pressure) * 1e-6
-            axes.plot(theta, p, color=COLORS["fem"], lw=0.8, marker="o", ms=2.2)
+            axes.plot(theta, p, color=BLUE, lw=0.8, marker="o", ms=2.2)
             said = f"{board.title}\ncheckerboard {board.ripple:.1e}\ntorque {board.state.torque:.2f} N m"
             axes.set_title(said, fontsize=8.5)
             axes.set_xlim(start, start + third)

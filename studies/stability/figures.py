@@ -10,25 +10,26 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from drumlin.report.figures import STYLE, color_of
+from drumlin.report.figures import STYLE, key
+from drumlin.report.palette import BLUE, BROWN, GREEN, GREY, INK, OCHRE, PURPLE, RED, SKY, color_of
 
 COLORS = {  # outcomes: answers blue to green, refusals warm, faults black
-    "answer": "#0b6e99",
-    "no contact": "#7fb7cf",
-    "self-locking": "#e3a33b",
-    "out of reach": "#f0cf8a",
-    "no equilibrium": "#c98a5b",
-    "arithmetic": "#c8553d",
-    "bad input": "#b7a6c9",
+    "answer": BLUE,
+    "no contact": SKY,
+    "self-locking": OCHRE,
+    "out of reach": GREY,
+    "no equilibrium": BROWN,
+    "arithmetic": RED,
+    "bad input": PURPLE,
     "not converged": "#000000",
     "traceback": "#000000",
     "inaccurate": "#000000",
 }
 LEVELS = [0, 4, 6, 8, 10, 12, 14, 16]
-DIGITS = ListedColormap(["#c8553d", "#e3a33b", "#efe3b0", "#cfe3d4", "#8fc4b7", "#3f93a8", "#0b5a80"])
+DIGITS = ListedColormap([RED, OCHRE, "#efe3b0", "#cfe3d4", "#8fc4b7", "#3f93a8", "#0b5a80"])
 REFUSED = "#e6e6e6"
 
-SHADES = ("#0b6e99", "#2a9d5c", "#d19a1b")
+SHADES = (BLUE, GREEN, OCHRE)
 
 Row = Mapping[str, Any]
 
@@ -74,7 +75,7 @@ def grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, str]) -> Figur
             if digits is not None:
                 dark = digits >= 12 or digits < 4
                 right.text(at[0] + 0.48, at[1] + 0.47, f"{digits:.1f}", ha="center", va="center", fontsize=8,
-                           color="white" if dark else "#1d2733")  # fmt: skip
+                           color="white" if dark else INK)  # fmt: skip
         for axes, title in ((left, "outcome"), (right, "digits of the torque")):
             axes.set_title(title)
             axes.set_xlim(0, len(across))
@@ -93,22 +94,22 @@ def condition(rows: Sequence[Row]) -> Figure:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         axes = figure.subplots()
-        for key, color, label in (
-            (False, "#0b6e99", "condensed bodies, double precision"),
-            (True, "#c8553d", "refined: condensation had lost too many digits"),
+        for again, color, label in (
+            (False, BLUE, "condensed bodies, double precision"),
+            (True, RED, "refined: condensation had lost too many digits"),
         ):
-            chosen = [r for r in rows if r.get("torque_condition") and r["refined"] is key]
+            chosen = [r for r in rows if r.get("torque_condition") and r["refined"] is again]
             axes.semilogx([r["torque_condition"] for r in chosen], [r["digits"] for r in chosen], "o", ms=4, alpha=0.65,
                           color=color, mec="none", label=label)  # fmt: skip
         k = np.array([1.0, 1e16])
         left = -np.log10(k * np.finfo(float).eps)
-        axes.semilogx(k, left, color="#1d2733", lw=1.2, label="what its condition leaves to double precision")
-        axes.axhline(6, color="#c8553d", lw=1, ls=":")
+        axes.semilogx(k, left, color=INK, lw=1.2, label="what its condition leaves to double precision")
+        axes.axhline(6, color=RED, lw=1, ls=":")
         axes.set_xlim(1, 1e15)
         axes.set_ylim(0, 16.5)
-        axes.set_xlabel("condition of the torque relative to each entry of the whole system [-]")
+        axes.set_xlabel("condition of the torque relative to each entry of the whole system [–]")
         axes.set_ylabel("digits of the torque that survive")
-        axes.legend(loc="lower left")
+        key(figure, axes, ncols=1)
     return figure
 
 
@@ -117,18 +118,18 @@ def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         axes = figure.subplots()
-        for (name, values), marker, color in zip(series.items(), "os", ("#0b6e99", "#c8553d"), strict=False):
+        for (name, values), marker, color in zip(series.items(), "os", (BLUE, RED), strict=False):
             penalty, change = np.array([(a, e) for a, e in values if e > 0]).T
             axes.loglog(penalty, change, marker=marker, ms=5, lw=1.3, color=color, label=name)
             middle = np.flatnonzero(penalty >= 1e3)[0]
             guide = penalty[middle - 1 : middle + 7]
-            axes.loglog(guide, 2.5 * change[middle] * penalty[middle] / guide, color="#8a8f98", lw=1, ls="--")
-        axes.plot([], [], color="#8a8f98", lw=1, ls="--", label="slope −1")
-        axes.axhline(1e-5, color="#c8553d", lw=1, ls=":")
-        axes.axvline(1e6, color="#8a8f98", lw=0.8, ls=":")
-        axes.set_xlabel("penalty, multiple of E/t of the lining [-]")
-        axes.set_ylabel("|torque / torque of exact contact − 1| [-]")
-        axes.legend()
+            axes.loglog(guide, 2.5 * change[middle] * penalty[middle] / guide, color=GREY, lw=1, ls="--")
+        axes.plot([], [], color=GREY, lw=1, ls="--", label="slope −1")
+        axes.axhline(1e-5, color=RED, lw=1, ls=":")
+        axes.axvline(1e6, color=GREY, lw=0.8, ls=":")
+        axes.set_xlabel("penalty, multiple of E/t of the lining [–]")
+        axes.set_ylabel("|torque / torque of exact contact − 1| [–]")
+        key(figure, axes)
     return figure
 
 
@@ -139,13 +140,13 @@ def limits(panels: Sequence[tuple[str, Mapping[str, Sequence[Row]]]], law: float
         grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)
         for axes, (part, curves) in zip(grid.flat, panels, strict=True):
             for (name, rows), color in zip(curves.items(), SHADES, strict=False):
-                x, y = ([row[key] for row in rows] for key in ("factor", "mu_lock"))
+                x, y = ([row[which] for row in rows] for which in ("factor", "mu_lock"))
                 axes.semilogx(x, y, marker="o", ms=3, lw=1.6, color=color, label=name)
             axes.axhline(law, color=color_of("sine"), ls="--", lw=1.4, label="sine law")
             axes.set_title(f"Stiffness of the {part}")
-            axes.set_xlabel(f"modulus of the {part}, times its own [-]")
-            axes.legend()
-        grid[0, 0].set_ylabel("limit of self-locking μ [-]")
+            axes.set_xlabel(f"modulus of the {part}, times its own [–]")
+        key(figure, grid[0, 0])
+        grid[0, 0].set_ylabel("limit of self-locking μ [–]")
     return figure
 
 
@@ -171,14 +172,13 @@ def poles(rows: Sequence[Row]) -> Figure:
         left.set_ylim(0, highest * 1e-3)
         left.set_xlim(0, 1.08 * max(row["mu_lock"] for row in rows))
         left.set_title("Torque towards the limits (dotted)")
-        left.set_xlabel("friction coefficient μ [-]")
+        left.set_xlabel("friction coefficient μ [–]")
         left.set_ylabel("torque T [kN m]")
-        left.legend(loc="upper left", fontsize=8.5)
+        key(figure, left)
         right.invert_xaxis()
         right.set_title("Torque times distance from its limit")
-        right.set_xlabel("distance from the limit 1 − μ/μ_lock [-]")
-        right.set_ylabel("T (μ_lock − μ) [N m]")
-        right.legend()
+        right.set_xlabel("distance from the limit $1 - \\mu/\\mu_\\mathrm{lock}$ [–]")
+        right.set_ylabel("$T\\,(\\mu_\\mathrm{lock} - \\mu)$ [N m]")
     return figure
 
 

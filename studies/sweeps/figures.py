@@ -6,10 +6,11 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import STYLE
+from drumlin.report.figures import STYLE, key
+from drumlin.report.palette import BLUE, GREEN, INK, OCHRE
 from drumlin.verification.throughput import Throughput, torques
 
-COLORS = {"processes": "#0b6e99", "Dask workers": "#d19a1b", "Dask workers that keep memory": "#2a9d5c"}
+COLORS = {"processes": BLUE, "Dask workers": OCHRE, "Dask workers that keep memory": GREEN}
 
 
 def throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
@@ -33,7 +34,7 @@ def throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
             axes.set_ylabel("throughput [cases/s]")
             axes.set_ylim(0, 1.25 * max(one.rate for one in those))
             axes.grid(visible=False, axis="x")
-        figure.axes[0].legend()
+        key(figure, figure.axes[0])
     return figure
 
 
@@ -42,11 +43,11 @@ def torque(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.6, 3.2), layout="constrained")
         panels = figure.subplots(1, 2, sharex=True)
-        for axes, (name, those), color in zip(panels, measured.items(), ("#0b6e99", "#2a9d5c"), strict=True):
+        for axes, (name, those), color in zip(panels, measured.items(), (BLUE, GREEN), strict=True):
             drawn = torques(those[0].rows)
             axes.hist(drawn, bins="auto", color=color, alpha=0.75)
             for percent in (2.5, 50, 97.5):
-                axes.axvline(np.percentile(drawn, percent), color="#1d2733", lw=1, ls="-" if percent == 50 else "--")
+                axes.axvline(np.percentile(drawn, percent), color=INK, lw=1, ls="-" if percent == 50 else "--")
             axes.set_title(f"{name.partition(':')[0]}, {len(drawn)} cases")
             axes.set_xlabel("torque [N m]")
             axes.set_ylabel("cases")

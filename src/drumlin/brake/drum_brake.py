@@ -22,8 +22,9 @@ from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import STEP, AnyBody, Backing, Beam, Body, Drum, Friction, Lining, Ring
 from drumlin.brake.drive import Drive, Link, driven, shares
 from drumlin.brake.fields import Part, Title, check_names
-from drumlin.brake.support import Held, check_motions
+from drumlin.brake.support import MOVES, Held, check_motions
 from drumlin.brake.units import deg, mm
+from drumlin.errors import BadInput
 
 
 class Frame(NamedTuple):
@@ -117,6 +118,13 @@ class Shoe(Held):
         """Points (2, n) [m] of its frame in the brake's."""
         return np.asarray(self.frame.to_brake(xy.T).T)
 
+    def end_face(self, radius: float) -> Floats:
+        """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds an arc."""
+        assert isinstance(self.body, Body)
+        phi = min(self.frame.phi(np.array([self.body.start, self.body.end])).tolist(), key=abs)
+        r = radius - self.sign * (self.depth - 0.5 * self.body.thickness)
+        return r * np.array([math.cos(phi), math.sin(phi)])
+
     def grip(self, radius: float) -> tuple[float, float] | None:
         """The arc [rad] in its frame of the body's back that a pivot or a guide holds, on a drum of this radius [m].
 
@@ -166,6 +174,17 @@ class Brake(Part):
     def motion(self) -> str:
         """What moves, in words."""
         return f"drum turns {self.rotation}"
+
+    def unhinged(self) -> str | None:
+        """The first thing that is not plain hinges under forces of their own, in words of a refusal; None if all is."""
+        moving = (f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}" for shoe in self.shoes if shoe.held_by != "hinge")
+        return self.shares or next(moving, None)
+
+    def check_hinged(self, what: str) -> None:
+        """Raise BadInput for `what` is done with shoes on hinges only, under forces of their own."""
+        reason = self.unhinged()
+        if reason is not None:
+            raise BadInput(f"{what} takes shoes on hinges under forces of their own only: {reason}")
 
     def names(self, group: Sequence[int]) -> str:
         """The shoes of a group as a refusal names them."""

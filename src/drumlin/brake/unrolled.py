@@ -56,6 +56,12 @@ class StraightShoe(Shoe):
         """Points (2, n) [m] of its frame in the brake's."""
         return np.array([self.pin.x + self.frame.sense * xy[0], xy[1]])
 
+    def end_face(self, radius: float) -> Floats:
+        """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds the body."""
+        assert isinstance(self.body, Body)
+        phi = min(self.frame.phi(np.array([self.body.start, self.body.end])).tolist(), key=abs)
+        return np.array([radius * phi, self.depth - 0.5 * self.body.thickness])
+
     def grip(self, radius: float) -> tuple[float, float] | None:
         """As of a shoe on a drum."""
         if self.body is None or self.held_by not in {"pivot", "guide"}:

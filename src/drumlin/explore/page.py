@@ -22,7 +22,8 @@ from drumlin.explore.picture import (
     reach_of,
     table_html,
 )
-from drumlin.report.figures import color_of, name_of
+from drumlin.report.figures import name_of
+from drumlin.report.palette import color_of
 
 HTML, JSON, TOML = "text/html; charset=utf-8", "application/json", "application/toml; charset=utf-8"
 

@@ -14,7 +14,7 @@ from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Scene, actuation
-from drumlin.fem.group import ShoeGroup, grouped, turns_towards
+from drumlin.fem.group import ShoeGroup, grouped, pressed
 from drumlin.fem.model import PENALTY, respond
 
 HALVINGS = 4  # of an increment that does not settle
@@ -145,8 +145,10 @@ def _held(scene: Scene, brake: Brake, increments: int, penalty: float) -> Iterat
     """The groups of shoes, the force on and the drum at rest. Raises NoAnswer and BadInput as `hold` does."""
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
+    if brake.shares:
+        raise BadInput(f"hold takes shoes under forces of their own only: {brake.shares}")
     for i, shoe in enumerate(brake.shoes):
-        if not turns_towards(scene.bodies[i], shoe):
+        if not pressed(scene.bodies[i], brake, shoe):
             raise NoAnswer(f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it")
     for group in grouped(scene, brake, list(range(len(brake.shoes))), penalty):
         problem, lever = holding_problem(group)

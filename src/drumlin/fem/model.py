@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
+from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
@@ -67,7 +68,7 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         iterations=max(answer.steps for answer in answers.values()),
         seconds=seconds,
         left_out=scene.left_out,
-        notes=(*_overlaps(scene, brake), *(answers[i].note for i in sorted(answers))),
+        notes=(*_overlaps(scene, brake), *_grips(brake), *(answers[i].note for i in sorted(answers))),
     )
 
 
@@ -104,6 +105,22 @@ def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
                 f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the drum; "
                 "its pressure is that of the lining squeezed out of there"
             )
+
+
+def _grips(brake: Brake) -> Iterator[str]:
+    """How each elastic body is held: a pin that stands off it is joined to it rigidly, which its pressure feels."""
+    for shoe in brake.shoes:
+        if shoe.mesh is not None or not isinstance(shoe.body, Body):
+            continue
+        said, grip = f"shoe {shoe.name!r}:", shoe.grip(brake.drum.radius)
+        if grip is not None:
+            length = shoe.body.grip or shoe.body.thickness
+            yield f"{said} its {shoe.held_by} grips {mm(length)} of the back of its body"
+            continue
+        away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - pin_of(shoe))))
+        what = "pin" if shoe.held_by == "hinge" else "foot"
+        joined = "" if away < 0.5 * shoe.body.thickness else ", joined by a rigid arm"
+        yield f"{said} its {what} holds the end face of its body, {mm(round(away, 6))} from the face's middle{joined}"
 
 
 def _untouched(shoe: Shoe) -> _Answer:

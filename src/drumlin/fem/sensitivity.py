@@ -88,6 +88,7 @@ def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sens
     Raises NoAnswer as `respond` does, and for a brake without friction, which has no torque; BadInput likewise.
     """
     check_penalty(penalty)
+    brake.check_hinged("sensitivity")
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
     if scene.brake.friction == 0:

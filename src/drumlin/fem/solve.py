@@ -17,7 +17,7 @@ from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, respond
 from drumlin.fem.omission import adapt_without
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Response, shoe_balance, worst
+from drumlin.response.response import Response, balance_of, loaded, worst
 
 SOFT = 2.0  # times one over the penalty: the relative error of p that it makes at most, as seen on random brakes
 
@@ -121,7 +121,8 @@ def _levelled(brake: Brake, elements: int | None, kind: str | None) -> bool:
 
 def _with_curve_balance(brake: Brake, found: Response) -> Response:
     """The response with a note where p(theta) on the round drum balances worse than the forces at the mesh's nodes."""
-    curve = worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(found.shoes)])
+    under = loaded(brake, found)
+    curve = worst([balance_of(under, i, shoe) for i, shoe in enumerate(found.shoes)])
     if max(curve.force - found.balance.force, curve.moment - found.balance.moment) <= UNSAID:
         return found
     note = (

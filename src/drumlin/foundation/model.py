@@ -56,6 +56,8 @@ def why_not(brake: AnyBrake) -> str | None:
     """Why the foundation model does not apply to a brake (None: it does)."""
     if isinstance(brake, FlatBrake):
         return "its shoes press on a plane, not on a drum"
+    if brake.shares:
+        return brake.shares
     for shoe in brake.shoes:
         if not isinstance(shoe.body, Beam):
             return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'

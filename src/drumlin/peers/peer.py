@@ -69,6 +69,7 @@ def loaded_shoes(
 
     Raises BadInput for a brake with an elastic ring: both peers get a rigid drum.
     """
+    brake.check_hinged("a peer")
     if brake.drum.ring is not None:
         raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
     if brake.friction == 0:

@@ -4,13 +4,16 @@ import math
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
 from drumlin.files import replacing
+from drumlin.report.palette import CATEGORIES, color_of, look_of
 from drumlin.response.response import ShoeResponse
 
 STYLE = {
@@ -27,19 +30,6 @@ STYLE = {
     "svg.hashsalt": "drumlin",
     "svg.fonttype": "path",
 }
-COLORS = {
-    "fem": "#0b6e99",
-    "sine": "#c8553d",
-    "cosine": "#7a5195",
-    "block": "#b58ad6",
-    "uniform": "#8a8f98",
-    "short": "#1d2733",
-    "pivoted": "#d19a1b",
-    "linear": "#6b8e23",
-    "rigid": "#c8553d",
-    "foundation": "#2a9d5c",
-    "lifted": "#d19a1b",
-}
 NAMES = {
     "fem": "finite elements",
     "sine": "sine law",
@@ -50,6 +40,7 @@ NAMES = {
     "pivoted": "shoe on a pivot",
     "linear": "long flat shoe",
     "rigid": "rigid shoe",
+    "worn": "finite elements, worn in",
     "foundation": "elastic foundation",
     "lifted": "foundation, all lifted",
 }
@@ -71,9 +62,45 @@ def name_of(model: str) -> str:
     return NAMES.get(model, model)
 
 
-def color_of(model: str) -> str:
-    """A model's colour, the same in every figure."""
-    return COLORS.get(model, "#444444")
+def key(figure: Figure, axes: Axes, **more: Any) -> None:
+    """The key of some axes below the whole figure, where it covers no data; of what has a label twice, once."""
+    handles, labels = axes.get_legend_handles_labels()
+    once = dict(zip(labels, handles, strict=True))
+    columns = min(len(once), max(2, int(figure.get_figwidth() / 2.2)))
+    figure.legend(once.values(), once.keys(), **{"loc": "outside lower center", "ncols": columns, "fontsize": 9} | more)
+
+
+BOX = 0.11, 0.05  # half the width and height of a curve's name, of the axes
+
+
+def name_curve(axes: Axes, x: Floats, curves: Sequence[Floats], which: int, words: str, color: str) -> None:
+    """Write a name beside curve `which` of some over x (n,), in its colour, where it lies on none; else nowhere."""
+    low, high = axes.get_ylim()
+    seen = np.clip((np.array(curves) - low) / (high - low), 0, 1)
+    n = len(x)
+    half = int(BOX[0] * n)
+    best = 0.0, 0, 0.0
+    for i in range(half, n - half):
+        for side in (1, -1):
+            y = seen[which, i] + side * 1.5 * BOX[1]
+            free = np.abs(seen[:, i - half : i + half + 1] - y).min(axis=1) - BOX[1]
+            others = np.delete(free, which).min(initial=1.0)
+            if free[which] > 0 and others > best[0] and BOX[1] < y < 1 - BOX[1]:
+                best = float(others), i, y
+    if best[0]:
+        axes.text(
+            float(x[best[1]]), low + best[2] * (high - low), words, color=color, fontsize=9, ha="center", va="center"
+        )
+
+
+def mark_cut(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
+    """Mark where a curve leaves the axes at their top, as at a sharp edge, where the pressure has no bound."""
+    top = axes.get_ylim()[1]
+    beyond = y > top
+    starts = np.flatnonzero(np.diff(np.concatenate([[0], beyond.astype(int), [0]])))
+    for a, b in starts.reshape(-1, 2):
+        at = a + int(np.argmax(y[a:b]))
+        axes.plot([x[at]], [top], "^", color=color, ms=6, clip_on=False, zorder=5, label="goes on beyond the axis")
 
 
 def smooth(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
@@ -91,30 +118,37 @@ def pressures(
 
     One pressure scale for all.
 
-    A singular edge is cut off at twice the largest pressure away from the edges.
+    A singular edge is cut off above the largest pressure away from the edges, and marked. Two curves have their names
+    beside them, more a key below.
     """
     with mpl.rc_context(STYLE):
-        lines = math.ceil(len(panels) / columns)
-        figure = Figure(figsize=(5.2 * columns, 3.1 * lines), layout="constrained")
-        grid = figure.subplots(lines, columns, squeeze=False, sharey=True)
+        rows, few = math.ceil(len(panels) / columns), max(len(responses) for _, responses in panels) <= 2
+        figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
+        grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
         unit = 1e3 if flat else math.degrees(1)
         highest = max(shoe.peak_pressure for _, responses in panels for shoe in responses.values())
         for axes, (title, responses) in zip(grid.flat, panels, strict=False):
-            for model, shoe in responses.items():
-                theta, p = smooth(shoe)
-                axes.plot(theta * unit, p * 1e-6, color=color_of(model), lw=1.8, label=name_of(model))
-                if model == "fem":
-                    axes.fill_between(theta * unit, p * 1e-6, color=color_of(model), alpha=0.12, lw=0)
             axes.set_title(title)
             axes.set_xlabel("place x [mm]" if flat else "angle on the drum θ [deg]")
-            axes.set_xlim(theta[0] * unit - 3, theta[-1] * unit + 3)
             axes.set_ylim(0, 1.12 * highest * 1e-6 if highest > 0 else 1)
+            drawn = {model: smooth(shoe) for model, shoe in responses.items()}
+            for model, (theta, p) in drawn.items():
+                axes.plot(theta * unit, p * 1e-6, **look_of(model), lw=1.8, label=name_of(model))
+                mark_cut(axes, theta * unit, p * 1e-6, color_of(model))
+                if model == "fem":
+                    axes.fill_between(theta * unit, p * 1e-6, color=color_of(model), alpha=0.12, lw=0)
+            axes.set_xlim(theta[0] * unit - 3, theta[-1] * unit + 3)
             axes.label_outer(remove_inner_ticks=False)
+            if few:
+                even = np.linspace(theta[0], theta[-1], 200)
+                lines = [np.interp(even, *curve) * 1e-6 for curve in drawn.values()]
+                for i, model in enumerate(drawn):
+                    name_curve(axes, even * unit, lines, i, name_of(model), color_of(model))
         for axes in grid[:, 0]:
             axes.set_ylabel("pressure p [MPa]")
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
-        grid.flat[0].legend(loc="best")
+        key(figure, max(grid.flat[: len(panels)], key=lambda axes: len(set(axes.get_legend_handles_labels()[1]))))
     return figure
 
 
@@ -123,13 +157,13 @@ def convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: str) 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
         axes = figure.subplots()
-        for (name, values), marker in zip(series.items(), "osD^v<>", strict=False):
+        for (name, values), marker, color in zip(series.items(), "osD^v<>", CATEGORIES, strict=False):
             n, e = zip(*values, strict=True)
-            axes.loglog(n, np.array(e) * 100, marker=marker, ms=5, lw=1.4, label=name)
+            axes.loglog(n, np.array(e) * 100, marker=marker, color=color, ms=5, lw=1.4, label=name)
         axes.set_xlabel("elements along the lining")
         axes.set_ylabel(f"{ylabel} [%]")
         axes.set_xticks(sorted({n for values in series.values() for n, _ in values}))
         axes.xaxis.set_major_formatter("{x:.0f}")
         axes.minorticks_off()
-        axes.legend()
+        key(figure, axes, ncols=1)
     return figure

@@ -16,6 +16,7 @@ import numpy as np
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import ended
 from drumlin.files import replacing
+from drumlin.report.palette import RED
 from drumlin.texts import one_line
 
 TIMEOUT = 120  # s
@@ -73,9 +74,9 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     plotter.set_background("white")
     bar = {
         "title": SCALAR + "\n", "color": "black", "vertical": True, "position_x": 0.87, "position_y": 0.2,
-        "height": 0.55, "width": 0.05, "label_font_size": 22, "title_font_size": 20, "fmt": "%.3g",
+        "height": 0.55, "width": 0.05, "label_font_size": 22, "title_font_size": 20, "fmt": "%.4g", "n_labels": 5,
     }  # fmt: skip
-    top = float(np.percentile(grid.point_data[SCALAR], 99.5))
+    top = _round_up(float(np.percentile(grid.point_data[SCALAR], 99.5)))
     surface = deformed.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=3)
     plotter.add_mesh(surface, scalars=SCALAR, cmap="viridis", clim=(0, top), lighting=False, scalar_bar_args=bar)
     plotter.add_mesh(_outline(grid), color="#888888", line_width=2)
@@ -137,13 +138,19 @@ def _add_pressure(plotter: Any, grid: Any, radius: float) -> None:
     cloud = pv.PolyData(points[chosen] - arrows)
     cloud["arrow"], cloud["size"] = arrows, np.linalg.norm(arrows, axis=1)
     tip = pv.Arrow(tip_length=0.25, tip_radius=0.05, shaft_radius=0.016)
-    plotter.add_mesh(cloud.glyph(orient="arrow", scale="size", geom=tip), color="#c8553d")
+    plotter.add_mesh(cloud.glyph(orient="arrow", scale="size", geom=tip), color=RED)
 
 
 def _round_down(value: float) -> float:
     """The largest 1, 2 or 5 times a power of ten that is not above `value`."""
     power = 10.0 ** math.floor(math.log10(value))
     return max((step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)), default=power)
+
+
+def _round_up(value: float) -> float:
+    """The smallest 1, 2, 4 or 8 times a power of ten that is not below `value`: quarters of it are round, too."""
+    power = 10.0 ** math.floor(math.log10(value)) if value > 0 else 1.0
+    return next(step * power for step in (1, 2, 4, 8, 10) if step * power >= value * (1 - 1e-9))
 
 
 def main() -> int:

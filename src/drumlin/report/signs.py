@@ -11,10 +11,11 @@ from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Point
 from drumlin.brake.plane_brake import FlatShoe
+from drumlin.report.palette import BLUE, RED
 
 MM = 1e3
 INK, FAINT, DRUM, BODY, BLOCK, LINING, FORCE, MOTION = (
-    "#1d2733", "#5b6875", "#e6ebf0", "#aab6c2", "#e3cfa4", "#c89b6a", "#c8553d", "#0b6e99",
+    "#1d2733", "#5b6875", "#e6ebf0", "#aab6c2", "#e3cfa4", "#c89b6a", RED, BLUE,
 )  # fmt: skip
 
 
@@ -24,7 +25,8 @@ def held(axes: Axes, shoe: Shoe | FlatShoe, unit: float) -> None:
         pin(axes, shoe.hinge, unit, fixed=True)
     if shoe.pivot is not None:
         if shoe.hinge is not None:  # the lever
-            axes.plot(*np.array([shoe.hinge.xy, shoe.pivot.xy]).T * MM, color=FAINT, lw=3, alpha=0.5, zorder=2)
+            lever = [shoe.hinge.xy, shoe.pivot.xy, shoe.actuation.point.xy]
+            axes.plot(*np.array(lever).T * MM, color=FAINT, lw=3, alpha=0.5, zorder=2)
         pin(axes, shoe.pivot, unit, fixed=False)
     if shoe.abutment is not None:
         face(axes, shoe.abutment.point.xy * MM, shoe.abutment.direction, unit)
@@ -57,9 +59,7 @@ def end_face(shoe: Shoe, radius: float) -> Floats | None:
     """The middle (2,) [m] of the end face by which a hinge or an abutment holds an arc; None of other shoes."""
     if not isinstance(shoe.body, Body) or shoe.mesh is not None or shoe.held_by not in {"hinge", "abutment"}:
         return None
-    phi = min(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist(), key=abs)
-    r = radius - shoe.sign * (shoe.depth - 0.5 * shoe.body.thickness)
-    return np.asarray(shoe.frame.to_brake(r * np.array([math.cos(phi), math.sin(phi)])))
+    return np.asarray(shoe.frame.to_brake(shoe.end_face(radius)))
 
 
 def between(axes: Axes, brake: Brake, unit: float) -> None:

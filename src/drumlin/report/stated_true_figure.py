@@ -7,10 +7,11 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import STYLE
+from drumlin.report.figures import STYLE, key
+from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 
 TITLES = {"pressure": "pressure p (L2)", "torque": "torque", "peak": "peak pressure", "reaction": "hinge reaction"}
-MARKS = (("o", "#0b6e99"), ("s", "#c8553d"), ("D", "#7a5195"), ("^", "#2a9d5c"))  # a tolerance each
+MARKS = (("o", BLUE), ("s", RED), ("D", PURPLE), ("^", GREEN))  # a tolerance each
 KNOWN = 4.0  # how far above the uncertainty of the truth a true error is known well
 
 
@@ -30,12 +31,12 @@ def cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
                     style = {"color": color, "alpha": 0.8 if known else 0.25, "ls": "", "ms": 4, "label": label}
                     axes.loglog(*zip(*points, strict=True), marker=mark, **style) if points else None
                     drawn += len(points)
-            axes.axhline(1.0, color="#1d2733", lw=1)
+            axes.axhline(1.0, color=INK, lw=1)
             axes.set_title(TITLES[name])
             axes.set_xlabel("true error")
             axes.set_ylabel("stated over true error")
             if drawn:
-                axes.legend()
+                key(figure, axes)
     return figure
 
 

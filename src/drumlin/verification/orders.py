@@ -59,8 +59,8 @@ def level_rows(brake: Brake, refinement: Refinement = FINE) -> list[Row]:
     """Errors of columns, level by level, their ends of the contact known from the reference; exact contact.
 
     `root`: the cube root of the unknowns of a shoe, over which the logarithm of the error falls straight where every
-    singular point is graded (Babuska & Guo 1986). Nothing is shown below three times the distance of the reference's two
-    divisions.
+    singular point is graded (Babuska & Guo 1986). Nothing is shown below three times the distance of the two divisions
+    of the reference.
     """
     found = responses(brake, refinement)
     true, places = found.value, places_of(brake, found.value)

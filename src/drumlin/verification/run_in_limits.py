@@ -96,7 +96,7 @@ def law_of(model: str, brake: Brake) -> tuple[str, float]:
     """What the pressure of a model tends to, and the torque [N m] of the brake's law."""
     if model == "guided":
         return "cos", hinged.guided_torque(brake)
-    if model == "fem" and any(shoe.held_by != "hinge" for shoe in brake.shoes):
+    if model == "fem" and brake.unhinged():
         return "A cos + B sin", law(brake).torque
     # As published, the foundation's sections turn without tilt.
     return "x cos" if model == "foundation" else "sin", hinged.sine(brake).torque

@@ -1,0 +1,35 @@
+"""The colours of all figures: nine that deuteranopes and protanopes tell apart, too, and line styles as second code."""
+
+from typing import Any
+
+BLUE, RED, GREEN, OCHRE, PURPLE = "#0072b2", "#d55e00", "#00c663", "#feaa00", "#7d1fce"
+SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#473815", "#1d2733"
+CATEGORIES = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK)
+FAINT, PALE = "#5b6875", "#e9d8c3"  # of axes and notes, of shaded ground: no categories
+GRADES = ("#2166ac", "#92c5de", "#f7e3b0", "#d6604d")  # from good to bad
+
+LOOKS: dict[str, tuple[str, Any]] = {  # of a model: colour, line style
+    "fem": (BLUE, "-"),
+    "sine": (RED, "--"),
+    "cosine": (PURPLE, "-."),
+    "block": (SKY, (0, (1, 1))),
+    "uniform": (GREY, (0, (5, 1, 1, 1, 1, 1))),
+    "short": (INK, (0, (3, 1))),
+    "pivoted": (OCHRE, "-."),
+    "linear": (BROWN, "--"),
+    "rigid": (RED, "--"),
+    "solid": (INK, "-"),
+    "worn": (GREEN, "-"),
+    "foundation": (GREEN, (0, (6, 2))),
+    "lifted": (OCHRE, ":"),
+}
+
+
+def color_of(model: str) -> str:
+    """A model's colour, the same in every figure."""
+    return LOOKS[model][0] if model in LOOKS else FAINT
+
+
+def look_of(model: str) -> dict[str, Any]:
+    """A model's colour and line style, for matplotlib."""
+    return {"color": color_of(model), "ls": LOOKS[model][1] if model in LOOKS else "-"}

@@ -1,0 +1,66 @@
+"""Every kind of brake, each from a file of sizes like real ones: can its law be trusted, new and worn in?"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from matplotlib.figure import Figure
+
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
+from drumlin.comparison import as_csv, motion_of
+from drumlin.files import write_text
+from drumlin.report import figures
+from drumlin.report.drawing import draw_brake
+from drumlin.report.page import fill
+from drumlin.verification.brake_kinds import Case, both_ways, case, mu_lock, row_of, verdict
+
+HERE = Path(__file__).parent
+SHORT = ("simplex_abutted", "s_cam", "rail_clamp")
+
+
+class Result(NamedTuple):
+    """Each brake in both senses of motion, a row for each, a sentence for each file."""
+
+    cases: list[Case]
+    rows: list[dict[str, Any]]
+    verdicts: dict[str, str]
+
+
+def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
+    """All files by law and finite elements; `short`: three of them, coarser worn-in linings, no limits of locking."""
+    cases: list[Case] = []
+    rows: list[dict[str, Any]] = []
+    verdicts = {}
+    for path in sorted(HERE.glob("*.toml")):
+        if short and path.stem not in SHORT:
+            continue
+        own = []
+        for brake in both_ways(read_any(path)):
+            say(f"{path.stem}: {motion_of(brake)}")
+            found = case(path.stem, brake, 24 if short else 60)
+            cases.append(found)
+            own.append(row_of(found, None if short else mu_lock(brake)))
+        rows += own
+        verdicts[path.stem] = verdict(own)
+    return Result(cases, rows, verdicts)
+
+
+def report(result: Result, folder: Path) -> Path:
+    """Write page, pictures, figures and table; returns the page."""
+    write_text(folder / "brakes.csv", as_csv(result.rows))
+    drawn: dict[str, AnyBrake] = {}
+    for found in result.cases:
+        drawn.setdefault(found.file, found.brake)
+    for file, brake in drawn.items():
+        panels = []
+        for found in result.cases:
+            if found.file != file:
+                continue
+            for i, shoe in enumerate(found.brake.shoes):
+                of = {"fem": found.new.shoes[i], "worn": found.worn.shoes[i], found.law.model: found.law.shoes[i]}
+                panels.append((f"{shoe.name}, {motion_of(found.brake)}", of))
+        figures.save(figures.pressures(panels, flat=isinstance(brake, FlatBrake)), folder / f"{file}.svg")
+        figure = Figure(figsize=(4.5, 4.5), layout="constrained")
+        draw_brake(figure.subplots(), brake)
+        figures.save(figure, folder / f"{file}_drawing.svg")
+    return fill(HERE / "page.html", folder / "index.html", result=result, titles={f: b.title for f, b in drawn.items()})

@@ -1,0 +1,19 @@
+"""Print the lower bounds of pyproject.toml as exact versions, for pip: what drumlin and its tests need at least."""
+
+import sys
+import tomllib
+from pathlib import Path
+
+TOOLS = ("mypy", "ruff", "import-linter", "drumlin")  # judge the source, or stand for the other extras
+
+
+def oldest(data: dict) -> list[str]:
+    """The requirements, each at its lower bound."""
+    extras = data["project"]["optional-dependencies"]
+    wanted = [*data["project"]["dependencies"], *extras["distributed"], *extras["parquet"], *extras["dev"]]
+    return [line.replace(">=", "==") for line in wanted if not line.startswith(TOOLS)]
+
+
+if __name__ == "__main__":
+    file = Path(__file__).resolve().parents[1] / "pyproject.toml"
+    sys.stdout.write("\n".join(oldest(tomllib.loads(file.read_text()))) + "\n")

@@ -1,0 +1,80 @@
+"""Figures that everybody can read: colours apart under colour blindness, curves named and cut ones marked."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from drumlin.models import solve
+from drumlin.report import figures
+from drumlin.report.palette import CATEGORIES, GRADES, LOOKS
+
+# Dichromats by Machado, Oliveira & Fernandes (2009), severity 1, on linear RGB
+SIGHT = {
+    "normal": np.eye(3),
+    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+}
+TO_XYZ = np.array(
+    [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.119192, 0.9503041]]
+)
+WHITE = np.array([0.95047, 1.0, 1.08883])
+APART = 25.0  # CIE 1976 distance: ten times what is just noticed side by side
+
+
+def lab(colour, sight):
+    """CIE L*a*b* of a colour #rrggbb as it is seen."""
+    c = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+    x = TO_XYZ @ np.clip(np.array(SIGHT[sight]) @ linear, 0, 1) / WHITE
+    f = np.where(x > 216 / 24389, np.cbrt(x), (24389 / 27 * x + 16) / 116)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+def distance(a, b, sight):
+    return float(np.linalg.norm(lab(a, sight) - lab(b, sight)))
+
+
+def test_the_simulation_knows_what_dichromats_confuse():
+    assert distance("#ff0000", "#00a000", "normal") > 100
+    assert lab("#ffffff", "normal") == pytest.approx([100, 0, 0], abs=0.01)
+    olive, brick = "#8a7a00", "#b06a00"  # a confusion of deuteranopes
+    assert distance(olive, brick, "deuteranopia") < 0.5 * distance(olive, brick, "normal")
+    for grey in ("#000000", "#777777", "#ffffff"):
+        for sight in SIGHT:
+            assert lab(grey, sight)[1:] == pytest.approx([0, 0], abs=0.6)  # greys stay grey
+
+
+@pytest.mark.parametrize("sight", SIGHT)
+@pytest.mark.parametrize("colours", [CATEGORIES, GRADES])
+def test_the_colours_stay_apart(colours, sight):
+    assert len(set(colours)) == len(colours)
+    for a, b in combinations(colours, 2):
+        assert distance(a, b, sight) > APART, (a, b)
+    for colour in CATEGORIES:
+        assert distance(colour, "#ffffff", sight) > APART
+
+
+def test_every_model_has_a_look_of_its_own():
+    looks = [(colour, str(style)) for colour, style in LOOKS.values()]
+    assert len(set(looks)) == len(looks)
+    assert {colour for colour, _ in LOOKS.values()} <= set(CATEGORIES)
+
+
+def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_beside_them(brake):
+    fem, sine = solve(brake, elements=30), solve(brake, "sine")
+    few = figures.pressures([("right", {"fem": fem.shoes[0], "sine": sine.shoes[0]})])
+    axes = few.axes[0]
+    assert {text.get_text() for text in axes.texts} == {"finite elements", "sine law"}
+    theta, p = figures.smooth(fem.shoes[0])
+    top = axes.get_ylim()[1]
+    cut = [line for line in axes.lines if line.get_marker() == "^"]
+    assert bool(p.max() * 1e-6 > top) is bool(cut)
+    lower = Figure().subplots()
+    lower.set_ylim(0, 0.5 * p.max())
+    figures.mark_cut(lower, theta, p, "#000000")
+    assert [line.get_ydata()[0] for line in lower.lines] == [0.5 * p.max()] * len(lower.lines) and lower.lines
+    assert not any(axes.get_legend() for axes in few.axes)  # nothing over the data
+    many = figures.pressures([("right", {name: solve(brake, name).shoes[0] for name in ("sine", "cosine", "uniform")})])
+    assert {text.get_text() for text in many.legends[0].get_texts()} >= {"sine law", "cosine law", "uniform pressure"}

@@ -1,0 +1,32 @@
+"""Every promise names a test that exists; the page of promises is in the fault study."""
+
+from conftest import ROOT
+from drumlin.fuzzing import trials
+from drumlin.fuzzing.promises import PROMISES
+from drumlin.studies import load
+
+
+def test_each_promise_names_a_test_that_exists():
+    for row in PROMISES:
+        file, _, name = row["test"].partition("::")
+        path, said = (ROOT / "tests" / file, f"def {name}(") if file.endswith(".py") else (ROOT / file, name)
+        assert said in path.read_text(encoding="utf-8"), row
+    assert len({row["promise"] for row in PROMISES}) == len(PROMISES) > 20
+
+
+def test_the_short_fault_study_finds_no_fault_and_shows_one(tmp_path):
+    module, _ = load("faults")
+    result = module.study(short=True)
+    page = module.report(result, tmp_path).read_text(encoding="utf-8")
+    assert "no fault" in page and "test_faults.py::" in page and "143" in page
+    result.within["words"][0] = trials.Verdict(0, 1, 0.1, "x: a traceback")
+    assert "1 faults" in module.report(result, tmp_path).read_text(encoding="utf-8")
+    assert trials.table(result.within)[-1]["faults"] == 1
+
+
+def test_a_wrong_table_is_a_fault(monkeypatch):
+    """Of a damaged journal: the judge knows the right table."""
+    given = trials.made("journals", 0)
+    wrong = given._replace(right={"t.csv": b"case,\n"})
+    monkeypatch.setitem(trials.GENERATORS, "journals", (lambda _: wrong, ""))
+    assert "not the right t.csv" in trials.tried("journals", 0).fault
