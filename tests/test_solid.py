@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drumlin.brake.fields import Material
-from drumlin.brake.file import vary
+from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond
@@ -47,6 +47,19 @@ def test_without_lateral_contraction_it_is_plane_stress_at_any_width(flexible, w
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
         np.testing.assert_allclose(mine.hinge_reaction, other.hinge_reaction, rtol=1e-7)
         np.testing.assert_allclose(mine.surface.pressure.T - mine.pressure, 0, atol=1e-8 * other.peak_pressure)
+
+
+def test_a_post_of_one_width_is_plane_stress_too(root):
+    post = read_brake(root / "studies" / "post_brake" / "brake.toml")
+    rigid_drum = vary(post, {"drum.ring": None})
+    with pytest.raises(BadInput, match="its bending_stiffness is not that of a section"):
+        model.prepare(rigid_drum)
+    none = {f"shoe.{part}.material.nu": 0.0 for part in ("lining", "backing", "body")}
+    width = post.shoes[0].lining.width
+    brake = vary(rigid_drum, none | {"shoe.body.width": width, "shoe.body.bending_stiffness": None})
+    solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
+    for mine, other in zip(solid.shoes, plane.shoes, strict=True):
+        assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
 
 
 def test_with_lateral_contraction_it_is_not(flexible):
@@ -238,6 +251,7 @@ def test_the_fields_are_those_of_the_contact(flexible):
         on = found.pressure > 0
         moved = np.einsum("nc,nc->n", r, found.displacement[:, :2])
         assert on.sum() > 50
+        assert np.abs(found.displacement[found.points[:, 2] == 0, 2]).max() == 0  # nothing leaves the mid-plane
         # Weakly, not at every node: against what the shoe moves elsewhere.
         assert np.abs(moved[on]).mean() < 0.02 * np.abs(found.displacement).max()
         assert shoe.lining.material.E > 0 and (found.von_mises >= 0).all()

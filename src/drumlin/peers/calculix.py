@@ -57,7 +57,7 @@ class Posed(NamedTuple):
 
 
 class State(NamedTuple):
-    """What CalculiX found at one scale s, in the shoe's frame, over s: forces on the drum's nodes (n, 2) and
+    """What CalculiX found at one scale s, in the shoe's frame, over s: forces on the nodes of the drum's arc (n, 2) and
     of the pin on the shoe (2,) [N], moment of the contact about the drum's centre [N m], counter-clockwise in the
     brake, turn about the pin [rad], counter-clockwise in the brake.
 
@@ -195,11 +195,13 @@ def run(brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None = No
             said = faults[-1] if faults else f"its process ended with status {ended.status}"
             raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX: {said[:200]}")
         dat, sta = ((Path(folder) / f"shoe.{suffix}").read_text() for suffix in ("dat", "sta"))
-        state = read_state(dat, sta, ended.output, brake, loaded, setting)
-        return state._replace(contact=posed.along(state.contact), seconds=ended.seconds)
+        state = read_state(dat, sta, ended.output, brake, loaded, setting, posed)
+        return state._replace(seconds=ended.seconds)
 
 
-def read_state(dat: str, sta: str, output: str, brake: Brake, loaded: Loaded, setting: Setting) -> State:
+def read_state(
+    dat: str, sta: str, output: str, brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None = None
+) -> State:
     """The state in CalculiX's texts: results (.dat), increments (.sta), and what it printed. Raises NoAnswer."""
     blocks = _blocks(dat)
     try:
@@ -219,7 +221,7 @@ def read_state(dat: str, sta: str, output: str, brake: Brake, loaded: Loaded, se
     steps = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
     equations = re.search(r"number of equations\s+(\d+)", output)
     return State(
-        contact=loaded.shoe.frame.to_shoe(drum[:, 1:3]) / size,
+        contact=loaded.shoe.frame.to_shoe((posed or plane_pose(brake, loaded)).along(drum[:, 1:3])) / size,
         pin=loaded.shoe.frame.to_shoe(-BEARING * pin) / size,
         moment=float(total[5]) / (size * MM),
         turn=turn / setting.scale,

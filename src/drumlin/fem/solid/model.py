@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Body, Scene, Seconds, lacking, shape_of
@@ -26,18 +27,24 @@ def why_not(brake: Brake) -> str | None:
     if brake.drum.ring is not None:
         return "its drum is an elastic ring; solid shoes are pressed on a rigid drum"
     for shoe in brake.shoes:
-        if shoe.held_by != "hinge":
-            return f"shoe {shoe.name!r}: is held by its {shoe.held_by}; solid shoes turn about a hinge"
-        if shoe.mesh is not None:
-            return f"shoe {shoe.name!r}: a mesh of its own is a section without widths"
-        for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
-            material = getattr(part, "material", None)
-            if material is not None and material.nu > SOFTEST:
-                return (
-                    f"shoe {shoe.name!r}: {name}.material.nu = {material.nu:g} is all but incompressible; "
-                    f"at most {SOFTEST:g}"
-                )
+        reason = _shoe_why_not(shoe)
+        if reason is not None:
+            return f"shoe {shoe.name!r}: {reason}"
     return assembly.why_not(brake)
+
+
+def _shoe_why_not(shoe: Shoe) -> str | None:
+    if shoe.held_by != "hinge":
+        return f"is held by its {shoe.held_by}; solid shoes turn about a hinge"
+    if shoe.mesh is not None:
+        return "a mesh of its own is a section without widths"
+    if isinstance(shoe.body, Beam) and shoe.body.bending_stiffness is not None:
+        return "its bending_stiffness is not that of a section of its thickness and width"
+    for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
+        material = getattr(part, "material", None)
+        if material is not None and material.nu > SOFTEST:
+            return f"{name}.material.nu = {material.nu:g} is all but incompressible; at most {SOFTEST:g}"
+    return None
 
 
 def across_of(shoe: Shoe, elements: int) -> int:
