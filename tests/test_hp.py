@@ -281,6 +281,17 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     assert which.tolist() == [0, 1, 0] and values == pytest.approx([0.1, 0.2])
 
 
+def test_a_table_of_many_clearances_is_a_curve(brake):
+    """Its rows are not graded to: it costs what a smooth gap costs, and meshes of another kind answer alike."""
+    theta = np.linspace(-70, 55, 73)
+    table = np.column_stack([np.radians(theta), 1e-4 * np.cos(np.radians(theta)) ** 2]).tolist()
+    curved = vary(brake, {"shoe[0].lining.clearance": table})
+    response = solve(curved)
+    assert len(response.shoes[0].theta) < 3 * len(solve(brake).shoes[0].theta)
+    assert response.torque == pytest.approx(solve(curved, elements=120).torque, rel=1e-5)
+    assert response.error["pressure"] < 5e-3
+
+
 def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
     response = solve(kinked, elements=40)

@@ -127,7 +127,7 @@ def _brake(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: s
         return Reply(422, HTML, answer.failure)
     said = f"# {name}, explored: {link_of(explorer.knobs, explorer.brake, setting) or 'as it is'}\n"
     if answer.distance:
-        said += "# Its clearances are tables of what wear has left; quickest solved with --elements 80.\n"
+        said += "# Its clearances are tables of what wear has left.\n"
     return Reply(200, TOML, said + brake_text(answer.brake), f"{name}_explored.toml")
 
 

@@ -9,6 +9,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem import assembly
 from drumlin.response.response import Response, ShoeResponse
 
+MOST_KINKS = 12  # a table of clearances with more rows, such as that of a worn lining, is a curve
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
 
 DIGITS = 20  # binary ones of an end of the contact
@@ -26,7 +27,8 @@ def places_of(brake: Brake, response: Response | None) -> dict[tuple[object, ...
 def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     start, end = shoe.arc
     arcs = [] if response is None else [sorted(shoe.frame.phi(np.array(arc)).tolist()) for arc in response.contact_arcs]
-    found = [(float(x), end - start, True) for x in shoe.frame.phi(np.array(clearance.kinks(shoe.lining))).tolist()]
+    kinks = shoe.frame.phi(np.array(clearance.kinks(shoe.lining))).tolist()
+    found = [(float(x), end - start, True) for x in (kinks if len(kinks) <= MOST_KINKS else ())]
     for one, other in arcs:
         first, last = (_rounded(x, other - one) for x in (one, other))
         found += [(first, last - first, False), (last, last - first, False)]
