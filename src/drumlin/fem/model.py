@@ -68,7 +68,7 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         iterations=max(answer.steps for answer in answers.values()),
         seconds=seconds,
         left_out=scene.left_out,
-        notes=(*_overlaps(scene, brake), *_grips(brake), *(answers[i].note for i in sorted(answers))),
+        notes=(*_overlaps(scene, brake), *(answers[i].note for i in sorted(answers)), *_grips(brake)),
     )
 
 
