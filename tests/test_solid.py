@@ -266,7 +266,7 @@ def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
     assert time.process_time() - start < 60
     start = time.process_time()
     second = respond(scene, vary(flexible, {"friction": 0.4}))
-    assert time.process_time() - start < 2
+    assert time.process_time() - start < 5  # of processor time, both threads of the contact
     assert second.torque > 1.2 * first.torque
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 6e6  # kB
 
