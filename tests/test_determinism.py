@@ -67,7 +67,7 @@ def numbers(data):
 
 
 def test_the_number_of_threads_moves_no_number():
-    """Torques and forces by more than 1e-10 of them, pressures, which feel round-off at the ends of the contact, by 1e-7 of the largest."""
+    """Torques and forces by more than 1e-10 of them, pressures, which feel round-off at the contact's ends, by 1e-7."""
     paths = [str(ROOT / "studies" / brake) + ".toml" for brake in BRAKES]
     answers = []
     for threads in ("1", "2"):
