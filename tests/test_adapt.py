@@ -77,6 +77,7 @@ def test_a_shoe_that_lifts_off_in_places_is_followed_to_its_contact_ends(brake):
 
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
+@pytest.mark.slow
 def test_an_elastic_ring_is_refined_with_the_linings(brake, support):
     ring = {"thickness": 0.01, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": support}
     ringed = vary(brake, CLEARANCE | {"drum.ring": ring})

@@ -109,6 +109,7 @@ def test_what_is_kept_changes_no_answer(explorer):
         assert explorer.answer(setting).found.torque == Explorer(brake).answer(setting).found.torque
 
 
+@pytest.mark.slow
 def test_a_setting_that_keeps_the_bodies_costs_a_fraction_of_a_solve(explorer):
     def spent(do):
         times = []
@@ -313,6 +314,7 @@ def chromium(folder):
     return options
 
 
+@pytest.mark.slow
 def test_only_this_machine_is_answered_by_its_own_name(tmp_path):
     import http.client
 

@@ -255,6 +255,7 @@ def test_a_brake_in_mm_n_mpa_numbers_gives_the_same_numbers(brake):
 
 
 @pytest.mark.parametrize("name", ["brake", "flexible"])
+@pytest.mark.slow
 def test_the_contact_set_settles_in_15_steps_on_every_mesh_and_penalty(name, request):
     spec = request.getfixturevalue(name)
     most = ran = 0
@@ -375,6 +376,7 @@ def test_cost_is_counted_from_the_same_run(brake):
     assert 0 < c.further_ratio < 0.5
 
 
+@pytest.mark.slow
 def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
     head, *rows, last = table(brake, sizes=(2_000, 4_000))
     assert "memory [GiB]" in head

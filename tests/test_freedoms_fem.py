@@ -99,6 +99,7 @@ def test_what_holds_an_elastic_shoe_bears_what_it_can() -> None:
             assert abs(x * math.cos(0.1) + y * math.sin(0.1)) < 1e-9 * math.hypot(x, y)
 
 
+@pytest.mark.slow
 def test_the_whole_system_refined_is_the_same_answer() -> None:
     from drumlin.fem.group import groups_of
     from drumlin.fem.hp.levels import LEVELS

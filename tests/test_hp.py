@@ -54,7 +54,7 @@ def curved(p):
     return mesh, np.ascontiguousarray(xy[:, :, element(p).order]), at[:, element(p).order]
 
 
-@pytest.mark.parametrize("p", [3, 4, 6, 8])
+@pytest.mark.parametrize("p", [3, 4, pytest.param(6, marks=pytest.mark.slow), pytest.param(8, marks=pytest.mark.slow)])
 def test_the_stiffness_is_that_of_skfems_own_assembly_of_the_same_mesh(p):
     mesh, xy, at = curved(p)
     lame = plane_stress(STEEL.E, STEEL.nu)
@@ -219,6 +219,7 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     assert errors[0] / errors[3] > 40
 
 
+@pytest.mark.slow
 def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(brake):
     half = vary(brake, {"shoe.lining.clearance": 1e-4})
     response = solve(half)

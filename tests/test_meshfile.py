@@ -396,6 +396,7 @@ def test_the_web_shoe_solves_balances_and_keeps_near_the_sine_law():
     assert WEB.with_suffix(".msh").stat().st_size < 300_000
 
 
+@pytest.mark.slow
 def test_the_web_shoe_agrees_with_a_mesh_twice_as_fine(tmp_path):
     """meshes/web_shoe.py makes it; the committed mesh is half as fine."""
     pytest.importorskip("gmsh")

@@ -301,6 +301,7 @@ def test_getfem_agrees(formulation, close):
 
 
 @needs_getfem
+@pytest.mark.slow
 def test_getfem_on_other_brakes():
     for brake in (POST, RIGID, BACKED, CLEARANCE):
         peer, own = peers.solve("getfem", brake, elements=24), solve(brake, elements=24)
@@ -312,6 +313,7 @@ def test_getfem_on_other_brakes():
 
 
 @needs_calculix
+@pytest.mark.slow
 def test_calculix_agrees():
     """Extrapolated: torque within 1e-3; p within 2 % in L2, one lining thickness away from the ends."""
     peer, own = peers.solve("calculix", MAIN, elements=20), solve(MAIN, elements=80)

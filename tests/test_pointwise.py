@@ -25,6 +25,7 @@ def test_its_error_is_linear_in_the_penalty_s_compliance(brake):
     assert abs(stiff) < 1e-4
 
 
+@pytest.mark.slow
 def test_it_agrees_shoe_by_shoe(brake):
     weak, points = solve(brake, penalty=1e3), pointwise.solve(brake, penalty=1e3)
     for a, b in zip(weak.shoes, points.shoes, strict=True):

@@ -271,6 +271,7 @@ def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 6e6  # kB
 
 
+@pytest.mark.slow
 def test_the_cost_table_has_a_row_a_size(flexible):
     from drumlin.verification.cost import solid_table
 
