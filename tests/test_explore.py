@@ -29,6 +29,8 @@ from drumlin.response.resultants import integrate
 from drumlin.wear.worn_in import worn_in
 from test_sharing import cam_brake, servo
 
+pytestmark = pytest.mark.slow
+
 DRIVER = "/usr/bin/chromedriver"
 PROGRAM = [sys.executable, "-c", "from drumlin.cli import main; main()", "explore"]
 

@@ -12,6 +12,8 @@ from drumlin.fem.solid import model
 from drumlin.fem.solve import solve
 from test_solid import t_section
 
+pytestmark = pytest.mark.slow
+
 
 def by_differences(beta, reach, count=2000):
     """Mean of y with y'''' + 4 beta^4 y = 0, y(0) = 1, y'(0) = 0, free at the reach: by energy, cubic elements."""

@@ -16,6 +16,8 @@ from test_freedoms_fem import BODY, brake_of
 from test_plane_fem import pad
 from test_sharing import cam_brake, servo
 
+pytestmark = pytest.mark.slow
+
 THICK = {"shoe.lining.thickness": 0.005}
 BRAKES: dict[str, Any] = {
     "abutment": lambda: vary(brake_of("abutment", -1, body=BODY), THICK),

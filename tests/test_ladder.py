@@ -11,6 +11,8 @@ from drumlin.verification import closed_forms
 from drumlin.verification.ladder import CASES, families, within
 from drumlin.verification.ladder_friction import pressed_plate
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.family}: {case.quantity}".replace(" ", "_"))
 def test_every_case_is_within_its_tolerance(case):

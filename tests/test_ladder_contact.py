@@ -12,6 +12,8 @@ from drumlin.response.resultants import integrate
 from drumlin.verification import closed_forms
 from drumlin.verification.two_bodies import STEEL, Pair, body, both_sides, closed, nested_start, sector, towards
 
+pytestmark = pytest.mark.slow
+
 R = 1.0
 A = 0.005  # intended half-width of the Hertz contacts, radius 1: curvature of the interface is without effect
 

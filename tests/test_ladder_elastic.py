@@ -12,6 +12,8 @@ from drumlin.contact import active_set
 from drumlin.fem.body import scalar_basis, stiffness
 from drumlin.verification.two_bodies import Pair, body, sector, towards
 
+pytestmark = pytest.mark.slow
+
 KINDS = {
     "quad2": (skfem.MeshQuad, skfem.MeshQuad2, 3),
     "tri2": (skfem.MeshTri, skfem.MeshTri2, 3),

@@ -25,6 +25,8 @@ from drumlin.response.response import contact_resultant
 from drumlin.verification import solid_forms
 from test_cli import drumlin
 
+pytestmark = pytest.mark.slow
+
 ONE_WIDTH = ("shoe.lining.width", "shoe.body.width")
 
 

@@ -9,6 +9,8 @@ import independent
 from drumlin.report import render
 from drumlin.studies import load
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def module():
