@@ -149,18 +149,34 @@ class ShoeGroup:
         return self.blocks if self.sharing is None else self.sharing.problem
 
     @cached_property
+    def links(self) -> list[tuple[int, int]]:
+        """The struts between its shoes, (from, to)."""
+        names = [shoe.name for shoe in self.shoes]
+        return [(names.index(link.source), names.index(link.to)) for link in self.brake.links if link.to in names]
+
+    @cached_property
+    def cam(self) -> list[int]:
+        """The shoes whose tips a cam moves alike; none without one."""
+        drive, behind = self.brake.actuation, [to for _, to in self.links]
+        return [k for k in range(len(self.shoes)) if k not in behind] if drive and drive.is_cam else []
+
+    @cached_property
+    def total(self) -> float:
+        """The sum of the cam's forces, per newton of `unit_force`."""
+        return self.brake.actuation.total / self.unit_force if self.brake.actuation and self.cam else 0.0
+
+    @cached_property
+    def pushed(self) -> list[Pushed]:
+        """What each shoe is as its force pushes it, per newton."""
+        return [self._pushed(k) for k in range(len(self.shoes))]
+
+    @cached_property
     def sharing(self) -> Sharing | None:
         """How the shoes share forces by struts and a cam; None where each has its own."""
-        names = [shoe.name for shoe in self.shoes]
-        links = [(names.index(link.source), names.index(link.to)) for link in self.brake.links if link.to in names]
-        drive = self.brake.actuation
-        cam = [k for k in range(len(names)) if k not in [to for _, to in links]] if drive and drive.is_cam else []
-        if not links and not cam:
+        if not self.links and not self.cam:
             return None
-        pushed = [self._pushed(k) for k in range(len(names))]
         own = np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
-        total = drive.total / self.unit_force if drive else 0.0
-        return share(self.blocks, pushed, own, links, cam, total)
+        return share(self.blocks, self.pushed, own, self.links, self.cam, self.total)
 
     def _pushed(self, k: int) -> Pushed:
         body, shoe, motions = self.bodies[k], self.shoes[k], self.motions[k]
