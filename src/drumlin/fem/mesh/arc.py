@@ -108,9 +108,8 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
     shape = KINDS[kind].mesh
     mesh = shape.from_mesh(grid)
     depth, phi = mesh.doflocs
-    r = radius - shoe.sign * depth
     return shape(
-        np.array([radius * phi, depth]) if shoe.flat else np.array([r * np.cos(phi), r * np.sin(phi)]),
+        shoe.at(depth, phi, radius),
         mesh.t,
         _subdomains={name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layers)},
         _boundaries={name: np.flatnonzero(where) for name, where in on.items()},
