@@ -109,9 +109,7 @@ def rows(brake: AnyBrake, found: Sensitivity) -> list[Row]:
         table += [
             Row(f"{key}lining E", own.moduli["lining"], scaled(f"{key}lining.material.E", E), 1e-3),
             Row(f"{key}shoe E", own.moduli["shoe"], scaled(f"{key}body.material.E", stiff), 1e-3),
-            Row(
-                f"{key}clearance", own.clearance, lambda s, k=key, g=gap: {f"{k}lining.clearance": g + s}, 1e-8
-            ),
+            Row(f"{key}clearance", own.clearance, lambda s, k=key, g=gap: {f"{k}lining.clearance": g + s}, 1e-8),
         ]
         for what, value in own.held.items():
             if len(value) == 1:
