@@ -156,7 +156,28 @@ class ShoeGroup:
     def problem_at(self, friction: float) -> active_set.Problem:
         """`problem` at another friction coefficient; linear in it."""
         sharing = self._sharing_at(friction)
-        return self._blocks(friction) if sharing is None else sharing.problem
+        return self.blocks(friction) if sharing is None else sharing.problem
+
+    @cached_property
+    def links(self) -> list[tuple[int, int]]:
+        """The struts between its shoes, (from, to)."""
+        names = [shoe.name for shoe in self.shoes]
+        return [(names.index(link.source), names.index(link.to)) for link in self.brake.links if link.to in names]
+
+    @cached_property
+    def cam(self) -> list[int]:
+        """The shoes whose tips a cam moves alike; none without one."""
+        drive, behind = self.brake.actuation, [to for _, to in self.links]
+        return [k for k in range(len(self.shoes)) if k not in behind] if drive and drive.is_cam else []
+
+    @cached_property
+    def total(self) -> float:
+        """The sum of the cam's forces, per newton of `unit_force`."""
+        return self.brake.actuation.total / self.unit_force if self.brake.actuation and self.cam else 0.0
+
+    def pushed(self, friction: float) -> list[Pushed]:
+        """What each shoe is as its force pushes it, per newton, at a friction coefficient; linear in it."""
+        return [self._pushed_shoe(k, friction) for k in range(len(self.shoes))]
 
     @cached_property
     def sharing(self) -> Sharing | None:
@@ -164,18 +185,12 @@ class ShoeGroup:
         return self._sharing_at(self.brake.friction)
 
     def _sharing_at(self, friction: float) -> Sharing | None:
-        names = [shoe.name for shoe in self.shoes]
-        links = [(names.index(link.source), names.index(link.to)) for link in self.brake.links if link.to in names]
-        drive = self.brake.actuation
-        cam = [k for k in range(len(names)) if k not in [to for _, to in links]] if drive and drive.is_cam else []
-        if not links and not cam:
+        if not self.links and not self.cam:
             return None
-        pushed = [self._pushed(k, friction) for k in range(len(names))]
         own = np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
-        total = drive.total / self.unit_force if drive else 0.0
-        return share(self._blocks(friction), pushed, own, links, cam, total)
+        return share(self.blocks(friction), self.pushed(friction), own, self.links, self.cam, self.total)
 
-    def _pushed(self, k: int, friction: float) -> Pushed:
+    def _pushed_shoe(self, k: int, friction: float) -> Pushed:
         body, shoe, motions = self.bodies[k], self.shoes[k], self.motions[k]
         drag, coupling = self._drag_on(shoe, friction), body.coupling
         load, _ = self.loads[k]
@@ -202,8 +217,8 @@ class ShoeGroup:
     def _drag_on(self, shoe: Shoe, friction: float) -> float:
         return friction * self.brake.spin * shoe.frame.sense
 
-    def _blocks(self, friction: float) -> active_set.Problem:
-        """The problem with the forces of each shoe's own actuation."""
+    def blocks(self, friction: float) -> active_set.Problem:
+        """The problem at a friction coefficient with the forces of each shoe's own actuation."""
         parts = [self._shoe_problem(k, friction) for k in range(len(self.members))]
         if self.ring is None and len(parts) == 1:
             return parts[0]
