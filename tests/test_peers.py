@@ -183,17 +183,11 @@ def written(brake, loaded, setting, **changes):
     return "\n".join(dat) + "\n", sta, " number of equations\n 1459\n", pressure
 
 
-def read_state(dat, sta, output, brake, loaded, setting):
-    """A state as `calculix.run` returns it: with the forces on the drum's arc."""
-    state = calculix.read_state(dat, sta, output, brake, loaded, setting)
-    return state._replace(contact=calculix.plane_pose(brake, loaded).along(state.contact))
-
-
 @pytest.mark.parametrize("index", [0, 1])
 def test_results_are_read_as_written(index):
     setting, loaded = Setting(thickness=0.02), loaded_shoes(MAIN, 20)[index]
     *texts, pressure = written(MAIN, loaded, setting)
-    state = read_state(*texts, MAIN, loaded, setting)
+    state = calculix.read_state(*texts, MAIN, loaded, setting)
     calculix.check(loaded, state)
     assert (state.iterations, state.unknowns) == (7, 1459)
     assert (state.touching, state.points, state.sticking) == (20, 120, 0.0)
@@ -217,10 +211,10 @@ def test_states_that_are_none_are_refused(changes, said):
     setting, loaded = Setting(), loaded_shoes(MAIN, 20)[0]
     *texts, _ = written(MAIN, loaded, setting, **changes)
     with pytest.raises(NoAnswer, match=said):
-        calculix.check(loaded, read_state(*texts, MAIN, loaded, setting))
-    assert read_state(*written(MAIN, loaded, setting, shear=0.9)[:3], MAIN, loaded, setting).sticking == 1
+        calculix.check(loaded, calculix.read_state(*texts, MAIN, loaded, setting))
+    assert calculix.read_state(*written(MAIN, loaded, setting, shear=0.9)[:3], MAIN, loaded, setting).sticking == 1
     with pytest.raises(NoAnswer, match="wrote no contact state"):
-        read_state("", "", "", MAIN, loaded, setting)
+        calculix.read_state("", "", "", MAIN, loaded, setting)
 
 
 def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
@@ -229,7 +223,7 @@ def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
     def run(brake, loaded, setting, posed=None):
         turned.append(setting.rotation)
         shear = 1.0 if setting.rotation > limit else 0.5
-        return read_state(*written(brake, loaded, setting, shear=shear)[:3], brake, loaded, setting)
+        return calculix.read_state(*written(brake, loaded, setting, shear=shear)[:3], brake, loaded, setting)
 
     monkeypatch.setattr(calculix, "run", run)
     limit = 3e-3

@@ -213,7 +213,7 @@ def test_tables(brake, tmp_path):
 
 
 def test_a_thousand_cases_with_shared_bodies_take_seconds():
-    """Some 20 s on two cores; here a tenth of that, in the process's own time on one."""
+    """Some 20 s on two cores; here a fifth of that, 100 cases on one, against 100 times the first's own bodies."""
     loads = read_sweep(ROOT / "studies" / "sweeps" / "loads.toml")
     run(loads.cases[:1])
     start = time.process_time()

@@ -24,6 +24,7 @@ MOVES = {
     "guide": "it moves along a guide, it has no hinge",
 }
 """How a shoe moves, in words of a refusal, by `Held.held_by`."""
+STICKS = 1e-9  # relative, of what friction bears: round-off
 
 
 class Abutment(Part):
@@ -128,6 +129,19 @@ class Held(Part):
     def senses(self) -> tuple[int, ...]:
         """How friction may act where the shoe is held, see `freedoms`: the first is to be tried first."""
         return (1, -1, 0) if self.abutment is not None and self.abutment.friction > 0 else (1,)
+
+    def stands(self, reaction: Floats, sense: int, slide: float) -> bool:
+        """Whether an abutment can give a reaction (2,) on the foot: it presses, and its friction of a `sense` opposes
+        the `slide` of the foot along it (any length), or holds the foot. True of a shoe without one."""
+        if self.abutment is None:
+            return True
+        c, s = self.bearing
+        bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
+        if bearing <= 0 or self.abutment.friction == 0:
+            return bearing > 0
+        if sense == 0:
+            return abs(along) <= self.abutment.friction * bearing * (1 + STICKS)
+        return sense * slide <= 0
 
     def freedoms(self, sense: int = 1) -> Freedoms:
         """The free motions of the shoe.

@@ -267,7 +267,7 @@ class ShoeGroup:
         raise failure
 
     def consistent(self, found: active_set.Contact, k: int) -> bool:
-        """Whether an answer presses the foot of shoe `k` on its abutment, and friction opposes its slide, or holds."""
+        """Whether the abutment of shoe `k` bears as an answer has it; see `Held.stands`."""
         shoe, body = self.shoes[k], self.bodies[k]
         if shoe.abutment is None:
             return True
@@ -275,14 +275,7 @@ class ShoeGroup:
         nodal = (drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p).reshape(-1, 2)
         push = self.forces(found.p)[k] * shoe.actuation.direction_vector
         reaction = -shoe.frame.to_brake(nodal.sum(axis=0)) - push
-        c, s = math.cos(shoe.abutment.direction), math.sin(shoe.abutment.direction)
-        bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
-        sense = self.senses[k] if self.senses else 1
-        if bearing <= 0 or shoe.abutment.friction == 0:
-            return bearing > 0
-        if sense == 0:
-            return abs(along) <= shoe.abutment.friction * bearing * (1 + 1e-9)
-        return sense * float(self.amounts(found)[k][1]) <= 0
+        return shoe.stands(reaction, self.senses[k] if self.senses else 1, float(self.amounts(found)[k][-1]))
 
 
 def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:

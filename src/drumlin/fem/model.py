@@ -20,7 +20,6 @@ from drumlin.fem.assembly import (
     actuation,
     clock,
     held,
-    pin_of,
     shape_of,
 )
 from drumlin.fem.group import ShoeGroup, groups_of
@@ -117,7 +116,7 @@ def _grips(brake: Brake) -> Iterator[str]:
             length = shoe.body.grip or shoe.body.thickness
             yield f"{said} its {shoe.held_by} grips {mm(length)} of the back of its body"
             continue
-        away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - pin_of(shoe))))
+        away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - shoe.own_pin)))
         what = "pin" if shoe.held_by == "hinge" else "foot"
         joined = "" if away < 0.5 * shoe.body.thickness else ", joined by a rigid arm"
         yield f"{said} its {what} holds the end face of its body, {mm(round(away, 6))} from the face's middle{joined}"
@@ -211,7 +210,7 @@ def _answer(
     refined = reaction is not None
     if reaction is None:
         reaction = held(body, p, drag, load)
-    pin, motions = pin_of(shoe), group.motions[k]
+    pin, motions = shoe.own_pin, group.motions[k]
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
     acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
     left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))

@@ -2,11 +2,10 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
-from drumlin.brake.unrolled import unrolled, why_not
+from drumlin.brake.plane_brake import AnyBrake
+from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import adapt as adapt_meshes
 from drumlin.fem.assembly import ELEMENTS, Cache, Scene, prepare
@@ -40,26 +39,17 @@ def solve(
     reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind`
     on meshes of that kind. BadInput is raised for elements and a tolerance together. cache: bodies of earlier solves.
     """
-    if isinstance(brake, FlatBrake):
-        reason = why_not(brake)
-        if reason is not None:
-            raise BadInput(f"fem does not apply to this brake: {reason}")
-        found = by_elements(
-            unrolled(brake), elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
-        )
-        return with_merits(brake, on_plane(brake, found))
-    options: dict[str, Any] = {
-        "elements": elements,
-        "kind": kind,
-        "tolerance": tolerance,
-        "penalty": penalty,
-        "cache": cache,
-    }
-    return with_merits(brake, _with_curve_balance(brake, by_elements(brake, **options)))
+    own = on_drum(brake)
+    found = by_elements(own, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache)
+    if isinstance(brake, Brake):
+        found = _with_curve_balance(brake, found)
+    return with_merits(brake, as_given(brake, found))
 
 
-def on_plane(brake: FlatBrake, found: Response) -> Response:
-    """A response of the `unrolled` brake in lengths x [m]."""
+def as_given(brake: AnyBrake, found: Response) -> Response:
+    """A response of `on_drum(brake)` as one of the brake: on a plane in lengths x [m]."""
+    if isinstance(brake, Brake):
+        return found
     unit = brake.shoes[0].lining.end - brake.shoes[0].lining.start
     shoes = tuple(
         replace(

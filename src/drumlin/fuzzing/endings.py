@@ -26,6 +26,7 @@ from drumlin.errors import ended
 from drumlin.fuzzing.faults import Input
 
 LONGEST = 10.0  # s of processor time
+LONGEST_WAIT = 120.0  # s by the clock, on a busy machine
 
 
 class Ending(NamedTuple):
@@ -88,16 +89,25 @@ class Late(BaseException):
 
 @contextlib.contextmanager
 def _limited() -> Iterator[None]:
+    """Raise Late in the block once it has worked too long, or waits for what does not come."""
+
     def late(*_: object) -> None:
         raise Late
 
-    before = signal.signal(signal.SIGPROF, late)
-    signal.setitimer(signal.ITIMER_PROF, 1.5 * LONGEST)
+    timers = (
+        (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * LONGEST),
+        (signal.ITIMER_REAL, signal.SIGALRM, LONGEST_WAIT),
+    )
+    before = [(sign, signal.signal(sign, late)) for _, sign, _ in timers]
+    for timer, _, seconds in timers:
+        signal.setitimer(timer, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_PROF, 0)
-        signal.signal(signal.SIGPROF, before)
+        for timer, _, _ in timers:
+            signal.setitimer(timer, 0)
+        for sign, handler in before:
+            signal.signal(sign, handler)
 
 
 def in_subprocess(given: Input, **more: Any) -> Ending:
@@ -113,12 +123,12 @@ def in_subprocess(given: Input, **more: Any) -> Ending:
                 [*map(os.fsencode, command), *words],
                 cwd=folder,
                 capture_output=True,
-                timeout=12 * LONGEST,
+                timeout=LONGEST_WAIT,
                 check=False,
                 **more,
             )
         except subprocess.TimeoutExpired:
-            return Ending(-1, "", "no end", {}, 12 * LONGEST)
+            return Ending(-1, "", "no end", {}, LONGEST_WAIT)
         seconds = _spent() - start
         out, err = (text.decode(errors="replace") for text in (done.stdout, done.stderr))
         return Ending(done.returncode, out, err, _written(folder, given), seconds)
