@@ -20,8 +20,8 @@ from drumlin.fem.solid.body import face_of
 from drumlin.fem.solid.face import width_matrix
 from drumlin.fem.solid.mesh import solid_mesh, width_levels
 from drumlin.fem.solve import solve
+from drumlin.response.balance import contact_resultant
 from drumlin.response.norms import pressure_distance, relative
-from drumlin.response.response import contact_resultant
 from drumlin.verification import solid_forms
 from test_cli import drumlin
 
