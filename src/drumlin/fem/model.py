@@ -17,7 +17,6 @@ from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import (
     Scene,
-    actuation,
     clock,
     held,
     shape_of,
@@ -201,7 +200,7 @@ def _answer(
     """
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
-    load, moment = actuation(body, shoe)
+    load, moment = group.loads[k]
     if group.sharing is not None and force < 0:
         raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, what pushes it would have to pull")
     load, moment = abs(force) * load, abs(force) * moment

@@ -41,11 +41,11 @@ def kind_of(mesh: Any) -> Kind:
 
 
 def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
-    """The angles (n,) with the inner ones that are nearest to the places moved there."""
-    angles = np.array(angles)
-    for x in places:
-        angles[1 + np.abs(angles[1:-1] - x).argmin()] = x
-    return angles
+    """The angles (n,) with the inner ones that are nearest to the places moved there; one that has moved to a place
+    already, or is not there, is added."""
+    inner = angles[1:-1]
+    moved = list(dict.fromkeys(int(np.abs(inner - x).argmin()) for x in places)) if len(inner) else []
+    return np.sort(np.concatenate([angles[:1], np.delete(inner, moved), places, angles[-1:]]))
 
 
 def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = DEFAULT_KIND) -> Any:
