@@ -223,12 +223,13 @@ def _answer(
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
+    softness = float(coupling.lever @ change) / pressed if pressed else 0.0
     phi, mean = line.along(p)
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"
         if math.isinf(penalty)
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
-        f"which changes its torque by {float(coupling.lever @ change) / pressed if pressed else 0.0:+.1e} of it"
+        f"which changes its torque by {softness:+.1e} of it"
     )
     if refined:
         note += f"; {REFINED}"
@@ -248,6 +249,7 @@ def _answer(
         reaction_moment=frame.sense * twist,
         motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
         surface=line.surface(p),
+        softness=abs(softness),
     )
     return _Answer(response, balance, steps, note)
 

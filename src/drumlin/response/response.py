@@ -68,7 +68,8 @@ class ShoeResponse:
     a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
     `deformation` of beam and ring, of the foundation model. `surface` of a solid: its `pressure` is then the mean over
     the width, in `peak_pressure` too. `error`: estimated relative errors "pressure" (L2 outside
-    the edge zones), "torque", "peak" and "reaction", None where nothing was estimated.
+    the edge zones), "torque", "peak" and "reaction", None where nothing was estimated; `softness` the part of the
+    torque by which the contact's penalty changes it.
 
     Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
     """
@@ -92,6 +93,7 @@ class ShoeResponse:
     deformation: Deformation | None = None
     surface: Surface | None = None
     error: Mapping[str, float] | None = None
+    softness: float = 0.0
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
