@@ -269,7 +269,7 @@ def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
     assert cold < 180  # 60 on a machine of its own
     start = time.process_time()
     second = respond(scene, vary(flexible, {"friction": 0.4}))
-    assert time.process_time() - start < 0.15 * cold  # 0.04 of it; followed on all nodes it was 0.15
+    assert time.process_time() - start < 0.12 * cold  # 0.04 of it; followed on all nodes it was 0.15
     assert second.torque > 1.2 * first.torque
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 6e6  # kB
 
