@@ -23,8 +23,8 @@ from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.sensitivity import sensitivity
 from drumlin.laws import law
 from drumlin.models import pick
+from drumlin.response.balance import loaded
 from drumlin.response.merit import effect
-from drumlin.response.response import loaded
 from drumlin.wear.archard import WearLaw
 from drumlin.wear.linings import fem_setup
 from drumlin.wear.run_in import COEFFICIENT, checks, run_in, unit_distance

@@ -6,7 +6,6 @@ dT = -(a, b, c) . dr, and besides T/mu dmu. The forces are unknowns, so that tho
 c is dT by a force that is given.
 """
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -77,8 +76,7 @@ def adjoints(group: ShoeGroup) -> Adjoints:
 
 def _equations(group: ShoeGroup, friction: float) -> Floats:
     """All equations of a group at a friction coefficient, with its forces as unknowns; linear in it."""
-    other = replace(group, brake=group.brake.model_copy(update={"friction": friction}))
-    return unreduced(other.blocks, other.pushed, other.links, other.cam)
+    return unreduced(group.blocks(friction), group.pushed(friction), group.links, group.cam)
 
 
 def _transposed(matrix: Floats, on: Bools, weights: Floats) -> Floats:

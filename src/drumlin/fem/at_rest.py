@@ -31,7 +31,7 @@ def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
     """
     feet = Feet.of(group)
     still = replace(group, brake=feet.smooth(0.0), senses=feet.senses)
-    normal = still.blocks
+    normal = still.blocks(0.0)
     shoes = [_tangential(still, k) for k in range(len(group.members))]
     A_wt, A_sp, A_st, B_s, C_t, Q = (scipy.linalg.block_diag(*(shoe[k] for shoe in shoes)) for k in range(6))
     q_s, lever = (np.concatenate([shoe[k] for shoe in shoes]) for k in (6, 7))
@@ -118,7 +118,7 @@ def _shared(still: ShoeGroup, problem: Problem, dragged: list[Pushed]) -> Proble
         h=problem.h,
     )
     pushed = []
-    for one, two in zip(still.pushed, dragged, strict=True):
+    for one, two in zip(still.pushed(0.0), dragged, strict=True):
         nodes = np.arange(n)[one.part]
         opened, tip, bearing = (
             np.concatenate(both) for both in ((one.opened, two.opened), (one.tip, two.tip), (one.bearing, two.bearing))
@@ -148,7 +148,7 @@ def _tangential(group: ShoeGroup, k: int) -> tuple[Any, ...]:
     opened = -dragged.T @ (loaded @ load)
     nodal = T.reshape(n, -1, 2).sum(axis=1)
     bearing = np.zeros(n) if shoe.abutment is None else -shoe.frame.to_brake(nodal) @ shoe.bearing
-    pushed = group.pushed[k]._replace(opened=opened, tip=(loaded @ load) @ dragged, bearing=bearing)
+    pushed = group.pushed(0.0)[k]._replace(opened=opened, tip=(loaded @ load) @ dragged, bearing=bearing)
     return (
         pressed.T @ dragged,  # -N u under T^T t
         -dragged.T @ pressed,

@@ -26,7 +26,7 @@ from drumlin.errors import ended
 from drumlin.fuzzing.faults import Input
 
 LONGEST = 10.0  # s of processor time
-LONGEST_WAIT = 120.0  # s by the clock, on a busy machine
+LONGEST_WAIT = 300.0  # s by the clock, on a busy machine
 
 
 class Ending(NamedTuple):
@@ -49,7 +49,8 @@ def lay_out(given: Input, folder: Path) -> None:
     (folder / "hard.json").hardlink_to(folder / "b.toml")
 
 
-def _written(folder: Path, given: Input) -> dict[str, bytes]:
+def written(folder: Path, given: Input) -> dict[str, bytes]:
+    """The files of a folder that are new or changed since `lay_out`."""
     found = {}
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))
@@ -80,7 +81,7 @@ def in_process(given: Input) -> Ending:
         finally:
             os.chdir(before)
         seconds = time.process_time() - start
-        return Ending(status, out.getvalue(), err.getvalue(), _written(folder, given), seconds)
+        return Ending(status, out.getvalue(), err.getvalue(), written(folder, given), seconds)
 
 
 class Late(BaseException):
@@ -131,7 +132,7 @@ def in_subprocess(given: Input, **more: Any) -> Ending:
             return Ending(-1, "", "no end", {}, LONGEST_WAIT)
         seconds = _spent() - start
         out, err = (text.decode(errors="replace") for text in (done.stdout, done.stderr))
-        return Ending(done.returncode, out, err, _written(folder, given), seconds)
+        return Ending(done.returncode, out, err, written(folder, given), seconds)
 
 
 def _spent() -> float:
