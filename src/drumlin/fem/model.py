@@ -37,6 +37,7 @@ MAX_REFINED = 240_000  # unknowns of a group of shoes, times their degree square
 LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
 LARGEST_LOSS = 1e-6  # relative, of a condensed body
 LARGEST_CORRECTION = 1e-6  # relative, of the pressures, by the last step of a refinement
+PULLED = 1e-9  # of the largest force: a shared one below it does not push
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
 REFINED = "refined in the whole system, condensed it loses digits"
@@ -202,7 +203,7 @@ def _answer(
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
     load, moment = group.loads[k]
-    if group.sharing is not None and force < 0:
+    if group.sharing is not None and force < PULLED * group.unit_force:
         raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, what pushes it would have to pull")
     load, moment = abs(force) * load, abs(force) * moment
     drag = brake.drag_on(shoe)
