@@ -6,7 +6,7 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.response.response import EDGE_ZONE, ShoeResponse
-from drumlin.response.resultants import GAUSS, WEIGHTS, left_out
+from drumlin.response.resultants import GAUSS, WEIGHTS, edge_left_out
 
 
 def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE) -> float:
@@ -15,7 +15,7 @@ def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE)
     Where half of p_b's force is within those zones, over the whole lining; where it presses nowhere: 0 if neither does
     p_a, else infinite.
     """
-    edge = left_out(b.theta, b.pressure, b.order, edge)
+    edge = edge_left_out(b.theta, b.pressure, b.order, edge)
     start, end = b.theta[0] + edge, b.theta[-1] - edge
     knots = np.unique(np.concatenate([[start, end], a.theta[:: a.order], b.theta[:: b.order]]))
     knots = knots[(knots >= start) & (knots <= end)]
