@@ -21,7 +21,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import STEP, AnyBody, Backing, Beam, Body, Drum, Friction, Lining, Ring
 from drumlin.brake.drive import Drive, Link, driven, shares
-from drumlin.brake.fields import Part, Title, check_names
+from drumlin.brake.fields import Part, Point, Title, check_names
 from drumlin.brake.support import MOVES, Held, check_motions
 from drumlin.brake.units import deg, mm
 from drumlin.errors import BadInput
@@ -118,12 +118,24 @@ class Shoe(Held):
         """Points (2, n) [m] of its frame in the brake's."""
         return np.asarray(self.frame.to_brake(xy.T).T)
 
+    def at(self, depth: Floats, phi: Floats, radius: float) -> Floats:
+        """Points (2, ...) [m] of its frame, at a depth [m] behind the friction surface and angles phi [rad]."""
+        r = radius - self.sign * depth
+        return np.stack([r * np.cos(phi), r * np.sin(phi)])
+
     def end_face(self, radius: float) -> Floats:
         """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds an arc."""
         assert isinstance(self.body, Body)
         phi = min(self.frame.phi(np.array([self.body.start, self.body.end])).tolist(), key=abs)
-        r = radius - self.sign * (self.depth - 0.5 * self.body.thickness)
-        return r * np.array([math.cos(phi), math.sin(phi)])
+        return self.at(np.array(self.depth - 0.5 * self.body.thickness), np.array(phi), radius)
+
+    def angle_of(self, point: Point) -> float:
+        """The angle [rad] of a point, that nearest to the lining's middle."""
+        return self.lining.middle + math.remainder(point.angle - self.lining.middle, 2 * math.pi)
+
+    def back(self, radius: float) -> float:
+        """Radius [m] of the back of its body."""
+        return radius - self.sign * self.depth
 
     def grip(self, radius: float) -> tuple[float, float] | None:
         """The arc [rad] in its frame of the body's back that a pivot or a guide holds, on a drum of this radius [m].
@@ -132,10 +144,9 @@ class Shoe(Held):
         """
         if not isinstance(self.body, Body) or self.mesh is not None or self.held_by not in {"pivot", "guide"}:
             return None
-        middle, (start, end) = self.lining.middle, self.arc
-        angle = middle if self.pivot is None else middle + math.remainder(self.pivot.angle - middle, 2 * math.pi)
-        half = 0.5 * (self.body.grip or self.body.thickness) / (radius - self.sign * self.depth)
-        half = min(half, 0.3 * (end - start))
+        start, end = self.arc
+        angle = self.lining.middle if self.pivot is None else self.angle_of(self.pivot)
+        half = min(0.5 * (self.body.grip or self.body.thickness) / self.back(radius), 0.3 * (end - start))
         at = float(np.clip(self.frame.phi(np.array(angle)), start + 1.5 * half, end - 1.5 * half))
         return at - half, at + half
 

@@ -39,7 +39,7 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
     for line in warned:
         tell(line)
     if response.error is not None:
-        more = {"torque": "torque", "peak": "peak pressure", "reaction": "hinge reaction"}
+        more = {"torque": "braking force" if flat else "torque", "peak": "peak pressure", "reaction": "hinge reaction"}
         errors = [f", {name} {response.error[key]:.1e}" for key, name in more.items() if key in response.error]
         tell(f"estimated error: p {response.error['pressure']:.1e} (L2, worst shoe){''.join(errors)}")
     if verbose:
@@ -48,15 +48,15 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
 
 def _print_shoes(brake: "AnyBrake", response: "Response") -> None:
     from drumlin.brake.plane_brake import FlatBrake
-    from drumlin.response.response import FlatMerit, peak_place
+    from drumlin.response.merit import shoe_effect
+    from drumlin.response.response import peak_place
     from drumlin.response.show import arcs_text
 
     flat = isinstance(brake, FlatBrake)
     unit, per_unit = ("mm", 1e3) if flat else ("deg", math.degrees(1))
     places = [peak_place(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     at = ["" if place is None else f"{place.at * per_unit + 0.0:.1f}" for place in places]
-    each = zip(response.shoes, response.merits, strict=True)
-    effects = [merit.braking_force if isinstance(merit, FlatMerit) else shoe.torque for shoe, merit in each]
+    effects = [shoe_effect(response, i) for i in range(len(response.shoes))]
     size = 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius
     forces = [abs(shoe.actuation.force) * size for shoe in brake.shoes]
     columns = {

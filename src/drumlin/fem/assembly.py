@@ -172,9 +172,8 @@ def bare(brake: Brake) -> Brake:
 def bare_shoe(shoe: Shoe) -> Shoe:
     """The shoe without what its body does not depend on; see `bare`."""
     force: dict[str, Any] = {"force": 1.0, "direction": 0.0}
-    if (
-        not isinstance(shoe.body, Beam) and shoe.guide is None
-    ):  # a beam ends where it is loaded; a guide has its pin there
+    ends_there = isinstance(shoe.body, Beam) or shoe.guide is not None  # a beam where it is loaded; a guide's pin
+    if not ends_there:
         force["point"] = Point(x=0.0, y=0.0)
     return shoe.model_copy(
         update={
@@ -278,7 +277,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
     with clock(seconds, "assembly"):
         K = stiffness(basis, materials_of(shoe))
     with clock(seconds, "ties"):
-        pin = pin_of(shoe)
+        pin = shoe.own_pin
         unit = brake.drum.radius if shoe.flat else None
         line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2, unit)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
@@ -290,11 +289,6 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
             loads, load_centre = np.zeros((ties.matrix.shape[1], 3)), pin
             loads[-FRAME:] = np.eye(3)
     return Assembled(mesh, basis, line, K, ties, loads, load_centre)
-
-
-def pin_of(shoe: Shoe) -> Floats:
-    """The pin (2,) [m] in the shoe's frame."""
-    return shoe.own_pin
 
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
@@ -316,7 +310,7 @@ def coupled(
     Y = condensed.half(np.hstack(forces))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
     pressed, loaded, dragged = slice(n), slice(n, n + 3), slice(n + 3, None)
-    x, y = line.xy - pin_of(shoe)[:, None]
+    x, y = line.xy - shoe.own_pin[:, None]
     return made(
         coupling=coupling,
         condensed=condensed,
@@ -370,7 +364,7 @@ def actuation(body: Body | Assembled, shoe: Shoe) -> tuple[Floats, float]:
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
     force, point = shoe.frame.to_shoe(direction), shoe.own_points(shoe.actuation.point.xy)
     couple_ = float(cross(point - body.load_centre, force))
-    return np.array([*force, couple_]), float(cross(point - pin_of(shoe), force))
+    return np.array([*force, couple_]), float(cross(point - shoe.own_pin, force))
 
 
 def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:

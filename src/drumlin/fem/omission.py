@@ -153,7 +153,7 @@ def _undragged(scene: Scene, brake: Brake) -> Scene:
     made: dict[int, assembly.Body] = {}
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
-            x, y = body.line.xy - np.array([[shoe.pin.radius], [0.0]])
+            x, y = body.line.xy - shoe.own_pin[:, None]
             rigid = np.stack([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]]).transpose(0, 2, 1).reshape(3, -1)
             held = -rigid @ body.coupling.T.T
             made[id(body)] = replace(body, closing_dragged=np.zeros_like(body.closing_pressed), held_dragged=held)

@@ -7,15 +7,17 @@ import numpy as np
 
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
-from drumlin.brake.unrolled import unrolled
-from drumlin.comparison import edge_of, effect, motion_of
+from drumlin.brake.unrolled import on_drum
+from drumlin.comparison import edge_of, motion_of
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import prepare
 from drumlin.fem.self_locking import limits
 from drumlin.fem.solve import solve
 from drumlin.laws import law
+from drumlin.response.balance import loaded
+from drumlin.response.merit import effect
 from drumlin.response.norms import pressure_distance, relative
-from drumlin.response.response import Response, loaded
+from drumlin.response.response import Response
 from drumlin.wear import worn_in
 
 TRUSTED, ROUGH = 0.05, 0.15  # relative errors of the effect up to which a law is trusted, and is an estimate
@@ -45,7 +47,7 @@ def case(file: str, brake: AnyBrake, elements: int) -> Case:
 
 def mu_lock(brake: AnyBrake, most: float = 2.0, elements: int = 20) -> float:
     """The friction [1] up to which the elastic brake has an answer; inf where there is one up to `most`."""
-    own = unrolled(brake) if isinstance(brake, FlatBrake) else brake
+    own = on_drum(brake)
     try:
         found = limits(prepare(own, elements=elements), own, most, penalty=1e6)
     except NoAnswer:
@@ -61,7 +63,7 @@ def row_of(found: Case, limit: float | None) -> dict[str, Any]:
         abs(shoe.actuation.force) for shoe in under.shoes if shoe.name not in {link.to for link in brake.links}
     )
     radius = 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius
-    size = effect(brake, new)
+    size = effect(new)
     worst = max(
         pressure_distance(a, b, edge_of(brake))
         for a, b in zip(found.law.shoes, new.shoes, strict=True)
@@ -77,8 +79,8 @@ def row_of(found: Case, limit: float | None) -> dict[str, Any]:
         "peak": max(shoe.peak_pressure for shoe in new.shoes),
         "reaction": max(float(np.linalg.norm(shoe.hinge_reaction)) for shoe in new.shoes),
         "mu_lock": limit,
-        "new": relative(effect(brake, found.law), size),
-        "worn": relative(effect(brake, found.law), effect(brake, found.worn)),
+        "new": relative(effect(found.law), size),
+        "worn": relative(effect(found.law), effect(found.worn)),
         "pressure": worst,
         "balance": max(new.balance.force, new.balance.moment),
     }

@@ -183,8 +183,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
 def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
     if "actuation" in nodes:
-        pin = np.array([shoe.pin.radius, 0.0])
-        away = {name: math.dist(pin, mesh.p[:, nodes[name]].mean(axis=1)) for name in ("hinge", "actuation")}
+        away = {name: math.dist(shoe.own_pin, mesh.p[:, nodes[name]].mean(axis=1)) for name in ("hinge", "actuation")}
         if away["hinge"] > away["actuation"]:
             raise BadInput(
                 f"{fault}: the group hinge lies {mm(away['hinge'])} from the pin, the group actuation "
