@@ -19,8 +19,9 @@ from drumlin.laws.hinged import layout
 from drumlin.laws.shapes import pivot_radius
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
+from drumlin.response.balance import shoe_balance
 from drumlin.response.merit import barecki_shoe_factor, double_delta, sensitivity
-from drumlin.response.response import ShoeResponse, shoe_balance
+from drumlin.response.response import ShoeResponse
 from drumlin.verification.textbook_brakes import hinged, pad
 
 many = settings(max_examples=100, suppress_health_check=[HealthCheck.too_slow])

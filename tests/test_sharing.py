@@ -15,7 +15,7 @@ from drumlin.fem.assembly import prepare
 from drumlin.fem.group import groups_of
 from drumlin.fem.model import respond
 from drumlin.laws import law
-from drumlin.response.response import loaded
+from drumlin.response.balance import loaded
 
 R = 0.11
 STEEL = {"E": 2.1e11, "nu": 0.3}

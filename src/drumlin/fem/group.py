@@ -243,9 +243,11 @@ class ShoeGroup:
         N, T, M = body.coupling.N, body.coupling.T, body.coupling.M
         A, C = -body.closing_pressed, -(N @ motions.tested)
         if body.closing_dragged is not None:
-            A, C = A - drag * body.closing_dragged, C + drag * (T @ motions.tested)
+            A -= drag * body.closing_dragged
+            C += drag * (T @ motions.tested)
+        A += M / self.stiffnesses[k]
         return active_set.Problem(
-            A=A + M / self.stiffnesses[k],
+            A=A,
             q=M @ (self.gaps[k] / self.unit_force) - own * (body.closing_loaded @ load),
             B=-(N @ motions.moved),
             C=C.T,

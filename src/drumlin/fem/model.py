@@ -23,7 +23,8 @@ from drumlin.fem.assembly import (
 )
 from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.fem.refinement import Refined, refine, whole
-from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, relative_balance, untouched, worst
+from drumlin.response.balance import relative_balance, worst
+from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
 
 OVERLAP = 0.01  # of the lining's thickness, from which on a mesh that lies in the drum is said

@@ -15,8 +15,9 @@ from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, respond
 from drumlin.fem.omission import adapt_without
+from drumlin.response.balance import balance_of, loaded, worst
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Response, balance_of, loaded, worst
+from drumlin.response.response import Response
 
 SOFT = 6.0  # times one over the penalty: the relative error of p that it makes in 9 of 10 random brakes
 

@@ -23,8 +23,9 @@ from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
 from drumlin.brake.support import Freedoms
 from drumlin.errors import NoAnswer
 from drumlin.laws.face import Arcs, Face, face_of
+from drumlin.response.balance import balance_of, worst
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Response, ShoeResponse, balance_of, untouched, worst
+from drumlin.response.response import Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
 
 ASSUMES = "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"

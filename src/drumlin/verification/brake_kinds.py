@@ -14,9 +14,10 @@ from drumlin.fem.assembly import prepare
 from drumlin.fem.self_locking import limits
 from drumlin.fem.solve import solve
 from drumlin.laws import law
+from drumlin.response.balance import loaded
 from drumlin.response.merit import effect
 from drumlin.response.norms import pressure_distance, relative
-from drumlin.response.response import Response, loaded
+from drumlin.response.response import Response
 from drumlin.wear import worn_in
 
 TRUSTED, ROUGH = 0.05, 0.15  # relative errors of the effect up to which a law is trusted, and is an estimate
