@@ -10,6 +10,7 @@ import scipy.spatial
 import skfem
 
 from drumlin.arrays import Floats, Ints
+from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.units import deg, mm
 from drumlin.errors import BadInput
@@ -55,7 +56,8 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
 
 def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
-    needed = {"lining"} | ({"shoe"} if shoe.body else set()) | ({"backing"} if shoe.backing else set())
+    needed = {"lining"} | ({"backing"} if shoe.backing else set())
+    needed |= set(shoe.body.plates) if isinstance(shoe.body, Body) else {"shoe"} if shoe.body else set()
     lines = {"contact", "hinge"} | ({"actuation"} if shoe.body else set())
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
