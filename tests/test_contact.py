@@ -111,19 +111,18 @@ def test_the_tangent_agrees_with_differences(n, seed):
 
 
 @given(st.integers(20, 60), st.integers(0, 1000))
-def test_releasing_nodes_from_a_factorised_set_equals_factorising_the_smaller_set(n, seed):
+def test_changing_a_few_nodes_of_a_factorised_set_equals_factorising_the_other_set(n, seed):
     rng = np.random.default_rng(seed)
     problem = Problem(
         p_matrix(rng, n, 0.3), rng.normal(size=n), rng.normal(size=(n, 1)), rng.normal(size=(1, n)), rng.normal(size=1)
     )
-    base = active_set._Equations(problem, np.ones(n, bool))
-    smaller = np.ones(n, bool)
-    smaller[rng.choice(n, n // 10, replace=False)] = False
-    direct = active_set._Equations(problem, smaller)
-    released = active_set._Released(base, smaller)
-    for a, b in zip(direct.solve(problem.q, problem.h), released.solve(problem.q, problem.h), strict=True):
+    active = rng.random(n) < 0.8
+    base, other = active_set._Equations(problem, active), active.copy()
+    other[rng.choice(n, n // 10, replace=False)] ^= True
+    direct, changed = active_set._Equations(problem, other), active_set._Changed(base, problem, other)
+    for a, b in zip(direct.solve(problem.q, problem.h), changed.solve(problem.q, problem.h), strict=True):
         assert b == pytest.approx(a, rel=1e-6, abs=1e-8 * np.abs(a).max())
-    assert released.sign == direct.sign
+    assert changed.sign == direct.sign
 
 
 def test_scaling_of_pressures_and_gaps_does_not_change_the_answer():
@@ -309,19 +308,20 @@ def test_coarse_problems_are_those_on_every_other_node():
         rows = np.arange(2.0 * n).reshape(n, 2) ** 2
         P[-1] = P[-1] if n % 2 else [0, 0, 0.5]  # the last node of an even number has one neighbour
         assert active_set._halved(rows) == pytest.approx(P.T @ rows)
+        assert active_set.between(rows[: (n + 1) // 2, 0], n) == pytest.approx(P @ rows[: (n + 1) // 2, 0])
     assert active_set.coarse_start(free(np.eye(47), np.ones(47))).all()
     assert active_set.coarse_start(free(-np.eye(48), -np.ones(48))).all()  # without an answer: all nodes, too
 
 
-def test_few_released_nodes_use_the_factors_that_there_are():
-    base = active_set._Equations(free(np.eye(32) + 0.1, np.ones(32)), np.arange(32) < 31)
-    few = active_set._few_released
+def test_a_few_changed_nodes_use_the_factors_that_there_are():
+    problem, on = free(np.eye(40) + 0.1, np.ones(40)), np.arange(40) < 33
+    base = active_set._Equations(problem, on)
+    few = active_set._few_changed
 
-    def without(*nodes):
-        return (np.arange(32) < 31) & ~np.isin(np.arange(32), nodes)
+    def changed(*nodes):
+        return on ^ np.isin(np.arange(40), nodes)
 
-    assert few(base, without(1, 2, 3))
-    assert not few(base, without(1, 2, 3, 4))  # an eighth
-    assert not few(base, np.arange(32) != 2)  # one is new
-    p, _ = active_set._Released(base, without(4, 9)).solve(-np.arange(1.0, 33), np.zeros(0))
-    assert p[[4, 9, 31]].tolist() == [0, 0, 0] and (p != 0).sum() == 29
+    assert few(base, changed(1, 2, 35, 3))
+    assert not few(base, changed(1, 2, 35, 3, 4))  # more than an eighth of what is on
+    p, _ = active_set._Changed(base, problem, changed(4, 9, 35)).solve(-np.arange(1.0, 41), np.zeros(0))
+    assert p[[4, 9, 34]].tolist() == [0, 0, 0] and (p != 0).sum() == 32

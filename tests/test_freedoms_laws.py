@@ -18,7 +18,8 @@ from drumlin.laws import LAWS, law, rigid
 from drumlin.laws.hinged import layout
 from drumlin.laws.shapes import equivalent_friction
 from drumlin.models import MODELS, applicable
-from drumlin.response.response import Response, ShoeResponse, contact_resultant, loaded
+from drumlin.response.balance import contact_resultant, loaded
+from drumlin.response.response import Response, ShoeResponse
 
 many = settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 SIGNS = st.sampled_from([1, -1])

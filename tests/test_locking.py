@@ -137,6 +137,40 @@ def test_beyond_the_limit_an_answer_that_stands_apart_is_refused():
         respond(scene, vary(brake, {"friction": 2 * end}), penalty=math.inf)
 
 
+def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexible, monkeypatch):
+    """Assisted and opposed, up to the limit and beyond it, followed on every other, fourth and eighth node."""
+    scene = prepare(flexible, elements=24)
+    for group in groups_of(scene, flexible, 1e4):
+        problems, n = group.sliding, len(group.problem.q)
+        end = min(self_locking.limit(problems, 3.0).friction, 3.0)
+        for mu in (0.2 * end, 0.6 * end, 0.9 * end, 1.001 * end, 2 * end):
+            answers = []
+            for large in (n, 10):
+                monkeypatch.setattr(self_locking, "LARGE", large)
+                try:
+                    answers.append(self_locking.answer(problems.at, mu, law=1e3, brake="").p)
+                except NoAnswer as error:
+                    answers.append(str(error))
+            if mu < end:
+                np.testing.assert_allclose(answers[1], answers[0], rtol=1e-7, atol=1e-9 * answers[0].max())
+            elif math.isfinite(end) and end < 3.0:
+                assert answers[1] == answers[0] and "mu_lock" in answers[0]
+
+
+def test_of_a_large_problem_the_fine_answer_is_solved_once(flexible, monkeypatch):
+    (_, group) = groups_of(prepare(flexible, elements=24), flexible, 1e4)
+    monkeypatch.setattr(self_locking, "LARGE", 30)
+    sizes, settle = [], self_locking.settle
+
+    def counted(problem, *rest):
+        sizes.append(len(problem.q))
+        return settle(problem, *rest)
+
+    monkeypatch.setattr(self_locking, "settle", counted)
+    self_locking.answer(group.problem_at, 0.4, law=1.0, brake="")
+    assert sizes.count(len(group.problem.q)) == 1 and len(sizes) > 2
+
+
 def test_below_the_first_singular_set_every_load_has_one_answer(brake):
     one = vary(brake, {"shoe": [brake.model_dump(by_alias=True)["shoe"][1]]})
     problems = ShoeGroup(prepare(one, elements=2), one, (0,)).sliding
@@ -151,9 +185,10 @@ def test_below_the_first_singular_set_every_load_has_one_answer(brake):
         assert np.ptp(answers, axis=0).max() <= 1e-9 * np.abs(answers[0]).max()
 
 
-@pytest.mark.parametrize("elements", [16, 48, 64])
-def test_of_two_stable_answers_the_one_that_friction_leads_to(elements):
+@pytest.mark.parametrize(("elements", "large"), [(16, 600), (48, 600), (64, 600), (64, 30)])
+def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, monkeypatch):
     """At mu = 0.822, a hundredth below where its contact jumps, this shoe has another one of four times the torque."""
+    monkeypatch.setattr(self_locking, "LARGE", large)
     brake = vary(random_brake(37, "locking"), {"friction": 0.82245})
     group = next(iter(groups_of(prepare(brake, elements=elements), brake, 1e6)))
     end = limit(group.sliding, brake.friction)

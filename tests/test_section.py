@@ -128,9 +128,17 @@ def test_a_t_section_is_what_its_layers_are(kind: str) -> None:
     assert new.torque == pytest.approx(old.torque, rel=1e-10)
     rows = [np.diag(sketcher()(layered(kind, old=old)).bodies[0].closing_pressed) for old in (False, True)]
     np.testing.assert_allclose(rows[0], rows[1], rtol=0.01)  # a sketch meshes a backing, and has a table in the bar
-    outlines = [outline(layered(kind, old=old).shoes[0], 0.11) for old in (False, True)]
-    assert outlines[0].layers == outlines[1].layers
-    np.testing.assert_array_equal(outlines[0].thickness, outlines[1].thickness)
+
+
+def test_the_second_solver_has_the_same_plates() -> None:
+    hinged = [vary(layered("pivot", old=old), {"shoe.pivot": None}).shoes[0] for old in (False, True)]
+    new, old = (outline(shoe, 0.11) for shoe in hinged)
+    assert new.layers == old.layers
+    assert len(new.layers) == 3
+    np.testing.assert_array_equal(new.thickness, old.thickness)
+    gripped = vary(layered("pivot", old=False), {"shoe.pivot": None, "shoe.body.grip": 0.02}).shoes[0]
+    with pytest.raises(BadInput, match="held by the back of its body"):
+        outline(gripped, 0.11)
 
 
 def test_the_plates_of_a_t_section_have_their_widths_in_solids(flexible: Brake) -> None:

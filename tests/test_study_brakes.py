@@ -73,8 +73,8 @@ def test_a_strut_is_no_actuation() -> None:
         (0.03, 0.6, "New, the torque of the law 'sine' can be trusted (off by up to 3 %), its pressure cannot be"),
         (0.1, 0.01, "is an estimate (off by up to 10 %), its pressure can be trusted (off by up to 1 %); worn in, the"),
         (-0.2, 0.06, "cannot be trusted (off by up to 20 %), its pressure is an estimate (off by up to 6 %)"),
-        (1e-12, 0.06, "The torque follows from equilibrium alone, whatever the pressure. The pressure of the law 'sine' "
-                      "is an estimate (off by up to 6 %) new, and can be trusted (off by less than 0.01 %) worn in."),
+        (1e-12, 0.06, "The torque follows from equilibrium alone, whatever the pressure. The pressure of the law "
+                      "'sine' is an estimate (off by up to 6 %) new, and can be trusted (off by less than 0.01 %)"),
     ],
 )  # fmt: skip
 def test_a_verdict_is_that_of_the_worse_sense_of_motion(new: float, p: float, said: str) -> None:

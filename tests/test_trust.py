@@ -12,8 +12,9 @@ from drumlin.brake import vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fuzzing.endings import fault_of, in_process
 from drumlin.fuzzing.faults import Input, brake_text
+from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.norms import pressure_distance
-from drumlin.response.response import Balance, Response, ShoeResponse, shoe_balance, worst
+from drumlin.response.response import Balance, Response, ShoeResponse
 
 
 def _pressing(pressure):

@@ -22,7 +22,7 @@ from drumlin.report.page import fill, versions
 from drumlin.verification import triangles
 from drumlin.verification.methods import methods
 from drumlin.verification.omission_table import omissions, prediction_ratios, time_saved, worst_straight
-from drumlin.verification.recommendation import advice, against_peers, best_rows, fastest_seconds, of_brake
+from drumlin.verification.recommendation import against_peers, best_rows, fastest_seconds, matrices, of_brake
 from drumlin.verification.reference import (
     FINE,
     Refinement,
@@ -153,8 +153,7 @@ def report(result: Result, folder: Path) -> Path:
         result=result,
         laws=[row["torque_error"] for row in rows if row.get("model") == "sine" and row["status"] == "converged"],
         times=times,
-        advice=advice(best),
-        best=best,
+        matrices=matrices(best),
         figures={name: f"work_precision_{stem}.svg" for name, stem in stems.items()},
         first=next(iter(floors)),
         first_rows=of_brake(rows, next(iter(floors))),

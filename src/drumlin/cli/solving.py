@@ -167,18 +167,21 @@ def sensitivity(
     penalty: Penalty = None,
 ) -> None:
     """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the elastic brake."""
-    from drumlin.brake.file import read_brake
-    from drumlin.fem.sensitivity import as_text
+    from drumlin.brake.plane_brake import FlatBrake, read_any
+    from drumlin.brake.unrolled import on_drum
+    from drumlin.fem.sensitivity import as_text, on_plane
     from drumlin.fem.sensitivity import sensitivity as slopes
     from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
 
-    brake = read_brake(brake_file)
+    brake = read_any(brake_file)
     check_outputs(json_file)
     options = fem_options(elements, kind=kind, penalty=penalty)
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
     with busy("sensitivity"):
-        found = slopes(scene_of(brake, **options), brake, **stiffness)
+        own = on_drum(brake)
+        found = slopes(scene_of(own, **options), own, **stiffness)
+        found = on_plane(brake, found) if isinstance(brake, FlatBrake) else found
     if json_file is not None:
         write_json(json_file, found.as_dict())
     tell(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")

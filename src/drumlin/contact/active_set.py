@@ -100,8 +100,8 @@ def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS)
     for step in range(1, most + 1):
         if k and not _resisted(B, active):  # a motion that nothing resists yet
             active = active | _first_touch(q, B, C, h)
-        if base is not None and _few_released(base, active):
-            equations: _Equations = _Released(base, active)
+        if base is not None and _few_changed(base, active):
+            equations: _Equations = _Changed(base, scaled, active)
         else:
             equations = base = _Equations(scaled, active)
         p, y = equations.solve(q, h)
@@ -188,16 +188,18 @@ def equilibrated(problem: Problem) -> tuple[Problem, Scales]:
     d = 1 / np.sqrt(np.maximum(np.abs(np.diagonal(A)), tiny))
     column = 1 / np.maximum(np.abs(d[:, None] * B).max(axis=0), tiny)
     row = 1 / np.maximum(np.abs(C * d).max(axis=1), tiny)
-    scaled = Problem(d[:, None] * A * d, d * q, d[:, None] * B * column, row[:, None] * C * d, row * h)
+    even = d[:, None] * A
+    even *= d  # in place: where there are many nodes, half of the time is that of new memory
+    scaled = Problem(even, d * q, d[:, None] * B * column, row[:, None] * C * d, row * h)
     return scaled, Scales(d, column, row)
 
 
 def matrix_on(problem: Problem, active: Bools) -> Floats:
-    """The matrix (m + k, m + k) of w = 0 on the m nodes of a contact set and of C p = h."""
+    """The matrix (m + k, m + k) of w = 0 on the m nodes of a contact set and of C p = h, column by column in memory."""
     A, _, B, C, _ = problem
     on = np.flatnonzero(active)
     size, k = len(on), B.shape[1]
-    matrix = np.zeros((size + k, size + k))
+    matrix = np.zeros((size + k, size + k), order="F")
     matrix[:size, :size] = A if size == len(A) else A[np.ix_(on, on)]
     matrix[:size, size:] = B[on]
     matrix[size:, :size] = C[:, on]
@@ -228,7 +230,7 @@ def adjoint(problem: Problem, active: Bools, weights: Floats) -> tuple[Floats, F
     on = np.flatnonzero(active)
     right = np.zeros((len(on) + len(problem.C), weights.shape[1]))
     right[: len(on)] = (scales.pressure[:, None] * weights)[on]
-    solution = _back(_factorised(np.ascontiguousarray(matrix_on(scaled, active).T)), right)
+    solution = _back(_factorised(matrix_on(scaled, active).T), right)
     a = np.zeros(weights.shape)
     a[on] = solution[: len(on)]
     return scales.pressure[:, None] * a, scales.balance[:, None] * solution[len(on) :]
@@ -241,19 +243,34 @@ def coarse_start(problem: Problem) -> Bools:
     coarser problems, each started from a coarser one, these steps are few and cost nothing. The smallest
     problems start from all nodes.
     """
-    A, q, B, C, h = problem
-    active = np.ones(len(q), dtype=bool)
-    if len(q) < SMALL:
+    count = len(problem.q)
+    active = np.ones(count, dtype=bool)
+    if count < SMALL:
         return active
     try:
-        coarse = settle(Problem(_halved(_halved(A).T).T, _halved(q), _halved(B), _halved(C.T).T, h)).p > 0
+        coarse = settle(halved(problem)).p > 0
     except NoAnswer:
         return active
-    between = len(q) // 2
+    between = count // 2
     active[::2] = coarse
     active[1::2] = coarse[:between]
-    active[1:-1:2] |= coarse[1 : between + len(q) % 2]
+    active[1:-1:2] |= coarse[1 : between + count % 2]
     return active
+
+
+def halved(problem: Problem) -> Problem:
+    """The problem on every other node, p linear in between."""
+    A, q, B, C, h = problem
+    return Problem(_halved(_halved(A).T).T, _halved(q), _halved(B), _halved(C.T).T, h)
+
+
+def between(coarse: Floats, count: int) -> Floats:
+    """Pressures (count,) of those at every other node: P p."""
+    p = np.empty(count)
+    p[::2] = coarse
+    p[1::2] = 0.5 * coarse[: count // 2]
+    p[1 : 2 * len(coarse) - 2 : 2] += 0.5 * coarse[1:]
+    return p
 
 
 def _halved(rows: Floats) -> Floats:
@@ -267,8 +284,7 @@ def _halved(rows: Floats) -> Floats:
 class _Equations:
     """The linear equations w = 0 on a contact set, p = 0 off it, C p = h: factorised once.
 
-    A smaller set `released` from a factorised one needs no factorisation of its own: the weighted gaps of
-    the released nodes are the unknowns that make their pressures vanish.
+    A set that differs from a factorised one by a few nodes needs no factorisation of its own, see `_Changed`.
     """
 
     def __init__(self, problem: Problem, active: Bools) -> None:
@@ -299,32 +315,49 @@ class _Equations:
         return _back(self._factors, right)
 
 
-class _Released(_Equations):
-    """The equations of a factorised set without some of its nodes."""
+class _Changed(_Equations):
+    """The equations of a factorised set with a few of its nodes released and a few others added, by a bordered system.
 
-    def __init__(self, base: _Equations, active: Bools) -> None:
-        self.active, self._on, self._n = active, base._on, base._n
-        self._base = base
+    Its further unknowns are the weighted gaps of the released nodes, which make their pressures vanish, and the
+    pressures of the added ones, which make their weighted gaps vanish.
+    """
+
+    def __init__(self, base: _Equations, problem: Problem, active: Bools) -> None:
+        self.active, self._base, self._n = active, base, base._n
         self._out = np.flatnonzero(~active[base._on])
-        unit = np.zeros((len(base._factors[0]), len(self._out)))
-        unit[self._out, np.arange(len(self._out))] = 1.0
-        self._spread = base._solution(unit)
-        self._inner = _factorised(self._spread[self._out])
-        self.sign = base.sign * _determinant_sign(self._inner)  # Jacobi's complementary minor
+        self._in = np.flatnonzero(active & ~base.active)
+        self._on = np.concatenate([base._on, self._in])
+        size, out, added = len(base._on), len(self._out), self._in
+        border = np.zeros((len(base._factors[0]), out + len(added)))
+        border[self._out, np.arange(out)] = -1.0
+        border[:size, out:] = problem.A[np.ix_(base._on, added)]
+        border[size:, out:] = problem.C[:, added]
+        self._spread = -base._solution(border)
+        self._rows = np.hstack([problem.A[np.ix_(added, base._on)], problem.B[added]])
+        inner = self._across(self._spread)
+        inner[out:, out:] += problem.A[np.ix_(added, added)]
+        self._inner = _factorised(inner)
+        self.sign = base.sign * _determinant_sign(self._inner)  # Schur; Jacobi's complementary minor
+
+    def _across(self, solution: Floats) -> Floats:
+        """Pressures of the released nodes and weighted gaps of the added ones, of pressures in the base."""
+        return np.concatenate([solution[self._out], self._rows @ solution])
 
     def _solution(self, right: Floats) -> Floats:
-        solution = self._base._solution(right)
-        gaps = _back(self._inner, -solution[self._out])
-        solution += self._spread @ gaps
+        size, added = len(self._base._on), len(self._in)
+        solution = self._base._solution(np.concatenate([right[:size], right[size + added :]]))
+        wanted = np.concatenate([np.zeros((len(self._out), *right.shape[1:])), right[size : size + added]])
+        border = _back(self._inner, wanted - self._across(solution))
+        solution += self._spread @ border
         solution[self._out] = 0.0
-        return solution
+        return np.concatenate([solution[:size], border[len(self._out) :], solution[size:]])
 
 
 def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
-    """LU factors and pivots; raises NoAnswer for a singular matrix."""
+    """LU factors and pivots, in the place of the matrix where LAPACK can; raises NoAnswer for a singular one."""
     if not matrix.size:
         return matrix, np.zeros(0, dtype=np.int32)
-    lu, pivots, info = scipy.linalg.lapack.dgetrf(matrix)
+    lu, pivots, info = scipy.linalg.lapack.dgetrf(matrix, overwrite_a=True)
     if info or not np.isfinite(np.diagonal(lu)).all():
         raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
     return lu, pivots
@@ -341,10 +374,9 @@ def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
     return int(np.prod(np.sign(np.diagonal(lu))) * (-1) ** swaps)
 
 
-def _few_released(base: _Equations, active: Bools) -> bool:
-    """Whether a set is a factorised one without a few of its nodes: then it is cheaper to release them."""
-    count = np.count_nonzero(base.active & ~active)
-    return bool(8 * count < len(base.active) and not (active & ~base.active).any())
+def _few_changed(base: _Equations, active: Bools) -> bool:
+    """Whether a set differs from a factorised one by few nodes: then it is cheaper to border that one."""
+    return bool(8 * np.count_nonzero(base.active ^ active) < np.count_nonzero(base.active))
 
 
 def _tangent(equations: _Equations, d: Floats, h: Floats, dq: Floats) -> Floats:

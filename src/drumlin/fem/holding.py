@@ -59,7 +59,7 @@ def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
     The lever is the weighted slip per rotation of the drum: rotating it by Omega adds lever Omega to q_s.
     Tractions and slips count along e_theta of the brake.
     """
-    normal = group.at_friction(0.0)
+    normal = group.problem_at(0.0)
     shoes = [_tangential(group, k) for k in range(len(group.members))]
     A_wt, A_sp, A_st, B_s, C_t, Q = (scipy.linalg.block_diag(*(shoe[k] for shoe in shoes)) for k in range(6))
     q_s, lever = (np.concatenate([shoe[k] for shoe in shoes]) for k in (6, 7))

@@ -17,14 +17,14 @@ from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import (
     Scene,
-    actuation,
     clock,
     held,
     shape_of,
 )
 from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.fem.refinement import Refined, refine, whole
-from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, relative_balance, untouched, worst
+from drumlin.response.balance import relative_balance, worst
+from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
 
 OVERLAP = 0.01  # of the lining's thickness, from which on a mesh that lies in the drum is said
@@ -206,7 +206,7 @@ def _answer(
     """
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
-    load, moment = actuation(body, shoe)
+    load, moment = group.loads[k]
     if group.sharing is not None and force < 0:
         raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, what pushes it would have to pull")
     load, moment = abs(force) * load, abs(force) * moment
@@ -228,12 +228,13 @@ def _answer(
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
+    softness = float(coupling.lever @ change) / pressed if pressed else 0.0
     phi, mean = line.along(p)
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"
         if math.isinf(penalty)
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
-        f"which changes its torque by {float(coupling.lever @ change) / pressed if pressed else 0.0:+.1e} of it"
+        f"which changes its torque by {softness:+.1e} of it"
     )
     if refined:
         note += f"; {REFINED}"
@@ -253,6 +254,7 @@ def _answer(
         reaction_moment=frame.sense * twist,
         motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
         surface=line.surface(p),
+        softness=abs(softness),
     )
     return _Answer(response, balance, steps, note)
 

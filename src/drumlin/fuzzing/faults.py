@@ -219,14 +219,8 @@ def broken_table(rng: random.Random) -> Input:
     return Input("result table", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"])
 
 
-SLOW = {
-    "study",
-    "sweep",
-    "reference",
-    "cost",
-    "compare",
-    "hold",
-}  # they only get options that are wrong, see `wrong_words`
+SLOW = {"study", "sweep", "reference", "cost", "compare", "hold", "explore"}
+"""Commands that take long, or serve until they are stopped: they only get options that are wrong, see `wrong_words`."""
 
 
 @cache

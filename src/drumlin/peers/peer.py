@@ -17,7 +17,8 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, actuation, assemble, shape_of
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, relative_balance, untouched, worst
+from drumlin.response.balance import relative_balance, worst
+from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import contact_arcs, cross
 
 NOTHING = 1e-3  # of the peak pressure: what a peer leaves where its lining does not touch

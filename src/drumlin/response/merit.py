@@ -18,8 +18,9 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
+from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.limits import warnings
-from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse, contact_resultant, loaded
+from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
 from drumlin.response.resultants import cross, integrate
 
 B = TypeVar("B", bound=Brake | FlatBrake)

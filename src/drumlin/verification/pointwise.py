@@ -34,7 +34,8 @@ from drumlin.fem.body import FRAME
 from drumlin.fem.group import gap_at
 from drumlin.fem.interface import edge_points, radial
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, relative_balance, untouched, worst
+from drumlin.response.balance import relative_balance, worst
+from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import angle_near, cross
 
 PENALTY = 1e3

@@ -50,35 +50,44 @@ def best_rows(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[dict[st
     return found
 
 
-class Advice(NamedTuple):
-    """What keeps a target: methods in words, each with the brakes on which it is the fastest, most brakes first."""
+class Cell(NamedTuple):
+    """What to use on a brake for a target: in words, its sort as a class of the page, the `row` of `best_rows`."""
+
+    what: str
+    sort: str
+    row: Row
+
+
+class Matrix(NamedTuple):
+    """What to use for a quantity, brake by target: `lines` by brake, a cell each target; `by_law`: on how many brakes a
+    law keeps each."""
 
     quantity: str
-    target: float
-    keep: list[tuple[str, list[str]]]
+    targets: tuple[float, ...]
+    lines: dict[str, list[Cell]]
+    by_law: list[int]
 
 
-def advice(best: Sequence[Row]) -> list[Advice]:
-    """`best_rows` by target instead of by brake."""
+def matrices(best: Sequence[Row]) -> list[Matrix]:
+    """`best_rows` as a matrix of brake and target for each quantity."""
     found = []
     for key, targets in TARGETS.items():
-        for target in targets:
-            where: dict[str, list[str]] = {}
-            for row in best:
-                if (row["quantity"], row["target"]) == (NAMES[key], target):
-                    where.setdefault(_said(row), []).append(row["brake"])
-            found.append(Advice(NAMES[key], target, sorted(where.items(), key=lambda item: -len(item[1]))))
+        lines: dict[str, list[Cell]] = {}
+        for row in best:
+            if row["quantity"] == NAMES[key]:
+                lines.setdefault(row["brake"], []).append(_cell(row))
+        by_law = [sum(cells[k].sort == "law" for cells in lines.values()) for k in range(len(targets))]
+        found.append(Matrix(NAMES[key], targets, lines, by_law))
     return found
 
 
-def _said(row: Row) -> str:
-    """What a row recommends, in words."""
+def _cell(row: Row) -> Cell:
     family, method = row["family"], row.get("method")
     if method is None:
-        return str(family)
+        return Cell(family, "none", row)
     if family == "law":
-        return f"the {method} law"
-    return f"{family} ({method})"
+        return Cell(f"{method} law", "law", row)
+    return Cell(f"{family}: {method}", "foundation" if family == "foundation" else "elastic", row)
 
 
 def fastest_seconds(rows: Sequence[Row], floors: Mapping[str, Floors], target: float) -> list[float]:

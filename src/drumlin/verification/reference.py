@@ -30,8 +30,9 @@ from drumlin.fem.hp.places import places_of
 from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
 from drumlin.files import read_text, write_text
+from drumlin.response.balance import contact_resultant
 from drumlin.response.norms import pressure_distance
-from drumlin.response.response import Response, ShoeResponse, contact_resultant, edge_zone, pressed_shoe
+from drumlin.response.response import Response, ShoeResponse, edge_zone, pressed_shoe
 from drumlin.texts import check_digits, check_toml
 from drumlin.verification import triangles
 

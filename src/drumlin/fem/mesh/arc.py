@@ -41,11 +41,11 @@ def kind_of(mesh: Any) -> Kind:
 
 
 def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
-    """The angles (n,) with the inner ones that are nearest to the places moved there."""
-    angles = np.array(angles)
-    for x in places:
-        angles[1 + np.abs(angles[1:-1] - x).argmin()] = x
-    return angles
+    """The angles (n,) with the inner ones that are nearest to the places moved there; one that has moved to a place
+    already, or is not there, is added."""
+    inner = angles[1:-1]
+    moved = list(dict.fromkeys(int(np.abs(inner - x).argmin()) for x in places)) if len(inner) else []
+    return np.sort(np.concatenate([angles[:1], np.delete(inner, moved), places, angles[-1:]]))
 
 
 def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = DEFAULT_KIND) -> Any:
@@ -79,15 +79,15 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         )
     most = MOST_LAYERS if kind.endswith("2") else MOST_THIN  # linear elements bend well only in thin layers
     depths = [division.depths]
-    for name, thickness in layers[1:]:
-        parts = layers_behind(thickness, division, division.step * radius, most, last=name == "shoe")
+    for _, thickness in layers[1:]:
+        parts = layers_behind(thickness, division, division.step * radius, most)
         depths.append(depths[-1][-1] + parts * thickness)
     bounds = np.array([part[-1] for part in depths])
     grid = skfem.MeshQuad.init_tensor(np.concatenate(depths), angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > lining_depth) | ((phi > phi_1) & (phi < phi_2))))
     if kind.startswith("tri"):
-        grid = grid.to_meshtri(style=None if division.grading is None else "x")  # four a cell: no slant
+        grid = grid.to_meshtri()
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     layer = np.searchsorted(bounds, depth)
     middle = grid.p[:, grid.facets].mean(axis=1)
