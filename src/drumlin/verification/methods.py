@@ -48,14 +48,18 @@ def _with_peers() -> list[Method]:
     found = [_meshed("graded mesh", kind, n) for kind, n in (("quad2", 56), ("quad1", 112))]  # half a percent of p
     found += [
         _meshed("GetFEM", kind, n)
-        for kind, sizes in (("quad2", (20, 40, 56, 80)), ("quad1", (40, 80, 112)))
+        for kind, sizes in (("quad2", (20, 40, 56, 80, 112)), ("quad1", (40, 80, 112)))
         for n in sizes
+    ]
+    found += [
+        Method("GetFEM", f"refined, quad2, {n} elements", {"kind": "quad2", "elements": n, "layers": layers})
+        for n, layers in ((42, 5), (62, 6), (81, 7), (135, 8))  # half, a tenth and a hundredth of a percent
     ]
     found += [
         Method("GetFEM", f"even, quad2, {n} elements", {"kind": "quad2", "elements": n, "even": True})
         for n in (40, 80, 160)
     ]
-    return found + [_meshed("CalculiX", "quad2", n) for n in (40, 56)]
+    return found + [_meshed("CalculiX", "quad2", n) for n in (40, 56, 112)]
 
 
 def _meshed(family: str, kind: str, elements: int, **more: bool) -> Method:
