@@ -100,12 +100,10 @@ def _quickest(rows: list[Row], family: str, kind: str) -> Row | None:
 
 def _others() -> Row:
     worn = {row["brake"]: row for row in _rows("run_in/brakes.csv") if row["model"] == "fem"}
-    post = {
-        row["model"]: row for row in _rows("post_brake/results.csv") if (row["case"], row["shoe"]) == ("fits", "all")
-    }
-    leading = [
-        row for row in _rows("plane_stress/errors.csv") if row["case"] == "T-section" and row["shoe"] == "leading"
-    ]
+    fits = [row for row in _rows("post_brake/results.csv") if (row["case"], row["shoe"]) == ("fits", "all")]
+    post = {row["model"]: row for row in fits}
+    solid = _rows("plane_stress/errors.csv")
+    leading = next(row for row in solid if (row["case"], row["shoe"]) == ("T-section", "leading"))
     return {
         "worn": worn[MAIN]["end_pressure"],
         "worn_life": worn[MAIN]["pressure_life"],
