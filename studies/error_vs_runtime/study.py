@@ -27,12 +27,10 @@ from drumlin.verification.reference import (
     FINE,
     Refinement,
     Trio,
-    as_dict,
     reference,
     responses,
-    summary_rows,
-    write_values,
 )
+from drumlin.verification.reference_file import as_dict, summary_rows, write_values
 from drumlin.verification.work_precision import (
     PEER_FAMILIES,
     REPEATS,

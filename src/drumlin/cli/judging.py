@@ -53,8 +53,8 @@ def reference(
     """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two fine meshes."""
     from drumlin.brake.file import read_brake, toml_text
     from drumlin.files import check_output
-    from drumlin.verification.reference import as_dict, write_values
     from drumlin.verification.reference import reference as make
+    from drumlin.verification.reference_file import as_dict, write_values
 
     text = toml_text(brake_file)
     brake = read_brake(brake_file, text)
@@ -90,8 +90,8 @@ def check(
     from drumlin.studies import REPOSITORY
     from drumlin.verification.check import check as compare_with
     from drumlin.verification.check import lines, read_curves
-    from drumlin.verification.reference import read_reference, stored
     from drumlin.verification.reference import reference as make
+    from drumlin.verification.reference_file import read_reference, stored
 
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
