@@ -75,6 +75,7 @@ def study(
     journal = journal or Journal()
     paths, refused = covered()
     paths = {name: path for name, path in paths.items() if not short or name in SHORT}
+    paths = {name: paths[name] for name in sorted(paths, key=lambda name: name not in WITH_PEERS)}  # the longest first
     unit = partial(solve, read_brake(MAIN), elements=UNIT_ELEMENTS)
     unit()
     rows, floors, references = [], {}, {}
