@@ -13,8 +13,9 @@ from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import prepare
+from drumlin.fem.at_rest import holding_problem
 from drumlin.fem.group import grouped
-from drumlin.fem.holding import full_slip_rotation, hold, holding_problem
+from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.model import respond
 from drumlin.fem.self_locking import limits
 from drumlin.verification.random_brake import random_brake

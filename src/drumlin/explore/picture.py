@@ -227,7 +227,7 @@ def drawing_of(brake: Brake) -> dict[str, Lines]:
         linings.append(_layer(lining.start, lining.end, R, R - sign * lining.thickness))
         if shoe.mesh is None and shoe.body is not None and shoe.body.shape == "arc":
             inner = lining.thickness + (shoe.backing.thickness if shoe.backing else 0.0)
-            far = R - sign * (inner + shoe.body.thickness)
+            far = R - sign * (inner + shoe.body.depth)
             bodies.append(_layer(shoe.body.start, shoe.body.end, R - sign * inner, far))
         if isinstance(shoe.body, Beam):
             bodies.append(_beam(shoe, R))

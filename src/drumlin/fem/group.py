@@ -308,15 +308,20 @@ class ShoeGroup:
 
 def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
     """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
-    touching = [i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)]
-    names = [shoe.name for shoe in brake.shoes]
-    behind = {names.index(link.to): names.index(link.source) for link in brake.links}
-    touching = sorted({*touching, *(to for to, source in behind.items() if source in touching)})
+    touching = pressed_shoes(scene, brake)
     if brake.actuation is not None and brake.actuation.is_cam:
         lacking = [shoe.name for i, shoe in enumerate(brake.shoes) if i not in touching]
         if lacking:
             raise NoAnswer(f"shoe {lacking[0]!r}: the cam does not press it")
     return grouped(scene, brake, touching, penalty)
+
+
+def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
+    """The shoes that their forces press on the drum, and those that a strut from one of them pushes."""
+    touching = {i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)}
+    names = [shoe.name for shoe in brake.shoes]
+    behind = {names.index(link.to): names.index(link.source) for link in brake.links}
+    return sorted(touching | {to for to, source in behind.items() if source in touching})
 
 
 def grouped(scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf) -> list[ShoeGroup]:

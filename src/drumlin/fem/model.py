@@ -107,19 +107,24 @@ def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
 
 
 def _grips(brake: Brake) -> Iterator[str]:
-    """How each elastic body is held: a pin that stands off it is joined to it rigidly, which its pressure feels."""
+    """How elastic bodies are held, in a line: a pin that stands off one is joined to it rigidly, which its pressure
+    feels."""
+    found: dict[str, list[str]] = {}
     for shoe in brake.shoes:
         if shoe.mesh is not None or not isinstance(shoe.body, Body):
             continue
-        said, grip = f"shoe {shoe.name!r}:", shoe.grip(brake.drum.radius)
+        grip = shoe.grip(brake.drum.radius)
         if grip is not None:
             length = shoe.body.grip or shoe.body.thickness
-            yield f"{said} its {shoe.held_by} grips {mm(length)} of the back of its body"
-            continue
-        away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - shoe.own_pin)))
-        what = "pin" if shoe.held_by == "hinge" else "foot"
-        joined = "" if away < 0.5 * shoe.body.thickness else ", joined by a rigid arm"
-        yield f"{said} its {what} holds the end face of its body, {mm(round(away, 6))} from the face's middle{joined}"
+            said = f"its {shoe.held_by} grips {mm(length)} of the back of its body"
+        else:
+            away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - shoe.own_pin)))
+            joined = "" if away < 0.5 * shoe.body.depth else ", joined by a rigid arm"
+            what = "pin" if shoe.held_by == "hinge" else "foot"
+            said = f"its {what} holds the end face of its body, {mm(round(away, 4))} from the face's middle{joined}"
+        found.setdefault(said, []).append(shoe.name)
+    if found:
+        yield "held: " + "; ".join(f"{', '.join(names)}: {said}" for said, names in found.items())
 
 
 def _untouched(shoe: Shoe) -> _Answer:
