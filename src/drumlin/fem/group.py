@@ -310,8 +310,10 @@ def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[Sho
     """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
     touching = [i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)]
     names = [shoe.name for shoe in brake.shoes]
-    behind = {names.index(link.to): names.index(link.source) for link in brake.links}
-    touching = sorted({*touching, *(to for to, source in behind.items() if source in touching)})
+    for link in brake.links:  # from the actuation on
+        if names.index(link.source) in touching:
+            touching.append(names.index(link.to))
+    touching = sorted(set(touching))
     if brake.actuation is not None and brake.actuation.is_cam:
         lacking = [shoe.name for i, shoe in enumerate(brake.shoes) if i not in touching]
         if lacking:
