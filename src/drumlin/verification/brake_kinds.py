@@ -101,8 +101,8 @@ def row_of(found: Case, limit: float | None) -> dict[str, Any]:
 
 def others_of(found: Case) -> list[dict[str, Any]]:
     """A row for each other model that applies: how far its effect is from finite elements, new and worn in."""
-    base = {"file": found.file, "motion": motion_of(found.brake)}
-    rows = []
+    base: dict[str, Any] = {"file": found.file, "motion": motion_of(found.brake)}
+    rows: list[dict[str, Any]] = []
     for name, outcome in found.others.items():
         if outcome.response is None:
             rows.append(base | {"model": name, "status": outcome.failure})
