@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Body, Drum, Lining, Misfit
+from drumlin.brake.components import Bar, Body, Drum, Lining, Misfit
 from drumlin.brake.drum_brake import Brake, Frame, Shoe
 from drumlin.brake.fields import Point
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
@@ -124,13 +124,10 @@ def _straight(shoe: FlatShoe, unit: float) -> StraightShoe:
         body=None
         if body is None
         else Body.model_construct(
+            **{name: getattr(body, name) for name in Bar.model_fields},
             shape="arc",
-            thickness=body.thickness,
-            width=body.width,
             start=body.start / unit,
             end=body.end / unit,
-            material=body.material,
-            grip=body.grip,
         ),
         mesh=None,
         mesh_unit="m",

@@ -13,7 +13,7 @@ LEAST = ["shoe_factor", "reaction", "normal_force", "at"]
 
 
 def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = False) -> None:
-    """Torque and brake factor, a row a shoe, warnings; shoes that do not touch are said first.
+    """Torque and brake factor, a row a shoe, warnings, how bodies are held; shoes that do not touch are said first.
 
     verbose: figures of merit, how it was found, how long that took and what is left out, too.
     """
@@ -24,11 +24,16 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
     tell(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
     apart = {line for line in response.notes if ": no contact" in line}
     warned = [line for line in response.notes if line.startswith("warning:")]
+    held = [line for line in response.notes if line.startswith("held:")]
     for line in response.notes:
         if line in apart:
             tell(line)
     factor = brake_factor(brake, response)
-    said = "" if factor is None else f", brake factor {factor:.4g} = {'B/F' if flat else 'T/(F R)'}, F the mean force"
+    said = (
+        ""
+        if factor is None
+        else f", brake factor {factor:.4g} = {'B/F' if flat else 'T/(F R)'}, F the mean actuation force"
+    )
     tell(f"{'braking force' if flat else 'torque'} {effect(response):.6g} {'N' if flat else 'N m'}{said}")
     if not response.converged:
         tell("not converged")
@@ -42,8 +47,10 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
         more = {"torque": "braking force" if flat else "torque", "peak": "peak pressure", "reaction": "hinge reaction"}
         errors = [f", {name} {response.error[key]:.1e}" for key, name in more.items() if key in response.error]
         tell(f"estimated error: p {response.error['pressure']:.1e} (L2, worst shoe){''.join(errors)}")
+    for line in held:
+        tell(line)
     if verbose:
-        _print_more(response, apart.union(warned))
+        _print_more(response, apart.union(warned, held))
 
 
 def _print_shoes(brake: "AnyBrake", response: "Response") -> None:

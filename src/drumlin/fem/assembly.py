@@ -96,7 +96,7 @@ def why_not(brake: Brake) -> str | None:
     if brake.drum.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
         return "shoes inside and outside of one elastic ring are not modelled"
     if brake.drum.ring is not None and brake.drum.ring.section is None:
-        return "its ring has no section to mesh: thickness, width, material"
+        return "its ring has no section to mesh: thickness, and width and material or bending_stiffness"
     for shoe in brake.shoes:
         reason = beam_mesh.why_not(shoe, brake.drum.radius)
         if reason is not None:
@@ -113,7 +113,7 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         behind = (body, *loaded.tolist())
     elif body is not None:
         arcs.append(tuple(sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist())))
-        behind = (body.shape, body.thickness, body.width, body.material, shoe.held_by in {"pivot", "guide"})
+        behind = (body.shape, tuple(body.plates.items()))
         arcs += [arc for arc in [shoe.grip(brake.drum.radius)] if arc is not None]
     return (
         brake.drum.radius,
@@ -282,7 +282,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2, unit)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         ties = tie(basis, line.nodes, rigid, pin)
-        if "actuation" in mesh.boundaries and shoe.held_by in {"hinge", "abutment"}:
+        if "actuation" in mesh.boundaries and not shoe.gripped:
             full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
             loads = ties.matrix.T @ full
         else:  # the force acts on the rigid shoe itself, or on what holds the back of the body
@@ -350,9 +350,7 @@ def materials_of(shoe: Shoe) -> dict[str, tuple[Material, float]]:
     if shoe.backing is not None:
         parts["backing"] = (shoe.backing.material, shoe.lining.width)
     if shoe.body is not None:
-        section = shoe.body.section
-        assert section is not None  # why_not
-        parts["shoe"] = (section.material, section.width)
+        parts |= {name: (plate.material, plate.width) for name, plate in shoe.body.plates.items()}
     return parts
 
 

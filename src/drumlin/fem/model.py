@@ -23,7 +23,7 @@ from drumlin.fem.assembly import (
 )
 from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.fem.refinement import Refined, refine, whole
-from drumlin.response.balance import relative_balance, worst
+from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
 
@@ -108,19 +108,24 @@ def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
 
 
 def _grips(brake: Brake) -> Iterator[str]:
-    """How each elastic body is held: a pin that stands off it is joined to it rigidly, which its pressure feels."""
+    """How elastic bodies are held, in a line: a pin that stands off one is joined to it rigidly, which its pressure
+    feels."""
+    found: dict[str, list[str]] = {}
     for shoe in brake.shoes:
         if shoe.mesh is not None or not isinstance(shoe.body, Body):
             continue
-        said, grip = f"shoe {shoe.name!r}:", shoe.grip(brake.drum.radius)
+        grip = shoe.grip(brake.drum.radius)
         if grip is not None:
             length = shoe.body.grip or shoe.body.thickness
-            yield f"{said} its {shoe.held_by} grips {mm(length)} of the back of its body"
-            continue
-        away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - shoe.own_pin)))
-        what = "pin" if shoe.held_by == "hinge" else "foot"
-        joined = "" if away < 0.5 * shoe.body.thickness else ", joined by a rigid arm"
-        yield f"{said} its {what} holds the end face of its body, {mm(round(away, 6))} from the face's middle{joined}"
+            said = f"its {shoe.held_by} grips {mm(length)} of the back of its body"
+        else:
+            away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - shoe.own_pin)))
+            joined = "" if away < 0.5 * shoe.body.depth else ", joined by a rigid arm"
+            what = "pin" if shoe.held_by == "hinge" else "foot"
+            said = f"its {what} holds the end face of its body, {mm(round(away, 4))} from the face's middle{joined}"
+        found.setdefault(said, []).append(shoe.name)
+    if found:
+        yield "held: " + "; ".join(f"{', '.join(names)}: {said}" for said, names in found.items())
 
 
 def _untouched(shoe: Shoe) -> _Answer:
@@ -215,11 +220,11 @@ def _answer(
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
     acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
     left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
-    balance = relative_balance(
-        [nodal.sum(axis=0), reaction, load[:2]],
-        # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
-        [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2])), twist],
-    )
+    # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
+    moments = [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))]
+    if shoe.guide is not None:
+        moments += [twist, *borne(force, brake.drum.radius * (shoe.lining.end - shoe.lining.start))]
+    balance = relative_balance([nodal.sum(axis=0), reaction, load[:2]], moments)
     if shoe.held_by != "hinge":
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
     stiffness = group.stiffnesses[k]

@@ -232,7 +232,8 @@ def _size(predicted: Change) -> float:
 def _chosen(brake: Brake, allowed: float, respond: Respond) -> tuple[tuple[str, ...], Change]:
     """What of SAVING may be left out within `allowed`, and the change that is predicted; () where nothing may."""
     nothing, has = Change(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), present(brake)
-    if any(shoe.mesh is not None or shoe.flat for shoe in brake.shoes) or assembly.why_not(brake) is not None:
+    unsketched = (shoe.mesh or shoe.flat or shoe.grip(brake.drum.radius) for shoe in brake.shoes)
+    if any(unsketched) or assembly.why_not(brake) is not None:
         return (), nothing
     candidates = [names for names in SAVING if set(names) <= set(has)]
     if not candidates:

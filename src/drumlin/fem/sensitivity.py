@@ -290,11 +290,12 @@ def _moduli(
     nodal = np.column_stack([drag * (T.T @ at.p) - N.T @ at.p, N.T @ at.a])
     loads = np.column_stack([at.F * load, (-at.c if cam else 0.0) * load])
     u = body.condensed.displacements(nodal, np.zeros((FRAME, 2)), loads)
-    effects = {}
+    effects: dict[str, float] = {}
     for name, (material, width) in materials_of(shoe).items():
         parts = {other: (material, width if other == name else 0.0) for other in materials_of(shoe)}
         K: sp.csc_matrix = stiffness(body.basis, parts)
-        effects[name] = -float(u[:, 1] @ (K @ u[:, 0])) + (soft if name == "lining" else 0.0)
+        own = "shoe" if name == "table" else name  # of one material
+        effects[own] = effects.get(own, 0.0) - float(u[:, 1] @ (K @ u[:, 0])) + (soft if name == "lining" else 0.0)
     return effects
 
 

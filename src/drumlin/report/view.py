@@ -14,7 +14,7 @@ from drumlin.fem.solve import scene_of
 from drumlin.models import refusals
 from drumlin.report.drawing import draw_brake
 
-PARTS = {"shoe": "#c9d3dc", "backing": "#d9c39a", "lining": "#b98b6b"}
+PARTS = {"shoe": "#c9d3dc", "table": "#b3c0cc", "backing": "#d9c39a", "lining": "#b98b6b"}
 
 
 def draw(brake: AnyBrake, **options: Any) -> Figure:

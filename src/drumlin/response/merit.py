@@ -108,11 +108,13 @@ def effect(response: Response) -> float:
 
 
 def brake_factor(brake: AnyBrake, response: Response) -> float | None:
-    """T/(F R) of the whole brake with the mean force F of its shoes, on a plane braking force / F; None without force.
+    """T/(F R) of the whole brake, F the mean force of its actuation; on a plane braking force / F; None without force.
 
-    Of shoes with equal forces it is the sum of their shoe factors.
+    Of shoes with equal forces it is the sum of their shoe factors. What a strut passes on is no actuation.
     """
-    force = math.fsum(abs(shoe.actuation.force) for shoe in loaded(brake, response).shoes) / len(brake.shoes)
+    pushed = {link.to for link in brake.links}
+    forces = [abs(shoe.actuation.force) for shoe in loaded(brake, response).shoes if shoe.name not in pushed]
+    force = math.fsum(forces) / len(forces)
     return _over(effect(response), force * (1.0 if isinstance(brake, FlatBrake) else brake.drum.radius))
 
 

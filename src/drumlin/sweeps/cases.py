@@ -100,7 +100,7 @@ def row_of(brake: AnyBrake, response: Response) -> Row:
     """What a row says of a response, in SI; of shoe NAME as "NAME.torque" and so on.
 
     "torque" [N m] of the whole brake (on a plane: "braking_force" [N]), "brake_factor" T/(F R) with the mean force F
-    of its shoes (on a plane: braking force / F), "peak_pressure" [Pa] the largest of its shoes, "balance" the worse
+    of its actuation (on a plane: braking force / F), "peak_pressure" [Pa] the largest of its shoes, "balance" the worse
     of forces and moments; where they are estimated, the relative errors "error_pressure", "error_torque", "error_peak"
     and "error_reaction" (see `Response.error`). Of each shoe: torque, peak_pressure, shoe_factor T/(F R),
     hinge_reaction [N], contact_start and contact_end [rad; on a plane m] from where to where it touches, contact_arcs

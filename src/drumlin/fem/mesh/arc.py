@@ -1,6 +1,6 @@
 """The parametric mesh of a shoe, in its own frame.
 
-Named groups: subdomains "shoe", "lining", "backing"; boundaries "contact" (lining against drum),
+Named groups: subdomains "shoe", "table" of a T-section, "backing", "lining"; boundaries "contact" (lining on drum),
 "hinge" (moves as a rigid line that turns about the pin) and "actuation" (carries the force).
 """
 
@@ -69,7 +69,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
     angles = division.angles
     body = (phi_1, phi_2)
     if shoe.body is not None:
-        layers.append(("shoe", shoe.body.thickness))
+        layers += [(name, plate.thickness) for name, plate in shoe.body.plates.items()]
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
         grip = shoe.grip(radius)

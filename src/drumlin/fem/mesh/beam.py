@@ -26,7 +26,7 @@ def why_not(shoe: Shoe, radius: float) -> str | None:
         return None
     section = shoe.body.section
     if section is None:
-        return "its beam has no constant section to mesh: thickness, width, material"
+        return "its beam has no constant section to mesh: thickness, and width and material or one bending_stiffness"
     if shoe.backing is None:
         return "nothing fills the space between its straight beam and the lining: no [shoe.backing]"
     if isinstance(shoe.body.offset, tuple) and any(offset for _, offset in shoe.body.offset):

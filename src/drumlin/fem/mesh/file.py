@@ -29,7 +29,7 @@ from drumlin.fem.mesh.vtu import check_unpacked
 from drumlin.files import read_bytes, replacing
 
 FORMATS = (".msh", ".inp", ".vtu")
-GROUPS = ("lining", "backing", "shoe", "contact", "hinge", "actuation")
+GROUPS = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
 LARGEST_FILE = 50_000_000  # bytes
 MOST_NODES = 1_000_000
 LARGEST_NUMBER = 10_000_000  # of a node in an .msh file: its reader makes an array of that length
