@@ -23,7 +23,7 @@ from drumlin.fem.assembly import (
 )
 from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.fem.refinement import Refined, refine, whole
-from drumlin.response.balance import relative_balance, worst
+from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
 
@@ -219,11 +219,11 @@ def _answer(
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
     acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
     left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
-    balance = relative_balance(
-        [nodal.sum(axis=0), reaction, load[:2]],
-        # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
-        [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2])), twist],
-    )
+    # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
+    moments = [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))]
+    if shoe.guide is not None:
+        moments += [twist, *borne(force, brake.drum.radius * (shoe.lining.end - shoe.lining.start))]
+    balance = relative_balance([nodal.sum(axis=0), reaction, load[:2]], moments)
     if shoe.held_by != "hinge":
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
     stiffness = group.stiffnesses[k]
