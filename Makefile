@@ -7,7 +7,7 @@ BIN = .venv/bin
 # CalculiX, GetFEM, the libraries that Gmsh loads, and a browser
 PACKAGES = calculix-ccx chromium chromium-driver python3-getfem++ libgl1 libglu1-mesa libgomp1 libxcursor1 libxft2 libxinerama1
 AS_ROOT = $(shell [ "$$(id -u)" = 0 ] || echo sudo)
-TESTS = -n 2 --dist loadscope --no-skips  # or --skipped: what make test has just skipped
+TESTS = -n 2 --dist loadscope --no-skips  # or --skipped for --no-skips: what make test has just skipped
 
 # of the oldest and newest versions: what a change of a library breaks first; its deprecations are for others to read
 SHORT = tests/test_brake.py tests/test_files.py tests/test_fem.py tests/test_laws_examples.py tests/test_page.py

@@ -11,9 +11,9 @@ from drumlin.fem.solve import solve
 from drumlin.journal import Journal
 from drumlin.studies import load
 from drumlin.verification import work_precision
-from drumlin.verification.recommendation import NAMES, best_rows
+from drumlin.verification.recommendation import NAMES, best_rows, matrices
 from drumlin.verification.reference import Trio, responses
-from drumlin.verification.work_precision import ERRORS, Method, enough, floor, measure, series, timing
+from drumlin.verification.work_precision import ERRORS, Method, floor, measure, timing
 
 pytestmark = pytest.mark.slow
 
@@ -147,25 +147,13 @@ def test_report(outcome, tmp_path):
         "the truth for p",
     ):
         assert said in text
+    for matrix in matrices(best_rows(result.rows, result.floors)):
+        cells = [cell for line in matrix.lines.values() for cell in line]
+        assert {cell.row["target"] for cell in cells} == set(matrix.targets)
+        assert all(f'<td class="text {cell.sort}">{cell.what}<' in text for cell in cells)
     assert (tmp_path / "work_precision_double_shoe_brake.png").stat().st_size > 20_000
     assert (tmp_path / "values" / "double_shoe_brake.json").exists()
     assert len((tmp_path / "results.csv").read_text().splitlines()) == len(result.rows) + 1
-
-
-def row_of(elements, error, seconds, family="graded mesh"):
-    return {"family": family, "kind": "quad2", "elements": elements, "torque_error": error, "seconds": seconds,
-            "ratio": 10 * seconds, "status": "converged"}  # fmt: skip
-
-
-def test_luck_is_no_recommendation_and_ties_go_to_the_more_exact():
-    lucky = [row_of(20, 1e-4, 1.0), row_of(40, 1e-2, 2.0), row_of(80, 1e-3, 4.0)]
-    other = [row_of(20, 5e-4, 4.5, "even mesh")]
-    failed = [{"family": "even mesh", "kind": "tri1", "elements": 20, "seconds": 0.1, "status": "failed: x"}]
-    floors = {"torque_error": 1e-6}
-    fit = enough(lucky + other + failed, "torque_error", 5e-3, floors)
-    assert [row["seconds"] for row in fit] == [4.5, 4.0]  # 20 elements were lucky; of two alike the more exact is first
-    assert enough(lucky, "torque_error", 1e-7, floors) == []
-    assert len(series(lucky + other)) == 2
 
 
 def test_methods_that_do_not_apply_are_rows(brake):

@@ -9,6 +9,7 @@ import pytest
 import drumlin
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import brake_from, vary
+from drumlin.errors import BadInput
 from drumlin.laws import law
 
 R = 0.11
@@ -120,3 +121,23 @@ def test_meshes_answer_as_columns_do() -> None:
     for kind in ("abutment", "pivot", "guide"):
         brake = vary(brake_of(kind, 1, body=BODY), {"shoe.lining.thickness": 0.006})
         assert drumlin.solve(brake, elements=60).torque == pytest.approx(drumlin.solve(brake).torque, rel=2e-3)
+
+
+def test_a_body_bolted_to_a_lever_is_held_as_a_guided_one_where_the_lever_is_long() -> None:
+    """Far away on a normal of the guide's direction a pin lets the shoe move along it, and does not turn it."""
+    guided = brake_of("guide", 1, body=BODY | {"grip": 0.03})
+    away = {"x": -1e4 * math.sin(0.1), "y": 1e4 * math.cos(0.1)}
+    hinged = vary(guided, {"shoe.guide": None, "shoe.hinge": away})
+    a, b = drumlin.solve(hinged), drumlin.solve(guided)
+    assert a.torque == pytest.approx(b.torque, rel=1e-4)
+    theta = np.linspace(-0.9, 0.9, 31)
+    np.testing.assert_allclose(a.shoes[0].pressure_at(theta), b.shoes[0].pressure_at(theta), rtol=2e-3)
+    assert "its hinge grips 30 mm of the back of its body" in "\n".join(a.notes)
+    by_face = drumlin.solve(vary(hinged, {"shoe.body.grip": None}))
+    assert abs(by_face.torque / b.torque - 1) > 0.01
+
+
+@pytest.mark.parametrize("kind", ["abutment", "rough abutment"])
+def test_an_abutment_does_not_grip_a_back(kind: str) -> None:
+    with pytest.raises(BadInput, match=r"^shoe\[0\]\.body\.grip = 30 mm: an abutment holds the body's end face"):
+        brake_of(kind, 1, body=BODY | {"grip": 0.03})

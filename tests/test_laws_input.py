@@ -164,6 +164,7 @@ def test_laws_say_why_they_do_not_apply() -> None:
     ("arguments", "status", "line"),
     [
         (["laws/pad.toml", "--model", "linear"], 0, "braking force 289.735 N"),
+        (["brakes/rail_clamp.toml"], 0, "(L2, worst shoe), braking force "),
         (["laws/block.toml", "--model", "block"], 0, "torque 83.8874 N m"),
         (["laws/pad.toml"], 2, "shoe 'pad': its lining has no thickness and material to mesh; allowed: short, linear"),
         (["laws/pivoted_block.toml", "--model", "sine"], 2, "on its lever, not about its hinge; allowed: fem, pivoted"),

@@ -167,7 +167,7 @@ def test_of_a_large_problem_the_fine_answer_is_solved_once(flexible, monkeypatch
         return settle(problem, *rest)
 
     monkeypatch.setattr(self_locking, "settle", counted)
-    self_locking.answer(group.at_friction, 0.4, law=1.0, brake="")
+    self_locking.answer(group.problem_at, 0.4, law=1.0, brake="")
     assert sizes.count(len(group.problem.q)) == 1 and len(sizes) > 2
 
 

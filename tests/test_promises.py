@@ -2,8 +2,10 @@
 
 from conftest import ROOT
 from drumlin.fuzzing import trials
+from drumlin.fuzzing.endings import fault_of
 from drumlin.fuzzing.promises import PROMISES
 from drumlin.studies import load
+from test_faults import BAD, GIVEN
 
 
 def test_each_promise_names_a_test_that_exists():
@@ -19,6 +21,7 @@ def test_the_short_fault_study_finds_no_fault_and_shows_one(tmp_path):
     result = module.study(short=True)
     page = module.report(result, tmp_path).read_text(encoding="utf-8")
     assert "no fault" in page and "test_faults.py::" in page and "143" in page
+    assert "commit 17da584" in page and "several lines" in page
     result.within["words"][0] = trials.Verdict(0, 1, 0.1, "x: a traceback")
     assert "1 faults" in module.report(result, tmp_path).read_text(encoding="utf-8")
     assert trials.table(result.within)[-1]["faults"] == 1
@@ -30,3 +33,14 @@ def test_a_wrong_table_is_a_fault(monkeypatch):
     wrong = given._replace(right={"t.csv": b"case,\n"})
     monkeypatch.setitem(trials.GENERATORS, "journals", (lambda _: wrong, ""))
     assert "not the right t.csv" in trials.tried("journals", 0).fault
+
+
+def test_every_kind_of_fault_has_a_name():
+    """In the table of what an earlier drumlin did of the same inputs."""
+    load("faults")
+    from studies.faults import before
+
+    kinds = {case: before.kind_of(fault_of(GIVEN, end), end.status) for case, end in BAD.items()}
+    assert "other" not in kinds.values()
+    assert kinds["traceback"] == "traceback" and kinds["nan"] == kinds["CSV"] == "not finite"
+    assert before.kind_of("status -24: ", -24) == "hang"

@@ -10,19 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drumlin.brake.file import vary
-from drumlin.response.response import (
-    Balance,
-    Deformation,
-    Response,
-    ShoeResponse,
-    contact_resultant,
-    nodal_peak,
-    pressed_shoe,
-    relative_balance,
-    shoe_balance,
-    untouched,
-    worst,
-)
+from drumlin.response.balance import contact_resultant, relative_balance, shoe_balance, worst
+from drumlin.response.response import Balance, Deformation, Response, ShoeResponse, nodal_peak, pressed_shoe, untouched
 from drumlin.response.resultants import (
     Resultant,
     angle_near,

@@ -15,7 +15,7 @@ from drumlin.fem.assembly import prepare
 from drumlin.fem.group import groups_of
 from drumlin.fem.model import respond
 from drumlin.laws import law
-from drumlin.response.response import loaded
+from drumlin.response.balance import loaded
 
 R = 0.11
 STEEL = {"E": 2.1e11, "nu": 0.3}
@@ -84,7 +84,7 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
     tips = []
     for i, group in enumerate(groups_of(scene, alone, 1e6)):
         found = group.answer()
-        own = group._pushed(0)
+        own = group.pushed(group.brake.friction)[0]
         tip = group.unit_force * (own.tip @ found.p + own.yields + own.moves @ found.y)
         tips.append(tip)
         shoe = respond(scene, alone).shoes[i]
@@ -100,7 +100,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
     brake = vary(cam_brake(body=0.012, thickness=0.006, mu=0.0), {"actuation": None, "shoe.actuation.force": 1000.0})
     scene = prepare(brake, elements=30)
     (group, _) = groups_of(scene, brake, math.inf)
-    found, own = group.answer(), group._pushed(0)
+    found, own = group.answer(), group.pushed(group.brake.friction)[0]
     tip = own.tip @ found.p + own.yields + own.moves @ found.y
     body, part = group.bodies[0], group.parts[0]
     nodal = -body.coupling.N.T @ found.p[part]

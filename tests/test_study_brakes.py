@@ -1,13 +1,15 @@
 """The brake files of every kind, and the rows and sentences that the study makes of them."""
 
+import math
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake import Brake, read_any, vary
 from drumlin.laws import law
-from drumlin.verification.brake_kinds import both_ways, case, row_of, verdict
+from drumlin.response.merit import brake_factor
+from drumlin.verification.brake_kinds import both_ways, cam_factor, case, row_of, verdict
 
 FILES = sorted((Path(__file__).parents[1] / "studies/brakes").glob("*.toml"))
 KINDS = {"hinge", "abutment", "pivot"}
@@ -32,11 +34,49 @@ def test_every_file_has_its_law_both_ways(path: Path) -> None:
 
 def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:
     (path,) = [path for path in FILES if path.stem == "s_cam"]
-    found = case("s_cam", read_any(path), 24)
+    brake = read_any(path)
+    assert isinstance(brake, Brake)
+    found = case("s_cam", brake, 24)
     new, worn = found.new.shoes, found.worn.shoes
     assert abs(new[0].torque / new[1].torque - 1) > 0.2
     assert worn[0].torque == pytest.approx(worn[1].torque, rel=1e-3)
+    one, two = (law(under(brake, i)).torque / (brake.drum.radius * 500.0) for i in range(2))
+    assert cam_factor(brake) == pytest.approx(4 * one * two / (one + two), rel=1e-12)
     row: dict[str, Any] = row_of(found, None)
+    assert row["factor_worn"] == pytest.approx(cam_factor(brake), rel=1e-3)
+    assert abs(row["factor"] / row["factor_worn"] - 1) > 0.01
     assert row["balance"] < 1e-9
     assert abs(row["worn"]) < 1e-3 < abs(row["new"])
-    assert verdict([row]).startswith("New, the law 'rigid' of the torque is an estimate")
+    assert abs(row["p_worn"]) < 1e-2 < abs(row["p"])
+
+
+def under(brake: Brake, index: int) -> Brake:
+    """One shoe of the brake, under a force of its own."""
+    data = brake.shoes[index].model_dump(by_alias=True)
+    data["actuation"]["force"] = 500.0
+    return vary(brake.model_copy(update={"actuation": None}), {"shoe": [data]})
+
+
+def test_a_strut_is_no_actuation() -> None:
+    """The brake factor of a duo-servo brake counts the force of its cylinder."""
+    (path,) = [path for path in FILES if path.stem == "duo_servo"]
+    brake = read_any(path)
+    assert isinstance(brake, Brake)
+    response = law(brake)
+    force = 0.96 * 3e6 * math.pi * 0.02222**2 / 4
+    assert brake_factor(brake, response) == pytest.approx(response.torque / (force * 0.1397), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("new", "p", "said"),
+    [
+        (0.03, 0.6, "New, the torque of the law 'sine' can be trusted (off by up to 3 %), its pressure cannot be"),
+        (0.1, 0.01, "is an estimate (off by up to 10 %), its pressure can be trusted (off by up to 1 %); worn in, the"),
+        (-0.2, 0.06, "cannot be trusted (off by up to 20 %), its pressure is an estimate (off by up to 6 %)"),
+        (1e-12, 0.06, "The torque follows from equilibrium alone, whatever the pressure. The pressure of the law "
+                      "'sine' is an estimate (off by up to 6 %) new, and can be trusted (off by less than 0.01 %)"),
+    ],
+)  # fmt: skip
+def test_a_verdict_is_that_of_the_worse_sense_of_motion(new: float, p: float, said: str) -> None:
+    row = {"unit": "N m", "law": "sine", "new": new, "p": p, "worn": 0.0, "p_worn": 0.0}
+    assert said in verdict([row, row | {"new": 0.0, "p": 0.0}])

@@ -35,7 +35,7 @@ def test_the_answer_comes_first_as_a_table(brake):
     lines = drumlin("solve", BRAKE).stdout.splitlines()
     response = solve(brake)
     T = response.torque
-    assert lines[1] == f"torque {T:.6g} N m, brake factor {T / (2000 * 0.15):.4g} = T/(F R), F the mean force"
+    assert lines[1] == f"torque {T:.6g} N m, brake factor {T / (2000 * 0.15):.4g} = T/(F R), F the mean actuation force"
     assert lines[2].split() == ["shoe", "torque", "normal", "peak", "p", "at", "contact", "reaction", "T/(F", "R)"]
     for row, shoe in zip(lines[4:6], response.shoes, strict=True):
         name, torque, normal, peak, at, first, _, last, reaction, factor = row.split()

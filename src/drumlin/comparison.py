@@ -18,8 +18,9 @@ from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
 from drumlin.files import cell
 from drumlin.models import applicable
+from drumlin.response.merit import effect, shoe_effect
 from drumlin.response.norms import pressure_distance, relative, vector_distance
-from drumlin.response.response import EDGE_ZONE, FlatMerit, Response
+from drumlin.response.response import EDGE_ZONE, Response
 from drumlin.response.show import arcs_text
 from drumlin.texts import formatted
 
@@ -140,7 +141,7 @@ def rows(
             row = {
                 **base,
                 "shoe": shoe.name,
-                "torque": brakes(response, i),
+                "torque": shoe_effect(response, i),
                 "peak_pressure": shoe.peak_pressure,
                 "reaction": float(np.linalg.norm(shoe.hinge_reaction)),
                 "contact": arcs_text(shoe, "mm" if flat else "deg"),
@@ -149,7 +150,7 @@ def rows(
             }
             if judged and true is not None:
                 other = true.shoes[i]
-                row["torque_error"] = relative(brakes(response, i), brakes(true, i))
+                row["torque_error"] = relative(shoe_effect(response, i), shoe_effect(true, i))
                 row["peak_error"] = relative(shoe.peak_pressure, other.peak_pressure)
                 row["pressure_error"] = pressure_distance(shoe, other, edge_of(brake))
                 row["reaction_error"] = vector_distance(shoe.hinge_reaction, other.hinge_reaction)
@@ -157,12 +158,12 @@ def rows(
         whole = {
             **base,
             "shoe": "all",
-            "torque": effect(brake, response),
+            "torque": effect(response),
             "seconds": outcome.seconds,
             "status": "converged",
         }
         if judged and true is not None:
-            whole["torque_error"] = relative(effect(brake, response), effect(brake, true))
+            whole["torque_error"] = relative(effect(response), effect(true))
         table.append(whole)
     return table
 
@@ -170,19 +171,6 @@ def rows(
 def motion_of(brake: AnyBrake) -> str:
     """The sense of the motion: that of the rotation, on a plane of the sliding."""
     return f"slides {brake.plane.sliding}" if isinstance(brake, FlatBrake) else brake.rotation
-
-
-def effect(brake: AnyBrake, response: Response) -> float:
-    """Torque [N m] of a response, on a plane its braking force [N]."""
-    if isinstance(brake, FlatBrake):
-        return math.fsum(brakes(response, i) for i in range(len(response.shoes)))
-    return response.torque
-
-
-def brakes(response: Response, index: int) -> float:
-    """Torque [N m] of a shoe, on a plane its braking force [N]."""
-    merit = response.merits[index] if response.merits else None
-    return merit.braking_force if isinstance(merit, FlatMerit) else response.shoes[index].torque
 
 
 def edge_of(brake: AnyBrake) -> float:

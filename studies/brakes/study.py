@@ -6,31 +6,36 @@ from typing import Any, NamedTuple
 
 from matplotlib.figure import Figure
 
+from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
 from drumlin.comparison import as_csv, motion_of
 from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
 from drumlin.report.page import fill
-from drumlin.verification.brake_kinds import Case, both_ways, case, mu_lock, row_of, verdict
+from drumlin.verification.brake_kinds import Case, both_ways, cam_factor, case, mu_lock, others_of, row_of, verdict
 
 HERE = Path(__file__).parent
+SHOWN = "simplex_abutted"  # its pressures stand in the reference report
 SHORT = ("simplex_abutted", "s_cam", "rail_clamp")
 
 
 class Result(NamedTuple):
-    """Each brake in both senses of motion, a row for each, a sentence for each file."""
+    """Each brake in both senses of motion, a row for each, rows of the other models, a sentence for each file; `cams`:
+    by file of an S-cam brake the brake factor that it wears to in closed form."""
 
     cases: list[Case]
     rows: list[dict[str, Any]]
+    others: list[dict[str, Any]]
     verdicts: dict[str, str]
+    cams: dict[str, float]
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
     """All files by law and finite elements; `short`: three of them, coarser worn-in linings, no limits of locking."""
     cases: list[Case] = []
     rows: list[dict[str, Any]] = []
-    verdicts = {}
+    verdicts, cams = {}, {}
     for path in sorted(HERE.glob("*.toml")):
         if short and path.stem not in SHORT:
             continue
@@ -42,12 +47,17 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
             own.append(row_of(found, None if short else mu_lock(brake)))
         rows += own
         verdicts[path.stem] = verdict(own)
-    return Result(cases, rows, verdicts)
+        brake = cases[-1].brake
+        if isinstance(brake, Brake) and brake.actuation is not None and brake.actuation.is_cam:
+            cams[path.stem] = cam_factor(brake)
+    others = [row for found in cases for row in others_of(found)]
+    return Result(cases, rows, others, verdicts, cams)
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, pictures, figures and table; returns the page."""
     write_text(folder / "brakes.csv", as_csv(result.rows))
+    write_text(folder / "models.csv", as_csv(result.others))
     drawn: dict[str, AnyBrake] = {}
     for found in result.cases:
         drawn.setdefault(found.file, found.brake)
@@ -59,7 +69,9 @@ def report(result: Result, folder: Path) -> Path:
             for i, shoe in enumerate(found.brake.shoes):
                 of = {"fem": found.new.shoes[i], "worn": found.worn.shoes[i], found.law.model: found.law.shoes[i]}
                 panels.append((f"{shoe.name}, {motion_of(found.brake)}", of))
-        figures.save(figures.pressures(panels, flat=isinstance(brake, FlatBrake)), folder / f"{file}.svg")
+        drawn_pressures = figures.pressures(panels, flat=isinstance(brake, FlatBrake))
+        for ending in ("svg", "png") if file == SHOWN else ("svg",):
+            figures.save(drawn_pressures, folder / f"{file}.{ending}")
         figure = Figure(figsize=(4.5, 4.5), layout="constrained")
         draw_brake(figure.subplots(), brake)
         figures.save(figure, folder / f"{file}_drawing.svg")

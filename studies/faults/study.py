@@ -1,5 +1,6 @@
 """Broken inputs of every kind and sweeps that are killed: what does drumlin make of them?"""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,6 +11,7 @@ from drumlin.report.page import fill
 
 HERE = Path(__file__).parent
 WORKERS = 2
+UNKNOWN = "not known to it"  # inputs with options that the earlier drumlin had not: neither sound nor a fault
 INPUTS = {
     "bytes": 1000,
     "schema": 2000,
@@ -53,14 +55,29 @@ def study(
 def report(result: Result, folder: Path) -> Path:
     """Write the page; returns it."""
     within, apart = trials.table(result.within), trials.table(result.apart)
+    before = json.loads((HERE / "before.json").read_text(encoding="utf-8"))
     return fill(
         HERE / "page.html",
         folder / "index.html",
         within=within,
         apart=apart,
+        before=before | {"rows": [_before(row, result.within[row["generator"]]) for row in before["rows"]]},
         killed=kills.table(result.killed),
         faults=[v.fault for of in (result.within, result.apart) for vs in of.values() for v in vs if v.fault]
         + [f"{row['way']}: {row['fault']}" for row in result.killed if row["fault"]],
         promises=promises.PROMISES,
         statuses=promises.STATUSES,
     )
+
+
+def _before(row: dict[str, Any], now: list[trials.Verdict]) -> dict[str, Any]:
+    """Faults of an earlier drumlin, in words, beside those of this one on the same inputs."""
+    counts: dict[str, int] = row["faults"]
+    later = counts.pop(UNKNOWN, 0)
+    return {
+        "generator": row["generator"],
+        "inputs": row["inputs"] - later,
+        "before": sum(counts.values()),
+        "kinds": ", ".join(f"{count} {kind}" for kind, count in counts.items()),
+        "now": sum(bool(verdict.fault) for verdict in now[: row["inputs"]]),
+    }

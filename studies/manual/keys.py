@@ -1,6 +1,7 @@
 """What each key of a brake file and of a sweep file means, in words, beside what its type says."""
 
 from drumlin.brake.components import Actuation, Backing, Beam, Body, Drum, Lining, Lobes, Misfit, Ring
+from drumlin.brake.components import Table as SectionTable
 from drumlin.brake.drive import Drive, Link
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Part, Point
@@ -42,7 +43,11 @@ _SHARED = {
     "actuation": "the table `[actuation]`: one cylinder or cam for all shoes",
     "link": "the tables `[[link]]`: struts between shoes",
 }
-_GRIP = "length of its back that a pivot or a guide holds, by default its thickness"
+_GRIP = "length of its back that a pivot or a guide holds, by default its thickness; of a hinge, bolted to its lever"
+_BAR = {
+    "width": "of its rectangle or web, across the plane", "material": "its material", "grip": _GRIP,
+    "table": "makes the section a T: the plate between lining and web, `{ thickness = ..., width = ... }`",
+    "bending_stiffness": "EI; in place of width and material, or overruling them"}  # fmt: skip
 
 BRAKE: tuple[Table, ...] = (
     ("The brake", Brake, {
@@ -78,8 +83,10 @@ BRAKE: tuple[Table, ...] = (
         "thickness": "of the layer between lining and shoe; behind a straight beam the block fills the space",
         "material": "its material"}),
     ("`[shoe.body]`, an arc", Body, {
-        "shape": "an arc of constant section, the default", **_ARC, "thickness": "radial", "width": "across the plane",
-        "material": "its material", "grip": _GRIP}),
+        "shape": "an arc of constant section, the default", **_ARC, **_BAR,
+        "thickness": "radial, of a T-section's web"}),
+    ("`table` of `[shoe.body]`", SectionTable, {
+        "thickness": "of the T-section's plate between lining and web", "width": "of the plate, across the plane"}),
     ("`[shoe.body]`, a straight beam", Beam, {
         **_SECTION, "shape": "a straight beam from the hinge to the actuation's point",
         "bending_stiffness": "EI, one value or rows over the distance from the hinge; overrules that of the section",
@@ -108,8 +115,8 @@ BRAKE: tuple[Table, ...] = (
         "thickness": "for finite elements", "material": "for finite elements",
         "clearance": "how far the unloaded lining stands off the plane"}),
     ("`[shoe.body]` on a plane", FlatBody, {
-        "start": "place x at which it begins", "end": "place x at which it ends", "thickness": "of the bar",
-        "width": "across the plane", "material": "its material", "grip": _GRIP}),
+        "start": "place x at which it begins", "end": "place x at which it ends", **_BAR,
+        "thickness": "of the bar, of a T-section's web"}),
 )  # fmt: skip
 
 _DRAW = {"distribution": "its name", "each_shoe": "whether each shoe draws its own value"}

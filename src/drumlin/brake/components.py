@@ -1,7 +1,7 @@
 """What drums and shoes are made of: ring, drum, lining, backing, bodies, actuation. Every number is SI."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
@@ -29,7 +29,7 @@ from drumlin.brake.fields import (
     table,
     value_at,
 )
-from drumlin.brake.units import SMALLEST, deg
+from drumlin.brake.units import SMALLEST, deg, mm
 
 Friction = Annotated[float, Field(ge=0, le=1e6, strict=True), AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0)]
 """A friction coefficient; one below SMALLEST is none, as with every quantity."""
@@ -48,24 +48,56 @@ class Section(NamedTuple):
         return self.material.E * self.width * self.thickness**3 / 12
 
 
-def _section(part: "Ring | Beam", EI: float | None) -> Section | None:
-    """The section of a ring or beam; its width is such that it bends with `EI` where that is given."""
-    if part.thickness is None or part.width is None or part.material is None:
+class Bonded(NamedTuple):
+    """Plates that bend as one: `depth` of the neutral axis from the first one's outer face [m], EI [N m^2], EA [N],
+    GA [N]."""
+
+    depth: float
+    EI: float
+    EA: float
+    GA: float
+
+
+def bonded(plates: Sequence[Section]) -> Bonded:
+    """The stiffnesses of plates that lie on each other in this order."""
+    t = np.array([plate.thickness for plate in plates])
+    EA = np.array([plate.material.E * plate.width * plate.thickness for plate in plates])
+    GA = EA / [2 * (1 + plate.material.nu) for plate in plates]
+    own = np.array([plate.bending_stiffness for plate in plates])
+    middle = np.cumsum(t) - t / 2
+    depth = float(EA @ middle / EA.sum())
+    return Bonded(depth, float((own + EA * (middle - depth) ** 2).sum()), float(EA.sum()), float(GA.sum()))
+
+
+STEEL = Material(E=210e9, nu=0.3)
+"""The material of what is known by its bending stiffness alone: then its width follows, and plane stress feels only
+the product of both."""
+
+
+def _section(part: "Ring | Beam | Bar", EI: float | None) -> Section | None:
+    """The section of a ring, beam or arc; its width is such that it bends with `EI` where that is given."""
+    if part.thickness is None:
         return None
-    section = Section(part.thickness, part.width, part.material)
-    return section if EI is None else section._replace(width=section.width * EI / section.bending_stiffness)
+    if EI is None:
+        known = part.width is not None and part.material is not None
+        return Section(part.thickness, part.width, part.material) if known else None  # type: ignore[arg-type]
+    section = Section(part.thickness, part.width or 1.0, part.material or STEEL)
+    return section._replace(width=section.width * EI / section.bending_stiffness)
 
 
 def _check_section(part: "Ring | Beam") -> None:
-    given = [key for key in ("thickness", "width", "material") if getattr(part, key) is not None]
-    if len(given) < 3 and (given or part.bending_stiffness is None):
-        raise ValueError("needs thickness, width and material, or bending_stiffness, or all four")
+    given = {key for key in ("thickness", "width", "material") if getattr(part, key) is not None}
+    if len(given) < 3 and (part.bending_stiffness is None or given - {"thickness"}):
+        raise ValueError(
+            "needs thickness, width and material, or bending_stiffness, or that and thickness, or all four"
+        )
 
 
 class Ring(Part):
     """The elastic rim of the drum, behind its friction surface as seen from the shoe.
 
-    Its section, or its `bending_stiffness` EI [N m^2] alone, or both: then the section bends with this EI.
+    Its section, or its `bending_stiffness` EI [N m^2] alone, or both: then the section bends with this EI. With
+    thickness and bending stiffness it can be meshed.
     """
 
     thickness: Thickness | None = None
@@ -182,33 +214,71 @@ class Backing(Part):
     material: Material
 
 
-class Body(Part):
-    """The elastic shoe behind lining and backing: an arc of constant section from `start` to `end`.
+class Table(Part):
+    """The plate of a T-section, between the lining and the web: `thickness` in the brake's plane, `width` across it."""
 
-    `grip` [m]: the length of its back that a pivot or a guide holds, by default its thickness. A hinge and an abutment
-    hold its end face.
-    """
-
-    shape: Literal["arc"] = "arc"
     thickness: Thickness
     width: Thickness
-    start: Angle
-    end: Angle
-    material: Material
+
+
+class Bar(Part):
+    """A body of constant section behind lining and backing.
+
+    `thickness`, `width`: of its rectangle; with a `table` of the T-section's web. `bending_stiffness` EI [N m^2]: in
+    place of width and material, or besides them; then the width is such that the body bends with it.
+    `grip` [m]: the length of its back that a pivot or a guide holds, by default its thickness; with a hinge, that which
+    is bolted to the lever. Without it a hinge holds the end face, as an abutment does.
+    """
+
+    thickness: Thickness
+    width: Thickness | None = None
+    material: Material | None = None
+    table: Table | None = None
+    bending_stiffness: BendingStiffness | None = None
     grip: Thickness | None = None
 
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if (self.width is None or self.material is None) and (self.bending_stiffness is None or self.width):
+            raise ValueError("needs width and material, or bending_stiffness, or all three")
+        if self.table is not None and self.bending_stiffness is not None:
+            raise ValueError("table: bending_stiffness is that of the whole body; leave one of them out")
+        if self.table is not None and self.width is not None and self.table.width < self.width:
+            raise ValueError(
+                f"table.width = {mm(self.table.width)}: must be at least width = {mm(self.width)}, the web's"
+            )
+        return self
+
     @property
-    def section(self) -> Section:
-        """The section."""
-        return Section(self.thickness, self.width, self.material)
+    def plates(self) -> dict[str, Section]:
+        """The plates of its section by the names of their groups, from the friction surface inwards: "table" if it has
+        one, and "shoe", its rectangle or web."""
+        own = _section(self, self.bending_stiffness)
+        assert own is not None  # checked at the door
+        table = {} if self.table is None else {"table": Section(self.table.thickness, self.table.width, own.material)}
+        return table | {"shoe": own}
+
+    @property
+    def depth(self) -> float:
+        """Its whole thickness [m]."""
+        return self.thickness + (self.table.thickness if self.table else 0.0)
+
+
+class Body(Bar):
+    """The elastic shoe behind lining and backing: an arc of constant section from `start` to `end`."""
+
+    shape: Literal["arc"] = "arc"
+    start: Angle
+    end: Angle
 
 
 class Beam(Part):
     """The elastic shoe as a straight beam: its axis runs from the hinge to the point of the actuation.
 
     Its section, or its `bending_stiffness` EI [N m^2], one value or a table over the distance from the hinge, or
-    both: then the section bends with this EI. `offset` [m]: where the neutral axis is weakly curved, a table over
-    the distance from the hinge of how far it lies behind the straight line, away from the drum.
+    both: then the section bends with this EI. With thickness and one bending stiffness it can be meshed. `offset` [m]:
+    where the neutral axis is weakly curved, a table over the distance from the hinge of how far it lies behind the
+    straight line, away from the drum.
     """
 
     shape: Literal["beam"]
@@ -233,6 +303,17 @@ class Beam(Part):
         """The section, of a width that gives the bending stiffness; None where that varies or stands alone."""
         EI = self.bending_stiffness
         return None if isinstance(EI, tuple) else _section(self, EI)
+
+    @property
+    def plates(self) -> dict[str, Section]:
+        """As of an arc: its section."""
+        assert self.section is not None  # why_not
+        return {"shoe": self.section}
+
+    @property
+    def depth(self) -> float:
+        """Its thickness [m], 0 where that is not known."""
+        return self.thickness or 0.0
 
     def bending_stiffness_at(self, x: Floats) -> Floats:
         """EI [N m^2] at the distances x [m] from the hinge, same shape."""

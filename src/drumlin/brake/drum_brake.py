@@ -19,9 +19,9 @@ from pydantic import (
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.components import STEP, AnyBody, Backing, Beam, Body, Drum, Friction, Lining, Ring
+from drumlin.brake.components import STEP, AnyBody, Backing, Bar, Beam, Body, Drum, Friction, Lining, Ring, Table
 from drumlin.brake.drive import Drive, Link, driven, shares
-from drumlin.brake.fields import Part, Title, check_names
+from drumlin.brake.fields import Part, Point, Title, check_names
 from drumlin.brake.support import MOVES, Held, check_motions
 from drumlin.brake.units import deg, mm
 from drumlin.errors import BadInput
@@ -83,7 +83,7 @@ class Shoe(Held):
         return (
             self.lining.thickness
             + (self.backing.thickness if self.backing else 0.0)
-            + ((self.body.thickness or 0.0) if self.body else 0.0)
+            + (self.body.depth if self.body else 0.0)
         )
 
     @property
@@ -118,24 +118,41 @@ class Shoe(Held):
         """Points (2, n) [m] of its frame in the brake's."""
         return np.asarray(self.frame.to_brake(xy.T).T)
 
-    def end_face(self, radius: float) -> Floats:
-        """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds an arc."""
+    def at(self, depth: Floats, phi: Floats, radius: float) -> Floats:
+        """Points (2, ...) [m] of its frame, at a depth [m] behind the friction surface and angles phi [rad]."""
+        r = radius - self.sign * depth
+        return np.stack([r * np.cos(phi), r * np.sin(phi)])
+
+    def end_face(self, radius: float, *, loaded: bool = False) -> Floats:
+        """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds an arc, or of that
+        which the actuation pushes."""
         assert isinstance(self.body, Body)
-        phi = min(self.frame.phi(np.array([self.body.start, self.body.end])).tolist(), key=abs)
-        r = radius - self.sign * (self.depth - 0.5 * self.body.thickness)
-        return r * np.array([math.cos(phi), math.sin(phi)])
+        phi = (max if loaded else min)(self.frame.phi(np.array([self.body.start, self.body.end])).tolist(), key=abs)
+        return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), radius)
+
+    def angle_of(self, point: Point) -> float:
+        """The angle [rad] of a point, that nearest to the lining's middle."""
+        return self.lining.middle + math.remainder(point.angle - self.lining.middle, 2 * math.pi)
+
+    def back(self, radius: float) -> float:
+        """Radius [m] of the back of its body."""
+        return radius - self.sign * self.depth
+
+    @property
+    def gripped(self) -> bool:
+        """Whether what holds the shoe grips the back of an elastic body, not an end face: the force acts on it then."""
+        return self.held_by in {"pivot", "guide"} or (isinstance(self.body, Body) and self.body.grip is not None)
 
     def grip(self, radius: float) -> tuple[float, float] | None:
-        """The arc [rad] in its frame of the body's back that a pivot or a guide holds, on a drum of this radius [m].
+        """The arc [rad] in its frame of the body's back that is held (see `Bar`), on a drum of this radius [m].
 
         None where what holds the shoe holds an end face of its body, or all of the back of a rigid one.
         """
-        if not isinstance(self.body, Body) or self.mesh is not None or self.held_by not in {"pivot", "guide"}:
+        if not isinstance(self.body, Body) or self.mesh is not None or not self.gripped:
             return None
-        middle, (start, end) = self.lining.middle, self.arc
-        angle = middle if self.pivot is None else middle + math.remainder(self.pivot.angle - middle, 2 * math.pi)
-        half = 0.5 * (self.body.grip or self.body.thickness) / (radius - self.sign * self.depth)
-        half = min(half, 0.3 * (end - start))
+        start, end = self.arc
+        angle = self.lining.middle if self.pivot is None else self.angle_of(self.pivot)
+        half = min(0.5 * (self.body.grip or self.body.thickness) / self.back(radius), 0.3 * (end - start))
         at = float(np.clip(self.frame.phi(np.array(angle)), start + 1.5 * half, end - 1.5 * half))
         return at - half, at + half
 
@@ -233,7 +250,7 @@ def _check_misfit(key: str, lining: Lining, radius: float) -> None:
 THINNEST = 1e-9  # of the drum's radius: a thinner layer has no elements that arithmetic can tell from nothing
 
 
-def _check_thickness(key: str, part: "Lining | Backing | Body | Beam | Ring | None", radius: float) -> None:
+def _check_thickness(key: str, part: "Lining | Backing | Body | Beam | Ring | Table | None", radius: float) -> None:
     thickness = None if part is None else part.thickness
     if thickness is not None and thickness < THINNEST * radius:
         raise ValueError(
@@ -243,10 +260,13 @@ def _check_thickness(key: str, part: "Lining | Backing | Body | Beam | Ring | No
 
 def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
     """Raise ValueError where a shoe does not fit together or into a drum of this radius [m]."""
-    for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
+    table = shoe.body.table if isinstance(shoe.body, Body) else None
+    parts = {"lining": shoe.lining, "backing": shoe.backing, "body": shoe.body, "body.table": table}
+    for name, part in parts.items():
         _check_thickness(f"{key}.{name}", part, radius)
     if shoe.hinge is not None and shoe.hinge.radius < 1e-9 * radius:
         raise ValueError(f"{key}.hinge = (0, 0): must not be the drum's centre, about which the shoe would only slide")
+    check_grip(key, shoe)
     _check_support(key, shoe, radius)
     if shoe.sign > 0 and shoe.depth >= radius:
         raise ValueError(
@@ -269,6 +289,13 @@ def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
             f"{key}.lining = {deg(lining.start)} to {deg(lining.end)}: must lie within the body, "
             f"{deg(body.start)} to {deg(body.end)}"
         )
+
+
+def check_grip(key: str, shoe: Held) -> None:
+    """Raise ValueError for a grip of the back of a body that an abutment holds by its end face."""
+    body = getattr(shoe, "body", None)
+    if shoe.abutment is not None and isinstance(body, Bar) and body.grip is not None:
+        raise ValueError(f"{key}.body.grip = {mm(body.grip)}: an abutment holds the body's end face; leave it out")
 
 
 def _check_beam(key: str, shoe: Shoe, radius: float) -> None:

@@ -11,9 +11,9 @@ import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Backing, Friction
+from drumlin.brake.components import Backing, Bar, Friction
 from drumlin.brake.drive import Drive, Link, driven, shares
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.drum_brake import Brake, check_grip
 from drumlin.brake.fields import Length, Material, Part, Thickness, Title, check_names
 from drumlin.brake.file import brake_from, read_toml, toml_data, validated
 from drumlin.brake.support import Held, check_motions
@@ -47,18 +47,11 @@ class FlatLining(Part):
         return self
 
 
-class FlatBody(Part):
-    """The elastic shoe behind lining and backing: a straight bar from x = `start` to x = `end` [m].
+class FlatBody(Bar):
+    """The elastic shoe behind lining and backing: a straight bar from x = `start` to x = `end` [m]."""
 
-    `grip`: as of `Body`.
-    """
-
-    thickness: Thickness
-    width: Thickness
     start: Length
     end: Length
-    material: Material
-    grip: Thickness | None = None
 
 
 class FlatFrame(NamedTuple):
@@ -139,6 +132,7 @@ class FlatBrake(Part):
         check_names([shoe.name for shoe in self.shoes])
         shoes = driven(self.shoes, self.actuation, self.links, file=bool((info.context or {}).get("unit_required")))
         for i, shoe in enumerate(shoes):
+            check_grip(f"shoe[{i}]", shoe)
             check_motions(f"shoe[{i}]", shoe, slice(1, 3))
         return self.model_copy(update={"shoes": shoes})
 
@@ -171,3 +165,11 @@ def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
         return brake_from(data, unit_required=True, base=path.parent)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
+
+
+def read_drum(path: Path, what: str, text: str | None = None) -> Brake:
+    """The brake on a drum of a TOML file, for `what` takes no other. Raises BadInput as `read_any`, and for a plane."""
+    brake = read_any(path, text)
+    if isinstance(brake, FlatBrake):
+        raise BadInput(f"{path}: is a brake on a plane; {what} takes brakes on a drum")
+    return brake

@@ -24,6 +24,8 @@ MOVES = {
     "guide": "it moves along a guide, it has no hinge",
 }
 """How a shoe moves, in words of a refusal, by `Held.held_by`."""
+UNHELD = 2  # in place of the sense of an abutment's friction, see `Held.freedoms`
+STICKS = 1e-9  # relative, of what friction bears: round-off
 
 
 class Abutment(Part):
@@ -65,8 +67,13 @@ def slide_along(angle: float) -> Floats:
 
 def work_on(motions: Floats, force: Floats, point: Floats) -> Floats:
     """Work (k,) of a force (2,) [N] at a point (2,) [m] on rigid motions (k, 3)."""
-    moment = point[0] * force[1] - point[1] * force[0]
-    return motions @ np.array([force[0], force[1], moment])
+    return motions @ wrench(force, point)
+
+
+def wrench(forces: Floats, points: Floats) -> Floats:
+    """The sum (3,) of forces (..., 2) [N] at points (..., 2) [m]: x, y and moment about the origin."""
+    moments = points[..., 0] * forces[..., 1] - points[..., 1] * forces[..., 0]
+    return np.array([forces[..., 0].sum(), forces[..., 1].sum(), moments.sum()])
 
 
 def moved(motions: Floats, xy: Floats) -> Floats:
@@ -74,6 +81,13 @@ def moved(motions: Floats, xy: Floats) -> Floats:
     x, y = xy[..., None]
     dx, dy, turn = motions.T
     return np.array([dx - turn * y, dy + turn * x])
+
+
+class Change(NamedTuple):
+    """How `motions` and `tests` (k, 3) of a shoe's freedoms change with one number of what holds it."""
+
+    motions: Floats
+    tests: Floats
 
 
 class Held(Part):
@@ -129,10 +143,24 @@ class Held(Part):
         """How friction may act where the shoe is held, see `freedoms`: the first is to be tried first."""
         return (1, -1, 0) if self.abutment is not None and self.abutment.friction > 0 else (1,)
 
+    def stands(self, reaction: Floats, sense: int, slide: float) -> bool:
+        """Whether an abutment can give a reaction (2,) on the foot: it presses, and its friction of a `sense` opposes
+        the `slide` of the foot along it (any length), or holds the foot. True of a shoe without one."""
+        if self.abutment is None:
+            return True
+        c, s = self.bearing
+        bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
+        if bearing <= 0 or self.abutment.friction == 0:
+            return bearing > 0
+        if sense == 0:
+            return abs(along) <= self.abutment.friction * bearing * (1 + STICKS)
+        return sense * slide <= 0
+
     def freedoms(self, sense: int = 1) -> Freedoms:
         """The free motions of the shoe.
 
         sense: of an abutment's friction, +1 along the normal turned by +90 deg, -1 against it; 0 where the foot sticks.
+        UNHELD: the abutment is left out, the foot may slide and come off its face.
         """
         at = self.actuation.point.xy
         motions, names = [turn_about(self.pin)], ["turn"]
@@ -145,13 +173,49 @@ class Held(Part):
         if self.abutment is not None and sense != 0:
             along = self.abutment.direction + math.pi / 2
             motions.append(slide_along(along))
-            tests.append(slide_along(along + sense * math.atan(self.abutment.friction)))
+            tests.append(slide_along(along + (sense != UNHELD) * sense * math.atan(self.abutment.friction)))
             names.append("slide")
+        if self.abutment is not None and sense == UNHELD:
+            motions.append(slide_along(self.abutment.direction))
+            tests.append(motions[-1])
+            names.append("off")
         work = work_on(np.array(tests), self.actuation.vector, at)
         tip = work_on(np.array(motions), self.actuation.direction_vector, at)
         if self.pivot is not None:  # the actuation acts on the lever: it does no work where the shoe tilts on its pivot
             work[1] = tip[1] = 0.0
         return Freedoms(np.array(motions), np.array(tests), work, tip, tuple(names))
+
+    def changes(self, sense: int = 1) -> dict[str, tuple[Change, ...]]:
+        """How its freedoms change with what holds it, by key: points along x and y [per m], directions [per rad],
+        friction [1]. Exact: freedoms are linear in points; sense: as of `freedoms`."""
+        k = len(self.freedoms(sense).names)
+
+        def both(row: int, change: Floats) -> Change:
+            return Change(_rows(k, row, change), _rows(k, row, change))
+
+        def point(row: int) -> tuple[Change, ...]:
+            return both(row, np.array([0.0, -1.0, 0.0])), both(row, np.array([1.0, 0.0, 0.0]))
+
+        if self.guide is not None:
+            return {"guide.direction": (both(0, slide_along(self.guide.direction + math.pi / 2)),)}
+        if self.abutment is None:
+            return {"hinge": point(0)} | ({} if self.pivot is None else {"pivot": point(1)})
+        found = {"abutment.point": point(0)}
+        if sense == 0:  # the foot sticks: how its face lies does not matter
+            return found
+        mu, along = self.abutment.friction, self.abutment.direction + math.pi / 2
+        tested = slide_along(along + sense * math.atan(mu) + math.pi / 2)
+        found["abutment.direction"] = (Change(_rows(k, 1, slide_along(along + math.pi / 2)), _rows(k, 1, tested)),)
+        if mu > 0:
+            found["abutment.friction"] = (Change(np.zeros((k, 3)), _rows(k, 1, sense * tested / (1 + mu**2))),)
+        return found
+
+
+def _rows(count: int, row: int, change: Floats) -> Floats:
+    """Changes (count, 3) of motions of which one changes."""
+    found = np.zeros((count, 3))
+    found[row] = change
+    return found
 
 
 def check_motions(key: str, shoe: Held, columns: slice) -> None:

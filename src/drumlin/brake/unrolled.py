@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Body, Drum, Lining, Misfit
+from drumlin.brake.components import Bar, Body, Drum, Lining, Misfit
 from drumlin.brake.drum_brake import Brake, Frame, Shoe
-from drumlin.brake.plane_brake import FlatBrake, FlatShoe
+from drumlin.brake.fields import Point
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
+from drumlin.errors import BadInput
 
 
 class StraightFrame(Frame):
@@ -56,22 +58,17 @@ class StraightShoe(Shoe):
         """Points (2, n) [m] of its frame in the brake's."""
         return np.array([self.pin.x + self.frame.sense * xy[0], xy[1]])
 
-    def end_face(self, radius: float) -> Floats:
-        """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds the body."""
-        assert isinstance(self.body, Body)
-        phi = min(self.frame.phi(np.array([self.body.start, self.body.end])).tolist(), key=abs)
-        return np.array([radius * phi, self.depth - 0.5 * self.body.thickness])
-
-    def grip(self, radius: float) -> tuple[float, float] | None:
+    def at(self, depth: Floats, phi: Floats, radius: float) -> Floats:
         """As of a shoe on a drum."""
-        if self.body is None or self.held_by not in {"pivot", "guide"}:
-            return None
-        assert isinstance(self.body, Body)
-        start, end = self.arc
-        at = self.lining.middle if self.pivot is None else self.pivot.x / self.unit
-        half = min(0.5 * (self.body.grip or self.body.thickness) / self.unit, 0.3 * (end - start))
-        at = float(np.clip(self.frame.phi(np.array(at)), start + 1.5 * half, end - 1.5 * half))
-        return at - half, at + half
+        return np.stack(np.broadcast_arrays(radius * phi, depth))
+
+    def angle_of(self, point: Point) -> float:
+        """The theta of a point."""
+        return point.x / self.unit
+
+    def back(self, radius: float) -> float:
+        """By what a length along its back makes a theta [m]."""
+        return radius
 
 
 def why_not(brake: FlatBrake) -> str | None:
@@ -96,6 +93,16 @@ def unrolled(brake: FlatBrake) -> Brake:
     )
 
 
+def on_drum(brake: AnyBrake) -> Brake:
+    """The brake, one on a plane `unrolled`. Raises BadInput where that cannot be meshed."""
+    if not isinstance(brake, FlatBrake):
+        return brake
+    reason = why_not(brake)
+    if reason is not None:
+        raise BadInput(f"fem does not apply to this brake: {reason}")
+    return unrolled(brake)
+
+
 def _straight(shoe: FlatShoe, unit: float) -> StraightShoe:
     lining, body = shoe.lining, shoe.body
     own: dict[str, Any] = {key: getattr(shoe, key) for key in ("name", "hinge", "pivot", "abutment", "guide")}
@@ -117,13 +124,10 @@ def _straight(shoe: FlatShoe, unit: float) -> StraightShoe:
         body=None
         if body is None
         else Body.model_construct(
+            **{name: getattr(body, name) for name in Bar.model_fields},
             shape="arc",
-            thickness=body.thickness,
-            width=body.width,
             start=body.start / unit,
             end=body.end / unit,
-            material=body.material,
-            grip=body.grip,
         ),
         mesh=None,
         mesh_unit="m",

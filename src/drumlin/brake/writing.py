@@ -8,14 +8,14 @@ from typing import Annotated, Any
 
 from pydantic.fields import FieldInfo
 
-from drumlin.brake.components import Actuation, Lobes, Misfit
+from drumlin.brake.components import Actuation, Lobes, Misfit, Table
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Material, Part, Point, unit_in
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.support import Held
 from drumlin.brake.units import COMMON, to_si
 
-INLINE = (Material, Point, Misfit, Lobes)
+INLINE = (Material, Point, Misfit, Lobes, Table)
 ROWS = {"clearance": "rad", "blocks": "rad", "bending_stiffness": "m", "offset": "m"}  # the place of a table's row
 VALUES = {"blocks": "m"}  # the value, where the field's type does not tell
 READABLE = {"m": ("mm", "m"), "rad": ("deg",), "Pa": ("GPa", "MPa"), "N": ("kN", "N")}

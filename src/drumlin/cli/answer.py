@@ -13,7 +13,7 @@ LEAST = ["shoe_factor", "reaction", "normal_force", "at"]
 
 
 def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = False) -> None:
-    """Torque and brake factor, a row a shoe, warnings; shoes that do not touch are said first.
+    """Torque and brake factor, a row a shoe, warnings, how bodies are held; shoes that do not touch are said first.
 
     verbose: figures of merit, how it was found, how long that took and what is left out, too.
     """
@@ -24,11 +24,16 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
     tell(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
     apart = {line for line in response.notes if ": no contact" in line}
     warned = [line for line in response.notes if line.startswith("warning:")]
+    held = [line for line in response.notes if line.startswith("held:")]
     for line in response.notes:
         if line in apart:
             tell(line)
     factor = brake_factor(brake, response)
-    said = "" if factor is None else f", brake factor {factor:.4g} = {'B/F' if flat else 'T/(F R)'}, F the mean force"
+    said = (
+        ""
+        if factor is None
+        else f", brake factor {factor:.4g} = {'B/F' if flat else 'T/(F R)'}, F the mean actuation force"
+    )
     tell(f"{'braking force' if flat else 'torque'} {effect(response):.6g} {'N' if flat else 'N m'}{said}")
     if not response.converged:
         tell("not converged")
@@ -39,24 +44,26 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
     for line in warned:
         tell(line)
     if response.error is not None:
-        more = {"torque": "torque", "peak": "peak pressure", "reaction": "hinge reaction"}
+        more = {"torque": "braking force" if flat else "torque", "peak": "peak pressure", "reaction": "hinge reaction"}
         errors = [f", {name} {response.error[key]:.1e}" for key, name in more.items() if key in response.error]
         tell(f"estimated error: p {response.error['pressure']:.1e} (L2, worst shoe){''.join(errors)}")
+    for line in held:
+        tell(line)
     if verbose:
-        _print_more(response, apart.union(warned))
+        _print_more(response, apart.union(warned, held))
 
 
 def _print_shoes(brake: "AnyBrake", response: "Response") -> None:
     from drumlin.brake.plane_brake import FlatBrake
-    from drumlin.response.response import FlatMerit, peak_place
+    from drumlin.response.merit import shoe_effect
+    from drumlin.response.response import peak_place
     from drumlin.response.show import arcs_text
 
     flat = isinstance(brake, FlatBrake)
     unit, per_unit = ("mm", 1e3) if flat else ("deg", math.degrees(1))
     places = [peak_place(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     at = ["" if place is None else f"{place.at * per_unit + 0.0:.1f}" for place in places]
-    each = zip(response.shoes, response.merits, strict=True)
-    effects = [merit.braking_force if isinstance(merit, FlatMerit) else shoe.torque for shoe, merit in each]
+    effects = [shoe_effect(response, i) for i in range(len(response.shoes))]
     size = 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius
     forces = [abs(shoe.actuation.force) * size for shoe in brake.shoes]
     columns = {

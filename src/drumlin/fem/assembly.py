@@ -96,7 +96,7 @@ def why_not(brake: Brake) -> str | None:
     if brake.drum.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
         return "shoes inside and outside of one elastic ring are not modelled"
     if brake.drum.ring is not None and brake.drum.ring.section is None:
-        return "its ring has no section to mesh: thickness, width, material"
+        return "its ring has no section to mesh: thickness, and width and material or bending_stiffness"
     for shoe in brake.shoes:
         reason = beam_mesh.why_not(shoe, brake.drum.radius)
         if reason is not None:
@@ -113,7 +113,7 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         behind = (body, *loaded.tolist())
     elif body is not None:
         arcs.append(tuple(sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist())))
-        behind = (body.shape, body.thickness, body.width, body.material, shoe.held_by in {"pivot", "guide"})
+        behind = (body.shape, tuple(body.plates.items()))
         arcs += [arc for arc in [shoe.grip(brake.drum.radius)] if arc is not None]
     return (
         brake.drum.radius,
@@ -172,9 +172,8 @@ def bare(brake: Brake) -> Brake:
 def bare_shoe(shoe: Shoe) -> Shoe:
     """The shoe without what its body does not depend on; see `bare`."""
     force: dict[str, Any] = {"force": 1.0, "direction": 0.0}
-    if (
-        not isinstance(shoe.body, Beam) and shoe.guide is None
-    ):  # a beam ends where it is loaded; a guide has its pin there
+    ends_there = isinstance(shoe.body, Beam) or shoe.guide is not None  # a beam where it is loaded; a guide's pin
+    if not ends_there:
         force["point"] = Point(x=0.0, y=0.0)
     return shoe.model_copy(
         update={
@@ -278,23 +277,18 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
     with clock(seconds, "assembly"):
         K = stiffness(basis, materials_of(shoe))
     with clock(seconds, "ties"):
-        pin = pin_of(shoe)
+        pin = shoe.own_pin
         unit = brake.drum.radius if shoe.flat else None
         line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2, unit)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         ties = tie(basis, line.nodes, rigid, pin)
-        if "actuation" in mesh.boundaries and shoe.held_by in {"hinge", "abutment"}:
+        if "actuation" in mesh.boundaries and not shoe.gripped:
             full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
             loads = ties.matrix.T @ full
         else:  # the force acts on the rigid shoe itself, or on what holds the back of the body
             loads, load_centre = np.zeros((ties.matrix.shape[1], 3)), pin
             loads[-FRAME:] = np.eye(3)
     return Assembled(mesh, basis, line, K, ties, loads, load_centre)
-
-
-def pin_of(shoe: Shoe) -> Floats:
-    """The pin (2,) [m] in the shoe's frame."""
-    return shoe.own_pin
 
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
@@ -316,7 +310,7 @@ def coupled(
     Y = condensed.half(np.hstack(forces))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
     pressed, loaded, dragged = slice(n), slice(n, n + 3), slice(n + 3, None)
-    x, y = line.xy - pin_of(shoe)[:, None]
+    x, y = line.xy - shoe.own_pin[:, None]
     return made(
         coupling=coupling,
         condensed=condensed,
@@ -356,9 +350,7 @@ def materials_of(shoe: Shoe) -> dict[str, tuple[Material, float]]:
     if shoe.backing is not None:
         parts["backing"] = (shoe.backing.material, shoe.lining.width)
     if shoe.body is not None:
-        section = shoe.body.section
-        assert section is not None  # why_not
-        parts["shoe"] = (section.material, section.width)
+        parts |= {name: (plate.material, plate.width) for name, plate in shoe.body.plates.items()}
     return parts
 
 
@@ -370,7 +362,7 @@ def actuation(body: Body | Assembled, shoe: Shoe) -> tuple[Floats, float]:
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
     force, point = shoe.frame.to_shoe(direction), shoe.own_points(shoe.actuation.point.xy)
     couple_ = float(cross(point - body.load_centre, force))
-    return np.array([*force, couple_]), float(cross(point - pin_of(shoe), force))
+    return np.array([*force, couple_]), float(cross(point - shoe.own_pin, force))
 
 
 def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:

@@ -58,12 +58,15 @@ def flange_mean(reach: float, stiffness: float, foundation: float) -> float:
 def corrected(shoe: Shoe) -> Material:
     """The lining's material for plane stress of a shoe of finite width.
 
-    Flanges are those of a table that is the backing, or else of the body itself, beyond a narrower part behind it.
+    Flanges are those of a table, or of a backing that stands for one, beyond a narrower part behind it.
     """
     lining = shoe.lining
     material = between(lining.material, held_share(lining.width, lining.thickness))
-    body, table = shoe.body, shoe.backing
-    if not isinstance(body, Body) or table is None or body.width >= lining.width:
+    if not isinstance(shoe.body, Body):
+        return material
+    body = shoe.body.plates["shoe"]
+    table = shoe.body.plates.get("table", shoe.backing)
+    if table is None or body.width >= lining.width:
         return material
     reach = (lining.width - body.width) / 2
     plate = table.material.E * table.thickness**3 / (12 * (1 - table.material.nu**2))

@@ -117,6 +117,11 @@ class ShoeGroup:
         return tuple(gap_of(body, self.brake, shoe) for body, shoe in zip(self.bodies, self.shoes, strict=True))
 
     @cached_property
+    def loads(self) -> tuple[tuple[Floats, float], ...]:
+        """Factors (3,) of each body's unit actuations, and the moment about its pin, see `actuation`."""
+        return tuple(actuation(body, shoe) for body, shoe in zip(self.bodies, self.shoes, strict=True))
+
+    @cached_property
     def stiffnesses(self) -> tuple[float, ...]:
         """Contact stiffness of each shoe per area [Pa/m]."""
         return tuple(contact_stiffness(shoe, self.penalty) for shoe in self.shoes)
@@ -146,26 +151,49 @@ class ShoeGroup:
         The weighted gap  w = M (g + p/eps) - N u + N_ring u_ring  closes as the lining moves by u, elastically and by
         the shoe's free motions y, and opens as the ring moves by u_ring;  C p = h  are the equilibria in these motions.
         """
-        return self.blocks if self.sharing is None else self.sharing.problem
+        return self.problem_at(self.brake.friction)
+
+    def problem_at(self, friction: float) -> active_set.Problem:
+        """`problem` at another friction coefficient; linear in it."""
+        sharing = self._sharing_at(friction)
+        return self.blocks(friction) if sharing is None else sharing.problem
+
+    @cached_property
+    def links(self) -> list[tuple[int, int]]:
+        """The struts between its shoes, (from, to)."""
+        names = [shoe.name for shoe in self.shoes]
+        return [(names.index(link.source), names.index(link.to)) for link in self.brake.links if link.to in names]
+
+    @cached_property
+    def cam(self) -> list[int]:
+        """The shoes whose tips a cam moves alike; none without one."""
+        drive, behind = self.brake.actuation, [to for _, to in self.links]
+        return [k for k in range(len(self.shoes)) if k not in behind] if drive and drive.is_cam else []
+
+    @cached_property
+    def total(self) -> float:
+        """The sum of the cam's forces, per newton of `unit_force`."""
+        return self.brake.actuation.total / self.unit_force if self.brake.actuation and self.cam else 0.0
+
+    def pushed(self, friction: float) -> list[Pushed]:
+        """What each shoe is as its force pushes it, per newton, at a friction coefficient; linear in it."""
+        return [self._pushed_shoe(k, friction) for k in range(len(self.shoes))]
 
     @cached_property
     def sharing(self) -> Sharing | None:
         """How the shoes share forces by struts and a cam; None where each has its own."""
-        names = [shoe.name for shoe in self.shoes]
-        links = [(names.index(link.source), names.index(link.to)) for link in self.brake.links if link.to in names]
-        drive = self.brake.actuation
-        cam = [k for k in range(len(names)) if k not in [to for _, to in links]] if drive and drive.is_cam else []
-        if not links and not cam:
-            return None
-        pushed = [self._pushed(k) for k in range(len(names))]
-        own = np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
-        total = drive.total / self.unit_force if drive else 0.0
-        return share(self.blocks, pushed, own, links, cam, total)
+        return self._sharing_at(self.brake.friction)
 
-    def _pushed(self, k: int) -> Pushed:
+    def _sharing_at(self, friction: float) -> Sharing | None:
+        if not self.links and not self.cam:
+            return None
+        own = np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
+        return share(self.blocks(friction), self.pushed(friction), own, self.links, self.cam, self.total)
+
+    def _pushed_shoe(self, k: int, friction: float) -> Pushed:
         body, shoe, motions = self.bodies[k], self.shoes[k], self.motions[k]
-        drag, coupling = self.brake.drag_on(shoe), body.coupling
-        load, _ = actuation(body, shoe)
+        drag, coupling = self._drag_on(shoe, friction), body.coupling
+        load, _ = self.loads[k]
         tip = -(load @ body.closing_loaded.T) + (0.0 if body.tip_dragged is None else drag * (load @ body.tip_dragged))
         nodal = (drag * coupling.T - coupling.N).reshape(len(tip), -1, 2).sum(axis=1)  # (n, 2) per pressure
         bearing = np.zeros(len(tip)) if shoe.abutment is None else -shoe.frame.to_brake(nodal) @ shoe.bearing
@@ -186,16 +214,18 @@ class ShoeGroup:
         y = found.y if self.sharing is None else self.sharing.amounts(found.p, found.y)
         return [y[rows] for rows in self.rows]
 
-    @cached_property
-    def blocks(self) -> active_set.Problem:
-        """The problem with the forces of each shoe's own actuation."""
-        parts = [self._shoe_problem(k) for k in range(len(self.members))]
+    def _drag_on(self, shoe: Shoe, friction: float) -> float:
+        return friction * self.brake.spin * shoe.frame.sense
+
+    def blocks(self, friction: float) -> active_set.Problem:
+        """The problem at a friction coefficient with the forces of each shoe's own actuation."""
+        parts = [self._shoe_problem(k, friction) for k in range(len(self.members))]
         if self.ring is None and len(parts) == 1:
             return parts[0]
         A = scipy.linalg.block_diag(*(part.A for part in parts))
         if self.ring is not None:
             pressed, dragged = self.ring
-            A += pressed.T @ (pressed + self.brake.drag * dragged)
+            A += pressed.T @ (pressed + friction * self.brake.spin * dragged)
         return active_set.Problem(
             A=A,
             q=np.concatenate([part.q for part in parts]),
@@ -204,10 +234,10 @@ class ShoeGroup:
             h=np.concatenate([part.h for part in parts]),
         )
 
-    def _shoe_problem(self, k: int) -> active_set.Problem:
+    def _shoe_problem(self, k: int, friction: float) -> active_set.Problem:
         body, shoe = self.bodies[k], self.shoes[k]
-        drag = self.brake.drag_on(shoe)
-        load, _ = actuation(body, shoe)
+        drag = self._drag_on(shoe, friction)
+        load, _ = self.loads[k]
         motions = self.motions[k]
         own = abs(shoe.actuation.force) / self.unit_force
         N, T, M = body.coupling.N, body.coupling.T, body.coupling.M
@@ -224,26 +254,22 @@ class ShoeGroup:
             h=-own * motions.work,
         )
 
-    def at_friction(self, friction: float) -> active_set.Problem:
-        """The contact problem at another friction coefficient."""
-        return replace(self, brake=self.brake.model_copy(update={"friction": friction})).problem
-
     @property
     def sliding(self) -> self_locking.Sliding:
         """Full slip at every friction coefficient; the scene must be prepared with friction."""
-        return self_locking.Sliding.through(self.at_friction(0.0), self.at_friction(1.0))
+        return self_locking.Sliding.through(self.problem_at(0.0), self.problem_at(1.0))
 
     def answer(self, first: Bools | None = None) -> active_set.Contact:
         """The contact per newton of `unit_force`, from the contact set `first` (n,) where there is one.
 
         Raises NoAnswer: self-locking, no equilibrium, not converged, a turn too large for small displacements.
         """
-        for body, shoe, gap in zip(self.bodies, self.shoes, self.gaps, strict=True):
+        for body, shoe, gap, load in zip(self.bodies, self.shoes, self.gaps, self.loads, strict=True):
             if shoe.held_by == "hinge" and not shoe.flat:
-                _check_reach(shoe, body.line.xy, gap, actuation(body, shoe)[1])
+                _check_reach(shoe, body.line.xy, gap, load[1])
         law = min(rigid.locking_friction(self.brake, shoe) for shoe in self.shoes)
         try:
-            return self_locking.answer(self.at_friction, self.brake.friction, first, law=law, brake="elastic as it is")
+            return self_locking.answer(self.problem_at, self.brake.friction, first, law=law, brake="elastic as it is")
         except NoAnswer as error:
             raise NoAnswer(f"{self.names}: {error}") from error
 
@@ -269,7 +295,7 @@ class ShoeGroup:
         raise failure
 
     def consistent(self, found: active_set.Contact, k: int) -> bool:
-        """Whether an answer presses the foot of shoe `k` on its abutment, and friction opposes its slide, or holds."""
+        """Whether the abutment of shoe `k` bears as an answer has it; see `Held.stands`."""
         shoe, body = self.shoes[k], self.bodies[k]
         if shoe.abutment is None:
             return True
@@ -277,27 +303,25 @@ class ShoeGroup:
         nodal = (drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p).reshape(-1, 2)
         push = self.forces(found.p)[k] * shoe.actuation.direction_vector
         reaction = -shoe.frame.to_brake(nodal.sum(axis=0)) - push
-        c, s = math.cos(shoe.abutment.direction), math.sin(shoe.abutment.direction)
-        bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
-        sense = self.senses[k] if self.senses else 1
-        if bearing <= 0 or shoe.abutment.friction == 0:
-            return bearing > 0
-        if sense == 0:
-            return abs(along) <= shoe.abutment.friction * bearing * (1 + 1e-9)
-        return sense * float(self.amounts(found)[k][1]) <= 0
+        return shoe.stands(reaction, self.senses[k] if self.senses else 1, float(self.amounts(found)[k][-1]))
 
 
 def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
     """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
-    touching = [i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)]
-    names = [shoe.name for shoe in brake.shoes]
-    behind = {names.index(link.to): names.index(link.source) for link in brake.links}
-    touching = sorted({*touching, *(to for to, source in behind.items() if source in touching)})
+    touching = pressed_shoes(scene, brake)
     if brake.actuation is not None and brake.actuation.is_cam:
         lacking = [shoe.name for i, shoe in enumerate(brake.shoes) if i not in touching]
         if lacking:
             raise NoAnswer(f"shoe {lacking[0]!r}: the cam does not press it")
     return grouped(scene, brake, touching, penalty)
+
+
+def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
+    """The shoes that their forces press on the drum, and those that a strut from one of them pushes."""
+    touching = {i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)}
+    names = [shoe.name for shoe in brake.shoes]
+    behind = {names.index(link.to): names.index(link.source) for link in brake.links}
+    return sorted(touching | {to for to, source in behind.items() if source in touching})
 
 
 def grouped(scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf) -> list[ShoeGroup]:

@@ -17,15 +17,14 @@ from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import (
     Scene,
-    actuation,
     clock,
     held,
-    pin_of,
     shape_of,
 )
 from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.fem.refinement import Refined, refine, whole
-from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, relative_balance, untouched, worst
+from drumlin.response.balance import relative_balance, worst
+from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
 
 OVERLAP = 0.01  # of the lining's thickness, from which on a mesh that lies in the drum is said
@@ -108,19 +107,24 @@ def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
 
 
 def _grips(brake: Brake) -> Iterator[str]:
-    """How each elastic body is held: a pin that stands off it is joined to it rigidly, which its pressure feels."""
+    """How elastic bodies are held, in a line: a pin that stands off one is joined to it rigidly, which its pressure
+    feels."""
+    found: dict[str, list[str]] = {}
     for shoe in brake.shoes:
         if shoe.mesh is not None or not isinstance(shoe.body, Body):
             continue
-        said, grip = f"shoe {shoe.name!r}:", shoe.grip(brake.drum.radius)
+        grip = shoe.grip(brake.drum.radius)
         if grip is not None:
             length = shoe.body.grip or shoe.body.thickness
-            yield f"{said} its {shoe.held_by} grips {mm(length)} of the back of its body"
-            continue
-        away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - pin_of(shoe))))
-        what = "pin" if shoe.held_by == "hinge" else "foot"
-        joined = "" if away < 0.5 * shoe.body.thickness else ", joined by a rigid arm"
-        yield f"{said} its {what} holds the end face of its body, {mm(round(away, 6))} from the face's middle{joined}"
+            said = f"its {shoe.held_by} grips {mm(length)} of the back of its body"
+        else:
+            away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - shoe.own_pin)))
+            joined = "" if away < 0.5 * shoe.body.depth else ", joined by a rigid arm"
+            what = "pin" if shoe.held_by == "hinge" else "foot"
+            said = f"its {what} holds the end face of its body, {mm(round(away, 4))} from the face's middle{joined}"
+        found.setdefault(said, []).append(shoe.name)
+    if found:
+        yield "held: " + "; ".join(f"{', '.join(names)}: {said}" for said, names in found.items())
 
 
 def _untouched(shoe: Shoe) -> _Answer:
@@ -202,7 +206,7 @@ def _answer(
     """
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
-    load, moment = actuation(body, shoe)
+    load, moment = group.loads[k]
     if group.sharing is not None and force < 0:
         raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, what pushes it would have to pull")
     load, moment = abs(force) * load, abs(force) * moment
@@ -211,7 +215,7 @@ def _answer(
     refined = reaction is not None
     if reaction is None:
         reaction = held(body, p, drag, load)
-    pin, motions = pin_of(shoe), group.motions[k]
+    pin, motions = shoe.own_pin, group.motions[k]
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
     acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
     left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
@@ -224,12 +228,13 @@ def _answer(
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
+    softness = float(coupling.lever @ change) / pressed if pressed else 0.0
     phi, mean = line.along(p)
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"
         if math.isinf(penalty)
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
-        f"which changes its torque by {float(coupling.lever @ change) / pressed if pressed else 0.0:+.1e} of it"
+        f"which changes its torque by {softness:+.1e} of it"
     )
     if refined:
         note += f"; {REFINED}"
@@ -249,6 +254,7 @@ def _answer(
         reaction_moment=frame.sense * twist,
         motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
         surface=line.surface(p),
+        softness=abs(softness),
     )
     return _Answer(response, balance, steps, note)
 

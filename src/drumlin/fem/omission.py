@@ -153,7 +153,7 @@ def _undragged(scene: Scene, brake: Brake) -> Scene:
     made: dict[int, assembly.Body] = {}
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
-            x, y = body.line.xy - np.array([[shoe.pin.radius], [0.0]])
+            x, y = body.line.xy - shoe.own_pin[:, None]
             rigid = np.stack([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]]).transpose(0, 2, 1).reshape(3, -1)
             held = -rigid @ body.coupling.T.T
             made[id(body)] = replace(body, closing_dragged=np.zeros_like(body.closing_pressed), held_dragged=held)
@@ -232,7 +232,8 @@ def _size(predicted: Change) -> float:
 def _chosen(brake: Brake, allowed: float, respond: Respond) -> tuple[tuple[str, ...], Change]:
     """What of SAVING may be left out within `allowed`, and the change that is predicted; () where nothing may."""
     nothing, has = Change(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), present(brake)
-    if any(shoe.mesh is not None or shoe.flat for shoe in brake.shoes) or assembly.why_not(brake) is not None:
+    unsketched = (shoe.mesh or shoe.flat or shoe.grip(brake.drum.radius) for shoe in brake.shoes)
+    if any(unsketched) or assembly.why_not(brake) is not None:
         return (), nothing
     candidates = [names for names in SAVING if set(names) <= set(has)]
     if not candidates:

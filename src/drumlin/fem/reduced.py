@@ -22,7 +22,7 @@ import numpy as np
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.components import Backing, Beam, Body, Lining, Ring, Section
+from drumlin.brake.components import Backing, Beam, Body, Lining, Ring, Section, bonded
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem import assembly
@@ -142,19 +142,17 @@ class _Bar(NamedTuple):
 def _bar(shoe: Shoe, radius: float) -> _Bar:
     """The bar of a shoe. Behind its lining an arc bends as one section with its backing and lining."""
     body = shoe.body
-    assert body is not None and body.section is not None  # why_not
+    assert body is not None  # why_not
+    plates = list(body.plates.values())[::-1]
     middle = (np.arange(SECTIONS) + 0.5) / SECTIONS
     if isinstance(body, Body):
         near, far = sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist(), key=abs)
         phi = near + (far - near) * middle
         start, end = shoe.arc
-        alone = _stiffness([(body.thickness, body.section)])
-        layers = [(body.thickness, body.section), (shoe.lining.thickness, _layer(shoe, shoe.lining))]
-        if shoe.backing is not None:
-            layers.insert(1, (shoe.backing.thickness, _layer(shoe, shoe.backing)))
-        together = _stiffness(layers)
-        bonded = (phi > start) & (phi < end)
-        depth, EI, EA, GA = np.where(bonded, np.array(together)[:, None], np.array(alone)[:, None])
+        over = [_layer(shoe, layer) for layer in (shoe.backing, shoe.lining) if layer is not None]
+        alone, together = bonded(plates), bonded([*plates, *over])
+        lined = (phi > start) & (phi < end)
+        depth, EI, EA, GA = np.where(lined, np.array(together)[:, None], np.array(alone)[:, None])
         axis = radius - shoe.sign * (shoe.depth - depth)
         along, foot = np.abs(phi - near), np.array([near])
         at = (axis * np.array([np.cos(phi), np.sin(phi)])).T
@@ -166,7 +164,7 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
         along, foot = line.length * middle, hinge
         at, tangent = hinge + along[:, None] * line.along, np.tile(line.along, (SECTIONS, 1))
         ds = np.full(SECTIONS, line.length / SECTIONS)
-        _, EI, EA, GA = np.array(_stiffness([(body.section.thickness, body.section)]))[:, None]
+        _, EI, EA, GA = np.array(bonded(plates))[:, None]
     return _Bar(
         at=at,
         tangent=tangent,
@@ -181,18 +179,6 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
 
 def _layer(shoe: Shoe, layer: Lining | Backing) -> Section:
     return Section(layer.thickness, shoe.lining.width, layer.material)
-
-
-def _stiffness(layers: list[tuple[float, Section]]) -> tuple[float, float, float, float]:
-    """Of bonded layers, from the shoe's back to its friction surface: depth of the neutral axis below the back [m],
-    EI [N m^2], EA [N], GA [N]."""
-    t = np.array([thickness for thickness, _ in layers])
-    EA = np.array([section.material.E * section.width * section.thickness for _, section in layers])
-    GA = EA / [2 * (1 + section.material.nu) for _, section in layers]
-    own = np.array([section.bending_stiffness for _, section in layers])
-    middle = np.cumsum(t) - t / 2
-    depth = float(EA @ middle / EA.sum())
-    return depth, float((own + EA * (middle - depth) ** 2).sum()), float(EA.sum()), float(GA.sum())
 
 
 def _ring(brake: Brake, ring: Ring, bodies: tuple[assembly.Body, ...]) -> RingBody:

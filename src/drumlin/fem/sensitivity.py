@@ -1,19 +1,16 @@
 """Exact sensitivities of the torque of the elastic brake, from the tangent of its equations and not from differences.
 
-On the contact set of the answer pressure and turn solve linear equations. One solution of their transpose for a
-torque, its adjoint (a, b), holds what that torque feels of any small change of the brake:
-
-    dT = -a^T (dq + dA p + dB y) + b^T (dh - dC p),     and besides  T/mu dmu.
-
-Moduli act through the displacements u of the loads and v of the adjoint pressure: dT = -v^T dK u, with K the part of
-the stiffness that is proportional to the modulus. Where a change makes the contact set change the torque has a kink,
-and these are its slopes on the side of the present set. The body of the shoe stays in its place when its pin moves.
+One solution of their transpose, its adjoint (fem.adjoint), holds what the torque feels of any small change. Moduli act
+through the displacements u of the loads and v of the adjoint loads: dT = -v^T dK u, with K the part of the stiffness
+that is proportional to the modulus. What holds a shoe acts through its free motions. Where a change makes the contact
+set change the torque has a kink, and these are its slopes on the side of the present set. The body of the shoe stays in
+its place when what holds it moves. Forces of struts and cams are shared anew.
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -21,14 +18,21 @@ import scipy.sparse as sp
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.contact.active_set import Problem, adjoint
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.support import wrench
+from drumlin.brake.unrolled import unrolled
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.adjoint import Adjoint, Adjoints, adjoints
 from drumlin.fem.assembly import Body, Scene, actuation, materials_of, prepare
 from drumlin.fem.body import FRAME, stiffness
-from drumlin.fem.group import ShoeGroup, groups_of
+from drumlin.fem.group import groups_of
 from drumlin.fem.model import PENALTY, check_penalty
 from drumlin.fem.solve import solve
+from drumlin.laws import law as rigid_law
 from drumlin.laws import sine
+from drumlin.laws.naming import name_of
+from drumlin.response.merit import sensitivity as by_differences
+from drumlin.response.resultants import cross
 
 PERCENT_PER_MM = 0.1  # in 1/m
 
@@ -39,19 +43,22 @@ class ShoeSensitivity:
 
     Of the shoe's own torque [N m]: `torque`, `friction` d torque/dmu [N m], `S` = (mu/torque) d torque/dmu at fixed
     actuation, None where it is 0. Of the brake's: dT by its `force` [m], by the logarithm of each modulus, `moduli`
-    [N m] of "lining", "backing", "shoe", by a `clearance` even along its lining [N], by the hinge's place, `hinge`
-    (2,) [N] along x and y of the brake, by the logarithm of the contact stiffness, `penalty` [N m]. `density` (n,)
-    [N/m] at the angles `theta` (n,) [rad], growing: dT by clearance and length of arc, 0 off the contact.
+    [N m] of "lining", "backing", "shoe", by a `clearance` even along its lining [N], by what holds it, `held`: the
+    places "hinge", "pivot", "abutment.point" (2,) [N] along x and y of the brake, the angles "abutment.direction",
+    "guide.direction" and "abutment.friction" (1,) [N m], by the logarithm of the contact stiffness, `penalty` [N m].
+    `density` (n,) [N/m] at the angles `theta` (n,) [rad], growing: dT by clearance and length of arc, 0 off the
+    contact. `force`: None of a shoe whose force a strut or a cam gives. On a plane T is the braking force [N], and all
+    is over a length more; `theta` [m].
     """
 
     name: str
     torque: float
     friction: float
     S: float | None
-    force: float
+    force: float | None
     moduli: dict[str, float]
     clearance: float
-    hinge: Floats
+    held: dict[str, Floats]
     penalty: float
     theta: Floats
     density: Floats
@@ -61,14 +68,16 @@ class ShoeSensitivity:
 class Sensitivity:
     """Sensitivities of a brake: its `torque` T [N m], `friction` dT/dmu [N m], `S` = (mu/T) dT/dmu of the whole.
 
-    `ring`: dT by the logarithm of the drum ring's modulus [N m], None for a rigid drum. `law`: S of the sine law, of
-    each shoe and then of the whole, where it has an answer.
+    `drive`: dT by the logarithm of what the brake's actuation says [N m], None where each shoe has its own force;
+    `ring`: by that of the drum ring's modulus, None for a rigid drum. `law`: S of the rigid-shoe law, of each shoe on
+    a hinge and then of the whole, where it has an answer.
     """
 
     friction_coefficient: float
     torque: float
     friction: float
     S: float | None
+    drive: float | None
     ring: float | None
     shoes: tuple[ShoeSensitivity, ...]
     law: tuple[float | None, ...] | None
@@ -76,7 +85,9 @@ class Sensitivity:
     def as_dict(self) -> dict[str, Any]:
         """As plain data for JSON (SI)."""
         shoes = [
-            vars(shoe) | {key: getattr(shoe, key).tolist() for key in ("hinge", "theta", "density")}
+            vars(shoe)
+            | {key: getattr(shoe, key).tolist() for key in ("theta", "density")}
+            | {"held": {key: value.tolist() for key, value in shoe.held.items()}}
             for shoe in self.shoes
         ]
         return vars(self) | {"shoes": shoes, "law": None if self.law is None else list(self.law)}
@@ -88,17 +99,16 @@ def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sens
     Raises NoAnswer as `respond` does, and for a brake without friction, which has no torque; BadInput likewise.
     """
     check_penalty(penalty)
-    brake.check_hinged("sensitivity")
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
     if scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
     shoes: dict[int, ShoeSensitivity] = {}
-    ring = 0.0
+    ring = drive = 0.0
     for group in groups_of(scene, brake, penalty):
-        found, of_ring = _group(group)
-        shoes |= dict(zip(group.members, found, strict=True))
-        ring += of_ring
+        found = adjoints(group)
+        shoes |= {i: _shoe(found, k) for k, i in enumerate(group.members)}
+        ring, drive = ring + found.ring, drive + found.drive
     all_shoes = tuple(
         shoes[i] if i in shoes else _untouched(scene.bodies[i], shoe) for i, shoe in enumerate(brake.shoes)
     )
@@ -108,43 +118,67 @@ def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sens
         torque=torque,
         friction=friction,
         S=_relative(brake.friction, friction, torque),
+        drive=None if brake.actuation is None else drive,
         ring=None if scene.ring is None else ring,
         shoes=all_shoes,
-        law=law_sensitivity(brake),
+        law=None if any(shoe.flat for shoe in brake.shoes) else law_sensitivity(brake),
     )
 
 
-def as_text(found: Sensitivity, brake: Brake) -> list[str]:
+def on_plane(brake: FlatBrake, found: Sensitivity) -> Sensitivity:
+    """Sensitivities of the `unrolled` brake, whose torque is the braking force, in lengths x [m]."""
+    unit = unrolled(brake).drum.radius
+    shoes = tuple(replace(shoe, theta=unit * shoe.theta) for shoe in found.shoes)
+    return replace(found, shoes=shoes, law=law_sensitivity(brake))
+
+
+def as_text(found: Sensitivity, brake: AnyBrake) -> list[str]:
     """The sensitivities in lines for people; elasticities are d ln T / d ln x of the whole torque."""
 
     def said(S: float | None) -> str:
         return "none" if S is None else f"{S:.5g}"
 
-    law = found.law or (None,) * (len(found.shoes) + 1)
+    flat = isinstance(brake, FlatBrake)
+    what, unit, name = ("braking force", "N", "F") if flat else ("torque", "N m", "T")
+    law, of = found.law or (None,) * (len(found.shoes) + 1), f"{name_of(brake)} law"
     lines = [
-        f"torque {found.torque:.6g} N m, dT/dmu {found.friction:.6g} N m, "
-        f"S = (mu/T) dT/dmu = {said(found.S)} (sine law: {said(law[-1])})"
+        f"{what} {found.torque:.6g} {unit}, d{name}/dmu {found.friction:.6g} {unit}, "
+        f"S = (mu/{name}) d{name}/dmu = {said(found.S)} ({of}: {said(law[-1])})"
     ]
-    T = found.torque or math.inf
+    T, d = found.torque or math.inf, f"d ln {name}/d ln"
+    if found.drive is not None:
+        lines.append(f"  {d} actuation {found.drive / T:+.4g}")
     if found.ring is not None:
-        lines.append(f"  d ln T/d ln E of the drum ring {found.ring / T:+.4g}")
+        lines.append(f"  {d} E of the drum ring {found.ring / T:+.4g}")
     for shoe, own, of_law in zip(brake.shoes, found.shoes, law, strict=False):
         moduli = ", ".join(f"{name} {value / T:+.4g}" for name, value in own.moduli.items())
-        x, y = own.hinge / T
+        force = "" if own.force is None else f"{d} force {own.force * shoe.actuation.force / T:+.4g}; "
+        held = "; ".join(_held_text(key, value / T) for key, value in own.held.items())
         lines += [
-            f"  shoe {own.name!r}: torque {own.torque:.6g} N m, dT/dmu {own.friction:.6g} N m, S {said(own.S)} "
-            f"(sine law: {said(of_law)}); of the whole torque:",
-            f"    d ln T/d ln force {own.force * shoe.actuation.force / T:+.4g}; d ln T/d ln E: {moduli}; "
-            f"d ln T/d ln penalty {own.penalty / T:+.1e}",
-            f"    clearance {own.clearance / T * 1e-3 * PERCENT_PER_MM:+.4g} %/µm; "
-            f"hinge along x {x * PERCENT_PER_MM:+.4g} %/mm, along y {y * PERCENT_PER_MM:+.4g} %/mm",
+            f"  shoe {own.name!r}: {what} {own.torque:.6g} {unit}, d{name}/dmu {own.friction:.6g} {unit}, "
+            f"S {said(own.S)} ({of}: {said(of_law)}); of the whole {what}:",
+            f"    {force}{d} E: {moduli}; {d} penalty {own.penalty / T:+.1e}",
+            f"    clearance {own.clearance / T * 1e-3 * PERCENT_PER_MM:+.4g} %/µm" + (f"; {held}" if held else ""),
         ]
     return lines
 
 
-def law_sensitivity(brake: Brake) -> tuple[float | None, ...] | None:
-    """S of the sine law, exact since its pressure keeps its shape (UWA notes, eq. 8): each shoe's, the whole's."""
+def _held_text(key: str, value: Floats) -> str:
+    """What a part of the whole is worth by what holds a shoe."""
+    if len(value) == 2:
+        x, y = value * PERCENT_PER_MM
+        return f"{key} along x {x:+.4g} %/mm, along y {y:+.4g} %/mm"
+    if key.endswith("friction"):
+        return f"{key} {value[0]:+.4g} % per 0.01"
+    return f"{key} {100 * math.radians(value[0]):+.4g} %/deg"
+
+
+def law_sensitivity(brake: AnyBrake) -> tuple[float | None, ...] | None:
+    """S of the rigid-shoe law: each shoe's, the whole's. Of the sine law exactly, since its pressure keeps its shape
+    (UWA notes, eq. 8); of others the whole's alone, by differences of their closed form."""
     try:
+        if name_of(brake) != "sine" or isinstance(brake, FlatBrake):
+            return (*(None for _ in brake.shoes), by_differences(brake, rigid_law))
         response = sine(brake)
     except (BadInput, NoAnswer):
         return None
@@ -157,78 +191,111 @@ def _relative(x: float, slope: float, value: float) -> float | None:
     return x * slope / value if value else None
 
 
-class _Adjoint(NamedTuple):
-    """A shoe's part of the adjoint of the brake's torque: a (n,), b; and of the answer: p (n,) [Pa], turn [rad]."""
-
-    a: Floats
-    b: float
-    p: Floats
-    turn: float
-
-
-def _group(group: ShoeGroup) -> tuple[list[ShoeSensitivity], float]:
-    """The sensitivities of shoes that meet the drum together, and dT by the logarithm of the ring's modulus."""
-    found, size, mu, sliding, lever = (
-        group.answer(),
-        group.unit_force,
-        group.brake.friction,
-        group.sliding,
-        group.levers,
-    )
-    problem: Problem = sliding.at(mu)
-    a, b = adjoint(problem, found.active, mu * lever)
-    by_friction = lever.T @ found.p - a.T @ (sliding.A1 @ found.p) - b.T @ (sliding.C1 @ found.p)
-    torque = mu * (lever.T @ found.p)
-    a_T, b_T, shoes = a.sum(axis=1), b.sum(axis=1), []
-    for k, part in enumerate(group.parts):
-        adjoint_ = _Adjoint(a_T[part], float(b_T[k]), size * found.p[part], size * float(found.y[k]))
-        own = size * float(torque[k]), size * float(by_friction[k])
-        shoes.append(_shoe(group, k, adjoint_, *own))
-    if group.ring is None:
-        return shoes, 0.0
-    pressed, dragged = group.ring
-    return shoes, size * float((pressed @ a_T) @ ((pressed + group.brake.drag * dragged) @ found.p))
-
-
-def _shoe(group: ShoeGroup, k: int, at: _Adjoint, torque: float, friction: float) -> ShoeSensitivity:
+def _shoe(found: Adjoints, k: int) -> ShoeSensitivity:
+    group, at = found.group, found.of[k]
     body, brake, shoe = group.bodies[k], group.brake, group.shoes[k]
-    frame, N, T, M = shoe.frame, body.coupling.N, body.coupling.T, body.coupling.M
+    torque, friction = float(found.torque[k]), float(found.friction[k])
+    coupling, frame = body.coupling, shoe.frame
     drag = brake.drag_on(shoe)
-    load, moment = actuation(body, shoe)
-    sign, force = math.copysign(1.0, shoe.actuation.force), abs(shoe.actuation.force)
-    soft = float(at.a @ (M @ at.p)) / group.stiffnesses[k]
-    # The pin moved by e_x or e_y turns the lining about another point: k x (x - pin) changes by -k x e.
-    turned = np.tile(np.array([[0.0, 1.0], [-1.0, 0.0]]), (len(at.p), 1))
-    direction = frame.to_shoe(shoe.actuation.direction_vector) * sign * force
-    arm = np.array([direction[1], -direction[0]])  # -d moment / d pin, in newtons
-    hinge = at.turn * (at.a @ N) @ turned + at.b * (at.p @ (N - drag * T)) @ turned + at.b * arm
+    load, _ = actuation(body, shoe)
+    shared, cam = k in [to for _, to in group.links], k in group.cam
+    soft = float(at.a @ (coupling.M @ at.p)) / group.stiffnesses[k]
     forward = slice(None, None, frame.sense)
     return ShoeSensitivity(
         name=shoe.name,
         torque=torque,
         friction=friction,
         S=_relative(brake.friction, friction, torque),
-        force=sign * float(at.a @ (body.closing_loaded @ load) - at.b * moment),
-        moduli=_moduli(body, shoe, at, drag, force * load, soft),
-        clearance=-float(at.a @ M.sum(axis=1)),
-        hinge=frame.to_brake(hinge),
+        force=None if shared or cam else math.copysign(1.0, shoe.actuation.force) * at.c,
+        moduli=_moduli(body, shoe, at, drag, load, soft, cam=cam),
+        clearance=-float(at.a @ coupling.M.sum(axis=1)),
+        held=_held(found, k),
         penalty=soft,
         theta=frame.theta(body.line.phi)[forward],
         density=-shoe.lining.width * at.a[forward],
     )
 
 
-def _moduli(body: Body, shoe: Shoe, at: _Adjoint, drag: float, load: Floats, soft: float) -> dict[str, float]:
+def _held(every: Adjoints, k: int) -> dict[str, Floats]:
+    """dT by what holds shoe `k`, see `Held.changes`.
+
+    The work of forces on a rigid motion is that of their wrench, and motions enter the equations by work alone.
+    """
+    group, at = every.group, every.of[k]
+    body, shoe = group.bodies[k], group.shoes[k]
+    N, T, drag = body.coupling.N, body.coupling.T, group.brake.drag_on(shoe)
+    xy = shoe.points(body.line.xy)
+    of_gap, of_drum = (
+        wrench(shoe.frame.to_brake(nodal.reshape(-1, 2)), xy.T) for nodal in (at.a @ N, drag * (at.p @ T) - at.p @ N)
+    )
+    direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
+    push = wrench(direction, shoe.actuation.point.xy)
+    own, worked = _counted(shoe, group.senses[k])
+    y, b = own * at.y, own * at.b
+    way = at.c if k in group.cam else 0.0
+    found = {}
+    for key, changes in shoe.changes(group.senses[k]).items():
+        found[key] = np.array(
+            [
+                y @ (one.motions @ of_gap)
+                - b @ (one.tests @ of_drum + at.F * worked * (one.tests @ push))
+                - way * (y * worked) @ (one.motions @ push)
+                for one in changes
+            ]
+        )
+    for source, to in group.links:
+        if source == k:
+            _add_line(found, every, to)
+    return found
+
+
+def _counted(shoe: Shoe, sense: int) -> tuple[Floats, Floats]:
+    """Of its freedoms (k,): the sense in which the shoe's own frame counts each, and whether the actuation works on it:
+    that of a lever does not where the shoe tilts."""
+    names = shoe.freedoms(sense).names
+    own = [float(shoe.frame.sense) if name == "turn" else 1.0 for name in names]
+    return np.array(own), np.array([float(name != "tilt") for name in names])
+
+
+def _add_line(found: dict[str, Floats], every: Adjoints, k: int) -> None:
+    """Add to what the abutment on a strut is worth that the strut pushes shoe `k` along another line.
+
+    The force that it passes on does not change with its direction: without friction nothing acts across it.
+    """
+    group, at = every.group, every.of[k]
+    body, shoe = group.bodies[k], group.shoes[k]
+    direction, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
+    turned = np.array([-direction[1], direction[0]])
+    centre = shoe.points(body.load_centre[:, None])[:, 0]
+    free = shoe.freedoms(group.senses[k])
+    own, worked = _counted(shoe, group.senses[k])
+
+    def worth(force: Floats, moment: float) -> float:
+        """Of a change of the unit force (2,) [1] and of its moment about the origin [m]."""
+        couple = shoe.frame.sense * (moment - float(cross(centre, force)))
+        load = np.array([*shoe.frame.to_shoe(force), couple])
+        tested = own * worked * (free.tests @ np.array([*force, moment]))
+        return at.F * float(at.a @ (body.closing_loaded @ load) - at.b @ tested)
+
+    moved = [worth(np.zeros(2), float(cross(step, direction))) for step in np.eye(2)]
+    found["abutment.point"] = found["abutment.point"] + moved
+    found["abutment.direction"] = found["abutment.direction"] + worth(turned, float(cross(point, turned)))
+
+
+def _moduli(
+    body: Body, shoe: Shoe, at: Adjoint, drag: float, load: Floats, soft: float, *, cam: bool
+) -> dict[str, float]:
     """dT by the logarithm of each modulus [N m]; the lining's is in the contact stiffness alpha E/t too."""
     N, T = body.coupling.N, body.coupling.T
     nodal = np.column_stack([drag * (T.T @ at.p) - N.T @ at.p, N.T @ at.a])
-    loads = np.column_stack([load, np.zeros(len(load))])
+    loads = np.column_stack([at.F * load, (-at.c if cam else 0.0) * load])
     u = body.condensed.displacements(nodal, np.zeros((FRAME, 2)), loads)
-    effects = {}
+    effects: dict[str, float] = {}
     for name, (material, width) in materials_of(shoe).items():
         parts = {other: (material, width if other == name else 0.0) for other in materials_of(shoe)}
         K: sp.csc_matrix = stiffness(body.basis, parts)
-        effects[name] = -float(u[:, 1] @ (K @ u[:, 0])) + (soft if name == "lining" else 0.0)
+        own = "shoe" if name == "table" else name  # of one material
+        effects[own] = effects.get(own, 0.0) - float(u[:, 1] @ (K @ u[:, 0])) + (soft if name == "lining" else 0.0)
     return effects
 
 
@@ -236,7 +303,7 @@ def _untouched(body: Body, shoe: Shoe) -> ShoeSensitivity:
     """Of a shoe that its force does not press: nothing changes its torque of 0."""
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
     none = dict.fromkeys(materials_of(shoe), 0.0)
-    return ShoeSensitivity(shoe.name, 0.0, 0.0, None, 0.0, none, 0.0, np.zeros(2), 0.0, theta, np.zeros(len(theta)))
+    return ShoeSensitivity(shoe.name, 0.0, 0.0, None, 0.0, none, 0.0, {}, 0.0, theta, np.zeros(len(theta)))
 
 
 def against_differences(
@@ -254,12 +321,12 @@ def against_differences(
     E, x, y = body.material.E, shoe.pin.x, shoe.pin.y
     table: list[tuple[str, str, float, Callable[[float], dict[str, Any]], float]] = [
         ("dT/dμ", "N m", found.friction, lambda s: {"friction": mu + s}, 1e-5),
-        ("dT/dF", "m", of.force, lambda s: {"actuation.force": shoe.actuation.force * (1 + s)}, 1e-4),
+        ("dT/dF", "m", of.force or 0.0, lambda s: {"actuation.force": shoe.actuation.force * (1 + s)}, 1e-4),
         ("dT/d ln E, lining", "N m", of.moduli["lining"], lambda s: {"lining.material.E": material.E * (1 + s)}, 1e-4),
         ("dT/d ln E, shoe", "N m", of.moduli["shoe"], lambda s: {"body.material.E": E * (1 + s)}, 1e-4),
         ("dT/d clearance", "N", of.clearance, lambda s: {"lining.clearance": gap + s}, 1e-9),
-        ("dT/dx, hinge", "N", float(of.hinge[0]), lambda s: {"hinge": {"x": x + s, "y": y}}, 1e-6),
-        ("dT/dy, hinge", "N", float(of.hinge[1]), lambda s: {"hinge": {"x": x, "y": y + s}}, 1e-6),
+        ("dT/dx, hinge", "N", float(of.held["hinge"][0]), lambda s: {"hinge": {"x": x + s, "y": y}}, 1e-6),
+        ("dT/dy, hinge", "N", float(of.held["hinge"][1]), lambda s: {"hinge": {"x": x, "y": y + s}}, 1e-6),
     ]
     rows = []
     for what, unit, exact, changes, step in table:

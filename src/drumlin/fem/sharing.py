@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.arrays import Floats, Ints
 from drumlin.contact.active_set import Problem
 
 
@@ -23,7 +23,7 @@ class Pushed(NamedTuple):
     """A shoe as above: its pressures `part` and motions `rows` among those of the group; `opened`, `tip`, `bearing`
     (n,), `work`, `moves` (k,)."""
 
-    part: slice
+    part: slice | Ints
     rows: slice
     opened: Floats
     tip: Floats
@@ -102,6 +102,32 @@ def share(
     of = np.column_stack([way, of[:, kept]])
     rows = np.vstack([-by[cam].sum(axis=0), C[kept]])
     return Sharing(Problem(A + B @ also, q, B @ of, rows, np.append(-total, h[kept])), fixed, by, of, also)
+
+
+def unreduced(blocks: Problem, shoes: list[Pushed], links: list[tuple[int, int]], cam: list[int]) -> Floats:
+    """The matrix of all equations with the forces F as unknowns besides, and the way d of the tips under a cam.
+
+    Unknowns p (n,), y (k,), F (shoes,), and with a cam d. Rows: the weighted gaps; C p + work F = 0; of each shoe's
+    force what gives it (F itself, the strut, its tip's way less d); with a cam the sum of its forces.
+    """
+    (n, k), count = blocks.B.shape, len(shoes)
+    force = n + k
+    size = force + count + (1 if cam else 0)
+    matrix = np.zeros((size, size))
+    matrix[:n, :n], matrix[:n, n:force], matrix[n:force, :n] = blocks.A, blocks.B, blocks.C
+    matrix[force : force + count, force : force + count] = np.eye(count)
+    for i, shoe in enumerate(shoes):
+        matrix[shoe.part, force + i] = shoe.opened
+        matrix[n + shoe.rows.start : n + shoe.rows.stop, force + i] = shoe.work
+    for source, to in links:
+        matrix[force + to, shoes[source].part] = -shoes[source].bearing
+        matrix[force + to, force + source] = -shoes[source].direct
+    for i in cam:
+        shoe, row = shoes[i], matrix[force + i]
+        row[shoe.part], row[n + shoe.rows.start : n + shoe.rows.stop] = shoe.tip, shoe.moves
+        row[force + i], row[-1] = shoe.yields, -1.0
+        matrix[-1, force + i] = 1.0
+    return matrix
 
 
 def _main(shoe: Pushed) -> int:

@@ -2,11 +2,10 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
-from drumlin.brake.unrolled import unrolled, why_not
+from drumlin.brake.plane_brake import AnyBrake
+from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import adapt as adapt_meshes
 from drumlin.fem.assembly import ELEMENTS, Cache, Scene, prepare
@@ -18,10 +17,11 @@ from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, respond
 from drumlin.fem.omission import adapt_without
+from drumlin.response.balance import balance_of, loaded, worst
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Response, balance_of, loaded, worst
+from drumlin.response.response import Response
 
-SOFT = 2.0  # times one over the penalty: the relative error of p that it makes at most, as seen on random brakes
+SOFT = 6.0  # times one over the penalty: the relative error of p that it makes in 9 of 10 random brakes
 
 UNSAID = 1e-8  # by how much the balance of p(theta) may be worse than the nodal one without a word
 
@@ -48,26 +48,27 @@ def solve(
         other = corrected(brake)
         found = solve(other, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache)
         return replace(found, notes=(*found.notes, said(brake, other)))
-    if isinstance(brake, FlatBrake):
-        reason = why_not(brake)
-        if reason is not None:
-            raise BadInput(f"fem does not apply to this brake: {reason}")
-        found = by_elements(
-            unrolled(brake), elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
-        )
-        return with_merits(brake, on_plane(brake, found))
-    options: dict[str, Any] = {
-        "elements": elements,
-        "kind": kind,
-        "tolerance": tolerance,
-        "penalty": penalty,
-        "cache": cache,
-    }
-    return with_merits(brake, _with_curve_balance(brake, by_elements(brake, **options)))
+    check_penalty(penalty)
+    if tolerance is not None and elements is not None:
+        raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
+    own, answer = on_drum(brake), partial(respond, penalty=penalty)
+    if tolerance is not None and kind is not None:  # a studied method
+        found = adapt_meshes(own, tolerance, answer, kind)
+    elif tolerance is not None:
+        found = adapt_without(own, tolerance, answer, SOFT / penalty, cache)
+    elif _levelled(own, elements, kind):
+        found = adapt(own, DEFAULT, answer, must=False, soft=SOFT / penalty, cache=cache).response
+    else:
+        found = answer(scene_of(own, elements=elements, kind=kind, cache=cache), own)
+    if isinstance(brake, Brake):
+        found = _with_curve_balance(brake, found)
+    return with_merits(brake, as_given(brake, found))
 
 
-def on_plane(brake: FlatBrake, found: Response) -> Response:
-    """A response of the `unrolled` brake in lengths x [m]."""
+def as_given(brake: AnyBrake, found: Response) -> Response:
+    """A response of `on_drum(brake)` as one of the brake: on a plane in lengths x [m]."""
+    if isinstance(brake, Brake):
+        return found
     unit = brake.shoes[0].lining.end - brake.shoes[0].lining.start
     shoes = tuple(
         replace(
@@ -79,31 +80,6 @@ def on_plane(brake: FlatBrake, found: Response) -> Response:
         for shoe in found.shoes
     )
     return replace(found, shoes=shoes, left_out=tuple(line for line in found.left_out if not line.startswith("drum:")))
-
-
-def by_elements(
-    brake: Brake,
-    *,
-    elements: int | None = None,
-    kind: str | None = None,
-    tolerance: float | None = None,
-    penalty: float = PENALTY,
-    cache: Cache | None = None,
-) -> Response:
-    """`solve` of a brake on a drum, or one `unrolled`, without its figures of merit."""
-    check_penalty(penalty)
-    answer = partial(respond, penalty=penalty)
-    if tolerance is not None and elements is not None:
-        raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
-    if tolerance is not None and kind is not None:  # a studied method
-        found = adapt_meshes(brake, tolerance, answer, kind)
-    elif tolerance is not None:
-        found = adapt_without(brake, tolerance, answer, SOFT / penalty, cache)
-    elif _levelled(brake, elements, kind):
-        found = adapt(brake, DEFAULT, answer, must=False, soft=SOFT / penalty, cache=cache).response
-    else:
-        found = answer(scene_of(brake, elements=elements, kind=kind, cache=cache), brake)
-    return found
 
 
 def scene_of(

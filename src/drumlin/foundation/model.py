@@ -28,8 +28,9 @@ from drumlin.foundation.ring import drag_flexibility, flexibility
 from drumlin.laws import locking_friction
 from drumlin.laws.hinged import pressing_moment
 from drumlin.laws.rigid import no_contact
+from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Deformation, Response, ShoeResponse, pressed_shoe, shoe_balance, untouched, worst
+from drumlin.response.response import Deformation, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import Resultant
 
 SECTIONS = 360

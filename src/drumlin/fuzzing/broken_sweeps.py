@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.fuzzing.faults import BRAKES, Input, brake_text
-from drumlin.fuzzing.wrong_values import NUMBERS, QUANTITIES, WORDS, anything, noise, toml
+from drumlin.fuzzing.wrong_values import NUMBERS, QUANTITIES, WORDS, anything
+from drumlin.verification.broken_files import noise, toml
 
 TABLE = "t.csv"
 JOURNAL = f"{TABLE}.journal"
@@ -40,21 +41,22 @@ def sound_run() -> tuple[bytes, bytes]:
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for file, data in _sound_files().items():
+        for file, data in sound_files().items():
             (folder / file).write_bytes(data)
         with contextlib.redirect_stdout(io.StringIO()):
             run(["sweep", str(folder / "s.toml"), "--jobs", "1", "--output", str(folder / TABLE)])
         return (folder / TABLE).read_bytes(), (folder / JOURNAL).read_bytes()
 
 
-def _sound_files() -> dict[str, bytes]:
+def sound_files() -> dict[str, bytes]:
+    """A sweep file and its brake file."""
     return {"b.toml": brake_text(BRAKES[0]), "s.toml": SOUND.encode()}
 
 
 def broken_sweep(rng: random.Random) -> Input:
     """A sweep file with some of its values replaced, under other keys, or with its bytes in disorder."""
     if rng.random() < 0.3:
-        text = noise(rng, SOUND.encode())
+        text = noise(rng, SOUND.encode(), WORDS)
     else:
         data: dict[str, Any] = {
             "brake": "b.toml",
@@ -87,11 +89,15 @@ def _varied(rng: random.Random) -> Any:
 
 
 def damaged_journal(rng: random.Random) -> Input:
-    """The journal of a finished sweep with bits flipped, cut off, or stretches lost, doubled and zeroed.
+    """The journal of a finished sweep, damaged."""
+    return damaged(rng, *sound_run())
+
+
+def damaged(rng: random.Random, table: bytes, journal: bytes) -> Input:
+    """A journal with bits flipped, cut off, or stretches lost, doubled and zeroed.
 
     Whatever its state, the table that follows is the sound one.
     """
-    table, journal = sound_run()
     data = bytearray(journal)
     for _ in range(rng.choice([1, 1, 2, 5, 20])):
         at, length = rng.randrange(len(data)), rng.randrange(1, 200)
@@ -108,4 +114,4 @@ def damaged_journal(rng: random.Random) -> Input:
                 del data[at : at + length]
         if not data:
             break
-    return Input("journal", _sound_files() | {JOURNAL: bytes(data)}, WORDS_OF_A_SWEEP, {TABLE: table})
+    return Input("journal", sound_files() | {JOURNAL: bytes(data)}, WORDS_OF_A_SWEEP, {TABLE: table})

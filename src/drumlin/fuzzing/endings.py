@@ -26,6 +26,7 @@ from drumlin.errors import ended
 from drumlin.fuzzing.faults import Input
 
 LONGEST = 10.0  # s of processor time
+LONGEST_WAIT = 300.0  # s by the clock, on a busy machine
 
 
 class Ending(NamedTuple):
@@ -48,7 +49,8 @@ def lay_out(given: Input, folder: Path) -> None:
     (folder / "hard.json").hardlink_to(folder / "b.toml")
 
 
-def _written(folder: Path, given: Input) -> dict[str, bytes]:
+def written(folder: Path, given: Input) -> dict[str, bytes]:
+    """The files of a folder that are new or changed since `lay_out`."""
     found = {}
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))
@@ -79,7 +81,7 @@ def in_process(given: Input) -> Ending:
         finally:
             os.chdir(before)
         seconds = time.process_time() - start
-        return Ending(status, out.getvalue(), err.getvalue(), _written(folder, given), seconds)
+        return Ending(status, out.getvalue(), err.getvalue(), written(folder, given), seconds)
 
 
 class Late(BaseException):
@@ -88,16 +90,25 @@ class Late(BaseException):
 
 @contextlib.contextmanager
 def _limited() -> Iterator[None]:
+    """Raise Late in the block once it has worked too long, or waits for what does not come."""
+
     def late(*_: object) -> None:
         raise Late
 
-    before = signal.signal(signal.SIGPROF, late)
-    signal.setitimer(signal.ITIMER_PROF, 1.5 * LONGEST)
+    timers = (
+        (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * LONGEST),
+        (signal.ITIMER_REAL, signal.SIGALRM, LONGEST_WAIT),
+    )
+    before = [(sign, signal.signal(sign, late)) for _, sign, _ in timers]
+    for timer, _, seconds in timers:
+        signal.setitimer(timer, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_PROF, 0)
-        signal.signal(signal.SIGPROF, before)
+        for timer, _, _ in timers:
+            signal.setitimer(timer, 0)
+        for sign, handler in before:
+            signal.signal(sign, handler)
 
 
 def in_subprocess(given: Input, **more: Any) -> Ending:
@@ -113,15 +124,15 @@ def in_subprocess(given: Input, **more: Any) -> Ending:
                 [*map(os.fsencode, command), *words],
                 cwd=folder,
                 capture_output=True,
-                timeout=12 * LONGEST,
+                timeout=LONGEST_WAIT,
                 check=False,
                 **more,
             )
         except subprocess.TimeoutExpired:
-            return Ending(-1, "", "no end", {}, 12 * LONGEST)
+            return Ending(-1, "", "no end", {}, LONGEST_WAIT)
         seconds = _spent() - start
         out, err = (text.decode(errors="replace") for text in (done.stdout, done.stderr))
-        return Ending(done.returncode, out, err, _written(folder, given), seconds)
+        return Ending(done.returncode, out, err, written(folder, given), seconds)
 
 
 def _spent() -> float:

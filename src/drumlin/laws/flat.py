@@ -19,8 +19,9 @@ from drumlin.brake.support import MOVES
 from drumlin.brake.units import mm
 from drumlin.errors import NoAnswer
 from drumlin.laws.rigid import no_contact
+from drumlin.response.balance import flat_balance, worst
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Response, ShoeResponse, flat_balance, untouched, worst
+from drumlin.response.response import Response, ShoeResponse, untouched
 
 
 class FlatLoad(NamedTuple):

@@ -19,8 +19,9 @@ from drumlin.brake.units import deg
 from drumlin.errors import NoAnswer
 from drumlin.laws.rigid import LEFT_OUT, NODES, no_contact
 from drumlin.laws.shapes import SINE, Law, Layout, Load, equivalent_friction
+from drumlin.response.balance import contact_resultant, shoe_balance, worst
 from drumlin.response.merit import double_delta, with_merits
-from drumlin.response.response import Response, ShoeResponse, contact_resultant, shoe_balance, untouched, worst
+from drumlin.response.response import Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
 
 SLACK = 1e-9  # rad

@@ -23,8 +23,9 @@ from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
 from drumlin.brake.support import Freedoms
 from drumlin.errors import NoAnswer
 from drumlin.laws.face import Arcs, Face, face_of
+from drumlin.response.balance import balance_of, worst
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Response, ShoeResponse, balance_of, untouched, worst
+from drumlin.response.response import Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
 
 ASSUMES = "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
@@ -98,7 +99,8 @@ def press(brake: AnyBrake, shoe: Shoe | FlatShoe, *, whole: bool = False) -> Pre
         except NoAnswer as error:
             failure = failure or error
             continue
-        if _consistent(brake, shoe, found):
+        reaction = -shoe.actuation.vector - _contact(brake, shoe, found).force
+        if shoe.stands(reaction, sense, float(found.amounts[-1])):
             return found
     raise failure or NoAnswer(f"shoe {shoe.name!r}: no equilibrium, its foot leaves the abutment")
 
@@ -153,22 +155,6 @@ def _same(a: Arcs, b: Arcs) -> bool:
     return len(a) == len(b) and bool(np.allclose(a, b, rtol=0, atol=1e-13 * max(1.0, np.abs(b).max())))
 
 
-def _consistent(brake: AnyBrake, shoe: Shoe | FlatShoe, found: Pressed) -> bool:
-    """Whether an abutment bears, and its friction opposes the slide, or holds a foot that sticks."""
-    if shoe.abutment is None:
-        return True
-    reaction = -shoe.actuation.vector - _contact(brake, shoe, found).force
-    c, s = math.cos(shoe.abutment.direction), math.sin(shoe.abutment.direction)
-    bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
-    if bearing <= 0:
-        return False
-    if shoe.abutment.friction == 0:
-        return True
-    if found.sense == 0:
-        return abs(along) <= shoe.abutment.friction * bearing * (1 + 1e-12)
-    return found.sense * float(found.amounts[1]) <= 0
-
-
 def _contact(brake: AnyBrake, shoe: Shoe | FlatShoe, found: Pressed) -> Resultant:
     loads = shoe.lining.width * found.face.products(found.arcs) @ found.c
     normal, friction, moment = found.face.force(loads, brake.friction * brake.spin)
@@ -182,14 +168,12 @@ def respond(brake: AnyBrake, shoe: Shoe | FlatShoe, found: Pressed | None) -> Sh
     contact, flat = _contact(brake, shoe, found), isinstance(brake, FlatBrake)
     place = nodes((shoe.lining.start, shoe.lining.end), found.arcs, 2 if flat else NODES - 1)
     reaction = -shoe.actuation.vector - contact.force
-    helping = (
-        brake.friction
-        * brake.spin
-        * float(found.amounts @ system(found.face, found.freedoms, 1.0, found.arcs)[1] @ found.amounts)
-    )
     about = _about(shoe, contact, flat)
-    if shoe.held_by != "guide":  # the moment of friction about the pin has the sense of the actuation's
+    if shoe.guide is None:  # the moment of friction about the pin has the sense of the actuation's
         helping = about[1] * shoe.actuation.moment_about(shoe.pin)
+    else:  # the work of friction on the slide
+        dragged = system(found.face, found.freedoms, 1.0, found.arcs)[1]
+        helping = brake.friction * brake.spin * float(found.amounts @ dragged @ found.amounts)
     return ShoeResponse(
         name=shoe.name,
         torque=0.0 if flat else abs(contact.moment),
@@ -199,7 +183,7 @@ def respond(brake: AnyBrake, shoe: Shoe | FlatShoe, found: Pressed | None) -> Sh
         hinge_reaction=reaction,
         contact_arcs=found.arcs,
         theta=place,
-        pressure=np.maximum(found.c @ found.face.shapes(place)[:2], 0.0),
+        pressure=pressure(found, place),
         pivot_reaction=-contact.force if shoe.pivot is not None else None,
         reaction_moment=-about[0] - about[1] - shoe.actuation.moment_about(shoe.pin) if shoe.guide is not None else 0.0,
     )

@@ -1,9 +1,10 @@
-"""CalculiX as a peer: decks written, run by `ccx`, read back, checked, and extrapolated to small displacements.
+"""CalculiX as a peer: decks written, run by `ccx`, read back and checked.
 
-CalculiX follows the surfaces as they move, so that its answer depends on how far the drum turns. Load and rotation are
-scaled together by s, and what it finds, over s, is taken to s = 0 along a line. A state is believed only where forces
-and moments balance, where enough of the lining touches and where it slips everywhere that it touches; it is known to
-end normally on states that are none.
+The drum's nodes move along their tangents and the torque is the moment of the forces on them where they were at first:
+the answer is then in proportion to load and rotation, as of small displacements. A drum that turns on circles is off by
+some 1e-3, and so is the moment that CalculiX prints, which is about the moved surface. A state is believed only where
+forces and moments balance, where enough of the lining touches and where it slips everywhere that it touches; it is
+known to end normally on states that are none.
 """
 
 import functools
@@ -11,7 +12,7 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,7 +25,7 @@ from drumlin.fem.assembly import ELEMENTS, Mesher
 from drumlin.fem.interface import ContactLine, couple, radial
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.files import write_text
-from drumlin.peers.deck import BEARING, BEYOND_ELEMENTS, MM, Setting, deck, drum_angles
+from drumlin.peers.deck import BEARING, BEYOND_ELEMENTS, Setting, deck, drum_angles
 from drumlin.peers.peer import (
     Forces,
     Loaded,
@@ -39,8 +40,7 @@ from drumlin.peers.peer import (
 from drumlin.response.response import Balance, ShoeResponse
 
 INSTALL = "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"
-SCALES = (0.5, 0.25)
-LARGEST_IMBALANCE = 1e-3  # relative: it sums forces in the moved place, and its equations in the first one
+LARGEST_IMBALANCE = 1e-3  # relative: the two sides of the contact are apart by the drum's rotation
 LEAST_TOUCHING = 0.1  # of the lining's elements
 STICKING = 0.99  # of mu p: less shear than that is not full slip ...
 MOST_STICKING = 0.02  # ... and at most this part of the points may have less
@@ -57,9 +57,8 @@ class Posed(NamedTuple):
 
 
 class State(NamedTuple):
-    """What CalculiX found at one scale s, in the shoe's frame, over s: forces on the nodes of the drum's arc (n, 2) and
-    of the pin on the shoe (2,) [N], moment of the contact about the drum's centre [N m], counter-clockwise in the
-    brake, turn about the pin [rad], counter-clockwise in the brake.
+    """What CalculiX found, in the shoe's frame: forces on the nodes of the drum's arc (n, 2) and of the pin on the
+    shoe (2,) [N], turn about the pin [rad], counter-clockwise in the brake.
 
     `touching`: elements of the lining with contact points; `points`: their number; `sticking`: the part of them that
     does not slip. `iterations`; `unknowns`; `seconds` of its process.
@@ -67,7 +66,6 @@ class State(NamedTuple):
 
     contact: Floats
     pin: Floats
-    moment: float
     turn: float
     touching: int
     points: int
@@ -91,7 +89,7 @@ def version() -> str:
 def export(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND
 ) -> tuple[list[Path], list[str]]:
-    """Write the decks of a brake, one for each shoe and scale, as `solve` runs them at first.
+    """Write the decks of a brake, one for each shoe, as `solve` runs them at first.
 
     Returns the files, and the names of shoes without a deck because their force turns them away from the drum.
     Raises BadInput as `solve` does; needs no CalculiX.
@@ -101,10 +99,9 @@ def export(
         if not loaded.approaches:
             apart.append(loaded.shoe.name)
             continue
-        for scale in SCALES:
-            path = folder / f"{stem}_{loaded.shoe.name}_s{scale:g}.inp".replace(" ", "_")
-            write_text(path, deck(brake, loaded, Setting(scale=scale), path.stem))
-            paths.append(path)
+        path = folder / f"{stem}_{loaded.shoe.name}.inp".replace(" ", "_")
+        write_text(path, deck(brake, loaded, Setting(), path.stem))
+        paths.append(path)
     return paths, apart
 
 
@@ -114,13 +111,11 @@ def solve(
     elements: int = ELEMENTS,
     kind: str = DEFAULT_KIND,
     mesher: Mesher | None = None,
-    scales: Sequence[float] = SCALES,
     setting: Setting | None = None,
 ) -> Peer:
-    """A brake by CalculiX on drumlin's mesh, extrapolated to small displacements from at least one scale.
+    """A brake by CalculiX on drumlin's mesh; where the lining does not slip everywhere the drum is turned twice as far.
 
-    With a single scale its state stands as it is. Where the lining does not slip everywhere the drum is turned twice
-    as far. Raises PeerMissing; BadInput for a brake with a ring, without friction or with a clearance; NoAnswer
+    Raises PeerMissing; BadInput for a brake with a ring, without friction or with a clearance; NoAnswer
     where it fails or ends on a state that is none.
     """
     installed = version()
@@ -130,23 +125,22 @@ def solve(
         if not loaded.approaches:
             answers.append(untouched_response(loaded))
             continue
-        states, rotation = slipping_states(brake, loaded, scales, setting or Setting())
-        answers.append(extrapolated(brake, loaded, scales, states))
-        iterations = max(iterations, *(state.iterations for state in states))
-        unknowns += states[0].unknowns
-        seconds += sum(state.seconds for state in states)
-        last = states[-1]
+        state, rotation = slipping(brake, loaded, setting or Setting())
+        answers.append(response(loaded, state))
+        iterations = max(iterations, state.iterations)
+        unknowns += state.unknowns
+        seconds += state.seconds
         points.append(
-            f"shoe {loaded.shoe.name!r}: {last.points} contact points on {last.touching} elements, "
-            f"drum turned by {rotation:g} rad times s"
+            f"shoe {loaded.shoe.name!r}: {state.points} contact points on {state.touching} elements, "
+            f"drum turned by {rotation:g} rad"
         )
-    response = brake_response("calculix", answers, iterations, {"calculix": seconds})
+    found = brake_response("calculix", answers, iterations, {"calculix": seconds})
     notes = (
-        f"CalculiX {installed}, face-to-face penalty, s = {', '.join(f'{s:g}' for s in scales)}",
+        f"CalculiX {installed}, face-to-face penalty",
         "a further load case is a new run: nothing is reused",
         *points,
     )
-    return Peer("calculix", installed, response, seconds, seconds, seconds, unknowns, notes)
+    return Peer("calculix", installed, found, seconds, seconds, seconds, unknowns, notes)
 
 
 def plane_pose(brake: Brake, loaded: Loaded) -> Posed:
@@ -156,25 +150,19 @@ def plane_pose(brake: Brake, loaded: Loaded) -> Posed:
     return Posed(lambda setting, name: deck(brake, loaded, setting, name), lambda forces: forces[arc])
 
 
-def slipping_states(
-    brake: Brake, loaded: Loaded, scales: Sequence[float], setting: Setting, posed: Posed | None = None
-) -> tuple[list[State], float]:
-    """States of a shoe at each scale, the drum turned so far that the lining slips, and that rotation [rad].
+def slipping(brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None = None) -> tuple[State, float]:
+    """The state of a shoe, the drum turned so far that the lining slips, and that rotation [rad].
 
-    Only the runs that are kept count in their times. Raises NoAnswer.
+    Only the run that is kept counts in its time. Raises NoAnswer.
     """
     for _ in range(MOST_DOUBLINGS + 1):
-        states = []
-        for scale in scales:
-            states.append(run(brake, loaded, setting._replace(scale=scale), posed))
-            check(loaded, states[-1])
-            if states[-1].sticking > MOST_STICKING:
-                break
-        else:
-            return states, setting.rotation
+        state = run(brake, loaded, setting, posed)
+        check(loaded, state)
+        if state.sticking <= MOST_STICKING:
+            return state, setting.rotation
         setting = setting._replace(rotation=2 * setting.rotation)
     raise NoAnswer(
-        f"shoe {loaded.shoe.name!r}: CalculiX: {states[-1].sticking:.0%} of the contact points do not slip, even where "
+        f"shoe {loaded.shoe.name!r}: CalculiX: {state.sticking:.0%} of the contact points do not slip, even where "
         f"the drum turns by {setting.rotation / 2:g} rad"
     )
 
@@ -208,14 +196,13 @@ def read_state(
         drum = _block(blocks, "forces (fx,fy,fz) for set NDRUM")
         pin = _block(blocks, "displacements (vx,vy,vz) for set PIN")[0, 1:3]
         turn = float(_block(blocks, "displacements (vx,vy,vz) for set TURN")[0, 1])
-        total = _block(blocks, "total surface force (fx,fy,fz) and moment about the origin")[0]
         stress = _block(blocks, "contact stress")
         time_reached = float(re.findall(r"for set TURN and time\s+(\S+)", dat)[-1])
     except (LookupError, ValueError) as error:
         raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX wrote no contact state ({error})") from error
     if abs(time_reached - 1) > 1e-6:
         raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX ended at {time_reached:g} of its step")
-    size = setting.scale * setting.thickness
+    size = setting.thickness
     press, shear = stress[:, 2], np.hypot(stress[:, 3], stress[:, 4])
     pressed = press > 1e-3 * press.max()
     steps = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
@@ -223,8 +210,7 @@ def read_state(
     return State(
         contact=loaded.shoe.frame.to_shoe((posed or plane_pose(brake, loaded)).along(drum[:, 1:3])) / size,
         pin=loaded.shoe.frame.to_shoe(-BEARING * pin) / size,
-        moment=float(total[5]) / (size * MM),
-        turn=turn / setting.scale,
+        turn=turn,
         touching=len(np.unique(stress[:, 0])),
         points=len(stress),
         sticking=float(np.mean(shear[pressed] < STICKING * brake.friction * press[pressed])),
@@ -260,7 +246,7 @@ def _block(blocks: dict[str, str], start: str) -> Floats:
 def check(loaded: Loaded, state: State) -> None:
     """Raise NoAnswer where a state is none: forces or moments that do not balance, a handful of contact points."""
     name, lining = loaded.shoe.name, len(loaded.parts.line.pieces[0])
-    _, balance = _response(loaded, state)
+    _, balance = response(loaded, state)
     if not max(balance.force, balance.moment) < LARGEST_IMBALANCE:
         raise NoAnswer(f"shoe {name!r}: CalculiX ended normally where forces balance only to {balance.force:.1e} and "
                        f"moments to {balance.moment:.1e}")  # fmt: skip
@@ -269,29 +255,8 @@ def check(loaded: Loaded, state: State) -> None:
                        f"{state.touching} of {lining} elements")  # fmt: skip
 
 
-def extrapolated(
-    brake: Brake, loaded: Loaded, scales: Sequence[float], states: Sequence[State]
-) -> tuple[ShoeResponse, Balance]:
-    """The response at s = 0."""
-    fields = ("contact", "pin", "moment", "turn")
-    values = {name: at_zero(scales, np.array([getattr(state, name) for state in states])) for name in fields}
-    limit = states[-1]._replace(contact=values["contact"], pin=values["pin"], moment=float(values["moment"]),
-                                turn=float(values["turn"]))  # fmt: skip
-    return _response(loaded, limit)
-
-
-def at_zero(scales: Sequence[float], values: Floats) -> Floats:
-    """Where the straight line through values (k, ...) at the k scales, by least squares, meets s = 0."""
-    s = np.asarray(scales, dtype=float)
-    if len(s) == 1:
-        return values[0]
-    spread = s - s.mean()
-    slope = np.tensordot(spread, values, axes=1) / float(spread @ spread)
-    return np.asarray(values.mean(axis=0) - s.mean() * slope)
-
-
-def _response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
-    """The response to one state. Pressure and shear are those whose nodal forces are CalculiX's on the drum."""
+def response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
+    """The response to a state. Pressure and shear are those whose nodal forces are CalculiX's on the drum."""
     shoe, frame = loaded.shoe, loaded.shoe.frame
     theta = drum_angles(loaded)
     forces = state.contact[:: frame.sense]
@@ -306,6 +271,7 @@ def _response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
     normal, along = (
         (of @ values).reshape(-1, 2).sum(axis=0) for of, values in ((pressing, pressure), (dragging, shear))
     )
+    torque = abs(float(xy[0] @ forces[:, 1] - xy[1] @ forces[:, 0]))
     on = slice(2 * BEYOND_ELEMENTS, len(phi) - 2 * BEYOND_ELEMENTS)
-    found = Forces(normal, along, state.pin, abs(state.moment))
+    found = Forces(normal, along, state.pin, torque)
     return shoe_response(loaded, phi[on], pressure[on], 2, found, frame.sense * state.turn)

@@ -35,12 +35,11 @@ SOFT = 1e-6  # modulus of the drum, of the lining's: all its nodes are prescribe
 class Setting(NamedTuple):
     """How a brake is posed to CalculiX.
 
-    `scale` s: of load and rotation together; `rotation` [rad] of the drum at s = 1; `thickness` of all elements, of the
-    lining's width; `penalty` and `stick`: contact and stick stiffness as multiples of E/t of the lining; `steps`: least
-    number of increments; `accuracy`: CalculiX's relative tolerance of forces.
+    `rotation` [rad] of the drum; `thickness` of all elements, of the lining's width; `penalty` and `stick`: contact and
+    stick stiffness as multiples of E/t of the lining; `steps`: least number of increments; `accuracy`: CalculiX's
+    relative tolerance of forces.
     """
 
-    scale: float = 1.0
     rotation: float = 1e-3
     thickness: float = 0.01
     penalty: float = 1e3
@@ -173,10 +172,9 @@ def step(brake: Brake, setting: Setting, grid: Grid, drum_xy: Floats, load: list
     """Load (lines of nodal forces) and rotation together, and what is printed; the drum's nodes are at (n, 2) [mm]."""
     lines = ["*STEP, INC=1000", "*STATIC", f"{1 / setting.steps:.12e}, 1.", "*CONTROLS, PARAMETERS=FIELD"]
     lines += [f"{setting.accuracy:.12e}, {setting.accuracy:.12e}", "*CLOAD", *load]
-    angle = brake.spin * setting.scale * setting.rotation
-    c, s = math.cos(angle), math.sin(angle)
+    angle = brake.spin * setting.rotation
     lines.append("*BOUNDARY")
-    for label, (x, y) in enumerate(drum_xy @ np.array([[c - 1, s], [-s, c - 1]]), start=grid.turn + 1):
+    for label, (x, y) in enumerate(angle * drum_xy @ np.array([[0, 1], [-1, 0]]), start=grid.turn + 1):
         lines += [f"{label}, 1, 1, {x:.12e}", f"{label}, 2, 2, {y:.12e}"]
     for nodes, value in (("PIN", "U"), ("TURN", "U"), ("NDRUM", "RF")):
         lines += [f"*NODE PRINT, NSET={nodes}, FREQUENCY=1000", value]
@@ -186,7 +184,7 @@ def step(brake: Brake, setting: Setting, grid: Grid, drum_xy: Floats, load: list
 
 def _load(loaded: Loaded, setting: Setting, grid: Grid) -> list[str]:
     """The actuation, as nodal forces of drumlin's traction on the loaded end, or on the rigid shoe itself."""
-    shoe, parts, size = loaded.shoe, loaded.parts, setting.scale * setting.thickness
+    shoe, parts, size = loaded.shoe, loaded.parts, setting.thickness
     if "actuation" in grid.edges:
         unit, _ = end_loads(parts.basis, parts.mesh.boundaries["actuation"])
         nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
@@ -206,8 +204,7 @@ def header(brake: Brake, loaded: Loaded, setting: Setting, name: str) -> list[st
         "** units: mm, N, MPa; written by drumlin from its own mesh",
         f"** run: ccx {name}     results: {name}.dat",
         f"** thickness, stiffness across it and force are {setting.thickness:g} of the brake's",
-        f"** load and drum's rotation ({setting.scale * setting.rotation:g} rad) are scaled by {setting.scale:g};"
-        " small displacements are the limit 0",
+        f"** the drum turns by {setting.rotation:g} rad along its tangents: small displacements",
     ]
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import ELEMENTS, Mesher, materials_of, pin_of
+from drumlin.fem.assembly import ELEMENTS, Mesher, materials_of
 from drumlin.fem.group import gap_at
 from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.arc import DEFAULT_KIND
@@ -109,7 +109,7 @@ def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) 
         arrays |= {f"{name}{k}": nodes[name] for name in ("contact", "hinge", "actuation") if name in nodes}
         force, couple = loaded.force / (E * R * lining.width), loaded.couple / (E * R**2 * lining.width)
         listed.append({
-            "body": k, "side": shoe.sign, "pin": (pin_of(shoe) / R).tolist(),
+            "body": k, "side": shoe.sign, "pin": (shoe.own_pin / R).tolist(),
             "force": force.tolist(), "couple": couple, "centre": (parts.load_centre / R).tolist(),
             "drag_sense": math.copysign(1.0, loaded.drag), "middle": sum(shoe.arc) / 2,
             "phi": parts.line.phi.tolist(),

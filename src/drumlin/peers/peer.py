@@ -15,9 +15,10 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, actuation, assemble, pin_of, shape_of
+from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, actuation, assemble, shape_of
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, relative_balance, untouched, worst
+from drumlin.response.balance import relative_balance, worst
+from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import contact_arcs, cross
 
 NOTHING = 1e-3  # of the peak pressure: what a peer leaves where its lining does not touch
@@ -109,7 +110,7 @@ def shoe_response(
     The balance is that of the peer's own forces: their sum, and their moment about the drum's centre.
     """
     shoe, frame = loaded.shoe, loaded.shoe.frame
-    pin, centre = pin_of(shoe), loaded.parts.load_centre
+    pin, centre = shoe.own_pin, loaded.parts.load_centre
     sense = math.copysign(1.0, loaded.drag)
     moments = [sense * forces.torque, float(cross(pin, forces.reaction)), loaded.couple,
                float(cross(centre, loaded.force))]  # fmt: skip

@@ -36,9 +36,8 @@ from drumlin.peers.deck import (
 )  # fmt: skip
 from drumlin.peers.peer import Loaded, Peer, brake_response, loaded_shoes, untouched_response
 
-SCALES = (0.25, 0.125)
 ROTATION = 4e-3
-"""Of the drum [rad] at full load. Friction has the direction of the slip: as it is pressed the lining widens, and what
+"""Of the drum [rad]. Friction has the direction of the slip: as it is pressed the lining widens, and what
 it creeps sideways, some ten micrometres, must be little beside the way of the drum."""
 HALF = 0.5  # of the shoe, which stands in the place of a thin layer's thickness
 FACES = [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
@@ -48,18 +47,15 @@ WIDER = 1.1  # the drum, of half the lining's width
 def export(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, across: int | None = None
 ) -> tuple[list[Path], list[str]]:
-    """Write the decks of a brake's solid shoes, one for each shoe and scale; as peers.calculix.export does."""
+    """Write the decks of a brake's solid shoes, one for each; as peers.calculix.export does."""
     paths, apart = [], []
     for loaded, solid in _posed(brake, elements, across):
         if not loaded.approaches:
             apart.append(loaded.shoe.name)
             continue
-        for scale in SCALES:
-            path = folder / f"{stem}_{loaded.shoe.name}_solid_s{scale:g}.inp".replace(" ", "_")
-            write_text(
-                path, deck(brake, loaded, solid, Setting(scale=scale, rotation=ROTATION, thickness=HALF), path.stem)
-            )
-            paths.append(path)
+        path = folder / f"{stem}_{loaded.shoe.name}_solid.inp".replace(" ", "_")
+        write_text(path, deck(brake, loaded, solid, Setting(rotation=ROTATION, thickness=HALF), path.stem))
+        paths.append(path)
     return paths, apart
 
 
@@ -68,7 +64,6 @@ def solve(
     *,
     elements: int = ELEMENTS,
     across: int | None = None,
-    scales: tuple[float, ...] = SCALES,
     setting: Setting | None = None,
 ) -> Peer:
     """A brake's solid shoes by CalculiX; options and what is raised as of peers.calculix.solve."""
@@ -80,13 +75,13 @@ def solve(
             continue
         pose = calculix.Posed(partial(deck, brake, loaded, solid), partial(along, loaded))
         start = (setting or Setting(rotation=ROTATION))._replace(thickness=HALF)
-        states, _ = calculix.slipping_states(brake, loaded, scales, start, pose)
-        answers.append(calculix.extrapolated(brake, loaded, scales, states))
-        iterations = max(iterations, *(state.iterations for state in states))
-        unknowns += states[0].unknowns
-        seconds += sum(state.seconds for state in states)
+        state, _ = calculix.slipping(brake, loaded, start, pose)
+        answers.append(calculix.response(loaded, state))
+        iterations = max(iterations, state.iterations)
+        unknowns += state.unknowns
+        seconds += state.seconds
     response = brake_response("calculix", answers, iterations, {"calculix": seconds})
-    notes = (f"CalculiX {installed}, C3D20R, face-to-face penalty, s = {', '.join(f'{s:g}' for s in scales)}",)
+    notes = (f"CalculiX {installed}, C3D20R, face-to-face penalty",)
     return Peer("calculix", installed, response, seconds, seconds, seconds, unknowns, notes)
 
 
@@ -164,7 +159,7 @@ def _faces(cells: Ints, on: Ints) -> list[str]:
 
 def _load(loaded: Loaded, solid: Solid, setting: Setting, grid: Grid) -> list[str]:
     """The actuation on the end face, moved from the middles of its faces to their other nodes; or on the pin."""
-    shoe, size = loaded.shoe, setting.scale * setting.thickness
+    shoe, size = loaded.shoe, setting.thickness
     if "actuation" in solid.section.boundaries:
         unit, _ = end_forces(solid)
         nodal = (unit @ np.array([*loaded.force, loaded.couple]))[:, :2]

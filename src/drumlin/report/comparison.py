@@ -89,9 +89,9 @@ def write_comparison(brake: AnyBrake, source: str, folder: Path, options: dict[s
     write_text(folder / "results.json", results_json([comparison]))
     figures.save(figures.pressures(panels(comparison), flat=isinstance(brake, FlatBrake)), folder / "pressure.svg")
     fem = comparison.responses.get("fem")
-    drawn = isinstance(brake, Brake) and fem is not None and any(shoe.contact_arcs for shoe in fem.shoes)
-    not_drawn = None
-    if isinstance(brake, Brake) and fem is not None and drawn:
+    drawn, not_drawn = False, None
+    if isinstance(brake, Brake) and fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
+        drawn = True
         chosen = {k: v for k, v in options.items() if k in {"elements", "kind"}}
         not_drawn = draw_fields(brake, fem, folder, "fields", **chosen)
     notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]

@@ -5,6 +5,7 @@ arrow of fixed length.
 """
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,11 +14,13 @@ from matplotlib.patches import Circle, FancyArrowPatch, PathPatch, Rectangle, We
 from matplotlib.path import Path as Outline
 
 from drumlin.arrays import Floats
+from drumlin.brake import unrolled
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import Actuation, Beam, Body
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
-from drumlin.report.signs import BLOCK, BODY, DRUM, FAINT, FORCE, INK, LINING, MM, MOTION, arm, between, held
+from drumlin.brake.unrolled import on_drum
+from drumlin.report.signs import BLOCK, BODY, DRUM, FAINT, FORCE, INK, LINING, MM, MOTION, arms, between, held
 
 
 def draw_brake(axes: Axes, brake: AnyBrake) -> None:
@@ -39,9 +42,12 @@ def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
     R = brake.drum.radius * MM
     unit = R / 10  # of signs that have no size of their own
     _drum(axes, brake, unit)
+    struts = {link.source for link in brake.links}
     for shoe in brake.shoes:
-        _shoe(axes, shoe, R, unit)
-    between(axes, brake, unit)
+        _shoe(axes, shoe, R, unit, on_strut=shoe.name in struts)
+    loaded = {shoe.name: _loaded_point(shoe, R) for shoe in brake.shoes}
+    between(axes, brake, loaded, unit)
+    _forces(axes, brake, loaded, unit)
     corners = np.array([[-1.0, -1.0], [1.0, 1.0]]) * _outermost(brake)
     points = [corners, *(_places(shoe, R, unit) for shoe in brake.shoes)]
     _frame(axes, np.concatenate(points), 1.8 * unit)
@@ -98,7 +104,7 @@ def _free_angle(brake: Brake, unit: float) -> float:
     return float(candidates[int(np.argmax(away))])
 
 
-def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
+def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool) -> None:
     start, end = (math.degrees(angle) for angle in (shoe.lining.start, shoe.lining.end))
     if shoe.body is None:
         for stroke in _strokes(shoe, R):
@@ -113,14 +119,14 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
         lining += shoe.backing.thickness * MM
     if isinstance(shoe.body, Body) and not own:
         arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
-        _layer(axes, shoe, R, lining, shoe.body.thickness * MM, arc, BODY)
-    held(axes, shoe, unit)
-    arm(axes, shoe, R / MM, unit)
+        for plate in shoe.body.plates.values():
+            _layer(axes, shoe, R, lining, plate.thickness * MM, arc, BODY)
+            lining += plate.thickness * MM
+    held(axes, shoe, unit, on_strut=on_strut)
+    arms(axes, shoe, R / MM, _loaded_point(shoe, R), unit)
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     inside = R - 1.8 * unit - (shoe.depth * MM if shoe.sign > 0 else 0.0)
     _label(axes, inside * np.array([math.cos(middle), math.sin(middle)]), shoe.name)
-    if shoe.actuation.force:  # that of a strut is drawn with it
-        _force(axes, shoe.actuation, _loaded_point(shoe, R), unit)
 
 
 def _beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
@@ -178,7 +184,7 @@ def _loaded_point(shoe: Shoe, R: float) -> Floats:
     point = shoe.actuation.point.xy * MM
     if shoe.sign < 0 and np.linalg.norm(point) > R:
         return point
-    half = 0.5 * shoe.body.thickness if isinstance(shoe.body, Body) else 0.0
+    half = 0.5 * shoe.body.depth if isinstance(shoe.body, Body) else 0.0
     depth = R - shoe.sign * (shoe.depth - half) * MM
     arc = shoe.body if isinstance(shoe.body, Body) else shoe.lining
     ends = [depth * np.array([math.cos(angle), math.sin(angle)]) for angle in (arc.start, arc.end)]
@@ -215,35 +221,52 @@ def _draw_flat(axes: Axes, brake: FlatBrake) -> None:
     half = 2.2 * unit * brake.spin
     _arrow(axes, np.array([middle - half, -unit]), np.array([middle + half, -unit]), MOTION, width=0.14)
     places = [np.array([[left, -2 * unit], [right, 0]])]
-    for shoe in brake.shoes:
-        _flat_shoe(axes, shoe, unit)
+    elastic = on_drum(brake) if unrolled.why_not(brake) is None else None
+    struts = {link.source for link in brake.links}
+    _forces(axes, brake, {shoe.name: shoe.actuation.point.xy * MM for shoe in brake.shoes}, unit)
+    for i, shoe in enumerate(brake.shoes):
+        _flat_shoe(axes, shoe, unit, on_strut=shoe.name in struts)
+        if elastic is not None:
+            arms(axes, elastic.shoes[i], elastic.drum.radius, shoe.actuation.point.xy * MM, unit)
         load = shoe.actuation.point.xy * MM
         pin = shoe.pin.xy * MM + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
         places.append(np.concatenate([_room(shoe.actuation, load, unit), pin]))
     _frame(axes, np.concatenate(places), 2 * unit)
 
 
-def _flat_shoe(axes: Axes, shoe: FlatShoe, unit: float) -> None:
+def _flat_shoe(axes: Axes, shoe: FlatShoe, unit: float, *, on_strut: bool) -> None:
     start, end = shoe.lining.start * MM, shoe.lining.end * MM
-    hinge, load = shoe.pin.xy * MM, shoe.actuation.point.xy * MM
-    top = 0.8 * unit
+    if shoe.body is not None and shoe.lining.thickness is not None:
+        layers = [(start, end, shoe.lining.thickness, LINING)]
+        layers += [(start, end, shoe.backing.thickness, BLOCK)] if shoe.backing else []
+        body = shoe.body.start * MM, shoe.body.end * MM
+        layers += [(*body, plate.thickness, BODY) for plate in shoe.body.plates.values()]
+        top = 0.0
+        for left, right, thickness, color in layers:
+            box = Rectangle((left, top), right - left, thickness * MM, facecolor=color, edgecolor=INK, lw=0.8, zorder=3)
+            axes.add_patch(box)
+            top += thickness * MM
+    else:
+        _flat_sign(axes, shoe, unit)
+    held(axes, shoe, unit, on_strut=on_strut)
+    _label(axes, np.array([end + 1.2 * unit, 1.0 * unit]), shoe.name, ha="left")
+    if shoe.hinge is not None and shoe.pivot is None:
+        x, h = shoe.hinge.xy * MM
+        axes.annotate("", (x, 0), (x, h), arrowprops={"arrowstyle": "<->", "color": FAINT, "lw": 0.8}, zorder=4)
+        _label(axes, np.array([x - 1.6 * unit, 0.4 * h]), f"h = {h:.4g} mm")
+
+
+def _flat_sign(axes: Axes, shoe: FlatShoe, unit: float) -> None:
+    """A rigid shoe: its lining, and a block up to the lever."""
+    start, end, top = shoe.lining.start * MM, shoe.lining.end * MM, 0.8 * unit
+    pin, load = shoe.pin.xy * MM, shoe.actuation.point.xy * MM
     axes.add_patch(Rectangle((start, 0), end - start, top, facecolor=LINING, edgecolor=INK, lw=0.8, zorder=3))
-    lever = load - hinge
-    share = np.clip((np.array([start, end]) - hinge[0]) / lever[0], 0, 1) if lever[0] else np.zeros(2)
-    feet = hinge + share[:, None] * lever
+    lever = load - pin
+    share = np.clip((np.array([start, end]) - pin[0]) / lever[0], 0, 1) if lever[0] else np.zeros(2)
+    feet = pin + share[:, None] * lever
     block = [(start, top), *feet.tolist(), (end, top)]
     axes.add_patch(PathPatch(Outline(np.array([*block, block[0]])), facecolor=BODY, edgecolor="none", zorder=2))
-    axes.plot(*np.array([hinge, load]).T, color=BODY, lw=7, solid_capstyle="round", zorder=2)
-    held(axes, shoe, unit)
-    _label(axes, np.array([0.5 * (start + end), 2.0 * unit]), shoe.name)
-    if shoe.held_by != "hinge":
-        _force(axes, shoe.actuation, load, unit)
-        return
-    axes.annotate(
-        "", (hinge[0], 0), (hinge[0], hinge[1]), arrowprops={"arrowstyle": "<->", "color": FAINT, "lw": 0.8}, zorder=4
-    )
-    _label(axes, np.array([hinge[0] - 1.6 * unit, 0.4 * hinge[1]]), f"h = {hinge[1]:.4g} mm")
-    _force(axes, shoe.actuation, load, unit)
+    axes.plot(*np.array([pin, load]).T, color=BODY, lw=7, solid_capstyle="round", zorder=2)
 
 
 # signs
@@ -255,20 +278,45 @@ def _tail(actuation: Actuation, unit: float) -> Floats:
     return 4 * unit * sense * np.array([math.cos(actuation.direction), math.sin(actuation.direction)])
 
 
-def _beside(actuation: Actuation, tip: Floats, unit: float) -> tuple[Floats, str]:
-    """Where the words of an arrow stand (2,) [mm]: above it, or to its right; and their alignment."""
+def _beside(actuation: Actuation, tip: Floats, unit: float, *, inside: bool = False) -> tuple[Floats, str]:
+    """Where the words of an arrow stand (2,) [mm]: above it, or to its right, inside a drum towards the centre; and
+    their alignment."""
     along = _tail(actuation, unit)
     left = np.array([-along[1], along[0]]) / np.linalg.norm(along)
     up = left if left[1] > 1e-9 or (abs(left[1]) <= 1e-9 and left[0] > 0) else -left
+    if inside and up @ tip > 0:
+        up = -up
     return tip - 0.75 * along + 0.95 * unit * up, "left" if abs(up[1]) < 0.5 else "center"
 
 
-def _force(axes: Axes, actuation: Actuation, tip: Floats, unit: float) -> None:
-    _arrow(axes, tip - _tail(actuation, unit), tip, FORCE, width=0.12)
-    size = abs(actuation.force)
-    text = f"{size / 1e3:.4g} kN" if size >= 1e3 else f"{size:.4g} N"
-    place, alignment = _beside(actuation, tip, unit)
-    _label(axes, place, text, color=FORCE, ha=alignment)
+def _forces(axes: Axes, brake: AnyBrake, tips: Mapping[str, Floats], unit: float) -> None:
+    """The forces on the shoes with their sizes, of a cam their sum; equal ones beside each other have their size once.
+
+    That of a strut is drawn with it.
+    """
+    pushed = [shoe for shoe in brake.shoes if shoe.actuation.force]
+    if brake.actuation is not None and brake.actuation.is_cam:
+        middle = 0.5 * sum(tips[shoe.name] for shoe in pushed)
+        _label(axes, middle - np.array([0.0, 1.6 * unit]), f"{_size(brake.actuation.total)} in all", color=FORCE)
+        return
+    inside = isinstance(brake, Brake) and brake.shoes[0].sign > 0
+    labels: list[tuple[Floats, str, str]] = []
+    for shoe in pushed:
+        tip = tips[shoe.name]
+        _arrow(axes, tip - _tail(shoe.actuation, unit), tip, FORCE, width=0.12)
+        place, alignment = _beside(shoe.actuation, tip, unit, inside=inside)
+        text = _size(shoe.actuation.force)
+        k = next((k for k, one in enumerate(labels) if one[1] == text and math.dist(one[0], place) < 5 * unit), None)
+        if k is None:
+            labels.append((place, text, alignment))
+        else:
+            labels[k] = 0.5 * (labels[k][0] + place), f"{text} each", alignment
+    for place, text, alignment in labels:
+        _label(axes, place, text, color=FORCE, ha=alignment)
+
+
+def _size(force: float) -> str:
+    return f"{abs(force) / 1e3:.4g} kN" if abs(force) >= 1e3 else f"{abs(force):.4g} N"
 
 
 def _room(actuation: Actuation, tip: Floats, unit: float) -> Floats:

@@ -1,6 +1,7 @@
-"""Signs for how shoes are held and pushed: pin, lever's pivot, abutment, guide, strut, cam, rigid arm."""
+"""Signs for how shoes are held and pushed: pin, lever's pivot, abutment, guide, grip, strut, cam, rigid arm."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,8 +20,8 @@ INK, FAINT, DRUM, BODY, BLOCK, LINING, FORCE, MOTION = (
 )  # fmt: skip
 
 
-def held(axes: Axes, shoe: Shoe | FlatShoe, unit: float) -> None:
-    """What holds a shoe."""
+def held(axes: Axes, shoe: Shoe | FlatShoe, unit: float, *, on_strut: bool = False) -> None:
+    """What holds a shoe; on_strut: its abutment is a strut's end."""
     if shoe.hinge is not None:
         pin(axes, shoe.hinge, unit, fixed=True)
     if shoe.pivot is not None:
@@ -29,7 +30,7 @@ def held(axes: Axes, shoe: Shoe | FlatShoe, unit: float) -> None:
             axes.plot(*np.array(lever).T * MM, color=FAINT, lw=3, alpha=0.5, zorder=2)
         pin(axes, shoe.pivot, unit, fixed=False)
     if shoe.abutment is not None:
-        face(axes, shoe.abutment.point.xy * MM, shoe.abutment.direction, unit)
+        face(axes, shoe.abutment.point.xy * MM, shoe.abutment.direction, unit, ground=not on_strut)
     if shoe.guide is not None:
         for side in (-1.0, 1.0):
             along = np.array([math.cos(shoe.guide.direction), math.sin(shoe.guide.direction)])
@@ -38,45 +39,49 @@ def held(axes: Axes, shoe: Shoe | FlatShoe, unit: float) -> None:
             axes.plot(*ends.T, color=INK, lw=2.5, zorder=5)
 
 
-def face(axes: Axes, at: Floats, direction: float, unit: float) -> None:
-    """The face of an abutment at a point [mm], its normal in the direction [rad]: a line, hatched behind."""
+def face(axes: Axes, at: Floats, direction: float, unit: float, *, ground: bool) -> None:
+    """The face of an abutment at a point [mm], its normal in the direction [rad]: a line, hatched behind on ground."""
     n = np.array([math.cos(direction), math.sin(direction)])
     t = np.array([-n[1], n[0]])
     axes.plot(*(at + np.outer([-unit, unit], t)).T, color=INK, lw=2.5, zorder=5)
-    for place in np.linspace(-0.9, 0.9, 6):
+    for place in np.linspace(-0.9, 0.9, 6 if ground else 0):
         foot = at + place * unit * t
         axes.plot(*np.array([foot, foot - 0.45 * unit * (n + t)]).T, color=FAINT, lw=0.8, zorder=4)
 
 
-def arm(axes: Axes, shoe: Shoe, radius: float, unit: float) -> None:
-    """A rigid arm, dashed, where what holds an elastic shoe stands off the face of its body; radius [m] of the drum."""
-    middle = end_face(shoe, radius)
-    if middle is not None and float(np.linalg.norm(middle - shoe.pin.xy)) * MM > 0.2 * unit:
-        axes.plot(*np.array([middle, shoe.pin.xy]).T * MM, color=INK, lw=1.6, ls="--", zorder=4)
+def arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> None:
+    """Rigid arms, dashed, where what holds or pushes an elastic shoe stands off its body, and what a pivot or guide
+    grips of its back, as a line; radius [m] of the drum, the force's point (2,) [mm]."""
+    if not isinstance(shoe.body, Body) or shoe.mesh is not None:
+        return
+    grip = shoe.grip(radius)
+    if grip is None:
+        faces = [shoe.end_face(radius), shoe.end_face(radius, loaded=True)]
+        ends = zip(faces, (shoe.pin.xy * MM, force), strict=True)
+    else:
+        back = shoe.points(shoe.at(np.array(shoe.depth), np.linspace(*grip, 20), radius)) * MM
+        axes.plot(*back, color=INK, lw=3, solid_capstyle="butt", zorder=4)
+        held_at = [shoe.pin.xy * MM, force] if shoe.pivot is None else [shoe.pivot.xy * MM]
+        ends = zip([shoe.at(np.array(shoe.depth), np.array(0.5 * sum(grip)), radius)] * 2, held_at, strict=False)
+    for middle, to in ends:
+        line = np.array([shoe.points(middle[:, None])[:, 0] * MM, to])
+        if float(np.linalg.norm(line[1] - line[0])) > 0.2 * unit:
+            axes.plot(*line.T, color=INK, lw=1.6, ls="--", zorder=4)
 
 
-def end_face(shoe: Shoe, radius: float) -> Floats | None:
-    """The middle (2,) [m] of the end face by which a hinge or an abutment holds an arc; None of other shoes."""
-    if not isinstance(shoe.body, Body) or shoe.mesh is not None or shoe.held_by not in {"hinge", "abutment"}:
-        return None
-    return np.asarray(shoe.frame.to_brake(shoe.end_face(radius)))
-
-
-def between(axes: Axes, brake: Brake, unit: float) -> None:
-    """What shoes share: a strut from one to the other, a cam between their tips."""
+def between(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float) -> None:
+    """What shoes share: a strut from one to the other, a cam between their tips; `loaded`: where each is pushed."""
     shoes = {shoe.name: shoe for shoe in brake.shoes}
     for link in brake.links:
-        source, to = shoes[link.source], shoes[link.to]
+        source = shoes[link.source]
         assert source.abutment is not None
-        start, along = source.abutment.point.xy * MM, -source.bearing
-        far = start + along * max(0.0, float((to.lining.thickness * MM) + 2 * abs(start @ along)))
-        axes.plot(*np.array([start, far]).T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
+        ends = np.array([source.abutment.point.xy * MM, loaded[link.to]])
+        axes.plot(*ends.T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
     if brake.actuation is not None and brake.actuation.is_cam:
-        tips = [shoe.actuation.point.xy * MM for shoe in brake.shoes if shoe.actuation.force]
-        if len(tips) == 2:
-            middle, size = 0.5 * (tips[0] + tips[1]), 0.5 * float(np.linalg.norm(tips[0] - tips[1]))
-            axes.add_patch(Circle(tuple(middle), max(0.6 * size, 0.4 * unit), facecolor=BODY, edgecolor=INK, zorder=4))
-            axes.plot(*np.array(tips).T, color=INK, lw=3, zorder=5)
+        tips = [loaded[shoe.name] for shoe in brake.shoes if shoe.actuation.force]
+        middle, size = 0.5 * (tips[0] + tips[1]), brake.actuation.radius or 0.0
+        axes.plot(*np.array(tips).T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
+        axes.add_patch(Circle(tuple(middle), max(size * MM, 0.5 * unit), facecolor=BODY, edgecolor=INK, zorder=5))
 
 
 def pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:

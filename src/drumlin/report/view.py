@@ -6,15 +6,15 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from drumlin.arrays import Ints
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
-from drumlin.brake.unrolled import unrolled
+from drumlin.brake.plane_brake import AnyBrake
+from drumlin.brake.unrolled import on_drum
 from drumlin.fem.assembly import Body
 from drumlin.fem.hp.grid import Grid
 from drumlin.fem.solve import scene_of
 from drumlin.models import refusals
 from drumlin.report.drawing import draw_brake
 
-PARTS = {"shoe": "#c9d3dc", "backing": "#d9c39a", "lining": "#b98b6b"}
+PARTS = {"shoe": "#c9d3dc", "table": "#b3c0cc", "backing": "#d9c39a", "lining": "#b98b6b"}
 
 
 def draw(brake: AnyBrake, **options: Any) -> Figure:
@@ -25,7 +25,7 @@ def draw(brake: AnyBrake, **options: Any) -> Figure:
     axes.set_title(f"{brake.title}, {brake.motion}")
     if "fem" in refusals(brake):
         return figure
-    own = unrolled(brake) if isinstance(brake, FlatBrake) else brake
+    own = on_drum(brake)
     for shoe, body in zip(own.shoes, scene_of(own, **options).bodies, strict=True):
         xy = shoe.points(body.basis.doflocs).T * 1e3
         around = body.mesh.outline if isinstance(body.mesh, Grid) else _around(body)

@@ -18,8 +18,9 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
+from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.limits import warnings
-from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse, contact_resultant, loaded
+from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
 from drumlin.response.resultants import cross, integrate
 
 B = TypeVar("B", bound=Brake | FlatBrake)
@@ -95,18 +96,25 @@ def flat_merit(brake: FlatBrake, index: int, response: ShoeResponse) -> FlatMeri
     )
 
 
+def shoe_effect(response: Response, index: int) -> float:
+    """What a shoe does: its torque [N m], on a plane its braking force [N]."""
+    merit = response.merits[index] if response.merits else None
+    return merit.braking_force if isinstance(merit, FlatMerit) else response.shoes[index].torque
+
+
 def effect(response: Response) -> float:
     """What a brake does: its torque [N m], on a plane its braking force [N]."""
-    forces = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]
-    return math.fsum(forces) if forces else response.torque
+    return math.fsum(shoe_effect(response, i) for i in range(len(response.shoes)))
 
 
 def brake_factor(brake: AnyBrake, response: Response) -> float | None:
-    """T/(F R) of the whole brake with the mean force F of its shoes, on a plane braking force / F; None without force.
+    """T/(F R) of the whole brake, F the mean force of its actuation; on a plane braking force / F; None without force.
 
-    Of shoes with equal forces it is the sum of their shoe factors.
+    Of shoes with equal forces it is the sum of their shoe factors. What a strut passes on is no actuation.
     """
-    force = math.fsum(abs(shoe.actuation.force) for shoe in loaded(brake, response).shoes) / len(brake.shoes)
+    pushed = {link.to for link in brake.links}
+    forces = [abs(shoe.actuation.force) for shoe in loaded(brake, response).shoes if shoe.name not in pushed]
+    force = math.fsum(forces) / len(forces)
     return _over(effect(response), force * (1.0 if isinstance(brake, FlatBrake) else brake.drum.radius))
 
 
@@ -132,12 +140,11 @@ def sensitivity(brake: AnyBrake, solve: Callable[[AnyBrake], Response], step: fl
     Raises NoAnswer for a brake that does not brake.
     """
 
-    def effect(friction: float) -> float:
-        response = solve(vary(brake, {"friction": friction}))
-        merits = with_merits(brake, response).merits
-        return response.torque or math.fsum(m.braking_force for m in merits if isinstance(m, FlatMerit))
+    def at(friction: float) -> float:
+        varied = vary(brake, {"friction": friction})
+        return effect(with_merits(varied, solve(varied)))
 
-    high, low = effect(brake.friction * (1 + step)), effect(brake.friction * (1 - step))
+    high, low = at(brake.friction * (1 + step)), at(brake.friction * (1 - step))
     if high + low == 0:
         raise NoAnswer("sensitivity: the brake does not brake, so its torque has no relative change")
     return (high - low) / (high + low) / step

@@ -9,10 +9,10 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
+from drumlin.brake.plane_brake import FlatBrake, FlatShoe
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
-from drumlin.response.resultants import Resultant, contact_arcs, cross, gauss_points, largest, resultant
+from drumlin.response.resultants import Resultant, contact_arcs, edge_left_out, largest
 from drumlin.response.show import as_html, as_text, plot
 
 EDGE_ZONE = math.radians(0.2)
@@ -68,7 +68,8 @@ class ShoeResponse:
     a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
     `deformation` of beam and ring, of the foundation model. `surface` of a solid: its `pressure` is then the mean over
     the width, in `peak_pressure` too. `error`: estimated relative errors "pressure" (L2 outside
-    the edge zones), "torque", "peak" and "reaction", None where nothing was estimated.
+    the edge zones), "torque", "peak" and "reaction", None where nothing was estimated; `softness` the part of the
+    torque by which the contact's penalty changes it.
 
     Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
     """
@@ -92,6 +93,7 @@ class ShoeResponse:
     deformation: Deformation | None = None
     surface: Surface | None = None
     error: Mapping[str, float] | None = None
+    softness: float = 0.0
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
@@ -283,10 +285,9 @@ def pressed_shoe(
     its rows as the angles; more: other attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
-    theta, pressure, zone = theta[forward], pressure[forward], edge_zone(shoe, radius)
+    theta, pressure = theta[forward], pressure[forward]
+    zone = edge_left_out(theta, pressure, order, edge_zone(shoe, radius))
     peak = largest(theta, pressure, order, zone) if located else nodal_peak(theta, pressure, zone)
-    if not peak > 0:  # pressed at its ends alone
-        peak = largest(theta, pressure, order)
     check_strain(shoe, peak)
     return ShoeResponse(
         name=shoe.name,
@@ -335,94 +336,3 @@ def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:
     """Largest nodal pressure [Pa] more than `zone` [rad] from the lining's ends; of all where none presses there."""
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
-
-
-def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
-    """What the drum does to shoe `index`: the integrals of the response's own p(theta), or what its law lumps."""
-    if response.lumped is not None:
-        return response.lumped
-    shoe = brake.shoes[index]
-    return resultant(
-        response.theta,
-        response.pressure,
-        order=response.order,
-        radius=brake.drum.radius,
-        width=shoe.lining.width,
-        sign=shoe.sign,
-        drag=brake.drag,
-    )
-
-
-def loaded(brake: AnyBrake, response: Response) -> AnyBrake:
-    """The brake under the forces that its shoes share in a response."""
-    forces = [shoe.force for shoe in response.shoes]
-    if all(force is None for force in forces):
-        return brake
-    shoes = tuple(shoe if force is None else shoe.under(force) for shoe, force in zip(brake.shoes, forces, strict=True))
-    return brake.model_copy(update={"shoes": shoes})
-
-
-def balance_of(brake: AnyBrake, index: int, response: ShoeResponse) -> Balance:
-    """Equilibrium of shoe `index`, on a drum or on a plane."""
-    if isinstance(brake, FlatBrake):
-        return flat_balance(brake, index, response)
-    return shoe_balance(brake, index, response)
-
-
-def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
-    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(theta), about the hinge.
-
-    A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
-    """
-    if not response.contact_arcs:
-        return Balance(0.0, 0.0)
-    shoe = brake.shoes[index]
-    contact = contact_resultant(brake, index, response)
-    forces = [contact.force, response.hinge_reaction, shoe.actuation.vector]
-    hinge = shoe.pin.xy
-    moments = [
-        contact.moment - float(cross(hinge, contact.force)),
-        shoe.actuation.moment_about(shoe.pin),
-        response.reaction_moment,
-    ]
-    if shoe.guide is not None:  # it may bear no moment at all: then its parts say what is small
-        moments += [float(cross(hinge, shoe.actuation.vector)), -float(cross(hinge, shoe.actuation.vector))]
-    return relative_balance(forces, moments)
-
-
-def flat_balance(brake: FlatBrake, index: int, response: ShoeResponse) -> Balance:
-    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(x), about the hinge.
-
-    A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
-    """
-    if not response.contact_arcs:
-        return Balance(0.0, 0.0)
-    shoe = brake.shoes[index]
-    x, p, dx = gauss_points(response.theta, response.pressure, response.order)
-    load = p * dx * shoe.lining.width
-    contact = float(np.sum(load)) * np.array([brake.friction * brake.spin, 1.0])
-    return relative_balance(
-        [contact, response.hinge_reaction, shoe.actuation.vector],
-        [
-            float(np.sum(load * (x - shoe.pin.x))),
-            brake.friction * brake.spin * shoe.pin.y * float(np.sum(load)),
-            shoe.actuation.moment_about(shoe.pin),
-            response.reaction_moment,
-        ],
-    )
-
-
-def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
-    """Sums of forces (2,) [N] and of moments [N m], each relative to its largest member; 0 where all are 0."""
-    largest_force = max((float(np.linalg.norm(f)) for f in forces), default=0.0)
-    largest_moment = max((abs(m) for m in moments), default=0.0)
-    force = float(np.linalg.norm(np.sum(forces, axis=0)))
-    return Balance(
-        force=force / largest_force if largest_force else 0.0,
-        moment=abs(math.fsum(moments)) / largest_moment if largest_moment else 0.0,
-    )
-
-
-def worst(balances: list[Balance]) -> Balance:
-    """The largest of each entry."""
-    return Balance(max(b.force for b in balances), max(b.moment for b in balances))

@@ -25,8 +25,8 @@ from drumlin.fem.assembly import Cache
 from drumlin.files import content_digest
 from drumlin.journal import Journal, key_of, source_stamp
 from drumlin.models import pick
-from drumlin.response.merit import brake_factor, effect
-from drumlin.response.response import FlatMerit, Response
+from drumlin.response.merit import brake_factor, effect, shoe_effect
+from drumlin.response.response import Response
 from drumlin.sweeps.workers import Say, waiting_since
 
 Row = dict[str, Any]
@@ -100,28 +100,27 @@ def row_of(brake: AnyBrake, response: Response) -> Row:
     """What a row says of a response, in SI; of shoe NAME as "NAME.torque" and so on.
 
     "torque" [N m] of the whole brake (on a plane: "braking_force" [N]), "brake_factor" T/(F R) with the mean force F
-    of its shoes (on a plane: braking force / F), "peak_pressure" [Pa] the largest of its shoes, "balance" the worse
+    of its actuation (on a plane: braking force / F), "peak_pressure" [Pa] the largest of its shoes, "balance" the worse
     of forces and moments; where they are estimated, the relative errors "error_pressure", "error_torque", "error_peak"
     and "error_reaction" (see `Response.error`). Of each shoe: torque, peak_pressure, shoe_factor T/(F R),
     hinge_reaction [N], contact_start and contact_end [rad; on a plane m] from where to where it touches, contact_arcs
     how many arcs that is.
     """
-    flat = [merit.braking_force for merit in response.merits if isinstance(merit, FlatMerit)]
-    radius = brake.drum.radius if isinstance(brake, Brake) else 1.0
+    name, radius = ("torque", brake.drum.radius) if isinstance(brake, Brake) else ("braking_force", 1.0)
     row: Row = {
         "status": "solved" if response.converged else "failed: not converged",
-        "braking_force" if flat else "torque": effect(response),
+        name: effect(response),
         "brake_factor": brake_factor(brake, response),
         "peak_pressure": max(shoe.peak_pressure for shoe in response.shoes),
         "balance": max(response.balance.force, response.balance.moment),
         **{f"error_{name}": value for name, value in (response.error or {}).items()},
     }
     for i, shoe in enumerate(response.shoes):
-        own, load = flat[i] if flat else shoe.torque, abs(brake.shoes[i].actuation.force)
+        own, load = shoe_effect(response, i), abs(brake.shoes[i].actuation.force)
         row |= {
-            f"{shoe.name}.{name}": value
-            for name, value in {
-                "braking_force" if flat else "torque": own,
+            f"{shoe.name}.{key}": value
+            for key, value in {
+                name: own,
                 "peak_pressure": shoe.peak_pressure,
                 "shoe_factor": own / (load * radius) if load else None,
                 "hinge_reaction": float(np.linalg.norm(shoe.hinge_reaction)),
@@ -130,9 +129,7 @@ def row_of(brake: AnyBrake, response: Response) -> Row:
                 "contact_arcs": len(shoe.contact_arcs),
             }.items()
         }
-    return {
-        name: value if value is None or isinstance(value, str | int) else float(value) for name, value in row.items()
-    }
+    return {key: value if value is None or isinstance(value, str | int) else float(value) for key, value in row.items()}
 
 
 def run(

@@ -25,7 +25,8 @@ from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.journal import Journal
 from drumlin.models import MODELS, applicable
-from drumlin.response.response import Response, contact_resultant
+from drumlin.response.balance import contact_resultant
+from drumlin.response.response import Response
 from drumlin.verification.broken_files import (
     Input,
     Sound,

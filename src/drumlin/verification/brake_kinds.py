@@ -1,34 +1,41 @@
 """Brakes of every kind by finite elements and by their rigid-shoe law, new and worn in, in both senses of motion."""
 
 import math
+from collections.abc import Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
-from drumlin.brake.unrolled import unrolled
-from drumlin.comparison import edge_of, effect, motion_of
+from drumlin.brake.unrolled import on_drum
+from drumlin.comparison import Outcome, edge_of, motion_of, run
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import prepare
 from drumlin.fem.self_locking import limits
 from drumlin.fem.solve import solve
 from drumlin.laws import law
+from drumlin.models import applicable
+from drumlin.response.merit import brake_factor, effect
 from drumlin.response.norms import pressure_distance, relative
-from drumlin.response.response import Response, loaded
+from drumlin.response.response import Response
 from drumlin.wear import worn_in
 
-TRUSTED, ROUGH = 0.05, 0.15  # relative errors of the effect up to which a law is trusted, and is an estimate
+TRUSTED, ROUGH = 0.05, 0.15  # relative errors up to which a law is trusted, and is an estimate
+EXACT = 1e-9  # below it the effect is no matter of the pressure
 
 
 class Case(NamedTuple):
-    """A brake in one sense of motion: by its law, new, and worn in."""
+    """A brake in one sense of motion: by its law, new, and worn in; `others`: by the other models that apply."""
 
     file: str
     brake: AnyBrake
     law: Response
     new: Response
     worn: Response
+    others: Mapping[str, Outcome]
 
 
 def both_ways(brake: AnyBrake) -> tuple[AnyBrake, AnyBrake]:
@@ -40,12 +47,21 @@ def both_ways(brake: AnyBrake) -> tuple[AnyBrake, AnyBrake]:
 
 def case(file: str, brake: AnyBrake, elements: int) -> Case:
     """A brake by law and finite elements; elements: along the worn-in linings. Raises NoAnswer."""
-    return Case(file, brake, law(brake), solve(brake), worn_in.solve(brake, elements=elements))
+    by_law = law(brake)
+    others = [model for model in applicable(brake) if model.name not in {"fem", by_law.model}]
+    return Case(
+        file,
+        brake,
+        by_law,
+        solve(brake),
+        worn_in.solve(brake, elements=elements),
+        {model.name: run(model.name, partial(model.solve, brake)) for model in others},
+    )
 
 
 def mu_lock(brake: AnyBrake, most: float = 2.0, elements: int = 20) -> float:
     """The friction [1] up to which the elastic brake has an answer; inf where there is one up to `most`."""
-    own = unrolled(brake) if isinstance(brake, FlatBrake) else brake
+    own = on_drum(brake)
     try:
         found = limits(prepare(own, elements=elements), own, most, penalty=1e6)
     except NoAnswer:
@@ -54,44 +70,73 @@ def mu_lock(brake: AnyBrake, most: float = 2.0, elements: int = 20) -> float:
 
 
 def row_of(found: Case, limit: float | None) -> dict[str, Any]:
-    """One row of the table of brakes; `factor`: effect over the sum of the actuation forces, times the radius."""
+    """One row of the table of brakes; `factor`, `factor_worn`: brake factors by finite elements, new and worn in."""
     brake, new = found.brake, found.new
-    under = loaded(brake, new)
-    actuated = math.fsum(
-        abs(shoe.actuation.force) for shoe in under.shoes if shoe.name not in {link.to for link in brake.links}
-    )
-    radius = 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius
-    size = effect(brake, new)
-    worst = max(
-        pressure_distance(a, b, edge_of(brake))
-        for a, b in zip(found.law.shoes, new.shoes, strict=True)
-        if b.contact_arcs
-    )
+    size = effect(new)
+
+    def distance(by: Response) -> float:
+        """Of the law's pressure, L2, the worst shoe."""
+        pairs = zip(found.law.shoes, by.shoes, strict=True)
+        return max(pressure_distance(a, b, edge_of(brake)) for a, b in pairs if b.contact_arcs)
+
     return {
         "file": found.file,
         "motion": motion_of(brake),
         "law": found.law.model,
         "effect": size,
         "unit": "N" if isinstance(brake, FlatBrake) else "N m",
-        "factor": size / (radius * actuated),
+        "factor": brake_factor(brake, new),
+        "factor_worn": brake_factor(brake, found.worn),
         "peak": max(shoe.peak_pressure for shoe in new.shoes),
         "reaction": max(float(np.linalg.norm(shoe.hinge_reaction)) for shoe in new.shoes),
         "mu_lock": limit,
-        "new": relative(effect(brake, found.law), size),
-        "worn": relative(effect(brake, found.law), effect(brake, found.worn)),
-        "pressure": worst,
+        "new": relative(effect(found.law), size),
+        "worn": relative(effect(found.law), effect(found.worn)),
+        "p": distance(new),
+        "p_worn": distance(found.worn),
+        "peak_worn": max(shoe.peak_pressure for shoe in found.worn.shoes),
         "balance": max(new.balance.force, new.balance.moment),
     }
 
 
+def others_of(found: Case) -> list[dict[str, Any]]:
+    """A row for each other model that applies: how far its effect is from finite elements, new and worn in."""
+    base: dict[str, Any] = {"file": found.file, "motion": motion_of(found.brake)}
+    rows: list[dict[str, Any]] = []
+    for name, outcome in found.others.items():
+        if outcome.response is None:
+            rows.append(base | {"model": name, "status": outcome.failure})
+            continue
+        by = effect(outcome.response)
+        errors = {"new": relative(by, effect(found.new)), "worn": relative(by, effect(found.worn))}
+        rows.append(base | {"model": name, "effect": by} | errors | {"status": "solved"})
+    return rows
+
+
+def cam_factor(brake: Brake) -> float:
+    """4 B1 B2/(B1 + B2) of an S-cam brake with equal displacement of both tips: T/(F R) of rigid worn-in shoes, from
+    the shoe factors B = T/(F R) that each has alone."""
+    one, two = (
+        law(brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})).torque
+        / (1e3 * brake.drum.radius)
+        for shoe in brake.shoes
+    )
+    return 4 * one * two / (one + two)
+
+
 def verdict(rows: list[dict[str, Any]]) -> str:
     """Whether the law of a brake can be trusted, from its rows of both senses of motion."""
+    effect_, name = "braking force" if rows[0]["unit"] == "N" else "torque", rows[0]["law"]
 
-    def said(key: str) -> str:
+    def judged(key: str) -> str:
         error = max(abs(row[key]) for row in rows)
         word = "can be trusted" if error <= TRUSTED else "is an estimate" if error <= ROUGH else "cannot be trusted"
-        return f"{word} (off by up to {100 * error:.2g} %)"
+        return f"{word} ({f'off by up to {100 * error:.2g}' if error > 1e-4 else 'off by less than 0.01'} %)"
 
-    (first, *_) = rows
-    effect_ = "braking force" if first["unit"] == "N" else "torque"
-    return f"New, the law {first['law']!r} of the {effect_} {said('new')}; worn in it {said('worn')}."
+    if all(abs(row["new"]) < EXACT for row in rows):
+        return (
+            f"The {effect_} follows from equilibrium alone, whatever the pressure. The pressure of the law {name!r} "
+            f"{judged('p')} new, and {judged('p_worn')} worn in."
+        )
+    new, worn = (f"{judged(key)}, its pressure {judged(more)}" for key, more in (("new", "p"), ("worn", "p_worn")))
+    return f"New, the {effect_} of the law {name!r} {new}; worn in, the {effect_} {worn}."

@@ -59,12 +59,12 @@ def level_rows(brake: Brake, refinement: Refinement = FINE) -> list[Row]:
     """Errors of columns, level by level, their ends of the contact known from the reference; exact contact.
 
     `root`: the cube root of the unknowns of a shoe, over which the logarithm of the error falls straight where every
-    singular point is graded (Babuska & Guo 1986). Nothing is shown below three times the distance of the two divisions
-    of the reference.
+    singular point is graded (Babuska & Guo 1986). Nothing is shown below twice the distance of the two divisions of the
+    reference, of which the finer one counts: there an error is known to within a half.
     """
     found = responses(brake, refinement)
     true, places = found.value, places_of(brake, found.value)
-    floor = 3 * distance(found.before, true)
+    floor = 2 * distance(found.before, true)
     rows = []
     for level in (COARSE, *LEVELS):
         made = scene(brake, level, places)

@@ -29,13 +29,13 @@ from drumlin.fem.assembly import (
     assemble,
     clock,
     contact_stiffness,
-    pin_of,
 )
 from drumlin.fem.body import FRAME
 from drumlin.fem.group import gap_at
 from drumlin.fem.interface import edge_points, radial
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, relative_balance, untouched, worst
+from drumlin.response.balance import relative_balance, worst
+from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import angle_near, cross
 
 PENALTY = 1e3
@@ -114,8 +114,8 @@ def _shoe(
     frame = shoe.frame
     balance = relative_balance(
         [contact.sum(axis=0), reaction, given[:2]],
-        [float(cross(parts.line.xy.T, contact).sum()), float(cross(pin_of(shoe), reaction)), force * moment,
-         float(cross(pin_of(shoe), given[:2]))],
+        [float(cross(parts.line.xy.T, contact).sum()), float(cross(shoe.own_pin, reaction)), force * moment,
+         float(cross(shoe.own_pin, given[:2]))],
     )  # fmt: skip
     assists = float((points.weight * p) @ ((points.pushing + points.closing) @ turned)) * moment > 0
     return _response(shoe, points, p, abs(drag), frame.to_brake(reaction), assists, float(u[-1])), balance, steps
@@ -153,7 +153,7 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
 
 def _turn(parts: Assembled, shoe: Shoe) -> Floats:
     """Displacement (2n,) of the contact nodes per turn about the pin."""
-    x, y = parts.line.xy - pin_of(shoe)[:, None]
+    x, y = parts.line.xy - shoe.own_pin[:, None]
     return np.column_stack([-y, x]).ravel()
 
 

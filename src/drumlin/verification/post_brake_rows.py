@@ -204,10 +204,10 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
 def groups(brake: Brake) -> tuple[float, float]:
     """k R^4/EI of the beam and of the ring, k the stiffness of the layers per length of arc."""
     shoe, ring, R = brake.shoes[0], brake.drum.ring, brake.drum.radius
-    assert shoe.backing is not None and shoe.body is not None and shoe.body.section is not None and ring is not None
+    assert shoe.backing is not None and shoe.body is not None and ring is not None
     lining = shoe.lining
     k = lining.width / (lining.thickness / lining.material.E + shoe.backing.thickness / shoe.backing.material.E)
-    return k * R**4 / shoe.body.section.bending_stiffness, k * R**4 / ring.EI
+    return k * R**4 / shoe.body.plates["shoe"].bending_stiffness, k * R**4 / ring.EI
 
 
 def error_maps(brake: Brake, points: int, elements: int) -> tuple[list[list[ErrorMap]], list[tuple[float, float]]]:
@@ -220,9 +220,9 @@ def error_maps(brake: Brake, points: int, elements: int) -> tuple[list[list[Erro
     ):
         soft = vary(brake, layers)
         beam, ring = groups(soft)
-        section = soft.shoes[0].body.section if soft.shoes[0].body else None
-        assert soft.drum.ring is not None and section is not None
-        EI, EI_r = section.bending_stiffness * beam, soft.drum.ring.EI * ring
+        body = soft.shoes[0].body
+        assert soft.drum.ring is not None and body is not None
+        EI, EI_r = body.plates["shoe"].bending_stiffness * beam, soft.drum.ring.EI * ring
         error = {name: np.full((points, points), np.nan) for name in MODELS}
         for i, at_y in enumerate(y.tolist()):
             for j, at_x in enumerate(x.tolist()):

@@ -12,14 +12,14 @@ import numpy as np
 import scipy.linalg
 
 from drumlin.arrays import Floats
-from drumlin.brake import AnyBrake, Brake, FlatBrake, Shoe, vary
+from drumlin.brake import AnyBrake, Brake, Shoe, vary
 from drumlin.brake.components import Misfit
 from drumlin.brake.fields import Rows
-from drumlin.brake.unrolled import unrolled
+from drumlin.brake.unrolled import on_drum
 from drumlin.fem.assembly import Scene
 from drumlin.fem.group import groups_of
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.solve import on_plane, scene_of
+from drumlin.fem.solve import as_given, scene_of
 from drumlin.foundation.model import SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import rigid, sine
@@ -32,10 +32,10 @@ ROUND: dict[str, Any] = {"drum.out_of_round": []}
 
 def solve(brake: AnyBrake, *, penalty: float = PENALTY, **options: Any) -> Response:
     """The response of a brake of finite elements with linings that are worn in; `options` of `scene_of`."""
-    own = unrolled(brake) if isinstance(brake, FlatBrake) else brake
+    own = on_drum(brake)
     scene = scene_of(own, **options)
     found = respond(scene, worn_in(scene, own), penalty=penalty)
-    return with_merits(brake, on_plane(brake, found) if isinstance(brake, FlatBrake) else found)
+    return with_merits(brake, as_given(brake, found))
 
 
 def worn_in(scene: Scene, brake: Brake) -> Brake:

@@ -82,7 +82,7 @@ def contact_line(shoe: Shoe, radius: float, div: Division) -> ContactLine:
     pieces = np.arange(m) * p + np.arange(p + 1)[:, None]
     return ContactLine(
         np.arange(len(phi)),
-        shoes.map_of(shoe, radius)(np.zeros(1), phi) if shoe.flat else radius * np.array([np.cos(phi), np.sin(phi)]),
+        shoe.at(np.zeros(1), phi, radius),
         phi,
         pieces,
     )

@@ -81,7 +81,7 @@ class Division:
     @property
     def first(self) -> int:
         """The first layer that goes on beyond the lining, that of the body; `layers` of a rigid shoe."""
-        return self.part.index("shoe") if "shoe" in self.part else len(self.part)
+        return next((i for i, part in enumerate(self.part) if part in {"table", "shoe"}), len(self.part))
 
     @property
     def unknowns(self) -> int:
@@ -131,7 +131,7 @@ def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
     if shoe.backing is not None:
         found.append(Layer("backing", shoe.backing.thickness))
     if shoe.body is not None:
-        found.append(Layer("shoe", shoe.body.section.thickness))
+        found += [Layer(name, plate.thickness) for name, plate in shoe.body.plates.items()]
     return found
 
 

@@ -6,7 +6,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg
 from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Bools, Floats, Ints
@@ -19,7 +18,7 @@ from drumlin.fem.hp.columns import columns, merged, stack, turned
 from drumlin.fem.hp.division import Level, ends_of, graded
 from drumlin.fem.hp.element import condensed_elements, eliminate
 from drumlin.fem.hp.grid import Block, Grid
-from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, nodes_of, rigid, within
+from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, nodes_of, within
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
 from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape, slopes
@@ -89,11 +88,7 @@ def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> R
     condensed = Condensed(L, np.zeros((FRAME, n)), -load, np.zeros((FRAME, extra)), work, inside)
     held = None
     if free:
-        R = rigid(grid.doflocs, np.zeros(2))
-        touching = R.reshape(-1, 2, FRAME)[contact.nodes].reshape(-1, FRAME)
-        balance: Floats = np.asarray(np.linalg.solve(R.T @ rim, touching.T), dtype=float)
-        root = scipy.linalg.sqrtm(work).real
-        held = Free(rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), balance, condensed.half(condensed.load_c), root)
+        held = Free.of(grid, rim, condensed, contact)
     return coupled_ring(brake, linings, grid, grid, contact, condensed, grid.sets["support"], held)
 
 

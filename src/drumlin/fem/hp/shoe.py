@@ -1,7 +1,7 @@
 """A parametric shoe of columns: its geometry, and its condensation to contact, frame and actuation."""
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -38,22 +38,7 @@ class Condensed(NamedTuple):
 
 def map_of(shoe: Shoe, radius: float) -> Map:
     """Where the points of a division lie."""
-    if isinstance(shoe.body, Beam):
-        return _beam_map(shoe, radius)
-
-    if shoe.flat:
-
-        def along(depth: Floats, phi: Floats) -> Floats:
-            x, y = np.broadcast_arrays(radius * phi, depth)
-            return np.stack([x, y])
-
-        return along
-
-    def arc(depth: Floats, phi: Floats) -> Floats:
-        r = radius - shoe.sign * depth
-        return np.stack([r * np.cos(phi), r * np.sin(phi)])
-
-    return arc
+    return _beam_map(shoe, radius) if isinstance(shoe.body, Beam) else partial(shoe.at, radius=radius)
 
 
 def _beam_map(shoe: Shoe, radius: float) -> Map:

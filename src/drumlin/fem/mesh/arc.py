@@ -1,6 +1,6 @@
 """The parametric mesh of a shoe, in its own frame.
 
-Named groups: subdomains "shoe", "lining", "backing"; boundaries "contact" (lining against drum),
+Named groups: subdomains "shoe", "table" of a T-section, "backing", "lining"; boundaries "contact" (lining on drum),
 "hinge" (moves as a rigid line that turns about the pin) and "actuation" (carries the force).
 """
 
@@ -41,11 +41,11 @@ def kind_of(mesh: Any) -> Kind:
 
 
 def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
-    """The angles (n,) with the inner ones that are nearest to the places moved there."""
-    angles = np.array(angles)
-    for x in places:
-        angles[1 + np.abs(angles[1:-1] - x).argmin()] = x
-    return angles
+    """The angles (n,) with the inner ones that are nearest to the places moved there; one that has moved to a place
+    already, or is not there, is added."""
+    inner = angles[1:-1]
+    moved = list(dict.fromkeys(int(np.abs(inner - x).argmin()) for x in places)) if len(inner) else []
+    return np.sort(np.concatenate([angles[:1], np.delete(inner, moved), places, angles[-1:]]))
 
 
 def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = DEFAULT_KIND) -> Any:
@@ -69,7 +69,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
     angles = division.angles
     body = (phi_1, phi_2)
     if shoe.body is not None:
-        layers.append(("shoe", shoe.body.thickness))
+        layers += [(name, plate.thickness) for name, plate in shoe.body.plates.items()]
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
         grip = shoe.grip(radius)
@@ -79,15 +79,15 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         )
     most = MOST_LAYERS if kind.endswith("2") else MOST_THIN  # linear elements bend well only in thin layers
     depths = [division.depths]
-    for name, thickness in layers[1:]:
-        parts = layers_behind(thickness, division, division.step * radius, most, last=name == "shoe")
+    for _, thickness in layers[1:]:
+        parts = layers_behind(thickness, division, division.step * radius, most)
         depths.append(depths[-1][-1] + parts * thickness)
     bounds = np.array([part[-1] for part in depths])
     grid = skfem.MeshQuad.init_tensor(np.concatenate(depths), angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > lining_depth) | ((phi > phi_1) & (phi < phi_2))))
     if kind.startswith("tri"):
-        grid = grid.to_meshtri(style=None if division.grading is None else "x")  # four a cell: no slant
+        grid = grid.to_meshtri()
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     layer = np.searchsorted(bounds, depth)
     middle = grid.p[:, grid.facets].mean(axis=1)
@@ -108,9 +108,8 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
     shape = KINDS[kind].mesh
     mesh = shape.from_mesh(grid)
     depth, phi = mesh.doflocs
-    r = radius - shoe.sign * depth
     return shape(
-        np.array([radius * phi, depth]) if shoe.flat else np.array([r * np.cos(phi), r * np.sin(phi)]),
+        shoe.at(depth, phi, radius),
         mesh.t,
         _subdomains={name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layers)},
         _boundaries={name: np.flatnonzero(where) for name, where in on.items()},

@@ -26,7 +26,7 @@ def why_not(shoe: Shoe, radius: float) -> str | None:
         return None
     section = shoe.body.section
     if section is None:
-        return "its beam has no constant section to mesh: thickness, width, material"
+        return "its beam has no constant section to mesh: thickness, and width and material or one bending_stiffness"
     if shoe.backing is None:
         return "nothing fills the space between its straight beam and the lining: no [shoe.backing]"
     if isinstance(shoe.body.offset, tuple) and any(offset for _, offset in shoe.body.offset):
@@ -65,15 +65,12 @@ def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
     linear = shape in {skfem.MeshQuad1, skfem.MeshTri1}
     most = MOST_THIN if linear else MOST_LAYERS  # linear elements bend well only in thin layers
     deepest = face - back * min(math.cos(start), math.cos(end))
-    block, beam = (
-        layers_behind(t, division, division.step * radius, most, last=last)
-        for t, last in ((deepest, False), (section.thickness, True))
-    )
+    block, beam = (layers_behind(t, division, division.step * radius, most) for t in (deepest, section.thickness))
     grid = skfem.MeshQuad.init_tensor(np.concatenate([division.depths / thickness, 1 + block, 2 + beam]), s)
     depth, place = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > 2) | ((place > start) & (place < end))))
     if shape in {skfem.MeshTri1, skfem.MeshTri2}:
-        grid = grid.to_meshtri(style=None if division.grading is None else "x")  # four a cell: no slant
+        grid = grid.to_meshtri()
     layer = np.floor(grid.p[0, grid.t].mean(axis=0)).astype(int)
     middle = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())

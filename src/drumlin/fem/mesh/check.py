@@ -10,6 +10,7 @@ import scipy.spatial
 import skfem
 
 from drumlin.arrays import Floats, Ints
+from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.units import deg, mm
 from drumlin.errors import BadInput
@@ -55,8 +56,9 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
 
 def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
-    needed = {"lining"} | ({"shoe"} if shoe.body else set()) | ({"backing"} if shoe.backing else set())
-    lines = {"contact", "hinge"} | ({"actuation"} if shoe.body else set())
+    needed = {"lining"} | ({"backing"} if shoe.backing else set())
+    needed |= set(shoe.body.plates) if isinstance(shoe.body, Body) else {"shoe"} if shoe.body else set()
+    lines = {"contact", "hinge"} | ({"actuation"} if shoe.body and not shoe.gripped else set())
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
         found = ", ".join([*subdomains, *boundaries]) or "none"
@@ -182,9 +184,8 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
 
 def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
-    if "actuation" in nodes:
-        pin = np.array([shoe.pin.radius, 0.0])
-        away = {name: math.dist(pin, mesh.p[:, nodes[name]].mean(axis=1)) for name in ("hinge", "actuation")}
+    if "actuation" in nodes and not shoe.gripped:
+        away = {name: math.dist(shoe.own_pin, mesh.p[:, nodes[name]].mean(axis=1)) for name in ("hinge", "actuation")}
         if away["hinge"] > away["actuation"]:
             raise BadInput(
                 f"{fault}: the group hinge lies {mm(away['hinge'])} from the pin, the group actuation "

@@ -29,7 +29,7 @@ from drumlin.fem.mesh.vtu import check_unpacked
 from drumlin.files import read_bytes, replacing
 
 FORMATS = (".msh", ".inp", ".vtu")
-GROUPS = ("lining", "backing", "shoe", "contact", "hinge", "actuation")
+GROUPS = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
 LARGEST_FILE = 50_000_000  # bytes
 MOST_NODES = 1_000_000
 LARGEST_NUMBER = 10_000_000  # of a node in an .msh file: its reader makes an array of that length
@@ -46,7 +46,7 @@ def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
     basis = skfem.Basis(mesh, kind_of(mesh).element(), intorder=1)
     cells = basis.element_dofs.T
     edges = {name: edge_nodes(basis, facets) for name, facets in mesh.boundaries.items()}
-    xy = shoe.frame.to_brake(basis.doflocs.T)
+    xy = shoe.points(basis.doflocs).T
     with replacing(path) as partial:
         if path.suffix == ".inp":
             nodes = {name: np.unique(along) for name, along in edges.items()}

@@ -8,7 +8,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,16 +19,8 @@ FACE_SIZE = 1 / 8  # of a layer at the lining's faces, relative to one in its mi
 COARSE = 36  # elements along a lining; on finer meshes that are refined at points both sizes shrink in proportion
 BEHIND = 4  # layers through backing and body each, at least, on meshes that are refined at points
 MOST_BEYOND = 200  # elements along the body on either side of the lining
-THROUGH = 1.5  # growth of the layers of fine divisions
 MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
 MOST_THIN = 80  # the same of linear elements
-
-
-class Grading(NamedTuple):
-    """Factors by which elements grow away from a corner: along the arc and through the layers."""
-
-    along: float
-    through: float
 
 
 @dataclass(frozen=True)
@@ -37,15 +28,13 @@ class Division:
     """Where elements meet: `angles` phi (m + 1,) along the lining [rad], `depths` (l + 1,) below its surface [m].
 
     `step` [rad]: length of the elements elsewhere, in the body and its overhangs; `behind`: least number of
-    layers through backing and body each. With a `grading` these are not even, but grow away from the lining's
-    back and the ends of the backing, as geometric sequences do.
+    layers through backing and body each.
     """
 
     angles: Floats
     depths: Floats
     step: float
     behind: int = 1
-    grading: Grading | None = None
 
 
 def divide(shoe: Shoe, radius: float, elements: int) -> Division:
@@ -72,16 +61,11 @@ def lining_layers(elements: int) -> int:
 def overhang(near: float, far: float, division: Division) -> Floats:
     """Places from `near`, where the lining ends, to `far`, about a step apart; both ends once even where they coincide.
 
-    Where that would be more than MOST_BEYOND, their distances grow by one ratio from a step on; those of a division
-    with a grading grow by it from the division's shortest element on.
+    Where that would be more than MOST_BEYOND, their distances grow by one ratio from a step on.
     """
     length, step = abs(far - near), division.step
     if length < 1e-9:
         return np.array([near])
-    if division.grading is not None:
-        shortest = float(np.diff(division.angles).min())
-        parts = half_geometric(1.0, shortest / length, division.grading.along, step / length)
-        return np.append(near + (far - near) * parts[:-1], far)
     count = max(1, round(length / step))
     parts = np.linspace(0, 1, min(count, MOST_BEYOND) + 1)
     if count > MOST_BEYOND:
@@ -92,43 +76,13 @@ def overhang(near: float, far: float, division: Division) -> Floats:
     return places
 
 
-def layers_behind(thickness: float, division: Division, size: float, most: int, *, last: bool) -> Floats:
+def layers_behind(thickness: float, division: Division, size: float, most: int) -> Floats:
     """Where the layers of backing or body end, as parts (m,) of its thickness, the last of them 1.
 
-    `size` [m]: their thickness where they are even, `most` in number; `last`: nothing lies behind.
+    `size` [m]: their thickness, where that makes no more than `most`.
     """
-    if division.grading is None:
-        count = max(division.behind, min(math.ceil(thickness / size), most))
-        return np.arange(1, count + 1) / count
-    first, growth = float(np.diff(division.depths)[-1]) / thickness, division.grading.through
-    return (half_geometric if last else geometric)(1.0, first, growth, 1 / 7)[1:]
-
-
-def fine(
-    shoe: Shoe, radius: float, points: Sequence[float], *, elements: int = 220, smallest: float = 1e-3, along: float
-) -> Division:
-    """A far finer division than a solve needs: elements grow by the factor `along` from corners and `points` (phi).
-
-    `elements`: a lining's arc over the longest of them; `smallest`: the shortest, in thicknesses of the lining.
-    """
-    start, end = shoe.arc
-    t = shoe.lining.thickness
-    shortest, step = smallest * t / radius, (end - start) / elements
-    pieces = [
-        a + geometric(b - a, shortest, along, step)[:-1] for a, b in pairwise(apart([start, *points, end], shortest))
-    ]
-    return Division(
-        angles=np.concatenate([*pieces, [end]]),
-        depths=t * geometric(1.0, 4 * smallest, THROUGH, 0.15),
-        step=step,
-        grading=Grading(along, THROUGH),
-    )
-
-
-def geometric(length: float, smallest: float, ratio: float, largest: float) -> Floats:
-    """Points from 0 to `length`; from either end steps grow by `ratio` from `smallest` up to `largest`."""
-    half = half_geometric(length / 2, smallest, ratio, largest)
-    return np.concatenate([half, length - half[-2::-1]])
+    count = max(division.behind, min(math.ceil(thickness / size), most))
+    return np.arange(1, count + 1) / count
 
 
 def half_geometric(length: float, smallest: float, ratio: float, largest: float) -> Floats:

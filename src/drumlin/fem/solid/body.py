@@ -13,7 +13,7 @@ import scipy.sparse as sp
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.fem.assembly import Body, Seconds, clock, coupled, end_loads, materials_of, pin_of
+from drumlin.fem.assembly import Body, Seconds, clock, coupled, end_loads, materials_of
 from drumlin.fem.body import FRAME, Ties, condense, stiffness
 from drumlin.fem.elimination import dissection
 from drumlin.fem.interface import contact_line, edge_nodes
@@ -99,7 +99,7 @@ def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[Floats, Floats]:
     if "actuation" not in solid.section.boundaries:  # the force acts on the rigid shoe itself
         loads = np.zeros((ties.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)
-        return loads, pin_of(shoe)
+        return loads, shoe.own_pin
     forces, centre = end_forces(solid)
     return np.asarray(ties.matrix.T @ forces.reshape(-1, 3)), centre
 
@@ -112,7 +112,7 @@ def solid_body(brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Se
         K = stiffness(solid.basis, materials(shoe))
     with clock(seconds, "ties"):
         face, rigid = face_of(solid, shoe), hinged(solid, shoe)
-        ties = tie(solid, face.nodes, rigid, pin_of(shoe), bonded=shoe.body is None)
+        ties = tie(solid, face.nodes, rigid, shoe.own_pin, bonded=shoe.body is None)
         loads, centre = loads_on(solid, shoe, ties)
     with clock(seconds, "condensation"):
         condensed = condense(K, ties, loads, 2 * len(face.nodes))

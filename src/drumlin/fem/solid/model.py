@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Body, Scene, Seconds, lacking, shape_of
@@ -37,7 +36,7 @@ def _shoe_why_not(shoe: Shoe) -> str | None:
         return f"is held by its {shoe.held_by}; solid shoes turn about a hinge"
     if shoe.mesh is not None:
         return "a mesh of its own is a section without widths"
-    if isinstance(shoe.body, Beam) and shoe.body.bending_stiffness is not None:
+    if shoe.body is not None and shoe.body.bending_stiffness is not None:
         return "its bending_stiffness is not that of a section of its thickness and width"
     for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
         material = getattr(part, "material", None)

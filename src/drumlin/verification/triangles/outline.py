@@ -63,6 +63,8 @@ def outline(shoe: Shoe, R: float) -> Outline:
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
+    if shoe.grip(R) is not None:
+        raise BadInput(f"shoe {shoe.name!r} is held by the back of its body")
     if isinstance(body, Beam):
         return _post(shoe, R)
     parts = [(lining.thickness, lining.material)] + ([(backing.thickness, backing.material)] if backing else [])
@@ -72,10 +74,11 @@ def outline(shoe: Shoe, R: float) -> Outline:
     s = [lining.start, lining.end]
     corners = [(end, float(d)) for end in s for d in range(len(parts) + 1)]
     if body is not None:
-        layers.append(Layer(body.start, body.end, body.material.E, body.material.nu, body.width))
-        thickness.append(body.thickness)
+        for plate in body.plates.values():
+            layers.append(Layer(body.start, body.end, plate.material.E, plate.material.nu, plate.width))
+            thickness.append(plate.thickness)
         s += [body.start, body.end]
-        corners += [(end, float(d)) for end in (body.start, body.end) for d in (len(parts), len(parts) + 1)]
+        corners += [(end, float(d)) for end in (body.start, body.end) for d in range(len(parts), len(layers) + 1)]
         held, loaded = sorted((body.start, body.end), key=lambda end: abs(float(shoe.frame.phi(np.array(end)))))
     depths = np.concatenate([[0.0], np.cumsum(thickness)])
 

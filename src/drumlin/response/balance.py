@@ -1,0 +1,102 @@
+"""Equilibrium of what a model returns: sums of forces and moments, relative to their largest members."""
+
+import math
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake import AnyBrake, Brake
+from drumlin.brake.plane_brake import FlatBrake
+from drumlin.response.response import Balance, Response, ShoeResponse
+from drumlin.response.resultants import Resultant, cross, gauss_points, resultant
+
+
+def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
+    """What the drum does to shoe `index`: the integrals of the response's own p(theta), or what its law lumps."""
+    if response.lumped is not None:
+        return response.lumped
+    shoe = brake.shoes[index]
+    return resultant(
+        response.theta,
+        response.pressure,
+        order=response.order,
+        radius=brake.drum.radius,
+        width=shoe.lining.width,
+        sign=shoe.sign,
+        drag=brake.drag,
+    )
+
+
+def loaded(brake: AnyBrake, response: Response) -> AnyBrake:
+    """The brake under the forces that its shoes share in a response."""
+    forces = [shoe.force for shoe in response.shoes]
+    if all(force is None for force in forces):
+        return brake
+    shoes = tuple(shoe if force is None else shoe.under(force) for shoe, force in zip(brake.shoes, forces, strict=True))
+    return brake.model_copy(update={"shoes": shoes})
+
+
+def balance_of(brake: AnyBrake, index: int, response: ShoeResponse) -> Balance:
+    """Equilibrium of shoe `index`, on a drum or on a plane."""
+    if isinstance(brake, FlatBrake):
+        return flat_balance(brake, index, response)
+    return shoe_balance(brake, index, response)
+
+
+def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
+    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(theta), about the hinge.
+
+    A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
+    """
+    if not response.contact_arcs:
+        return Balance(0.0, 0.0)
+    shoe = brake.shoes[index]
+    contact = contact_resultant(brake, index, response)
+    forces = [contact.force, response.hinge_reaction, shoe.actuation.vector]
+    hinge = shoe.pin.xy
+    moments = [
+        contact.moment - float(cross(hinge, contact.force)),
+        shoe.actuation.moment_about(shoe.pin),
+        response.reaction_moment,
+    ]
+    if shoe.guide is not None:  # it may bear no moment at all: then its parts say what is small
+        moments += [float(cross(hinge, shoe.actuation.vector)), -float(cross(hinge, shoe.actuation.vector))]
+    return relative_balance(forces, moments)
+
+
+def flat_balance(brake: FlatBrake, index: int, response: ShoeResponse) -> Balance:
+    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(x), about the hinge.
+
+    A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
+    """
+    if not response.contact_arcs:
+        return Balance(0.0, 0.0)
+    shoe = brake.shoes[index]
+    x, p, dx = gauss_points(response.theta, response.pressure, response.order)
+    load = p * dx * shoe.lining.width
+    contact = float(np.sum(load)) * np.array([brake.friction * brake.spin, 1.0])
+    return relative_balance(
+        [contact, response.hinge_reaction, shoe.actuation.vector],
+        [
+            float(np.sum(load * (x - shoe.pin.x))),
+            brake.friction * brake.spin * shoe.pin.y * float(np.sum(load)),
+            shoe.actuation.moment_about(shoe.pin),
+            response.reaction_moment,
+        ],
+    )
+
+
+def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
+    """Sums of forces (2,) [N] and of moments [N m], each relative to its largest member; 0 where all are 0."""
+    largest_force = max((float(np.linalg.norm(f)) for f in forces), default=0.0)
+    largest_moment = max((abs(m) for m in moments), default=0.0)
+    force = float(np.linalg.norm(np.sum(forces, axis=0)))
+    return Balance(
+        force=force / largest_force if largest_force else 0.0,
+        moment=abs(math.fsum(moments)) / largest_moment if largest_moment else 0.0,
+    )
+
+
+def worst(balances: list[Balance]) -> Balance:
+    """The largest of each entry."""
+    return Balance(max(b.force for b in balances), max(b.moment for b in balances))
