@@ -11,7 +11,7 @@ from drumlin.cli.terminal import busy, note, print_table, tell
 from drumlin.errors import BadInput, NoAnswer
 
 OPTIONS = {  # model -> its own options
-    "fem": ("elements", "kind", "penalty", "tolerance"),
+    "fem": ("elements", "kind", "penalty", "tolerance", "finite-width"),
     "solid": ("elements", "across", "penalty", "fields"),
     "foundation": ("sections", "lift"),
 }
@@ -37,6 +37,9 @@ def solve(
     lift: Annotated[
         list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
     ] = None,
+    finite_width: Annotated[
+        bool, typer.Option("--finite-width", help="correct plane stress for the width; torque within 1.5 % of a solid")
+    ] = False,
     across: Annotated[int | None, typer.Option(help="elements over half the width of a solid lining")] = None,
     fields: Annotated[
         Path | None, typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes")
@@ -58,9 +61,10 @@ def solve(
     chosen = [pick(model, brake) for brake in brakes]
     more = (("sections", sections), ("lift", lift), ("across", across), ("fields", fields))
     options |= {name: value for name, value in more if value is not None}
+    options |= {"finite_width": True} if finite_width else {}
     for owner, names in OPTIONS.items():
         others = [f"--{name}" for name in names if name not in OPTIONS.get(model, ())]
-        if model != owner and any(option.removeprefix("--") in options for option in others):
+        if model != owner and any(option[2:].replace("-", "_") in options for option in others):
             *some, last = others
             said = f"{', '.join(some)} and {last} belong" if some else f"{last} belongs"
             raise BadInput(f"{said} to --model {owner}, not to {model!r}")
