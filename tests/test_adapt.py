@@ -65,6 +65,7 @@ def test_two_references_agree_and_adapted_meshes_meet_their_tolerance(name, requ
         assert torque_error < max(2 * response.error["torque"], 1e-6)
 
 
+@pytest.mark.slow
 def test_a_shoe_that_lifts_off_in_places_is_followed_to_its_contact_ends(brake):
     """Steel of 5 mm behind a stiff lining: contact at both ends only; meshes six times as fine judge."""
     thin = vary(brake, {"shoe.body.thickness": 5e-3, "shoe.lining.material.E": 1e9})

@@ -188,11 +188,11 @@ def test_second_order_where_the_contact_set_is_fixed(lift, spin):
         assert response.shoes[0].contact_arcs[0] == (response.shoes[0].theta[0], response.shoes[0].theta[-1])
         return np.array([response.torque, response.shoes[0].normal_force, response.merits[0].friction_radius])
 
-    fine = numbers(2880)
-    errors = [np.abs(numbers(n) / fine - 1) for n in (90, 180, 360, 720)]
+    fine = numbers(1440)
+    errors = [np.abs(numbers(n) / fine - 1) for n in (45, 90, 180, 360)]
     for coarse, half in pairwise(errors):
         assert coarse / half == pytest.approx([4, 4, 4], abs=0.7)
-    assert errors[-1].max() < 1e-5
+    assert errors[-1].max() < 4e-5
 
 
 @given(
@@ -283,7 +283,9 @@ def test_lift_off_at_every_place():
     assert len(arcs(vary(upright(layer=3e8), {"drum.ring": {"bending_stiffness": 2e6}}))) >= 2
 
 
-@pytest.mark.parametrize("sections", [45, 90, 180, 360, 720, 1440])
+@pytest.mark.parametrize(
+    "sections", [45, 90, 180, 360, *(pytest.param(n, marks=pytest.mark.slow) for n in (720, 1440))]
+)
 @pytest.mark.parametrize("gap", [0.0, HOLLOW, BUMP], ids=("fits", "hollow", "bump"))
 def test_from_any_start_at_most_twelve_steps_and_one_answer(sections, gap):
     brake = upright(EI=5e8, layer=3e8, gap=gap, **RINGED)

@@ -5,9 +5,13 @@ import pytest
 
 import drumlin
 from drumlin.brake.file import vary
+from drumlin.contact import stick_slip
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import prepare
-from drumlin.fem.holding import hold
+from drumlin.fem.at_rest import Feet, holding_problem
+from drumlin.fem.group import grouped
+from drumlin.fem.holding import full_slip_rotation, hold
+from drumlin.fem.model import respond
 from drumlin.models import refusals
 from drumlin.verification.reference import responses
 from test_freedoms_fem import BODY, brake_of
@@ -31,6 +35,54 @@ def test_held_from_rest_to_full_slip_shoes_come_to_the_sliding_torque(kind: str)
     if kind != "pivot":  # whose lever drags the shoe along the drum, to full slip, as it presses it
         assert states[0].torque < states[-1].torque * (1 - 1e-3)
     assert states[-1].torque == pytest.approx(drumlin.solve(brake, elements=16).torque, rel=1e-3)
+
+
+RING = {"thickness": 0.01, "width": 0.04, "material": {"E": 1.1e11, "nu": 0.25}, "support": "fixed"}
+
+
+@pytest.mark.parametrize("ring", [None, RING])
+@pytest.mark.parametrize("spin", [1, -1])
+@pytest.mark.parametrize("make", [cam_brake, servo])
+def test_forces_shared_by_a_cam_or_a_strut_hold_the_drum_by_what_it_slides_at(make, spin: int, ring) -> None:
+    brake = vary(make(spin=spin, body=0.012), {"shoe.lining.thickness": 0.005, "drum.ring": ring})
+    scene = prepare(brake, elements=10)
+    states = hold(scene, brake, np.linspace(0, full_slip_rotation(scene, brake), 4))
+    assert states[-1].sticking == 0
+    assert states[-1].torque == pytest.approx(respond(scene, brake).torque, rel=1e-6)
+    trailing = brake.links and spin > 0  # the strut lets both shoes be dragged, to full slip, as they are pressed
+    assert states[0].torque <= (1 + 1e-9 if trailing else 0.9) * states[-1].torque
+    assert np.diff([state.dissipated for state in states]).min() >= 0
+
+
+@pytest.mark.parametrize("spin", [1, -1])
+def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) -> None:
+    """Coulomb's law at the foot, from the equations; and at full slip the drum is held by what it slides at."""
+    brake = vary(brake_of("rough abutment", spin, body=BODY), {"shoe.lining.thickness": 0.005})
+    scene = prepare(brake, elements=12)
+    (group,) = grouped(scene, brake, [0], 1e6)
+    problem, lever = holding_problem(group)
+    mu = Feet.of(group).friction()
+    assert mu[-1] == 0.2
+    assert lever[-1] == 0
+    end, n = full_slip_rotation(scene, brake), len(lever)
+    nothing, seen = np.zeros(n), set()
+    before = stick_slip.History(nothing, nothing)
+    at = stick_slip.solve(problem, mu, before, np.full(n, stick_slip.STICK))
+    for rotation in end * np.array([0.0, 0.2, 1.0, 0.5, -0.5]):
+        q_s = problem.q_s + lever * (brake.spin / group.unit_force) * rotation
+        before, at = at.history, stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state)
+        p, t = at.p[-1], at.t[-1]
+        s = problem.q_s[-1] + problem.A_sp[-1] @ at.p + problem.A_st[-1] @ at.t + problem.B_s[-1] @ at.y
+        slip = s - before.s[-1] - problem.Q[-1, -1] * (t - before.t[-1])
+        assert p > 0
+        assert abs(t) <= 0.2 * p * (1 + 1e-9)
+        assert abs(slip) < 1e-15 or t == pytest.approx(0.2 * p * np.sign(slip), rel=1e-9)
+        seen.add(int(at.state[-1]))
+    assert len(seen) > 1
+    last = hold(scene, brake, np.linspace(0, end, 5))[-1]
+    # The foot of the trailing shoe slides while the force comes on and sticks there: a little beyond its place in one
+    # increment of sliding.
+    assert last.torque == pytest.approx(respond(scene, brake).torque, rel=1e-3 if spin > 0 else 1e-8)
 
 
 def test_clearance_and_misfit_act_on_every_kind_of_shoe() -> None:
@@ -58,4 +110,4 @@ def test_a_grip_is_met_by_any_mesh(kind: str) -> None:
     brake = vary(brake_of(kind, -1, body=BODY), {"shoe.lining.thickness": 0.005})
     torque = drumlin.solve(brake, elements=24).torque
     for elements in (1, 2, 3, 5, 8, 10):
-        assert drumlin.solve(brake, elements=elements).torque == pytest.approx(torque, rel=0.1 / elements)
+        assert drumlin.solve(brake, elements=elements).torque == pytest.approx(torque, rel=0.2 / elements)

@@ -13,8 +13,9 @@ from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import prepare
+from drumlin.fem.at_rest import holding_problem
 from drumlin.fem.group import grouped
-from drumlin.fem.holding import full_slip_rotation, hold, holding_problem
+from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.model import respond
 from drumlin.fem.self_locking import limits
 from drumlin.verification.random_brake import random_brake
@@ -41,10 +42,11 @@ def any_brake(seed):
     return vary(brake, {"friction": rng.uniform(0.1, 0.95) * min(locks, 0.9)}), scene
 
 
-def test_random_brakes_go_through_full_slip_and_back():
+@pytest.mark.parametrize("count", [4, pytest.param(12, marks=pytest.mark.slow)])
+def test_random_brakes_go_through_full_slip_and_back(count):
     """The moment is that of the sliding drum, by `respond`, whichever way it is turned."""
     ends = Counter()
-    for seed in range(12):
+    for seed in range(count):
         brake, scene = any_brake(seed)
         end = full_slip_rotation(scene, brake, increments=6)
         forth = np.linspace(0, end, 6)
@@ -65,8 +67,8 @@ def test_random_brakes_go_through_full_slip_and_back():
         assert state.sticking == 0
         assert state.torque == pytest.approx(-torque, rel=1e-6)
         ends["back"] += 1
-    assert ends["forth"] == 12
-    assert ends["back"] >= 8, ends
+    assert ends["forth"] == count
+    assert ends["back"] >= 2 * count / 3 - 1, ends
 
 
 def test_every_increment_obeys_contact_and_friction():

@@ -50,6 +50,7 @@ def test_barecki_leading_post_has_the_smaller_shoe_factor_where_n_is_negative() 
     assert {row["law"]: row["n"] < 0 for row in rows} == {"short": True, "cosine": True, "uniform": True, "sine": False}
 
 
+@pytest.mark.slow
 def test_report_is_one_page_with_every_law(laws: ModuleType, tmp_path: Path) -> None:
     page = laws.report(laws.study(short=True), tmp_path)
     text = page.read_text()

@@ -84,10 +84,11 @@ def brakes(draw):
     }
 
 
-def test_a_hundred_random_brakes_end_converged_or_refused_with_a_reason():
+@pytest.mark.parametrize("count", [20, pytest.param(100, marks=pytest.mark.slow)])
+def test_random_brakes_end_converged_or_refused_with_a_reason(count):
     ends, steps = Counter(), []
 
-    @settings(max_examples=100, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=count, suppress_health_check=list(HealthCheck))
     @given(brakes(), st.integers(0, 1000), st.sampled_from([1e6, math.inf]))
     def every(data, seed, penalty):
         try:
@@ -128,7 +129,8 @@ def test_a_hundred_random_brakes_end_converged_or_refused_with_a_reason():
         assert other.p == pytest.approx(found.p, rel=1e-6, abs=1e-8 * found.p.max())
 
     every()
-    assert sum(ends.values()) >= 100
-    assert ends["1 arcs"] >= 20 and ends["2 arcs"] + ends["3 arcs"] >= 1
-    assert ends["NoAnswer"] >= 1, ends  # the refusals are among the hundred
+    assert sum(ends.values()) >= count
+    assert ends["1 arcs"] >= count / 5
+    if count == 100:
+        assert ends["2 arcs"] + ends["3 arcs"] >= 1 and ends["NoAnswer"] >= 1, ends  # both are among the hundred
     assert 1 < np.median(steps) <= 6  # a few need tens: one node after the other

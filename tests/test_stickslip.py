@@ -13,8 +13,9 @@ from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import prepare
+from drumlin.fem.at_rest import holding_problem
 from drumlin.fem.group import ShoeGroup
-from drumlin.fem.holding import as_dict, full_slip_rotation, hold, holding_problem, turned
+from drumlin.fem.holding import as_dict, full_slip_rotation, hold, turned
 from drumlin.fem.interface import ContactLine, couple
 from drumlin.fem.model import respond
 

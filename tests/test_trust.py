@@ -15,6 +15,7 @@ from drumlin.fuzzing.faults import Input, brake_text
 from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
+from drumlin.response.resultants import edge_left_out
 
 
 def _pressing(pressure):
@@ -40,13 +41,22 @@ def test_an_answer_that_is_not_finite_is_none():
 
 
 def test_a_contact_within_the_lining_s_end_has_a_peak_pressure():
-    """Of 50 N on a lining whose clearance leaves only its last 0.1 deg."""
+    """Of 50 N on a lining whose clearance leaves only its last 0.02 deg."""
+    gap = [["-70 deg", "1 mm"], ["54.98 deg", "1 mm"], ["55 deg", "0 mm"]]
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
-    gap = [["-70 deg", "1 mm"], ["54.9 deg", "1 mm"], ["55 deg", "0 mm"]]
-    brake = vary(brake, {"shoe[0].lining.clearance": gap, "shoe.actuation.force": "50 N"})
-    shoe = drumlin.solve(brake).shoes[0]
-    assert shoe.peak_pressure > 0
-    assert shoe.peak_pressure == pytest.approx(shoe.pressure.max(), rel=1e-2)
+    response = drumlin.solve(
+        vary(brake, {"shoe[0].lining.clearance": gap, "shoe.actuation.force": "50 N"}), elements=40
+    )
+    assert response.shoes[0].peak_pressure == response.shoes[0].pressure.max() > 1e7
+    assert any("the lining is strained" in note for note in response.notes)
+
+
+def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():
+    for inner, zone in ((0.01, 0.0), (1.0, 0.1)):
+        shoe = _pressing([1.0, 1.0] + [inner] * 18 + [1.0, 1.0])
+        assert edge_left_out(shoe.theta, shoe.pressure, 1, 0.1) == zone
+    spiked, even = _pressing([1000] + [1e-3] * 1000), _pressing([999] + [1e-3] * 1000)
+    assert pressure_distance(even, spiked) == pytest.approx(1e-3, rel=1e-2)  # not that of the rest, 0
 
 
 THIN = """

@@ -27,12 +27,10 @@ from drumlin.verification.reference import (
     FINE,
     Refinement,
     Trio,
-    as_dict,
     reference,
     responses,
-    summary_rows,
-    write_values,
 )
+from drumlin.verification.reference_file import as_dict, summary_rows, write_values
 from drumlin.verification.work_precision import (
     PEER_FAMILIES,
     REPEATS,
@@ -48,7 +46,6 @@ from drumlin.verification.work_precision import (
 HERE = Path(__file__).parent
 UNIT_ELEMENTS = 20  # of the solve that is the unit of time
 SHORT = ("double_shoe/brake", "laws/shigley_16_2")
-PROCESSES = ("quad2", "quad1")  # kinds of graded meshes whose whole process is timed beside the peers
 WITH_PEERS = ("double_shoe/brake", "double_shoe/flexible")
 QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2])  # references of the short setting
 
@@ -78,6 +75,7 @@ def study(
     journal = journal or Journal()
     paths, refused = covered()
     paths = {name: path for name, path in paths.items() if not short or name in SHORT}
+    paths = {name: paths[name] for name in sorted(paths, key=lambda name: name not in WITH_PEERS)}  # the longest first
     unit = partial(solve, read_brake(MAIN), elements=UNIT_ELEMENTS)
     unit()
     rows, floors, references = [], {}, {}
@@ -90,10 +88,9 @@ def study(
         for method in methods(brake, peers=peers, short=short):
             say(f"{name}: {method.family}, {method.name}")
             row = journal.once({"brake": name, **method.case}, partial(_row, brake, method, trio, unit))
-            if peers and method.family == "graded mesh" and row["kind"] in PROCESSES:
-                kind, n = row["kind"], row["elements"]
-                case = {"brake": name, "process": n, "kind": kind}
-                row = row | journal.once(case, partial(_process, path, kind, n))
+            if peers and method.family == "columns, error stated":  # as a whole process, beside those of the peers
+                case = {"brake": name, "process": row["tolerance"]}
+                row = row | journal.once(case, partial(_process, path, row["tolerance"]))
             rows.append({"brake": name, **row})
     left = _left_out(journal, short, say)
     return Result(rows, floors, references, refused, left, unit_seconds(rows), time.perf_counter() - start)
@@ -113,8 +110,8 @@ def _row(brake: Brake, method: Method, trio: Callable[[], Trio], unit: Callable[
     return measure(brake, method, trio().value, unit)
 
 
-def _process(path: Path, kind: str, elements: int) -> Row:
-    return {"process": process_seconds(path, "--elements", str(elements), "--kind", kind)}
+def _process(path: Path, tolerance: float) -> Row:
+    return {"process": process_seconds(path, "--tolerance", str(tolerance))}
 
 
 def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list[Row]:

@@ -104,7 +104,10 @@ def kind_of(fault: str, status: int) -> str:
 def main(checkout: Path, share: float = 1.0) -> dict[str, Any]:
     """Faults of an earlier drumlin by generator and kind, on a share of the inputs of each generator."""
     earlier = Earlier(checkout)
-    sound = earlier.end(faults.Input("sweep", broken_sweeps.sound_files(), broken_sweeps.WORDS_OF_A_SWEEP)).written
+    end = earlier.end(faults.Input("sweep", broken_sweeps.sound_files(), broken_sweeps.WORDS_OF_A_SWEEP))
+    if end.status:
+        sys.exit(end.err or end.out)
+    table, kept = end.written[broken_sweeps.TABLE], end.written[broken_sweeps.JOURNAL]
     rows = []
     for name, whole in INPUTS.items():
         count = round(share * whole)
@@ -113,7 +116,7 @@ def main(checkout: Path, share: float = 1.0) -> dict[str, Any]:
             given = trials.made(name, number)
             if name == "journals":
                 rng = random.Random(f"{name} {number}")
-                given = broken_sweeps.damaged(rng, sound[broken_sweeps.TABLE], sound[broken_sweeps.JOURNAL])
+                given = broken_sweeps.damaged(rng, table, kept)
             end = earlier.end(given)
             if fault := endings.fault_of(given, end):
                 later = name == "command lines" and any(word in end.err for word in LATER)

@@ -138,14 +138,17 @@ class Shoe(Held):
         """Radius [m] of the back of its body."""
         return radius - self.sign * self.depth
 
+    @property
+    def gripped(self) -> bool:
+        """Whether what holds the shoe grips the back of an elastic body, not an end face: the force acts on it then."""
+        return self.held_by in {"pivot", "guide"} or (isinstance(self.body, Body) and self.body.grip is not None)
+
     def grip(self, radius: float) -> tuple[float, float] | None:
         """The arc [rad] in its frame of the body's back that is held (see `Bar`), on a drum of this radius [m].
 
         None where what holds the shoe holds an end face of its body, or all of the back of a rigid one.
         """
-        if not isinstance(self.body, Body) or self.mesh is not None or self.held_by == "abutment":
-            return None
-        if self.held_by == "hinge" and self.body.grip is None:
+        if not isinstance(self.body, Body) or self.mesh is not None or not self.gripped:
             return None
         start, end = self.arc
         angle = self.lining.middle if self.pivot is None else self.angle_of(self.pivot)

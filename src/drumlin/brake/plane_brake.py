@@ -165,3 +165,11 @@ def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
         return brake_from(data, unit_required=True, base=path.parent)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
+
+
+def read_drum(path: Path, what: str, text: str | None = None) -> Brake:
+    """The brake on a drum of a TOML file, for `what` takes no other. Raises BadInput as `read_any`, and for a plane."""
+    brake = read_any(path, text)
+    if isinstance(brake, FlatBrake):
+        raise BadInput(f"{path}: is a brake on a plane; {what} takes brakes on a drum")
+    return brake

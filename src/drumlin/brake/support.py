@@ -24,6 +24,7 @@ MOVES = {
     "guide": "it moves along a guide, it has no hinge",
 }
 """How a shoe moves, in words of a refusal, by `Held.held_by`."""
+UNHELD = 2  # in place of the sense of an abutment's friction, see `Held.freedoms`
 STICKS = 1e-9  # relative, of what friction bears: round-off
 
 
@@ -159,6 +160,7 @@ class Held(Part):
         """The free motions of the shoe.
 
         sense: of an abutment's friction, +1 along the normal turned by +90 deg, -1 against it; 0 where the foot sticks.
+        UNHELD: the abutment is left out, the foot may slide and come off its face.
         """
         at = self.actuation.point.xy
         motions, names = [turn_about(self.pin)], ["turn"]
@@ -171,8 +173,12 @@ class Held(Part):
         if self.abutment is not None and sense != 0:
             along = self.abutment.direction + math.pi / 2
             motions.append(slide_along(along))
-            tests.append(slide_along(along + sense * math.atan(self.abutment.friction)))
+            tests.append(slide_along(along + (sense != UNHELD) * sense * math.atan(self.abutment.friction)))
             names.append("slide")
+        if self.abutment is not None and sense == UNHELD:
+            motions.append(slide_along(self.abutment.direction))
+            tests.append(motions[-1])
+            names.append("off")
         work = work_on(np.array(tests), self.actuation.vector, at)
         tip = work_on(np.array(motions), self.actuation.direction_vector, at)
         if self.pivot is not None:  # the actuation acts on the lever: it does no work where the shoe tilts on its pivot

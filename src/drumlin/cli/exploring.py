@@ -6,7 +6,6 @@ import typer
 
 from drumlin.cli.options import BrakeFile
 from drumlin.cli.terminal import note, tell
-from drumlin.errors import BadInput
 
 
 def explore(
@@ -15,12 +14,10 @@ def explore(
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open the page in a browser")] = True,
 ) -> None:
     """Play with a brake: a page of this machine with sliders, pressure and torque at once. Ctrl-C ends it."""
-    from drumlin.brake import FlatBrake, read_any
+    from drumlin.brake import read_any
     from drumlin.explore.serve import serve
 
     brake = read_any(brake_file)
-    if isinstance(brake, FlatBrake):
-        raise BadInput(f"{brake_file}: is a brake on a plane; explore takes brakes on a drum")
 
     def ready(address: str) -> None:
         tell(f"{brake.title}: {address}", at_once=True)

@@ -21,11 +21,11 @@ def cost(
     model: Annotated[str, typer.Option(metavar="fem|solid", help="solid: its table, up to 100 000 unknowns")] = "fem",
 ) -> None:
     """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
-    from drumlin.brake.file import read_brake
+    from drumlin.brake.plane_brake import read_drum
     from drumlin.models import pick
     from drumlin.verification.cost import measure, solid_table, table
 
-    brake = read_brake(brake_file)
+    brake = read_drum(brake_file, "cost")
     if model not in {"fem", "solid"}:
         raise BadInput(f"--model = {model!r}: has no cost to print; allowed: fem, solid")
     pick(model, brake)
@@ -51,13 +51,14 @@ def reference(
     ] = None,
 ) -> None:
     """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two fine meshes."""
-    from drumlin.brake.file import read_brake, toml_text
+    from drumlin.brake.file import toml_text
+    from drumlin.brake.plane_brake import read_drum
     from drumlin.files import check_output
-    from drumlin.verification.reference import as_dict, write_values
     from drumlin.verification.reference import reference as make
+    from drumlin.verification.reference_file import as_dict, write_values
 
     text = toml_text(brake_file)
-    brake = read_brake(brake_file, text)
+    brake = read_drum(brake_file, "reference", text)
     path = output or Path(f"{brake_file.stem}.reference.json")
     check_output(path)
     with busy("two fine meshes"):
@@ -86,17 +87,18 @@ def check(
     tolerance: Annotated[float, typer.Option(help="of p in L2 and of the torque, relative")] = 0.01,
 ) -> None:
     """Compare anybody's p(theta) with reference values. The last line is the verdict; exit status 0 either way."""
-    from drumlin.brake.file import read_brake, toml_text
+    from drumlin.brake.file import toml_text
+    from drumlin.brake.plane_brake import read_drum
     from drumlin.studies import REPOSITORY
     from drumlin.verification.check import check as compare_with
     from drumlin.verification.check import lines, read_curves
-    from drumlin.verification.reference import read_reference, stored
     from drumlin.verification.reference import reference as make
+    from drumlin.verification.reference_file import read_reference, stored
 
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
     text = toml_text(brake_file)
-    brake = read_brake(brake_file, text)
+    brake = read_drum(brake_file, "check", text)
     curves = read_curves(result, brake)
     values = Path("reports") / "reference" / "values"
     path = known or stored(text, brake_file.parent, values, REPOSITORY / values)

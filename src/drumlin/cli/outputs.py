@@ -43,12 +43,13 @@ def mesh(
     suffix: Annotated[str, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")] = "msh",
 ) -> None:
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
-    from drumlin.brake.file import read_brake
+    from drumlin.brake.plane_brake import read_any
+    from drumlin.brake.unrolled import on_drum
     from drumlin.fem.assembly import prepare
     from drumlin.fem.mesh.file import write_mesh
     from drumlin.files import check_outputs
 
-    brake = read_brake(brake_file)
+    brake = on_drum(read_any(brake_file))
     paths = [output / f"{name or brake_file.stem}_{shoe.name}.{suffix}" for shoe in brake.shoes]
     check_outputs(*paths)
     with busy("meshing"):
@@ -67,7 +68,7 @@ def export(
     model: Annotated[str, typer.Option(metavar="fem|solid", help="plane stress or solid shoes")] = "fem",
 ) -> None:
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
-    from drumlin.brake.file import read_brake
+    from drumlin.brake.plane_brake import read_drum
     from drumlin.files import check_folder
     from drumlin.peers import calculix, solid_deck
 
@@ -77,7 +78,7 @@ def export(
         raise BadInput("--kind belongs to --model fem; solid shoes are of hexahedra")
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
-    brake = read_brake(brake_file)
+    brake = read_drum(brake_file, "export")
     check_folder(output)
     with busy("writing"):
         write = calculix.export if model == "fem" else solid_deck.export

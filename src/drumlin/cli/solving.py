@@ -123,7 +123,10 @@ def hold(
     brake_file: BrakeFile,
     rotation: Annotated[
         str | None,
-        typer.Option(metavar="ANGLE", help='how far the drum is turned, such as "0.02 deg"; default: to full slip'),
+        typer.Option(
+            metavar="ANGLE",
+            help='how far the drum is turned, such as "0.02 deg", on a plane the body slid; default: to full slip',
+        ),
     ] = None,
     steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")] = None,
@@ -134,29 +137,34 @@ def hold(
     """Hold the drum: from rest through partial slip to full slip, as it is turned against the shoes."""
     import numpy as np
 
-    from drumlin.brake.file import read_brake
+    from drumlin.brake.plane_brake import FlatBrake, read_any
     from drumlin.brake.units import quantity
-    from drumlin.fem.holding import as_dict, full_slip_rotation
+    from drumlin.brake.unrolled import on_drum
+    from drumlin.fem.holding import as_dict, full_slip_rotation, on_plane
     from drumlin.fem.holding import hold as turn
     from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
 
-    brake = read_brake(brake_file)
+    given = read_any(brake_file)
+    flat, brake = isinstance(given, FlatBrake), on_drum(given)
     check_outputs(json_file)
     if not 1 <= steps <= 10_000:
         raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
     options = fem_options(elements, kind=kind, penalty=penalty)
     stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
-    end = None if rotation is None else quantity("--rotation", rotation, "rad")
+    end = None if rotation is None else quantity("--rotation", rotation, "m" if flat else "rad")
     with busy("holding") as say:
         scene = scene_of(brake, **options)
         end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
         states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
+        states = on_plane(states, brake.drum.radius) if flat else states
     if json_file is not None:
         write_json(json_file, as_dict(states))
-    tell(f"{'rotation [deg]':>15}{'moment [N m]':>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
+    way, moment = ("slide [mm]", "force [N]") if flat else ("rotation [deg]", "moment [N m]")
+    tell(f"{way:>15}{moment:>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
     for at in states:
-        tell(f"{np.degrees(at.rotation):15.6f}{at.torque:15.4f}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
+        turned = at.rotation * 1e3 if flat else np.degrees(at.rotation)
+        tell(f"{turned:15.6f}{at.torque:15.4f}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
 
 
 def sensitivity(
@@ -213,15 +221,18 @@ def wear(
     ] = None,
 ) -> None:
     """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe law."""
-    from drumlin.brake.file import read_brake, vary
+    from drumlin.brake.file import vary
+    from drumlin.brake.plane_brake import FlatBrake, read_any
     from drumlin.brake.units import quantity
+    from drumlin.brake.unrolled import on_drum
     from drumlin.files import check_outputs, write_json
     from drumlin.wear.archard import WearLaw
     from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
     from drumlin.wear.run_in import COEFFICIENT, as_dict, check_depth, report_lines, run_in, target
     from drumlin.wear.run_in import unit_distance as unit_of
 
-    brake = read_brake(brake_file)
+    given = read_any(brake_file)
+    flat, brake = isinstance(given, FlatBrake), on_drum(given)
     check_outputs(json_file)
     if model not in {"fem", "foundation"}:
         raise BadInput(f"--model = {model!r}: does not wear; allowed: fem, foundation")
@@ -234,7 +245,7 @@ def wear(
     law = WearLaw(COEFFICIENT if coefficient is None else quantity("--coefficient", coefficient, "1/Pa"), exponent)
     options: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
     if torque is not None:
-        options["torque"] = quantity("--torque", torque, "N m")
+        options["torque"] = quantity("--torque", torque, "N" if flat else "N m")
 
     def length(key: str, text: str, setup: WearSetup) -> float:
         try:
@@ -260,9 +271,13 @@ def wear(
 
         setup = setup_of(brake)
         if reverse is not None:
-            other = "clockwise" if brake.spin > 0 else "counter-clockwise"
+            back = (
+                {"plane.sliding": "-x" if given.spin > 0 else "+x"}
+                if flat
+                else {"rotation": "clockwise" if given.spin > 0 else "counter-clockwise"}
+            )
             options |= {
-                "backward": setup_of(vary(brake, {"rotation": other})),
+                "backward": setup_of(on_drum(vary(given, back))),
                 "reverse": length("--reverse", reverse, setup),
             }
         if distance is not None:

@@ -84,8 +84,8 @@ class Increment:
         return History(self.t, self.s)
 
 
-def solve(problem: Problem, mu: float, history: History, start: Ints) -> Increment:
-    """Solve one increment from the states `start` (n,).
+def solve(problem: Problem, mu: float | Floats, history: History, start: Ints) -> Increment:
+    """Solve one increment from the states `start` (n,); mu: of all nodes, or of each (n,).
 
     Raises NoAnswer where neither Newton's method nor a path from these states or from wide gaps leads to an answer.
     """
@@ -122,7 +122,7 @@ class _Point(NamedTuple):
     y: Floats
 
 
-def _system(problem: Problem, mu: float, history: History) -> tuple[_System, Floats]:
+def _system(problem: Problem, mu: float | Floats, history: History) -> tuple[_System, Floats]:
     """The scaled equations, and the scales (2n,): z = scales z', v = v' / scales."""
     A = np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st - problem.Q]])
     q = np.concatenate([problem.q_w, problem.q_s - history.s + problem.Q @ history.t])
@@ -222,6 +222,8 @@ def _closed(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
     n = len(start)
     state = np.full(n, OPEN)
     for k, load in enumerate(system.h):
+        if load == 0:  # nothing acts on this motion: it needs no node of its own
+            continue
         bearing = system.C[k, :n] * load > 0  # nodes whose pressure resists the actuation
         if not bearing.any():
             raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")

@@ -282,7 +282,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2, unit)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         ties = tie(basis, line.nodes, rigid, pin)
-        if "actuation" in mesh.boundaries and shoe.held_by in {"hinge", "abutment"}:
+        if "actuation" in mesh.boundaries and not shoe.gripped:
             full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
             loads = ties.matrix.T @ full
         else:  # the force acts on the rigid shoe itself, or on what holds the back of the body

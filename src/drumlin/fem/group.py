@@ -308,17 +308,22 @@ class ShoeGroup:
 
 def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
     """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
-    touching = [i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)]
-    names = [shoe.name for shoe in brake.shoes]
-    for link in brake.links:  # from the actuation on
-        if names.index(link.source) in touching:
-            touching.append(names.index(link.to))
-    touching = sorted(set(touching))
+    touching = pressed_shoes(scene, brake)
     if brake.actuation is not None and brake.actuation.is_cam:
         lacking = [shoe.name for i, shoe in enumerate(brake.shoes) if i not in touching]
         if lacking:
             raise NoAnswer(f"shoe {lacking[0]!r}: the cam does not press it")
     return grouped(scene, brake, touching, penalty)
+
+
+def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
+    """The shoes that their forces press on the drum, and those that struts from them push."""
+    touching = {i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)}
+    names = [shoe.name for shoe in brake.shoes]
+    for link in brake.links:  # a chain is named from the actuation on
+        if names.index(link.source) in touching:
+            touching.add(names.index(link.to))
+    return sorted(touching)
 
 
 def grouped(scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf) -> list[ShoeGroup]:

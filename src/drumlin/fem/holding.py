@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import Scene, actuation
-from drumlin.fem.group import ShoeGroup, grouped, pressed
+from drumlin.fem.assembly import Scene
+from drumlin.fem.at_rest import Feet, holding_problem
+from drumlin.fem.group import ShoeGroup, grouped, pressed_shoes
 from drumlin.fem.model import PENALTY, respond
 
 HALVINGS = 4  # of an increment that does not settle
@@ -53,52 +53,8 @@ class Hold:
         return sum(int((state == STICK).sum()) for state in self.state) / touching if touching else 0.0
 
 
-def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
-    """The stick-slip problem of a group of shoes at rest of the drum, per newton; and the lever (n,) [m^3].
-
-    The lever is the weighted slip per rotation of the drum: rotating it by Omega adds lever Omega to q_s.
-    Tractions and slips count along e_theta of the brake.
-    """
-    normal = group.problem_at(0.0)
-    shoes = [_tangential(group, k) for k in range(len(group.members))]
-    A_wt, A_sp, A_st, B_s, C_t, Q = (scipy.linalg.block_diag(*(shoe[k] for shoe in shoes)) for k in range(6))
-    q_s, lever = (np.concatenate([shoe[k] for shoe in shoes]) for k in (6, 7))
-    if group.ring is not None:
-        pressed, dragged = group.ring
-        A_wt, A_sp, A_st = A_wt + pressed.T @ dragged, A_sp - dragged.T @ pressed, A_st - dragged.T @ dragged
-    problem = Problem(
-        A_wp=normal.A, A_wt=A_wt, A_sp=A_sp, A_st=A_st, B_w=normal.B, B_s=B_s, C_p=normal.C, C_t=C_t,
-        q_w=normal.q, q_s=q_s, h=normal.h, Q=Q,
-    )  # fmt: skip
-    return problem, lever
-
-
-def _tangential(group: ShoeGroup, k: int) -> tuple[Floats, ...]:
-    """A_wt, A_sp, A_st, B_s, C_t, Q, q_s and lever of shoe `k` of a group."""
-    body, shoe = group.bodies[k], group.shoes[k]
-    sense, coupling, condensed = shoe.frame.sense, body.coupling, body.condensed
-    n = len(body.line.nodes)
-    T = sense * coupling.T  # along e_theta of the brake
-    Y = condensed.half(np.hstack([-coupling.N.T, T.T, condensed.load_c]))
-    pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
-    load, _ = actuation(body, shoe)
-    share = abs(shoe.actuation.force) / group.unit_force
-    motions = group.motions[k]
-    compliance = coupling.M / group.stiffnesses[k]
-    return (
-        pressed.T @ dragged,  # -N u under T^T t
-        -dragged.T @ pressed,
-        -dragged.T @ dragged,
-        -(T @ motions.moved),
-        (T @ motions.tested).T,
-        compliance,
-        -share * (dragged.T @ (loaded @ load)),
-        coupling.lever,
-    )
-
-
 class _Held(NamedTuple):
-    """A group of shoes and its stick-slip problem at rest of the drum, per newton.
+    """A group of shoes and its stick-slip problem at rest of the drum, per newton; `friction` (n,) of its nodes.
 
     `lever` (n,): q_s grows by it per radian of the drum in the sense of the brake's rotation. `rest`: the force on,
     the drum at rest; `spent`: what that has dissipated [J per newton squared].
@@ -107,6 +63,7 @@ class _Held(NamedTuple):
     group: ShoeGroup
     problem: Problem
     lever: Floats
+    friction: Floats
     rest: Increment
     spent: float
 
@@ -116,7 +73,7 @@ class _Held(NamedTuple):
 
     def turned(self, increment: Increment, start: float, end: float) -> Iterator[Increment]:
         """The increments from one at the rotation `start` to `end` [rad]."""
-        return turned(self.problem, self.lever, self.group.brake.friction, increment, start, end)
+        return turned(self.problem, self.lever, self.friction, increment, start, end)
 
 
 def hold(
@@ -145,25 +102,26 @@ def _held(scene: Scene, brake: Brake, increments: int, penalty: float) -> Iterat
     """The groups of shoes, the force on and the drum at rest. Raises NoAnswer and BadInput as `hold` does."""
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
-    if brake.shares:
-        raise BadInput(f"hold takes shoes under forces of their own only: {brake.shares}")
+    touching = pressed_shoes(scene, brake)
     for i, shoe in enumerate(brake.shoes):
-        if not pressed(scene.bodies[i], brake, shoe):
+        if i not in touching:
             raise NoAnswer(f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it")
     for group in grouped(scene, brake, list(range(len(brake.shoes))), penalty):
         problem, lever = holding_problem(group)
-        still = replace(group, brake=brake.model_copy(update={"friction": 0.0}))
-        start = np.where(still.answer().active, STICK, OPEN)
-        gap = group.masses @ (np.concatenate(group.gaps) / group.unit_force)
+        feet = Feet.of(group)
+        touches = replace(group, brake=feet.smooth(0.0), senses=()).answer().active
+        start = np.append(np.where(touches, STICK, OPEN), np.full(len(feet.on), STICK))
+        gap = np.append(group.masses @ (np.concatenate(group.gaps) / group.unit_force), np.zeros(len(feet.on)))
+        friction = feet.friction()
         try:
-            rest, spent = _pressed(problem, gap, brake.friction, start, increments)
+            rest, spent = _pressed(problem, gap, friction, start, increments)
         except NoAnswer as error:
             group.answer()  # raises where the brake locks itself
             raise NoAnswer(f"{group.names}: {error}, the drum at rest") from error
-        yield _Held(group, problem, lever * (brake.spin / group.unit_force), rest, spent)
+        yield _Held(group, problem, lever * (brake.spin / group.unit_force), friction, rest, spent)
 
 
-def _pressed(problem: Problem, gap: Floats, friction: float, state: Ints, increments: int) -> tuple[Increment, float]:
+def _pressed(problem: Problem, gap: Floats, friction: Floats, state: Ints, increments: int) -> tuple[Increment, float]:
     """The increment in which the force is fully on, and what the slip on the way has dissipated.
 
     gap (n,): weighted, without force. Where it is none everywhere all grows with the force, and one increment is
@@ -199,7 +157,7 @@ def _path(held: _Held, rotations: Floats) -> tuple[list[Increment], list[float]]
 
 
 def turned(
-    problem: Problem, lever: Floats, friction: float, increment: Increment, start: float, end: float
+    problem: Problem, lever: Floats, friction: float | Floats, increment: Increment, start: float, end: float
 ) -> Iterator[Increment]:
     """The increments from a converged one at the rotation `start` to `end` [rad], q_s growing by lever (n,) a radian.
 
@@ -277,12 +235,14 @@ def _slipping(held: _Held, target: float, way: int) -> float:
 
     Raises NoAnswer also where it is another one than that with the moment `target` [N m].
     """
-    increment, reached, step = held.rest, 0.0, FIRST
+    increment, reached, step, n = held.rest, 0.0, FIRST, held.group.parts[-1].stop
     for _ in range(MOST_INCREMENTS):
         before = held.torque(increment)
         *_, increment = held.turned(increment, reached, reached + step)
         torque, reached = held.torque(increment), reached + step
-        if np.isin(increment.state, [OPEN, way]).all():
+        if np.isin(increment.state[:n], [OPEN, way]).all():
+            if len(increment.state) > n:  # a foot that sticks stands where it came to by its path
+                return reached
             if math.isclose(torque, target, rel_tol=1e-6):
                 return reached
             raise NoAnswer(
@@ -291,11 +251,28 @@ def _slipping(held: _Held, target: float, way: int) -> float:
             )
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
         step = min(max(step * lacking, OVER * reached), FASTEST * reached)
-    sticking = np.count_nonzero(increment.state == STICK)
+    sticking = np.count_nonzero(increment.state[:n] == STICK)
     raise NoAnswer(
-        f"not converged: after a rotation of {reached:.3g} rad {sticking} of {len(increment.state)} nodes still stick, "
+        f"not converged: after a rotation of {reached:.3g} rad {sticking} of {n} nodes still stick, "
         f"at {torque:.5g} of the sliding drum's {target:.5g} N m"
     )
+
+
+def on_plane(states: list[Hold], unit: float) -> list[Hold]:
+    """States of an `unrolled` brake, of this unit [m]: rotations are slides [m], torques forces [N], places x [m]."""
+
+    def lengths(arcs: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        return tuple((unit * a, unit * b) for a, b in arcs)
+
+    return [
+        replace(
+            state,
+            theta=tuple(unit * theta for theta in state.theta),
+            stick=tuple(map(lengths, state.stick)),
+            slip=tuple(map(lengths, state.slip)),
+        )
+        for state in states
+    ]
 
 
 def as_dict(states: list[Hold]) -> list[dict[str, Any]]:

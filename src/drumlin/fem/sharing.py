@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.arrays import Floats, Ints
 from drumlin.contact.active_set import Problem
 
 
@@ -23,7 +23,7 @@ class Pushed(NamedTuple):
     """A shoe as above: its pressures `part` and motions `rows` among those of the group; `opened`, `tip`, `bearing`
     (n,), `work`, `moves` (k,)."""
 
-    part: slice
+    part: slice | Ints
     rows: slice
     opened: Floats
     tip: Floats

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.fuzzing.faults import BRAKES, Input, brake_text
-from drumlin.fuzzing.wrong_values import NUMBERS, QUANTITIES, WORDS, anything, noise, toml
+from drumlin.fuzzing.wrong_values import NUMBERS, QUANTITIES, WORDS, anything
+from drumlin.verification.broken_files import noise, toml
 
 TABLE = "t.csv"
 JOURNAL = f"{TABLE}.journal"
@@ -55,7 +56,7 @@ def sound_files() -> dict[str, bytes]:
 def broken_sweep(rng: random.Random) -> Input:
     """A sweep file with some of its values replaced, under other keys, or with its bytes in disorder."""
     if rng.random() < 0.3:
-        text = noise(rng, SOUND.encode())
+        text = noise(rng, SOUND.encode(), WORDS)
     else:
         data: dict[str, Any] = {
             "brake": "b.toml",

@@ -9,11 +9,9 @@ import json
 import random
 import re
 import string
-import tempfile
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -28,11 +26,11 @@ from drumlin.fuzzing.wrong_values import (
     WORDS,
     anything,
     fitting,
-    noise,
     schema_places,
-    toml,
 )
 from drumlin.studies import REPOSITORY
+from drumlin.verification import broken_meshes
+from drumlin.verification.broken_files import noise, toml
 
 ELEMENTS = "6"
 BRAKES = ("double_shoe/brake", "post_brake/brake", "laws/pad", "laws/pivoted_block", "laws/block", "laws/shigley_16_2")
@@ -73,28 +71,14 @@ def result_text() -> bytes:
     return curves_text(MODELS["fem"].solve(brake, elements=12)).encode()
 
 
-@cache
 def mesh_files() -> dict[str, bytes]:
-    """Small meshes of that brake's right shoe by suffix, and the "brake" file that names one (@: its suffix)."""
-    from drumlin.brake.file import read_brake  # noqa: PLC0415
-    from drumlin.fem.assembly import prepare  # noqa: PLC0415
-    from drumlin.fem.mesh.file import FORMATS, write_mesh  # noqa: PLC0415
-
-    brake = read_brake(REPOSITORY / "studies" / f"{BRAKES[0]}.toml")
-    body = prepare(brake, elements=4, kind="tri2").bodies[0]
-    made = {}
-    with tempfile.TemporaryDirectory() as folder:
-        for suffix in FORMATS:
-            write_mesh(Path(folder) / f"m{suffix}", body.mesh, brake.shoes[0])
-            made[suffix] = (Path(folder) / f"m{suffix}").read_bytes()
-    one = brake_text(BRAKES[0]).decode().split("[[shoe]]")
-    made["brake"] = f"{one[0]}[[shoe]]\nmesh = 'm@'{one[1]}".encode()
-    return made
+    """Small meshes of that brake's right shoe by suffix, and its "brake" file."""
+    return broken_meshes.mesh_files(brake_text(BRAKES[0]))
 
 
 def broken_bytes(rng: random.Random) -> Input:
     """A brake file with its bytes in disorder."""
-    text = noise(rng, brake_text(rng.choice(BRAKES)))
+    text = noise(rng, brake_text(rng.choice(BRAKES)), WORDS)
     return Input("brake file: bytes", {"b.toml": text}, _solving(rng))
 
 
@@ -157,8 +141,8 @@ def broken_mesh(rng: random.Random) -> Input:
     elif what == 4 and suffix == ".inp":
         data += rng.choice(INP_ENDS)
     else:
-        data = noise(rng, data)
-    text = files["brake"].replace(b"@", suffix.encode())
+        data = noise(rng, data, WORDS)
+    text = broken_meshes.with_mesh(files["brake"], f"m{suffix}")
     return Input(f"mesh: {suffix}", {"b.toml": text, f"m{suffix}": data}, ["solve", "b.toml", "--json", "r.json"])
 
 
@@ -177,7 +161,7 @@ def broken_reference(rng: random.Random) -> Input:
     """Reference values with values of other types and sizes, or their bytes in disorder."""
     text = reference_text()
     if rng.random() < 0.4:
-        text = noise(rng, text)
+        text = noise(rng, text, WORDS)
     else:
         data = json.loads(text)
         for _ in range(rng.choice([1, 1, 2])):
@@ -206,7 +190,7 @@ def broken_table(rng: random.Random) -> Input:
     """A table of p(theta) with cells of all sorts, or its bytes in disorder."""
     text = result_text()
     if rng.random() < 0.5:
-        text = noise(rng, text)
+        text = noise(rng, text, WORDS)
     else:
         rows = list(csv.reader(io.StringIO(text.decode())))
         for _ in range(rng.choice([1, 1, 3])):

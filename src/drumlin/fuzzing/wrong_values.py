@@ -6,60 +6,11 @@ import re
 import types
 import typing
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 from pydantic import BaseModel
 
-
-def toml(data: Any) -> bytes:
-    """Nested data as TOML: everything below the top as inline tables."""
-    return "".join(f"{_quoted(str(key))} = {_inline(value)}\n" for key, value in data.items()).encode(errors="replace")
-
-
-def _inline(value: Any) -> str:
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{_quoted(str(key))} = {_inline(item)}" for key, item in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_inline, value)) + "]"
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, Raw):
-        return value.text
-    return _quoted(value) if isinstance(value, str) else repr(value)
-
-
-def _quoted(text: str) -> str:
-    plain = {'"': '\\"', "\\": "\\\\"}
-    return '"' + "".join(plain.get(c, c if c.isprintable() else f"\\U{ord(c):08x}") for c in text) + '"'
-
-
-class Raw(NamedTuple):
-    """What stands in a file without quotes."""
-
-    text: str
-
-
-def noise(rng: random.Random, data: bytes) -> bytes:
-    """Bytes dropped, doubled, inserted, overwritten or turned round."""
-    found = bytearray(data)
-    for _ in range(rng.choice([1, 1, 2, 5, 40])):
-        at = rng.randrange(len(found) + 1)
-        end = min(len(found), at + rng.choice([1, 1, 3, 20, 200]))
-        what = rng.randrange(6)
-        if what == 0:
-            del found[at:end]
-        elif what == 1:
-            found[at:at] = found[at:end] * rng.choice([1, 1, 50])
-        elif what == 2:
-            found[at:at] = bytes([rng.randrange(256)])
-        elif what == 3 and at < len(found):
-            found[at] = rng.choice(b'0123456789.-e"[]{}=\n ,nafi\0\x1b')
-        elif what == 4:
-            found[at:at] = rng.choice(WORDS).encode(errors="replace")
-        else:
-            found[at:end] = found[at:end][::-1]
-    return bytes(found)
-
+from drumlin.verification.broken_files import Raw
 
 WORDS = (
     "", " ", "0", "-0", "1", "2.5", "-1", "nan", "inf", "-inf", "1e999", "1e-320", "1_000", "٣", "²", "0x10", "true",

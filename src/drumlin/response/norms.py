@@ -6,15 +6,16 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.response.response import EDGE_ZONE, ShoeResponse
-from drumlin.response.resultants import GAUSS, WEIGHTS
+from drumlin.response.resultants import GAUSS, WEIGHTS, edge_left_out
 
 
 def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE) -> float:
     """L2 norm over theta of p_a - p_b, relative to that of p_b, outside zones of `edge` [rad] at the lining's ends.
 
-    Where p_b presses within those zones only, over the whole lining; where it presses nowhere: 0 if neither does p_a,
-    else infinite.
+    Where half of p_b's force is within those zones, over the whole lining; where it presses nowhere: 0 if neither does
+    p_a, else infinite.
     """
+    edge = edge_left_out(b.theta, b.pressure, b.order, edge)
     start, end = b.theta[0] + edge, b.theta[-1] - edge
     knots = np.unique(np.concatenate([[start, end], a.theta[:: a.order], b.theta[:: b.order]]))
     knots = knots[(knots >= start) & (knots <= end)]
@@ -25,8 +26,6 @@ def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE)
     size = float(weight @ pb**2)
     if size > 0:
         return math.sqrt(float(weight @ (pa - pb) ** 2) / size)
-    if edge > 0:
-        return pressure_distance(a, b, 0.0)
     return math.inf if pa.any() else 0.0
 
 

@@ -12,7 +12,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import FlatBrake, FlatShoe
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
-from drumlin.response.resultants import Resultant, contact_arcs, largest
+from drumlin.response.resultants import Resultant, contact_arcs, edge_left_out, largest
 from drumlin.response.show import as_html, as_text, plot
 
 EDGE_ZONE = math.radians(0.2)
@@ -285,10 +285,9 @@ def pressed_shoe(
     its rows as the angles; more: other attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
-    theta, pressure, zone = theta[forward], pressure[forward], edge_zone(shoe, radius)
+    theta, pressure = theta[forward], pressure[forward]
+    zone = edge_left_out(theta, pressure, order, edge_zone(shoe, radius))
     peak = largest(theta, pressure, order, zone) if located else nodal_peak(theta, pressure, zone)
-    if not peak > 0:  # pressed at its ends alone
-        peak = largest(theta, pressure, order)
     check_strain(shoe, peak)
     return ShoeResponse(
         name=shoe.name,

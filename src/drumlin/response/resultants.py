@@ -96,6 +96,13 @@ def largest(theta: Floats, values: Floats, order: int, zone: float = 0.0) -> flo
     return float(max(y[1], c - b * b / (4 * a))) if a < 0 else float(y[1])
 
 
+def edge_left_out(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
+    """The zone [rad] at the ends that may be left out of judging p(theta): none where half of the force is there."""
+    at, p, w = gauss_points(theta, pressure, order)
+    inside = (at > theta[0] + zone) & (at < theta[-1] - zone)
+    return zone if (p * w)[inside].sum() > 0.5 * (p * w).sum() else 0.0
+
+
 def integrate(theta: Floats, values: Floats, order: int) -> float:
     """Integral of a piecewise polynomial (nodes `theta` (n,), `values` (n,)) over theta."""
     _, v, w = gauss_points(theta, values, order)

@@ -3,7 +3,7 @@
 import math
 import random
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 UNITS = ("mm", "m", "deg", "rad", "N", "kN", "Pa", "GPa", "s", "", "furlong")
@@ -65,26 +65,26 @@ def huge_file(rng: random.Random, sound: Sound) -> Input:
     return Input("brake file: huge", {"brake.toml": rng.choice(texts)().encode()}, True)
 
 
-def noise(rng: random.Random, text: bytes) -> bytes:
-    """A text with bytes dropped, doubled, swapped or overwritten."""
-    data = bytearray(text)
+def noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:
+    """Bytes dropped, doubled, inserted, overwritten, turned round, or some of `words` among them."""
+    found = bytearray(data)
     for _ in range(rng.choice([1, 1, 2, 5, 40])):
-        at = rng.randrange(len(data) + 1)
-        end = min(len(data), at + rng.choice([1, 1, 3, 20, 200]))
-        what = rng.randrange(5)
+        at = rng.randrange(len(found) + 1)
+        end = min(len(found), at + rng.choice([1, 1, 3, 20, 200]))
+        what = rng.randrange(6 if words else 5)
         if what == 0:
-            del data[at:end]
+            del found[at:end]
         elif what == 1:
-            data[at:at] = data[at:end]
+            found[at:at] = found[at:end] * rng.choice([1, 1, 50])
         elif what == 2:
-            data[at:at] = bytes([rng.randrange(256)])
-        elif what == 3 and at < len(data):
-            data[at] = rng.choice(b'0123456789.-e"[]{}=\n ,nafi')
+            found[at:at] = bytes([rng.randrange(256)])
+        elif what == 3 and at < len(found):
+            found[at] = rng.choice(b'0123456789.-e"[]{}=\n ,nafi\0\x1b')
+        elif what == 5:
+            found[at:at] = rng.choice(words).encode(errors="replace")
         else:
-            data[at:end] = data[at:end][::-1]
-        if not data:
-            break
-    return bytes(data)
+            found[at:end] = found[at:end][::-1]
+    return bytes(found)
 
 
 def _other_value(rng: random.Random, value: Any) -> Any:
@@ -123,18 +123,27 @@ def _put(data: Any, place: tuple[Any, ...], value: Any) -> None:
 
 def toml(data: Any) -> bytes:
     """Nested data as TOML: everything below the top as inline tables."""
-    return "".join(f"{_quoted(key)} = {_inline(value)}\n" for key, value in data.items()).encode()
+    return "".join(f"{_quoted(str(key))} = {_inline(value)}\n" for key, value in data.items()).encode(errors="replace")
 
 
 def _inline(value: Any) -> str:
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{_quoted(key)} = {_inline(item)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{_quoted(str(key))} = {_inline(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(map(_inline, value)) + "]"
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, Raw):
+        return value.text
     return _quoted(value) if isinstance(value, str) else repr(value)
 
 
 def _quoted(text: str) -> str:
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
+    plain = {'"': '\\"', "\\": "\\\\"}
+    return '"' + "".join(plain.get(c, c if c.isprintable() else f"\\U{ord(c):08x}") for c in text) + '"'
+
+
+class Raw(NamedTuple):
+    """What stands in a file without quotes."""
+
+    text: str

@@ -24,7 +24,7 @@ def mesh_files(brake_file: bytes) -> dict[str, bytes]:
     data = tomllib.loads(brake_file.decode())
     data["shoe"] = data["shoe"][:1]
     brake = brake_from(data, unit_required=True)
-    mesh = prepare(brake, elements=12, kind="tri2").bodies[0].mesh
+    mesh = prepare(brake, elements=6, kind="tri2").bodies[0].mesh
     with tempfile.TemporaryDirectory() as folder:
         paths = [Path(folder) / f"shoe{suffix}" for suffix in FORMATS]
         for path in paths:
@@ -32,11 +32,17 @@ def mesh_files(brake_file: bytes) -> dict[str, bytes]:
         return {path.suffix: path.read_bytes() for path in paths} | {"brake": toml(data)}
 
 
+def with_mesh(brake_file: bytes, name: str) -> bytes:
+    """The brake file whose first shoe is meshed by the file `name`."""
+    data = tomllib.loads(brake_file.decode())
+    data["shoe"][0]["mesh"] = name
+    return toml(data)
+
+
 def meshed(kind: str, mesh: bytes, suffix: str, must_fail: bool, sound: Sound) -> Input:
     """The brake file with this mesh, named with this suffix."""
-    data = tomllib.loads(mesh_files(sound.meshed)["brake"].decode())
-    data["shoe"][0]["mesh"] = f"shoe{suffix}"
-    return Input(kind, {"brake.toml": toml(data), f"shoe{suffix}": mesh}, must_fail)
+    text = with_mesh(mesh_files(sound.meshed)["brake"], f"shoe{suffix}")
+    return Input(kind, {"brake.toml": text, f"shoe{suffix}": mesh}, must_fail)
 
 
 def cut_mesh(rng: random.Random, sound: Sound) -> Input:

@@ -27,7 +27,7 @@ from drumlin.fem.assembly import Scene, prepare
 from drumlin.fem.hp.adapt import DEFAULT, Tolerance, adapt
 from drumlin.fem.hp.levels import LEVELS, steps
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.mesh.grading import Division, lining_layers
+from drumlin.fem.mesh.grading import Division, lining_layers, refine
 from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
 from drumlin.models import pick
@@ -82,6 +82,11 @@ def even_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
     depths = np.linspace(0, shoe.lining.thickness, lining_layers(elements) + 1)
     step = (shoe.arc[1] - shoe.arc[0]) / elements
     return shoe_mesh(shoe, radius, Division(np.linspace(*shoe.arc, elements + 1), depths, step), kind)
+
+
+def refined_mesh(shoe: Shoe, radius: float, elements: int, layers: int, kind: str) -> Any:
+    """A mesh of a shoe that grows finer towards the lining's ends as fast as an adapted one does."""
+    return shoe_mesh(shoe, radius, refine(shoe, radius, elements=elements, layers=layers, points=()), kind)
 
 
 def _mesh(
@@ -266,11 +271,14 @@ def peer_row(
     brake: Brake, method: Method, truth: Response, unit: Callable[[], object], repeats: int = REPEATS
 ) -> dict[str, Any]:
     """The row of a peer, by drumlin.peers; times are those that it states, medians of the repeats, ratios to the unit
-    that is timed before each; option `even`: on a mesh that is graded nowhere."""
+    that is timed before each; options `even`: on a mesh that is graded nowhere, `layers`: on a `refined_mesh`."""
     row: dict[str, Any] = dict(method.case)
     options = dict(method.options)
-    if options.pop("even", False):
+    even, layers = options.pop("even", False), options.pop("layers", None)
+    if even:
         options["mesher"] = partial(even_mesh, elements=options["elements"], kind=options.get("kind", DEFAULT_KIND))
+    if layers is not None:
+        options["mesher"] = partial(refined_mesh, layers=layers, **options)
     start = time.perf_counter()
     answers, beside = [], []
     try:
@@ -341,7 +349,8 @@ def series_name(row: Mapping[str, Any]) -> str:
         return "columns"
     if "penalty" in row:
         return f"{row.get('kind', DEFAULT_KIND)}, {row['penalty']:g} E/t"
-    return str(row.get("kind", DEFAULT_KIND)) + (", even" if row["family"] in PEER_FAMILIES and row.get("even") else "")
+    graded = ", even" if row.get("even") else ", refined" if row.get("layers") else ""
+    return str(row.get("kind", DEFAULT_KIND)) + (graded if row["family"] in PEER_FAMILIES else "")
 
 
 def unit_seconds(rows: Iterable[Mapping[str, Any]]) -> float:

@@ -65,6 +65,21 @@ class WearSetup(NamedTuple):
         lining = self.brake.shoes[self.surfaces[0].shoe].lining
         return lining.material.E / lining.thickness
 
+    @property
+    def flat(self) -> bool:
+        """Whether its linings lie on a plane; then its torque is the braking force [N]."""
+        return any(shoe.flat for shoe in self.brake.shoes)
+
+    @property
+    def unit(self) -> float:
+        """What theta counts in: 1 rad, on a plane the unit of the `unrolled` brake [m]."""
+        return self.brake.drum.radius if self.flat else 1.0
+
+    @property
+    def motion(self) -> str:
+        """What moves, in words."""
+        return f"body slides along {'+x' if self.brake.spin > 0 else '-x'}" if self.flat else self.brake.motion
+
     def part(self, interface: int) -> slice:
         """The unknowns of an interface among all."""
         parts = [surface.part for surface in self.surfaces if surface.interface == interface]

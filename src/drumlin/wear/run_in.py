@@ -240,7 +240,8 @@ def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Check
             brake.shoes[s.shoe].lining.width * brake.drum.radius * _integral(s, s.along(end.depth))
             for s in setup.surfaces
         )
-        by_energy = abs(shape - law.coefficient * end.work / (brake.friction * brake.drum.radius)) / scale
+        arm = 1.0 if setup.flat else brake.drum.radius
+        by_energy = abs(shape - law.coefficient * end.work / (brake.friction * arm)) / scale
     ripples = [archard.ripple(s.along(state.pressure)) for state in states[1:] for s in setup.surfaces]
     seen = [ripple for ripple in ripples if not math.isnan(ripple)]
     return Checks(abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=None))
@@ -270,7 +271,9 @@ def as_dict(setup: WearSetup, states: Sequence[WearState], goal: Target, law: We
         "model": setup.model,
         "law": law._asdict(),
         "unit_distance": unit_distance(setup, law) if law.coefficient else None,
-        "shoes": [{"name": surface.name, "theta": surface.angles.tolist()} for surface in setup.surfaces],
+        "shoes": [
+            {"name": surface.name, "theta": (setup.unit * surface.angles).tolist()} for surface in setup.surfaces
+        ],
         "worn_in": {"torque": goal.torque, "pressure": linings(goal.pressure)},
         "states": [
             {
@@ -294,14 +297,16 @@ def report_lines(
     setup: WearSetup, states: Sequence[WearState], goal: Target, law: WearLaw, lines: int = 24
 ) -> list[str]:
     """A run as lines of text: some of its states, evenly spread, then what became of it."""
-    unit = unit_distance(setup, law)
+    unit, flat = unit_distance(setup, law), setup.flat
+    unit_ = "[N]" if flat else "[N m]"
     wears = f", 1/(k K) = {unit * 1e-3:.5g} km" if law.coefficient else ": nothing wears"
     force = setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     said = [
-        f"{setup.brake.title}: {setup.model}, {setup.brake.motion}, mu = {setup.brake.friction:g}, "
+        f"{setup.brake.title}: {setup.model}, {setup.motion}, mu = {setup.brake.friction:g}, "
         f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:.9g}{wears}",
-        f"{'s':>9}{'s k K':>9}{'torque':>10}{'force':>9}{'peak p':>9}{'p off law':>11}{'T off law':>11}{'deepest':>10}",
-        f"{'[km]':>9}{'':9}{'[N m]':>10}{'[N]':>9}{'[MPa]':>9}{'[%]':>11}{'[%]':>11}{'wear [mm]':>10}",
+        f"{'s':>9}{'s k K':>9}{'braking' if flat else 'torque':>10}{'force':>9}{'peak p':>9}{'p off law':>11}"
+        f"{'T off law':>11}{'deepest':>10}",
+        f"{'[km]':>9}{'':9}{unit_:>10}{'[N]':>9}{'[MPa]':>9}{'[%]':>11}{'[%]':>11}{'wear [mm]':>10}",
     ]
     for i in sorted({round(x) for x in np.linspace(0, len(states) - 1, lines)}):
         state = states[i]
@@ -311,7 +316,7 @@ def report_lines(
             f"{peak(setup, state) * 1e-6:9.4g}{100 * off.pressure:11.3f}{100 * off.torque:+11.4f}"
             f"{state.depth.max() * 1e3:10.4g}"
         )
-    said.append(f"worn in (law): torque {goal.torque:.6g} N m")
+    said.append(f"worn in (law): {'braking force' if flat else 'torque'} {goal.torque:.6g} {unit_[1:-1]}")
     if law.coefficient > 0:
         spent = life(setup, states, goal, law)
         said.append(

@@ -180,5 +180,5 @@ def _final(responses: Sequence[Response], error: Errors, unknowns: int, missed: 
         shoes=tuple(replace(shoe, error=own) for shoe, own in zip(responses[-1].shoes, error.shoes, strict=True)),
         seconds=seconds,
         iterations=max(response.iterations for response in responses),
-        notes=(*responses[-1].notes, f"{note}; {missed}" if missed else note),
+        notes=(*responses[-1].notes, note, *([f"warning: {missed}"] if missed else [])),
     )

@@ -58,7 +58,7 @@ def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
     needed = {"lining"} | ({"backing"} if shoe.backing else set())
     needed |= set(shoe.body.plates) if isinstance(shoe.body, Body) else {"shoe"} if shoe.body else set()
-    lines = {"contact", "hinge"} | ({"actuation"} if shoe.body else set())
+    lines = {"contact", "hinge"} | ({"actuation"} if shoe.body and not shoe.gripped else set())
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
         found = ", ".join([*subdomains, *boundaries]) or "none"
@@ -184,7 +184,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
 
 def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
-    if "actuation" in nodes:
+    if "actuation" in nodes and not shoe.gripped:
         away = {name: math.dist(shoe.own_pin, mesh.p[:, nodes[name]].mean(axis=1)) for name in ("hinge", "actuation")}
         if away["hinge"] > away["actuation"]:
             raise BadInput(

@@ -46,7 +46,7 @@ def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
     basis = skfem.Basis(mesh, kind_of(mesh).element(), intorder=1)
     cells = basis.element_dofs.T
     edges = {name: edge_nodes(basis, facets) for name, facets in mesh.boundaries.items()}
-    xy = shoe.frame.to_brake(basis.doflocs.T)
+    xy = shoe.points(basis.doflocs).T
     with replacing(path) as partial:
         if path.suffix == ".inp":
             nodes = {name: np.unique(along) for name, along in edges.items()}

@@ -1,0 +1,305 @@
+"""Every kind of brake in every use: it answers, or one line of a list says why it does not."""
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import meshio
+import numpy as np
+import pytest
+
+import drumlin
+from conftest import ROOT
+from drumlin.brake.drum_brake import Brake
+from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
+from drumlin.brake.unrolled import on_drum
+from drumlin.cli.commands import app
+from drumlin.errors import DrumlinError
+from drumlin.fem.assembly import prepare
+from drumlin.fem.holding import full_slip_rotation, hold
+from drumlin.fem.mesh.file import write_mesh
+from drumlin.fem.sensitivity import sensitivity
+from drumlin.laws import law
+from drumlin.models import pick
+from drumlin.response.balance import loaded
+from drumlin.response.merit import effect
+from drumlin.wear.archard import WearLaw
+from drumlin.wear.linings import fem_setup
+from drumlin.wear.run_in import COEFFICIENT, checks, run_in, unit_distance
+
+FILES = {path.stem: path for path in sorted((ROOT / "studies" / "brakes").glob("*.toml"))}
+FILES["pad"] = ROOT / "studies" / "laws" / "pad.toml"
+ELEMENTS = 10
+
+
+class Posed(NamedTuple):
+    """A brake, its file, and a folder to write into."""
+
+    brake: AnyBrake
+    file: Path
+    folder: Path
+
+    def command(self, *words: str) -> None:
+        with pytest.raises(SystemExit) as end:
+            app([words[0], str(self.file), *words[1:]])
+        assert end.value.code == 0
+
+
+def balanced(response: Any) -> float:
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    assert effect(response) > 0
+    return effect(response)
+
+
+def solved(at: Posed) -> None:
+    response = drumlin.solve(at.brake)
+    balanced(response)
+    whole = loaded(at.brake, response)  # struts act within: what is left are pins, feet, forces from outside, the drum
+    inside = {link.to for link in at.brake.links}
+    feet = {link.source for link in at.brake.links}
+    outer = [s.actuation.vector for s in whole.shoes if s.name not in inside]
+    outer += [r.hinge_reaction for s, r in zip(whole.shoes, response.shoes, strict=True) if s.name not in feet]
+    if response.bearing_load is not None and isinstance(at.brake, Brake):
+        total = np.sum([*outer, -response.bearing_load], axis=0)
+        assert np.linalg.norm(total) < 1e-9 * np.abs(outer).max()
+
+
+def to_tolerance(at: Posed) -> None:
+    rough, fine = drumlin.solve(at.brake, tolerance=0.01), drumlin.solve(at.brake, tolerance=1e-4)
+    assert balanced(rough) == pytest.approx(balanced(fine), rel=0.01)
+
+
+def with_clearance(at: Posed) -> None:
+    gap = 2e-5
+    even = drumlin.solve(vary(at.brake, {"shoe.lining.clearance": gap}), elements=ELEMENTS)
+    assert abs(balanced(even) / effect(drumlin.solve(at.brake, elements=ELEMENTS)) - 1) < 0.3
+
+
+def radius(brake: AnyBrake) -> float:
+    return brake.drum.radius if isinstance(brake, Brake) else 0.1
+
+
+def with_misfit(at: Posed) -> None:
+    R = radius(at.brake)
+    brake = vary(at.brake, {"shoe.lining.misfit": {"radius": 0.999 * R}, "drum.out_of_round": [{"order": 2,
+        "amplitude": 1e-5, "phase": 0.3}]})  # fmt: skip
+    assert abs(balanced(drumlin.solve(brake, elements=ELEMENTS)) / effect(drumlin.solve(at.brake)) - 1) > 1e-3
+
+
+def on_ring(at: Posed) -> None:
+    R = radius(at.brake)
+    ring = {"thickness": 0.1 * R, "width": 0.06, "material": {"E": 1.1e11, "nu": 0.25}, "support": "fixed"}
+    soft = balanced(drumlin.solve(vary(at.brake, {"drum.ring": ring}), elements=ELEMENTS))
+    hard = ring | {"material": {"E": 1.1e17, "nu": 0.25}}
+    stiff = balanced(drumlin.solve(vary(at.brake, {"drum.ring": hard}), elements=ELEMENTS))
+    rigid = effect(drumlin.solve(at.brake, elements=ELEMENTS))
+    assert stiff == pytest.approx(rigid, rel=1e-4)
+    assert soft != pytest.approx(rigid, rel=1e-5) or len(at.brake.shoes) == 1
+
+
+def worn_in(at: Posed) -> None:
+    assert effect(drumlin.solve(at.brake, worn_in=True, elements=40)) == pytest.approx(effect(law(at.brake)), rel=1e-2)
+
+
+def wears(at: Posed) -> None:
+    own, rule = on_drum(at.brake), WearLaw(COEFFICIENT)
+    setup = fem_setup(prepare(own, elements=ELEMENTS), own)
+    states = run_in(setup, rule, distance=0.3 * unit_distance(setup, rule))
+    found = checks(setup, states, rule)
+    assert states[-1].removed > 0
+    assert found.volume < 1e-9
+    assert found.energy is not None
+    assert found.energy < 0.02
+
+
+def slopes(at: Posed) -> None:
+    """All forces grown alike, those of a cylinder or a cam too, make the torque grow so where linings fit."""
+    own = on_drum(at.brake)
+    found = sensitivity(prepare(own, elements=ELEMENTS), own)
+    forces = [(s.force or 0.0) * shoe.actuation.force for s, shoe in zip(found.shoes, own.shoes, strict=True)]
+    drive = sum(forces) if found.drive is None else found.drive
+    assert drive == pytest.approx(found.torque, rel=1e-9)
+    moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
+    assert sum(moduli) == pytest.approx(0.0, abs=1e-9 * abs(found.torque))
+
+
+def held(at: Posed) -> None:
+    """Turned far enough the drum is held by what it slides at; feet that stick stand elsewhere, by a little."""
+    own = on_drum(at.brake)
+    scene = prepare(own, elements=ELEMENTS)
+    states = hold(scene, own, np.linspace(0, full_slip_rotation(scene, own), 4))
+    rough = any(shoe.abutment is not None and shoe.abutment.friction > 0 for shoe in own.shoes)
+    torque = effect(drumlin.solve(at.brake, elements=ELEMENTS))
+    assert states[-1].torque == pytest.approx(torque, rel=1e-3 if rough else 1e-6)
+    assert states[0].torque < states[-1].torque
+    assert states[-1].dissipated > states[0].dissipated > 0
+
+
+def own_meshes(at: Posed) -> None:
+    scene = prepare(on_drum(at.brake), elements=ELEMENTS)
+    changes = {}
+    for i, (shoe, body) in enumerate(zip(scene.brake.shoes, scene.bodies, strict=True)):
+        path = at.folder / f"{shoe.name}.msh"
+        write_mesh(path, body.mesh, shoe)
+        changes[f"shoe[{i}].mesh"] = str(path)
+    a, b = drumlin.solve(at.brake, elements=ELEMENTS), drumlin.solve(vary(at.brake, changes))
+    assert balanced(b) == pytest.approx(balanced(a), rel=1e-9)
+    for x, y in zip(a.shoes, b.shoes, strict=True):
+        np.testing.assert_allclose(y.pressure, x.pressure, rtol=1e-5, atol=1e-8 * x.peak_pressure)
+
+
+def swept(at: Posed) -> None:
+    sweep, table = at.folder / "sweep.toml", at.folder / "table.csv"
+    sweep.write_text(f'title = "t"\nbrake = "{at.file}"\n[model.fem]\nelements = 10\n[vary]\nfriction = [0.1, 0.2]\n')
+    with pytest.raises(SystemExit) as end:
+        app(["sweep", str(sweep), "--output", str(table)])
+    assert end.value.code == 0
+    rows = list(csv.DictReader(table.read_text().splitlines()))
+    assert [row["friction"] for row in rows] == ["0.1", "0.2"]
+    assert not any(row.get("error") or row.get("reason") for row in rows)
+
+
+def exported(at: Posed) -> None:
+    at.command("export", "--to", "calculix", "--output", str(at.folder), "--elements", "10")
+    assert list(at.folder.glob("*.inp"))
+
+
+def referred(at: Posed) -> None:
+    at.command("reference", "--output", str(at.folder / "r.json"))
+
+
+def checked(at: Posed) -> None:
+    curves = at.folder / "p.csv"
+    at.command("solve", "--pressure", str(curves))
+    with pytest.raises(SystemExit) as end:
+        app(["check", str(at.file), str(curves)])
+    assert end.value.code == 0
+
+
+def compared(at: Posed) -> None:
+    at.command("compare", "--output", str(at.folder / "report"), "--elements", "16")
+    assert (at.folder / "report" / "index.html").stat().st_size > 1000
+
+
+def viewed(at: Posed) -> None:
+    at.command("view", "--output", str(at.folder / "v.svg"))
+    assert (at.folder / "v.svg").stat().st_size > 1000
+
+
+def costed(at: Posed) -> None:
+    at.command("cost", "--elements", "8")
+
+
+def offered(model: str) -> Callable[[Posed], None]:
+    """Whether a model answers the brake, without its answer, which its own tests judge."""
+
+    def use(at: Posed) -> None:
+        pick(model, at.brake)
+
+    return use
+
+
+QUICK: dict[str, Callable[[Posed], None]] = {
+    "solve": solved,
+    "clearance": with_clearance,
+    "misfit": with_misfit,
+    "ring": on_ring,
+    "wear": wears,
+    "sensitivity": slopes,
+    "hold": held,
+    "own mesh": own_meshes,
+    "export": exported,
+    "solid": offered("solid"),
+    "foundation": offered("foundation"),
+}
+SLOW: dict[str, Callable[[Posed], None]] = {
+    "tolerance": to_tolerance,
+    "worn in": worn_in,
+    "sweep": swept,
+    "reference": referred,
+    "check": checked,
+    "compare": compared,
+    "view": viewed,
+    "cost": costed,
+}
+USES = QUICK | SLOW
+
+
+class Refusal(NamedTuple):
+    """What refuses which brakes, by which words."""
+
+    uses: set[str]
+    where: Callable[[AnyBrake], bool]
+    words: str
+
+
+def unmeshed(brake: AnyBrake) -> bool:
+    return any(shoe.lining.thickness is None for shoe in brake.shoes)
+
+
+def flat(brake: AnyBrake) -> bool:
+    return isinstance(brake, FlatBrake)
+
+
+def unhinged(brake: AnyBrake) -> bool:
+    return isinstance(brake, Brake) and brake.unhinged() is not None
+
+
+HINGED = "takes shoes on hinges under forces of their own only: "
+REFUSALS = [
+    Refusal({"export", "reference", "check", "cost"}, flat, "is a brake on a plane; .* takes brakes on a drum"),
+    Refusal({"misfit", "ring"}, flat, "unknown key 'drum'"),
+    Refusal({"own mesh"}, lambda b: flat(b) and not unmeshed(b), "unknown key 'mesh'"),
+    Refusal(set(USES) - {"compare", "view", "foundation", "solid"}, unmeshed,
+            "its lining has no thickness and material to mesh"),
+    Refusal({"export"}, unhinged, f"a peer {HINGED}"),
+    Refusal({"reference", "check"}, unhinged, f"reference {HINGED}"),
+    Refusal({"solid"}, lambda b: flat(b) or unhinged(b), "does not apply to this brake: "),
+    Refusal({"foundation"}, lambda b: True, "does not apply to this brake: "),
+]  # fmt: skip
+
+
+def cell(name: str, use: str, folder: Path) -> None:
+    brake = read_any(FILES[name])
+    refusal = next((one for one in REFUSALS if use in one.uses and one.where(brake)), None)
+    at = Posed(brake, FILES[name], folder)
+    if refusal is None:
+        USES[use](at)
+        return
+    with pytest.raises(DrumlinError, match=refusal.words) as said:
+        USES[use](at)
+    assert "\n" not in str(said.value)
+
+
+@pytest.mark.parametrize("use", QUICK)
+@pytest.mark.parametrize("name", FILES)
+def test_every_kind_in_every_use(name: str, use: str, tmp_path: Path) -> None:
+    cell(name, use, tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("use", SLOW)
+@pytest.mark.parametrize("name", FILES)
+def test_every_kind_in_every_slow_use(name: str, use: str, tmp_path: Path) -> None:
+    cell(name, use, tmp_path)
+
+
+def test_a_pad_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its words and units: a braking force, slides in mm, a mesh where the shoe stands."""
+    file = FILES["rail_clamp"]
+    at = Posed(read_any(file), file, tmp_path)
+    at.command("sensitivity", "--elements", "10")
+    at.command("hold", "--elements", "10", "--steps", "2", "--rotation", "0.2 mm")
+    at.command("wear", "--elements", "10", "--distance", "0.1", "--torque", "5 kN")
+    at.command("mesh", "--elements", "10", "--output", str(tmp_path))
+    said = " ".join(capsys.readouterr().out.split())
+    force = effect(drumlin.solve(at.brake, elements=10))
+    assert f"braking force {force:.6g} N, dF/dmu" in said
+    assert "slide [mm] force [N]" in said
+    assert f"0.200000 {force:.4f}" in said
+    assert "worn in (law): braking force 5000 N" in said
+    xy = meshio.read(tmp_path / "rail_clamp_pad.msh").points
+    assert (xy[:, 0].min(), xy[:, 0].max()) == pytest.approx((-0.08, 0.08))
+    assert (xy[:, 1].min(), xy[:, 1].max()) == pytest.approx((0.0, 0.03))
