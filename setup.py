@@ -1,4 +1,4 @@
-"""What pyproject.toml cannot say: the wheel carries studies, meshes and reference values, which lie in git once."""
+"""What pyproject.toml cannot say: the wheel carries studies, meshes and kept numbers, which lie in git once."""
 
 import shutil
 from pathlib import Path
@@ -6,7 +6,9 @@ from pathlib import Path
 from setuptools import setup
 from setuptools.command.build_py import build_py
 
-CARRIED = ("studies", "meshes", "reports/reference/values")
+CARRIED = ("studies", "meshes", "reports/reference")
+LEFT = ("__pycache__", ".*")
+PICTURES = ("*.png", "index.html")  # of the kept reports
 
 
 class BuildWithExamples(build_py):
@@ -20,7 +22,8 @@ class BuildWithExamples(build_py):
         for name in CARRIED:
             target = Path(self.build_lib) / "drumlin" / "carried" / name
             shutil.rmtree(target, ignore_errors=True)
-            shutil.copytree(name, target, ignore=shutil.ignore_patterns("__pycache__", ".*"))
+            left = LEFT + (PICTURES if name.startswith("reports") else ())
+            shutil.copytree(name, target, ignore=shutil.ignore_patterns(*left))
 
 
 setup(cmdclass={"build_py": BuildWithExamples})

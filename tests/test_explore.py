@@ -2,12 +2,9 @@
 
 import json
 import math
-import signal
 import subprocess
-import sys
 import time
 import tomllib
-from contextlib import contextmanager
 from statistics import median
 from urllib.parse import parse_qsl
 
@@ -17,22 +14,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import drumlin
+from browsing import PROGRAM, browser, play, served
 from conftest import ROOT, STUDY
 from drumlin.brake import read_any, read_brake, vary
 from drumlin.explore.answers import Explorer
 from drumlin.explore.knobs import brake_of, knobs_of, link_of, setting_from, start_of
 from drumlin.explore.page import reply
-from drumlin.explore.picture import LINES, PETAL, path_of, picture_of, scale_of
+from drumlin.explore.picture import numbers_of, picture_of, scale_of
 from drumlin.fem.model import respond
 from drumlin.laws import sine
+from drumlin.response.merit import effect
 from drumlin.response.resultants import integrate
 from drumlin.wear.worn_in import worn_in
 from test_sharing import cam_brake, servo
 
 pytestmark = pytest.mark.slow
-
-DRIVER = "/usr/bin/chromedriver"
-PROGRAM = [sys.executable, "-c", "from drumlin.cli import main; main()", "explore"]
 
 
 @pytest.fixture(scope="module")
@@ -145,18 +141,63 @@ def test_self_locking_is_said_and_its_distance(explorer):
 def test_a_picture_shows_the_pressure_it_is_of(explorer):
     answer = explorer.answer(start_of(explorer.brake))
     picture = picture_of(answer, explorer.brake)
-    assert set(picture.lines) == set(LINES)
-    for shoe, x, y in zip(answer.found.shoes, *picture.lines["fem"], strict=True):
+    for shoe, curve in zip(answer.found.shoes, picture.fem, strict=True):
         area = integrate(shoe.theta, np.maximum(shoe.pressure, 0), shoe.order)
-        assert np.trapezoid(y * 1e6, np.radians(x)) == pytest.approx(area, rel=5e-3)
-        assert y.min() >= 0
-    R = 150.0
-    for x, y, (t, p) in zip(*picture.lines["drum_law"], zip(*picture.lines["law"], strict=True), strict=True):
-        assert np.hypot(x, y) == pytest.approx(R * (1 + PETAL * p / picture.scale))  # internal: off the outer side
-        assert np.unwrap(np.arctan2(y, x)) % (2 * np.pi) == pytest.approx(np.radians(t) % (2 * np.pi))
+        assert np.trapezoid(curve.p * 1e6, np.radians(curve.at)) == pytest.approx(area, rel=5e-3)
+        assert curve.p.min() >= 0
+        sent = numbers_of(curve, picture.scale)
+        assert np.array(sent["at"]) * 1e-3 == pytest.approx(curve.at, abs=6e-4)
+        assert np.array(sent["p"]) * 1e-4 * picture.scale == pytest.approx(curve.p, abs=6e-5 * picture.scale)
+    for shoe, curve in zip(answer.law.shoes, picture.law, strict=True):
+        assert curve.p * 1e6 == pytest.approx(shoe.pressure_at(np.radians(curve.at)), rel=1e-6, abs=1.0)
     torques = [row[2] for row in picture.rows if row[1] == "finite elements"]
     assert sum(map(float, torques)) == pytest.approx(answer.found.torque, rel=1e-5)
-    assert path_of(picture.lines["contact"]).count("M") == sum(len(s.contact_arcs) for s in answer.found.shoes)
+    assert [np.radians(arc) for arc in picture.arcs] == [
+        pytest.approx(arc) for shoe in answer.found.shoes for arc in shoe.contact_arcs
+    ]
+
+
+def test_a_brake_on_a_plane_is_explored_too():
+    path = ROOT / "studies/brakes/rail_clamp.toml"
+    brake = read_any(path)
+    explorer = Explorer(brake)
+    names = {each.name for each in explorer.knobs}
+    assert {"friction", "force", "shift", "turn", "clearance", "lining"} <= names and not {"wear", "misfit"} & names
+    answer = explorer.answer(start_of(brake))
+    solved = drumlin.solve(brake)
+    assert not answer.failure
+    assert effect(answer.found) == pytest.approx(effect(solved), rel=1e-3)
+    other = knob(explorer, "friction")
+    changed = turned(explorer, friction=0.5 * other.start)
+    expected = drumlin.solve(vary(brake, {"friction": 0.5 * other.start}))
+    assert effect(explorer.answer(changed).found) == pytest.approx(effect(expected), rel=1e-3)
+    back = "-x" if brake.plane.sliding == "+x" else "+x"
+    setting, lines = setting_from(explorer.knobs, brake, {"sliding": back})
+    assert not lines and link_of(explorer.knobs, brake, setting) == f"sliding={back.replace('+', '%2B')}"
+    expected = drumlin.solve(vary(brake, {"plane.sliding": back}))
+    assert effect(explorer.answer(setting).found) == pytest.approx(effect(expected), rel=1e-3)
+    picture = picture_of(answer, brake)
+    for shoe, curve in zip(solved.shoes, picture.fem, strict=True):
+        assert np.trapezoid(curve.p, curve.at * 1e-3) * 1e6 == pytest.approx(
+            integrate(shoe.theta, shoe.pressure, shoe.order), rel=5e-3
+        )
+    assert f"braking force <b>{effect(answer.found):.6g} N</b>" in picture.head
+    for address in ("/", "/picture", "/locking", "/brake.toml?friction=0.2"):
+        assert reply(explorer, address, "b").status == 200
+    assert read_any(path, reply(explorer, "/brake.toml?friction=0.2", "b").text).friction == 0.2
+
+
+def test_how_far_the_fixed_division_is_off_is_said(explorer):
+    """The distance that the page states is that from `solve`, whose own estimate stands beside it."""
+    data = json.loads(reply(explorer, "/locking?friction=0.4", "b").text)
+    answer = explorer.answer(turned(explorer, friction=0.4))
+    solved = drumlin.solve(answer.brake)
+    stated = explorer.stated(answer)
+    assert stated.torque == pytest.approx(abs(answer.found.torque / solved.torque - 1), rel=1e-6)
+    assert stated.own == pytest.approx(solved.error)
+    assert 0 < stated.torque < 1e-3 and 1e-6 < stated.pressure < 0.02
+    assert f"torque {stated.torque:.1e}, p {stated.pressure:.1e}" in data["error"]
+    assert "fixed division" in json.loads(reply(explorer, "/picture", "b").text)["error"]
 
 
 def test_the_scale_is_round_and_holds_the_peak():
@@ -252,68 +293,40 @@ def test_shoes_that_share_a_force_are_explored_by_it(brake):
 
 
 @pytest.mark.slow
-def test_a_browser_moves_a_slider_and_reads_the_torque_of_solve(tmp_path):
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-    from selenium.webdriver.common.by import By
-    from selenium.webdriver.common.keys import Keys
-    from selenium.webdriver.support.ui import WebDriverWait
-
-    with served() as address, webdriver.Chrome(chromium(tmp_path), Service(DRIVER)) as browser:
-        browser.get(address)
-        wait = WebDriverWait(browser, 30)
-        wait.until(lambda page: "torque" in page.find_element(By.ID, "head").text)
-
-        def torque():
-            return float(browser.find_element(By.ID, "head").text.split("torque ")[1].split(" N m")[0])
-
-        brake = read_brake(STUDY / "brake.toml")
-        assert torque() == pytest.approx(drumlin.solve(brake).torque, rel=1e-4)
-        browser.find_element(By.ID, "friction").send_keys(Keys.ARROW_RIGHT * 8)
-        assert browser.find_element(By.ID, "friction-value").text == "0.34"
-        wait.until(lambda page: "friction=0.34" in page.current_url)  # settled
-        expected = drumlin.solve(vary(brake, {"friction": 0.34}))
-        assert torque() == pytest.approx(expected.torque, rel=1e-4)
-        browser.find_element(By.ID, "shoe").send_keys(Keys.PAGE_DOWN * 5)  # bodies anew
-        wait.until(lambda page: "shoe=" in page.current_url)
-        E = float(dict(parse_qsl(browser.current_url.split("?")[1]))["shoe"]) * 1e9
-        expected = drumlin.solve(vary(brake, {"friction": 0.34, "shoe.body.material.E": E}))
-        assert torque() == pytest.approx(expected.torque, rel=1e-4)
-        link = browser.find_element(By.ID, "link").get_attribute("href")
-        before = torque()
-        browser.get(link)  # the same state in a page of its own
-        wait.until(lambda page: "torque" in page.find_element(By.ID, "head").text)
-        assert torque() == before
-        assert not [line for line in browser.get_log("browser") if line["level"] == "SEVERE"]
+def test_a_browser_moves_a_slider_and_reads_the_torque_of_solve(tmp_path, explorer):
+    with served() as address, browser(tmp_path) as page:
+        link = play(page, address)
+        scale = json.loads(reply(explorer, "/picture?" + link.split("?")[1], "b").text)["scale"]
+        drawn = page.execute_script(DRAWN)
+        assert max(p for _, p in drawn["fem"]) * 1e-4 * scale > 0.5
+        radii = [math.hypot(*xy) for xy in drawn["drum-area"]]
+        assert min(radii) == pytest.approx(150, abs=0.05)
+        highest = max(p for at, p in drawn["fem"]) * 1e-4
+        assert max(radii) == pytest.approx(150 * (1 + 0.45 * min(highest, 1.1)), rel=1e-3)
+        contact = [math.hypot(*xy) for xy in drawn["drum-contact"]]
+        assert contact == pytest.approx([150] * len(contact), abs=0.02)
+        rate = page.execute_async_script(DRAG)
+        assert rate > 3, (
+            f"{rate:.1f} pictures a second while a slider is dragged"
+        )  # wanted: 30, on a machine of its own
+        assert not [line for line in page.get_log("browser") if line["level"] == "SEVERE"]
 
 
-@contextmanager
-def served():
-    """The page of the study's brake, served by a process of its own: its address."""
-    with subprocess.Popen(
-        [*PROGRAM, str(STUDY / "brake.toml"), "--port", "0", "--no-browser"], stdout=subprocess.PIPE, text=True
-    ) as server:
-        try:
-            assert server.stdout is not None
-            yield server.stdout.readline().rsplit(" ", 1)[1].strip()
-        finally:
-            server.send_signal(signal.SIGINT)
-            assert server.wait(10) == 0
-
-
-def chromium(folder):
-    """Options of a browser without a screen that keeps to this machine."""
-    from selenium.webdriver.chrome.options import Options
-
-    options = Options()
-    options.binary_location = "/usr/bin/chromium"
-    for word in (
-        "headless", "no-sandbox", "disable-gpu", "disable-quic", "no-first-run", "disable-background-networking",
-        "disable-component-update", "disable-sync", "window-size=1280,900", f"user-data-dir={folder / 'profile'}",
-    ):  # fmt: skip
-        options.add_argument(f"--{word}")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    return options
+DRAWN = """
+const points = (id) => [...document.getElementById(id).getAttribute("d").matchAll(/(-?[\\d.]+),(-?[\\d.]+)/g)];
+const read = (id) => [id, points(id).map((found) => [+found[1], +found[2]])];
+return Object.fromEntries(["fem", "drum-area", "drum-contact"].map(read));
+"""
+# a slider is dragged to and fro for three seconds, an event every 8 ms, as a mouse sends them
+DRAG = """
+const done = arguments[0], slider = document.getElementById("friction"), start = performance.now(), before = drawn;
+const timer = setInterval(() => {
+  const now = performance.now() - start;
+  slider.value = 0.3 + 0.1 * Math.sin(now / 300);
+  slider.dispatchEvent(new Event("input"));
+  if (now > 3000) { clearInterval(timer); done(1000 * (drawn - before) / now); }
+}, 8);
+"""
 
 
 @pytest.mark.slow
@@ -332,7 +345,7 @@ def test_only_this_machine_is_answered_by_its_own_name(tmp_path):
             assert connection.getresponse().status == status
             connection.close()
         taken = subprocess.run(
-            [*PROGRAM, str(STUDY / "brake.toml"), "--port", str(port), "--no-browser"],
+            [*PROGRAM, "explore", str(STUDY / "brake.toml"), "--port", str(port), "--no-browser"],
             capture_output=True, text=True, check=False, timeout=60,
         )  # fmt: skip
         assert taken.returncode == 2

@@ -141,3 +141,12 @@ def test_a_body_bolted_to_a_lever_is_held_as_a_guided_one_where_the_lever_is_lon
 def test_an_abutment_does_not_grip_a_back(kind: str) -> None:
     with pytest.raises(BadInput, match=r"^shoe\[0\]\.body\.grip = 30 mm: an abutment holds the body's end face"):
         brake_of(kind, 1, body=BODY | {"grip": 0.03})
+
+
+def test_a_guided_shoe_that_aims_at_the_centre_bears_no_moment_without_friction() -> None:
+    towards = {
+        "guide": {"direction": 0.0},
+        "actuation": {"force": 1e3, "direction": 0.0, "point": {"x": 0.1, "y": 0.0}},
+    }
+    response = drumlin.solve(brake_of("guide", 1, mu=0.0, **towards))
+    assert max(response.balance.force, response.balance.moment) < 1e-9

@@ -9,11 +9,13 @@ import tomllib
 import venv
 import zipfile
 from pathlib import Path
+from urllib.request import urlopen
 
 import pytest
 from jsonschema import Draft202012Validator
 
 import drumlin as package
+from browsing import browser, play, served
 from conftest import ROOT, STUDY
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.schema import brake_schema
@@ -145,14 +147,15 @@ def test_the_sdist_is_complete_and_the_wheel_carries_what_commands_need(built):
     with zipfile.ZipFile(wheel) as archive:
         names = set(archive.namelist())
     for name in files:
-        if name.startswith(("studies/", "meshes/", "reports/reference/values/")):
+        kept = name.startswith("reports/reference/") and not name.endswith((".png", "index.html"))
+        if name.startswith(("studies/", "meshes/")) or kept:
             assert f"drumlin/carried/{name}" in names
     assert not any("__pycache__" in name or name.startswith(("studies", "tests")) for name in names)
 
 
 @pytest.mark.slow
 def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
-    """In an environment of its own, which borrows the libraries of this one, not its drumlin."""
+    """In an environment of its own, which borrows the libraries of this one, not its drumlin; even the page."""
     place, here = tmp_path / "environment", tmp_path / "empty"
     here.mkdir()
     venv.create(place, with_pip=True)
@@ -189,6 +192,15 @@ def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
     assert (here / "reports" / "my" / "index.html").is_file()
     run("study", "double_shoe", "--short")
     assert (here / "reports" / "double_shoe" / "index.html").is_file()
+    run("study", "paper")
+    assert (here / "reports" / "paper" / "index.html").is_file()
     kept = run("solve", "my.toml", "--elements", 80, "--pressure", "p.csv") and run("check", "my.toml", "p.csv")
     assert "carried" in kept.splitlines()[0]  # the reference values come with it
+    program = [place / "bin" / "drumlin"]
+    with served(program, "my.toml", cwd=here, env=free) as address, browser(tmp_path) as page:
+        link = play(page, address)
+        with urlopen(link.replace("/?", "/brake.toml?")) as saved:
+            (here / "explored.toml").write_bytes(saved.read())
+    assert read_any(here / "explored.toml").friction == 0.34
+    assert "torque" in run("solve", "explored.toml")
     assert not list(site.glob("drumlin/carried/reports/*.html")) and not list(site.rglob("drumlin/reports"))

@@ -1,6 +1,6 @@
 """What is recommended for a target, from rows made by hand."""
 
-from drumlin.verification.recommendation import TARGETS, best_rows, matrices
+from drumlin.verification.recommendation import AIMS, TARGETS, against_peers, best_rows, matrices
 from drumlin.verification.work_precision import enough, series
 
 
@@ -35,7 +35,7 @@ def test_what_to_use_is_a_matrix_of_brakes_and_targets():
     torque, pressure = matrices(best_rows(rows, floors))
     assert (torque.quantity, pressure.quantity) == ("torque", "p (L2)")
     assert torque.targets == TARGETS["torque_error"]
-    assert torque.by_law == [1, 1, 1, 0, 0] and pressure.by_law == [0] * 5
+    assert torque.by_law == [1, 1, 1, 0, 0] and pressure.by_law == [0] * len(TARGETS["pressure_error"])
     assert list(torque.lines) == ["right", "wrong", "vague"]
     assert [cell.sort for cell in torque.lines["right"]] == ["law"] * 3 + ["elastic"] * 2
     assert [cell.sort for cell in torque.lines["wrong"]] == ["elastic"] * 5
@@ -45,3 +45,27 @@ def test_what_to_use_is_a_matrix_of_brakes_and_targets():
     assert torque.lines["right"][0].what == "sine law"
     assert torque.lines["wrong"][0][:2] == ("graded mesh: quad2, 40 elements", "elastic")
     assert torque.lines["wrong"][0].row["seconds"] == 2.0
+
+
+def test_peers_are_held_against_the_fastest_way_to_each_error():
+    """Ratios of the quickest rows on both sides; a row that is not quick, or on an even mesh, does not count."""
+
+    def made(family, error, ratio, **more):
+        return {"brake": "one", "family": family, "method": "x", "kind": "quad2", "pressure_error": error,
+                "ratio": ratio, "status": "converged", **more}  # fmt: skip
+
+    rows = [
+        made("columns", 2e-3, 1.0, level=0), made("columns", 2e-4, 2.0, level=1), made("columns", 2e-5, 4.0, level=2),
+        made("graded mesh", 4e-3, 8.0, elements=56),
+        made("GetFEM", 4e-3, 40.0, elements=56), made("GetFEM", 9e-4, 90.0, elements=112),
+        made("GetFEM", 3e-3, 30.0, elements=42, layers=5), made("GetFEM", 4e-4, 80.0, elements=81, layers=7),
+        made("GetFEM", 1e-3, 1.0, elements=160, even=True),
+        made("CalculiX", 3e-3, 900.0, elements=56),
+    ]  # fmt: skip
+    ((brake, times, alike, even),) = against_peers(rows, {"one": {"pressure_error": 1e-6}})
+    assert brake == "one" and [(one.peer, one.target) for one in times] == [(p, x) for p in AIMS for x in AIMS[p]]
+    ratios = {(one.peer, one.target): one.best["ratio"] / one.own["ratio"] for one in times if one.best}
+    assert ratios == {("GetFEM", 5e-3): 30.0, ("GetFEM", 1e-3): 40.0, ("CalculiX", 5e-3): 900.0}
+    assert {one.target: one.own["ratio"] for one in times if one.peer == "GetFEM"} == {5e-3: 1.0, 1e-3: 2.0, 1e-4: 4.0}
+    assert [(theirs["ratio"], mine["ratio"]) for theirs, mine in alike] == [(40.0, 8.0), (900.0, 8.0)]
+    assert (even[0]["ratio"], even[1]["ratio"]) == (1.0, 1.0)

@@ -21,13 +21,10 @@ from drumlin.verification import triangles
 from drumlin.verification.check import check, curves_text, lines, read_curves, within
 from drumlin.verification.reference import (
     Refinement,
-    as_dict,
-    read_reference,
     reference,
     responses,
-    stored,
-    write_values,
 )
+from drumlin.verification.reference_file import as_dict, read_reference, stored, write_values
 
 QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2])
 VALUES = ROOT / "reports" / "reference" / "values"

@@ -27,12 +27,10 @@ from drumlin.verification.reference import (
     FINE,
     Refinement,
     Trio,
-    as_dict,
     reference,
     responses,
-    summary_rows,
-    write_values,
 )
+from drumlin.verification.reference_file import as_dict, summary_rows, write_values
 from drumlin.verification.work_precision import (
     PEER_FAMILIES,
     REPEATS,
@@ -77,6 +75,7 @@ def study(
     journal = journal or Journal()
     paths, refused = covered()
     paths = {name: path for name, path in paths.items() if not short or name in SHORT}
+    paths = {name: paths[name] for name in sorted(paths, key=lambda name: name not in WITH_PEERS)}  # the longest first
     unit = partial(solve, read_brake(MAIN), elements=UNIT_ELEMENTS)
     unit()
     rows, floors, references = [], {}, {}

@@ -20,7 +20,7 @@ from drumlin.report.stated_true_figure import cloud
 from drumlin.verification import ladder
 from drumlin.verification.orders import distance, estimate_row, level_rows, line, order_rows
 from drumlin.verification.random_brake import random_brake
-from drumlin.verification.stated_true import TOLERANCES, row, summary, truth
+from drumlin.verification.stated_true import TOLERANCES, by_columns, by_triangles, row, summary
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
@@ -30,7 +30,9 @@ CASES: dict[str, dict[str, Any]] = {
 }
 
 
-BRAKES, FEW = 110, 3  # random ones whose stated errors are judged
+JUDGED, BRAKES, FEW = 77, 500, 3  # first seed of those on which the factors of the estimate were not found; how many
+EVERY_TENTH = 10  # brake: truth by triangles
+EVERY_THIRD = 3  # brake: to the last tolerance, too
 
 
 class Result(NamedTuple):
@@ -69,22 +71,30 @@ def study(
     say("columns, level by level")
     levels = level_rows(read_brake(BRAKE))
     judged = []
-    for seed in range(FEW if short else BRAKES):
+    for seed in range(JUDGED, JUDGED + (FEW if short else BRAKES)):
         say(f"random brake {seed}")
-        judged += journal.once({"seed": seed}, partial(_judged, seed, TOLERANCES[:1] if short else TOLERANCES))["rows"]
+        judged += judged_rows(seed, journal, short=short)
     say("benchmark ladder")
     known = [ladder.row(case) for case in ladder.CASES]
     return Result(orders, levels, estimates, judged, floor, known, time.perf_counter() - start)
 
 
+def judged_rows(seed: int, journal: Journal, *, short: bool = False) -> list[dict[str, Any]]:
+    """Stated against true errors of a random brake, one row a tolerance; a case of the journal."""
+    some = TOLERANCES[:1] if short else TOLERANCES if seed % EVERY_THIRD == 0 else TOLERANCES[:-1]
+    rows: list[dict[str, Any]] = journal.once({"seed": seed}, partial(_judged, seed, some))["rows"]
+    return rows
+
+
 def _judged(seed: int, tolerances: Sequence[float]) -> dict[str, Any]:
-    """Rows of a random brake, one a tolerance."""
-    brake, failure = random_brake(seed), ""
+    brake, failure, true = random_brake(seed), "", None
+    triangular = seed % EVERY_TENTH == 0
     try:
-        true = truth(brake)
+        true = by_triangles(brake) if triangular else by_columns(brake, tolerances[-1])
     except NoAnswer as error:
-        true, failure = None, str(error)
-    return {"rows": [{"seed": seed} | row(brake, tolerance, solve, true, failure) for tolerance in tolerances]}
+        failure = str(error)
+    base = {"seed": seed, "truth": "triangles" if triangular else "columns"}
+    return {"rows": [base | row(brake, tolerance, solve, true, failure) for tolerance in tolerances]}
 
 
 def report(result: Result, folder: Path) -> Path:
@@ -104,5 +114,6 @@ def report(result: Result, folder: Path) -> Path:
     write_text(folder / "ladder.csv", as_csv(result.ladder))
     return fill(
         HERE / "page.html", folder / "index.html", result=result, cases=list(CASES), judged=summary(result.judged),
+        independent=summary([one for one in result.judged if one["truth"] == "triangles"]),
         families=len(ladder.families()), line=line(result.levels),
     )  # fmt: skip

@@ -14,10 +14,10 @@ def explore(
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open the page in a browser")] = True,
 ) -> None:
     """Play with a brake: a page of this machine with sliders, pressure and torque at once. Ctrl-C ends it."""
-    from drumlin.brake.plane_brake import read_drum
+    from drumlin.brake import read_any
     from drumlin.explore.serve import serve
 
-    brake = read_drum(brake_file, "explore")
+    brake = read_any(brake_file)
 
     def ready(address: str) -> None:
         tell(f"{brake.title}: {address}", at_once=True)

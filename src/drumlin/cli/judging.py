@@ -54,8 +54,8 @@ def reference(
     from drumlin.brake.file import toml_text
     from drumlin.brake.plane_brake import read_drum
     from drumlin.files import check_output
-    from drumlin.verification.reference import as_dict, write_values
     from drumlin.verification.reference import reference as make
+    from drumlin.verification.reference_file import as_dict, write_values
 
     text = toml_text(brake_file)
     brake = read_drum(brake_file, "reference", text)
@@ -92,8 +92,8 @@ def check(
     from drumlin.studies import REPOSITORY
     from drumlin.verification.check import check as compare_with
     from drumlin.verification.check import lines, read_curves
-    from drumlin.verification.reference import read_reference, stored
     from drumlin.verification.reference import reference as make
+    from drumlin.verification.reference_file import read_reference, stored
 
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")

@@ -8,14 +8,14 @@ from urllib.parse import urlencode
 
 import numpy as np
 
-from drumlin.brake import Brake, Shoe, vary
+from drumlin.brake import AnyBrake, Brake, FlatBrake, FlatShoe, Shoe, vary
 from drumlin.brake.components import Beam
 from drumlin.brake.drive import Drive
 from drumlin.models import applicable
 from drumlin.texts import one_line
 
 Changes = dict[str, Any]
-ROTATIONS = ("counter-clockwise", "clockwise")
+SENSES = {"rotation": ("counter-clockwise", "clockwise"), "sliding": ("+x", "-x")}
 LARGEST_WEAR = 50.0  # of 1/(k K); a stiff brake is worn in after some 46
 DRIVES = {
     "pressure": ("pressure of the cylinder", "MPa", 1e6),
@@ -51,11 +51,15 @@ class Knob(NamedTuple):
         return min(max(value, self.low), self.high)
 
 
+WEAR = Knob("wear", "wear: sliding distance", "1/(k K)", 0.0, LARGEST_WEAR, 0.25, 0.0, lambda value: {})
+
+
 @dataclass(frozen=True)
 class Setting:
-    """Where the knobs stand: values by name, of those that are away from the brake file; rotation; the law beside."""
+    """Where the knobs stand: values by name, of those that are away from the brake file; `sense` of the motion, one of
+    SENSES; the law beside."""
 
-    rotation: str
+    sense: str
     law: str | None
     values: Mapping[str, float] = field(default_factory=dict)
 
@@ -71,24 +75,37 @@ class Setting:
         return replace(self, values=values)
 
 
-def laws_of(brake: Brake) -> tuple[str, ...]:
+def motion_of(brake: AnyBrake) -> tuple[str, str]:
+    """What a file calls the sense of the motion, one of SENSES, and that sense."""
+    return ("sliding", brake.plane.sliding) if isinstance(brake, FlatBrake) else ("rotation", brake.rotation)
+
+
+def size_of(brake: AnyBrake) -> float:
+    """The length [m] that ranges and signs go by: the drum's radius, on a plane that of the first lining."""
+    if isinstance(brake, FlatBrake):
+        return brake.shoes[0].lining.end - brake.shoes[0].lining.start
+    return brake.drum.radius
+
+
+def laws_of(brake: AnyBrake) -> tuple[str, ...]:
     """Names of the models that can stand beside the finite elements."""
     return tuple(model.name for model in applicable(brake) if model.name != "fem")
 
 
-def start_of(brake: Brake) -> Setting:
+def start_of(brake: AnyBrake) -> Setting:
     """The setting that is the brake file itself."""
-    return Setting(brake.rotation, next(iter(laws_of(brake)), None))
+    return Setting(motion_of(brake)[1], next(iter(laws_of(brake)), None))
 
 
-def knobs_of(brake: Brake) -> tuple[Knob, ...]:
+def knobs_of(brake: AnyBrake) -> tuple[Knob, ...]:
     """The knobs that a brake has, in the page's order.
 
     A quantity that differs from shoe to shoe is shown as that of the shoe with the largest; the others go in proportion
     (forces, moduli) or by the same difference (clearance, misfit).
     """
-    R = brake.drum.radius * 1e3
+    R = size_of(brake) * 1e3
     fine = nice(R * 1e-5)
+    flat = isinstance(brake, FlatBrake)  # where clearances are numbers, and a lining has no radius
     found = [
         Knob("friction", "friction µ", "", 0.0, max(1.0, 2 * brake.friction), 0.005, brake.friction, _friction),
         _force(brake),
@@ -97,8 +114,8 @@ def knobs_of(brake: Brake) -> tuple[Knob, ...]:
         Knob("turn", "line of action, turned", "deg", -30.0, 30.0, 0.5, 0.0,
              lambda value: _turned(brake, math.radians(value))),
         _clearance(brake, fine),
-        _misfit(brake, fine),
-        Knob("wear", "wear: sliding distance", "1/(k K)", 0.0, LARGEST_WEAR, 0.25, 0.0, lambda value: {}),
+        None if flat else _misfit(brake, fine),
+        None if flat else WEAR,
         _modulus(brake, "lining", "lining modulus", "MPa", 1e6),
         _modulus(brake, "shoe", "shoe modulus", "GPa", 1e9),
     ]  # fmt: skip
@@ -115,7 +132,7 @@ def _friction(value: float) -> Changes:
     return {"friction": value}
 
 
-def _force(brake: Brake) -> Knob | None:
+def _force(brake: AnyBrake) -> Knob | None:
     if brake.actuation is not None:
         return _drive(brake.actuation)
     forces = [shoe.actuation.force for shoe in brake.shoes]
@@ -147,7 +164,7 @@ def _drive(drive: Drive) -> Knob:
     return Knob("force", label, unit, low, high, nice(abs(start) * 1e-2), start, changes)
 
 
-def _shifted(brake: Brake, by: float) -> Changes:
+def _shifted(brake: AnyBrake, by: float) -> Changes:
     """Every line of action moved by a length [m] across itself, away from its hinge for a positive one."""
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
@@ -159,15 +176,19 @@ def _shifted(brake: Brake, by: float) -> Changes:
     return changes
 
 
-def _turned(brake: Brake, by: float) -> Changes:
+def _shoes(brake: AnyBrake) -> tuple[Shoe | FlatShoe, ...]:
+    return brake.shoes
+
+
+def _turned(brake: AnyBrake, by: float) -> Changes:
     """Every force turned by an angle [rad], mirrored on shoes that are."""
     return {
         f"shoe[{i}].actuation.direction": shoe.actuation.direction + shoe.frame.sense * by
-        for i, shoe in enumerate(brake.shoes)
+        for i, shoe in enumerate(_shoes(brake))
     }
 
 
-def _clearance(brake: Brake, step: float) -> Knob:
+def _clearance(brake: AnyBrake, step: float) -> Knob:
     """One clearance; where the file has tables, or values that differ, what is added to them."""
     given = [shoe.lining.clearance for shoe in brake.shoes]
     same = len(set(given)) == 1 and isinstance(given[0], float | int)
@@ -185,8 +206,9 @@ def _clearance(brake: Brake, step: float) -> Knob:
     return Knob("clearance", label, "mm", -reach, 2 * reach, step, start, changes)
 
 
-def _misfit(brake: Brake, step: float) -> Knob:
+def _misfit(brake: AnyBrake, step: float) -> Knob:
     """The linings' radius over the drum's; where they differ, what is added to them."""
+    assert isinstance(brake, Brake)
     R = brake.drum.radius
     given = [0.0 if shoe.lining.misfit.radius is None else shoe.lining.misfit.radius - R for shoe in brake.shoes]
     same = len(set(given)) == 1
@@ -201,9 +223,9 @@ def _misfit(brake: Brake, step: float) -> Knob:
     return Knob("misfit", label, "mm", -reach, reach, step, start, changes)
 
 
-def _modulus(brake: Brake, part: str, label: str, unit: str, factor: float) -> Knob | None:
+def _modulus(brake: AnyBrake, part: str, label: str, unit: str, factor: float) -> Knob | None:
     """Young's modulus of the linings or the shoes, from a hundredth to a hundred times that of the file."""
-    moduli = {i: E for i, shoe in enumerate(brake.shoes) if (E := _E(shoe, part)) is not None}
+    moduli = {i: E for i, shoe in enumerate(_shoes(brake)) if (E := _E(shoe, part)) is not None}
     if not moduli:
         return None
     largest = max(moduli.values())
@@ -217,13 +239,13 @@ def _modulus(brake: Brake, part: str, label: str, unit: str, factor: float) -> K
     return Knob(part, label, unit, start / 100, start * 100, 0.01, start, changes, log=True)
 
 
-def _E(shoe: Shoe, part: str) -> float | None:
+def _E(shoe: Shoe | FlatShoe, part: str) -> float | None:
     if part == "lining":
-        return shoe.lining.material.E
+        return None if shoe.lining.material is None else shoe.lining.material.E
     return shoe.body.material.E if shoe.body is not None and shoe.body.material is not None else None
 
 
-def _stiffer(shoe: Shoe, i: int, part: str, E: float, times: float) -> Changes:
+def _stiffer(shoe: Shoe | FlatShoe, i: int, part: str, E: float, times: float) -> Changes:
     if part == "lining":
         return {f"shoe[{i}].lining.material.E": E * times}
     changes: Changes = {f"shoe[{i}].body.material.E": E * times}
@@ -235,38 +257,41 @@ def _stiffer(shoe: Shoe, i: int, part: str, E: float, times: float) -> Changes:
     return changes
 
 
-def brake_of(brake: Brake, knobs: Sequence[Knob], setting: Setting) -> Brake:
+def brake_of(brake: AnyBrake, knobs: Sequence[Knob], setting: Setting) -> AnyBrake:
     """The brake at a setting, unworn; raises BadInput where its parts do not fit together."""
-    changes: Changes = {} if setting.rotation == brake.rotation else {"rotation": setting.rotation}
+    key, sense = motion_of(brake)
+    changes: Changes = {}
+    if setting.sense != sense:
+        changes["plane.sliding" if isinstance(brake, FlatBrake) else key] = setting.sense
     for knob in knobs:
         if knob.name in setting.values:
-            for key, value in knob.changes(setting.values[knob.name]).items():
-                changes[key] = value
+            changes |= knob.changes(setting.values[knob.name])
     return vary(brake, changes) if changes else brake
 
 
-def link_of(knobs: Sequence[Knob], brake: Brake, setting: Setting) -> str:
+def link_of(knobs: Sequence[Knob], brake: AnyBrake, setting: Setting) -> str:
     """The query of the page's address that stands for a setting: what is away from the brake file."""
     start = start_of(brake)
     said = {knob.name: f"{setting.values[knob.name]:.12g}" for knob in knobs if knob.name in setting.values}
-    if setting.rotation != start.rotation:
-        said["rotation"] = setting.rotation
+    if setting.sense != start.sense:
+        said[motion_of(brake)[0]] = setting.sense
     if setting.law is not None and setting.law != start.law:
         said["law"] = setting.law
     return urlencode(said)
 
 
-def setting_from(knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]) -> tuple[Setting, tuple[str, ...]]:
+def setting_from(knobs: Sequence[Knob], brake: AnyBrake, query: Mapping[str, str]) -> tuple[Setting, tuple[str, ...]]:
     """The setting of a link, and a line for each part of it that was refused or moved into its range."""
     setting, lines = start_of(brake), list[str]()
     known = {knob.name: knob for knob in knobs}
-    words = {"rotation": ROTATIONS, "law": laws_of(brake)}
+    motion = motion_of(brake)[0]
+    words = {motion: SENSES[motion], "law": laws_of(brake)}
     for name, text in query.items():
         if name in known:
             setting, line = _read(known[name], text, setting)
             lines += [line] if line else []
         elif name in words and text in words[name]:
-            setting = replace(setting, rotation=text) if name == "rotation" else replace(setting, law=text)
+            setting = replace(setting, law=text) if name == "law" else replace(setting, sense=text)
         elif name in words:
             allowed = ", ".join(words[name]) or "none"
             lines.append(one_line(f"link: {name} = {text!r}: left out; allowed: {allowed}", 200))

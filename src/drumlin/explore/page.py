@@ -8,22 +8,40 @@ from urllib.parse import parse_qsl, urlsplit
 
 import jinja2
 
+from drumlin.brake import FlatBrake
 from drumlin.brake.writing import brake_text
 from drumlin.explore.answers import Explorer
-from drumlin.explore.knobs import LONGEST_LINK, ROTATIONS, Knob, Setting, laws_of, link_of, setting_from
+from drumlin.explore.knobs import (
+    LONGEST_LINK,
+    SENSES,
+    Knob,
+    Setting,
+    laws_of,
+    link_of,
+    motion_of,
+    setting_from,
+    size_of,
+)
 from drumlin.explore.picture import (
     PETAL,
+    PLACE,
+    PRESSURE,
     brake_extent,
+    centre_of,
     drawing_of,
+    error_html,
     head_html,
     locking_html,
+    numbers_of,
     path_of,
     picture_of,
     reach_of,
     table_html,
+    unit_of,
 )
 from drumlin.report.figures import name_of
 from drumlin.report.palette import color_of
+from drumlin.response.merit import effect
 
 HTML, JSON, TOML = "text/html; charset=utf-8", "application/json", "application/toml; charset=utf-8"
 
@@ -60,25 +78,39 @@ def split(address: str) -> tuple[str, dict[str, str]]:
 def _page(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: str) -> Reply:
     brake = explorer.brake
     low, high = brake_extent(brake)
-    every = next(step for step in (5, 10, 15, 30, 45, 60, 90) if (high - low) / step <= 9)
-    first = math.ceil(low / every) * every
+    motion, size, flat = motion_of(brake)[0], size_of(brake) * 1e3, isinstance(brake, FlatBrake)
+    signs = {1} if isinstance(brake, FlatBrake) else {shoe.sign for shoe in brake.shoes}
     text = _template().render(
         title=brake.title,
         lines=lines,
         knobs=[_slider(knob, setting) for knob in explorer.knobs],
-        rotations=ROTATIONS,
+        motion=motion,
+        senses=SENSES[motion],
         laws={law: name_of(law) for law in laws_of(brake)},
         setting=setting,
         colors={model: color_of(model) for model in ("fem", *laws_of(brake))},
         fixed={key: path_of(found) for key, found in drawing_of(brake).items()},
         reach=reach_of(brake),
-        R=brake.drum.radius * 1e3,
-        rings=sorted({brake.drum.radius * 1e3 * (1 + shoe.sign * PETAL) for shoe in brake.shoes}),
+        centre=centre_of(brake),
+        flat=flat,
+        size=size,
+        petal=PETAL,
+        units=(PLACE, PRESSURE),
+        rings=[-PETAL * size] if flat else sorted(size * (1 + sign * PETAL) for sign in signs),
+        place="place on the plane x [mm]" if flat else "angle on the drum θ [deg]",
         low=low,
         high=high,
-        ticks=[angle for angle in range(first, math.floor(high) + 1, every)],
+        ticks=_ticks(low, high, unit_of(brake)[0]),
     )
     return Reply(200, HTML, text)
+
+
+def _ticks(low: float, high: float, unit: str) -> list[float]:
+    """Round places between two others."""
+    power = 10.0 ** math.floor(math.log10((high - low) / 9))
+    steps = (5, 10, 15, 30, 45, 60, 90) if unit == "deg" else [digit * power for digit in (1, 2, 5, 10)]
+    every = next(step for step in steps if (high - low) / step <= 9)
+    return [every * k for k in range(math.ceil(low / every), math.floor(high / every) + 1)]
 
 
 def _template() -> jinja2.Template:
@@ -101,14 +133,17 @@ def _picture(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name:
     picture = picture_of(answer, explorer.brake)
     known = explorer.known_locking(answer.brake) if answer.brake is not None else None
     data = {
-        "paths": {key: path_of(found) for key, found in picture.lines.items()},
+        "fem": [numbers_of(curve, picture.scale) for curve in picture.fem],
+        "law": [numbers_of(curve, picture.scale) for curve in picture.law],
+        "arcs": [[round(end / PLACE) for end in arc] for arc in picture.arcs],
         "forces": path_of(picture.forces),
         "scale": picture.scale,
         "motion": picture.motion,
         "head": head_html(picture, lines),
         "table": table_html(picture.rows),
         "locking": locking_html(answer, known),
-        "torque": None if answer.found is None else answer.found.torque,
+        "error": error_html(answer, None, asked=False),
+        "torque": None if answer.found is None else effect(answer.found),
     }
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
@@ -116,8 +151,12 @@ def _picture(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name:
 def _locking(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: str) -> Reply:
     answer = explorer.answer(setting)
     found = explorer.locking(answer.brake) if answer.brake is not None else None
-    link = link_of(explorer.knobs, explorer.brake, setting)
-    return Reply(200, JSON, json.dumps({"locking": locking_html(answer, found), "link": link}))
+    data = {
+        "locking": locking_html(answer, found),
+        "error": error_html(answer, explorer.stated(answer), asked=True),
+        "link": link_of(explorer.knobs, explorer.brake, setting),
+    }
+    return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
 
 def _brake(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: str) -> Reply:

@@ -1,26 +1,37 @@
-"""An answer as plain data to draw: lines and areas on the drum and unrolled, in mm, MPa and degrees, and a table."""
+"""An answer as plain data to draw: pressures over the angle on a drum [deg] or the place on a plane [mm], a table."""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake, Shoe
+from drumlin.brake import AnyBrake, FlatBrake, FlatShoe, Shoe
 from drumlin.brake.components import Beam
-from drumlin.explore.answers import HIGHEST, Answer
+from drumlin.explore.answers import HIGHEST, WEAR_TOLERANCE, Answer, Stated
+from drumlin.explore.knobs import size_of
 from drumlin.report.figures import name_of, smooth
-from drumlin.response import Response, ShoeResponse
+from drumlin.response import Response
+from drumlin.response.balance import loaded
+from drumlin.response.merit import brake_factor, effect, shoe_effect
 from drumlin.response.show import arcs_text
 
 MM, MPA = 1e3, 1e-6
 POINTS = 160  # of a curve
-ARROW = 0.45  # of the drum's radius
+ARROW = 0.45  # of the drum's radius: the largest force
 PETAL = 0.45  # of the drum's radius: how far the full scale stands off the drum
-HEAD = ("shoe", "by", "torque [N m]", "T/(F R)", "peak p [MPa]", "contact [deg]", "self-energising")
+PLACE, PRESSURE = 1e-3, 1e-4  # what curves count in on their way to the page: deg or mm, parts of the full scale
+
+
+class Curve(NamedTuple):
+    """The pressure of a shoe: places `at` (n,) [deg], on a plane [mm], `p` (n,) [MPa], the shoe's `sign`: +1 inside."""
+
+    at: Floats
+    p: Floats
+    sign: int
 
 
 class Lines(NamedTuple):
@@ -30,21 +41,18 @@ class Lines(NamedTuple):
     ys: list[Floats]
 
 
-LINES = ("area", "fem", "law", "contact", "drum_area", "drum_law", "drum_contact")
-
-
 @dataclass(frozen=True)
 class Picture:
     """What the page shows of an answer.
 
-    `lines`, named by LINES: unrolled over the angle [deg] the pressure [MPa] of the finite elements as `area` and line
-    `fem`, that of the law, and the contact arcs; on the drum [mm] the same, standing off its surface on the side away
-    from the shoe, by PETAL of its radius at the full `scale` [MPa]. `forces`: arrows [mm], tail to tip. `motion`: the
-    drum's, as a sign. `head`: the answer in a line, `rows` the table below HEAD; `failures`: why there is no answer,
-    or none by the law.
+    `fem`, `law`: curves of the shoes that touch; `arcs`: contact of the finite elements, as places. `forces`: arrows
+    [mm], tail to tip. `scale` [MPa]: the full one. `motion`: of drum or body, as a sign. `head`: the answer in a line,
+    `rows` the table with its head; `failures`: why there is no answer, or none by the law.
     """
 
-    lines: Mapping[str, Lines]
+    fem: tuple[Curve, ...]
+    law: tuple[Curve, ...]
+    arcs: tuple[tuple[float, float], ...]
     forces: Lines
     scale: float
     motion: str
@@ -53,28 +61,42 @@ class Picture:
     failures: tuple[str, ...]
 
 
-def picture_of(answer: Answer, brake: Brake) -> Picture:
+def picture_of(answer: Answer, brake: AnyBrake) -> Picture:
     """The picture of an answer; `brake`: that of the file, where the setting's is none."""
     shown = answer.brake or brake
-    R = shown.drum.radius * MM
-    own, law = _curves(answer.found, shown), _curves(answer.law, shown)
     peaks = [shoe.peak_pressure for r in (answer.found, answer.law) if r is not None for shoe in r.shoes]
-    scale = scale_of(max(peaks, default=0.0) * MPA)
     arcs = [arc for shoe in answer.found.shoes for arc in shoe.contact_arcs] if answer.found else []
-    touching = [np.linspace(*arc, POINTS // 2) for arc in arcs]
-    lines = {
-        "area": Lines([np.degrees(_closed(t, t)) for t, _, _ in own], [_closed(p, 0 * p) * MPA for _, p, _ in own]),
-        "fem": Lines([np.degrees(t) for t, _, _ in own], [p * MPA for _, p, _ in own]),
-        "law": Lines([np.degrees(t) for t, _, _ in law], [p * MPA for _, p, _ in law]),
-        "contact": Lines([np.degrees(np.array(arc)) for arc in arcs], [np.zeros(2) for _ in arcs]),
-        "drum_area": _round([(_closed(t, t), _closed(_off(p, n, R, scale), 0 * p + R)) for t, p, n in own]),
-        "drum_law": _round([(t, _off(p, n, R, scale)) for t, p, n in law]),
-        "drum_contact": _round([(t, np.full(t.shape, R)) for t in touching]),
-    }
+    unit = unit_of(shown)[1]
     failures = (answer.failure, answer.law_failure)
-    said = tuple(dict.fromkeys(line for line in failures if line))
-    motion = "↺" if shown.spin > 0 else "↻"
-    return Picture(lines, _forces(shown), scale, motion, head_of(answer), rows_of(answer, shown), said)
+    return Picture(
+        fem=_curves(answer.found, shown),
+        law=_curves(answer.law, shown),
+        arcs=tuple((a * unit, b * unit) for a, b in arcs),
+        forces=_forces(shown if answer.found is None else loaded(shown, answer.found)),
+        scale=scale_of(max(peaks, default=0.0) * MPA),
+        motion=_motion(shown),
+        head=head_of(answer),
+        rows=rows_of(answer, shown),
+        failures=tuple(dict.fromkeys(line for line in failures if line)),
+    )
+
+
+def unit_of(brake: AnyBrake) -> tuple[str, float]:
+    """What places are shown in, and how many of it are one rad or m."""
+    return ("mm", MM) if isinstance(brake, FlatBrake) else ("deg", math.degrees(1))
+
+
+def _motion(brake: AnyBrake) -> str:
+    """Of the drum, or of the body that slides."""
+    if isinstance(brake, FlatBrake):
+        return "→" if brake.spin > 0 else "←"
+    return "↺" if brake.spin > 0 else "↻"
+
+
+def numbers_of(curve: Curve, scale: float) -> dict[str, Any]:
+    """A curve as whole numbers, of which a page draws its paths: short to send and fast to read."""
+    at, p = np.rint(curve.at / PLACE), np.rint(curve.p / scale / PRESSURE)
+    return {"at": at.astype(int).tolist(), "p": p.astype(int).tolist(), "sign": curve.sign}
 
 
 def scale_of(peak: float) -> float:
@@ -85,30 +107,19 @@ def scale_of(peak: float) -> float:
     return float(next(digit for digit in (1, 2, 5, 10) if digit * power >= peak)) * power
 
 
-def _curves(response: Response | None, brake: Brake) -> list[tuple[Floats, Floats, int]]:
-    """theta [rad], p [Pa] and the sign of each shoe that touches."""
+def _curves(response: Response | None, brake: AnyBrake) -> tuple[Curve, ...]:
+    """Of each shoe that touches."""
     if response is None:
-        return []
-    pairs = zip(response.shoes, brake.shoes, strict=True)
-    return [(*smooth(shoe, POINTS), part.sign) for shoe, part in pairs if shoe.contact_arcs]
+        return ()
+    unit, found = unit_of(brake)[1], []
+    for shoe, part in zip(response.shoes, brake.shoes, strict=True):
+        if shoe.contact_arcs:
+            theta, p = smooth(shoe, POINTS)
+            found.append(Curve(theta * unit, p * MPA, part.sign if isinstance(part, Shoe) else 1))
+    return tuple(found)
 
 
-def _closed(there: Floats, back: Floats) -> Floats:
-    """A way there and back."""
-    return np.concatenate([there, back[::-1]])
-
-
-def _round(curves: Sequence[tuple[Floats, Floats]]) -> Lines:
-    """Curves r(theta) in the plane."""
-    return Lines([r * np.cos(t) for t, r in curves], [r * np.sin(t) for t, r in curves])
-
-
-def _off(p: Floats, sign: int, R: float, scale: float) -> Floats:
-    """Radii [mm] of the pressures p [Pa]; a singular edge is cut off a little beyond the full scale."""
-    return R * (1 + sign * PETAL * np.minimum(p * MPA / scale, 1.1))
-
-
-def _forces(brake: Brake) -> Lines:
+def _forces(brake: AnyBrake) -> Lines:
     """An arrow for each force: its shaft, tail to tip, and its head."""
     found = []
     for shoe in brake.shoes:
@@ -119,17 +130,17 @@ def _forces(brake: Brake) -> Lines:
     return Lines([xy[0] for xy in found], [xy[1] for xy in found])
 
 
-def _arrow(brake: Brake, shoe: Shoe) -> tuple[Floats, Floats]:
+def _arrow(brake: AnyBrake, shoe: Shoe | FlatShoe) -> tuple[Floats, Floats]:
     """Tail and tip (2,) [m] of a force; the largest one is as long as ARROW of the drum's radius."""
     largest = max(abs(shoe.actuation.force) for shoe in brake.shoes) or 1.0
     tip = _loaded(shoe)
-    return tip - ARROW * brake.drum.radius * shoe.actuation.vector / largest, tip
+    return tip - ARROW * size_of(brake) * shoe.actuation.vector / largest, tip
 
 
-def _loaded(shoe: Shoe) -> Floats:
+def _loaded(shoe: Shoe | FlatShoe) -> Floats:
     """Where a force is drawn (2,) [m]: on its line of action, nearest to the end of the lining away from the hinge."""
     along, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
-    if shoe.sign < 0:
+    if isinstance(shoe, FlatShoe) or shoe.sign < 0:
         return point
     size = float(np.linalg.norm(point))
     ends = [size * np.array([math.cos(a), math.sin(a)]) for a in (shoe.lining.start, shoe.lining.end)]
@@ -140,22 +151,19 @@ def _loaded(shoe: Shoe) -> Floats:
 # in words
 
 
-def brake_factor(brake: Brake, torque: float) -> float | None:
-    """T/(F R) of the whole brake, F the mean of the forces on its shoes; None without a force."""
-    mean = sum(abs(shoe.actuation.force) for shoe in brake.shoes) / len(brake.shoes)
-    return torque / (mean * brake.drum.radius) if mean else None
-
-
 def head_of(answer: Answer) -> str:
     """Torque, brake factor and law in a line of HTML."""
     if answer.found is None or answer.brake is None:
         return "no answer"
-    factor = brake_factor(answer.brake, answer.found.torque)
-    said = [f"torque <b>{answer.found.torque:.6g} N m</b>"]
-    said += [] if factor is None else [f"brake factor T/(F R) <b>{factor:.4g}</b>"]
+    flat = isinstance(answer.brake, FlatBrake)
+    what, unit, name = ("braking force", "N", "B/F") if flat else ("torque", "N m", "T/(F R)")
+    found, factor = effect(answer.found), brake_factor(answer.brake, answer.found)
+    said = [f"{what} <b>{found:.6g} {unit}</b>"]
+    said += [] if factor is None else [f"brake factor {name} <b>{factor:.4g}</b>"]
     if answer.law is not None:
-        off = f" ({answer.law.torque / answer.found.torque - 1:+.1%})" if answer.found.torque else ""
-        said.append(f"{escape(name_of(answer.law.model))} {answer.law.torque:.6g} N m{off}")
+        by_law = effect(answer.law)
+        off = f" ({by_law / found - 1:+.1%})" if found else ""
+        said.append(f"{escape(name_of(answer.law.model))} {by_law:.6g} {unit}{off}")
     if answer.distance:
         said.append(f"worn over {answer.distance * 1e-3:.4g} km at k = 1e-5 mm³/(N m)")
     return " · ".join(said)
@@ -183,42 +191,63 @@ def locking_html(answer: Answer, locking: Mapping[tuple[int, ...], float] | None
     return f"<p>self-locking {said}</p>"
 
 
-def rows_of(answer: Answer, brake: Brake) -> tuple[tuple[str, ...], ...]:
-    """The table below HEAD: a row a shoe and model."""
+def error_html(answer: Answer, stated: Stated | None, *, asked: bool) -> str:
+    """How exact an answer is; `asked`: whether it was held against `solve`."""
+    if answer.found is None or (asked and stated is None):
+        return ""
+    said = "finite elements on a fixed division; their error is found out when the sliders rest"
+    if stated is not None:
+        effect = "braking force" if isinstance(answer.brake, FlatBrake) else "torque"
+        own = "which states no error of its own, as it is one mesh"
+        if stated.own is not None:
+            own = f"whose own errors are estimated as {stated.own['torque']:.1e} and {stated.own['pressure']:.1e}"
+        said = (
+            f"error of the finite elements on this fixed division: {effect} {stated.torque:.1e}, "
+            f"p {stated.pressure:.1e} (L2, worst shoe) from drumlin solve, {own}"
+        )
+    worn = f"; wear in steps of {WEAR_TOLERANCE:g} of p" if answer.distance else ""
+    return f"<p>{said}{worn}</p>"
+
+
+def rows_of(answer: Answer, brake: AnyBrake) -> tuple[tuple[str, ...], ...]:
+    """The table: its head, a row a shoe and model."""
+    flat = isinstance(brake, FlatBrake)
     responses = [r for r in (answer.found, answer.law) if r is not None]
-    return tuple(
-        _row(shoe, name_of(response.model), brake.shoes[i], brake.drum.radius)
-        for i in range(len(brake.shoes))
-        for response in responses
-        for shoe in (response.shoes[i],)
-    )
+    effects = ("braking force [N]", "B/F") if flat else ("torque [N m]", "T/(F R)")
+    head = ("shoe", "by", *effects, "peak p [MPa]", f"contact [{unit_of(brake)[0]}]", "self-energising")
+    rows = [_row(brake, response, i) for i in range(len(brake.shoes)) for response in responses]
+    return (head, *rows)
 
 
-def _row(shoe: ShoeResponse, model: str, part: Shoe, R: float) -> tuple[str, ...]:
-    force = abs(part.actuation.force)
+def _row(brake: AnyBrake, response: Response, i: int) -> tuple[str, ...]:
+    shoe, made = response.shoes[i], shoe_effect(response, i)
+    force = abs(loaded(brake, response).shoes[i].actuation.force)
+    force *= 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius
     return (
         shoe.name,
-        model,
-        f"{shoe.torque:.6g}",
-        f"{shoe.torque / (force * R):.4g}" if force else "–",
+        name_of(response.model),
+        f"{made:.6g}",
+        f"{made / force:.4g}" if force else "–",
         f"{shoe.peak_pressure * MPA:.4g}",
-        arcs_text(shoe),
+        arcs_text(shoe, unit_of(brake)[0]),
         "yes" if shoe.self_energising else "no",
     )
 
 
 def table_html(rows: Sequence[Sequence[str]]) -> str:
-    """The table as HTML."""
-    lines = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in HEAD)
+    """A table as HTML, its head first."""
+    lines = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows[1:]]
+    head = "".join(f"<th>{escape(cell)}</th>" for cell in rows[0])
     return f"<table><tr>{head}</tr>" + "".join(f"<tr>{line}</tr>" for line in lines) + "</table>"
 
 
 # what does not change with the knobs
 
 
-def drawing_of(brake: Brake) -> dict[str, Lines]:
-    """Circle of the drum, linings and shoe bodies as areas, and hinges as points [mm]."""
+def drawing_of(brake: AnyBrake) -> dict[str, Lines]:
+    """Circle of the drum, or the plane, linings and shoe bodies as areas, and hinges as points [mm]."""
+    if isinstance(brake, FlatBrake):
+        return _flat_drawing(brake)
     R = brake.drum.radius
     circle = np.linspace(0, 2 * math.pi, 361)
     linings, bodies = [], []
@@ -233,11 +262,39 @@ def drawing_of(brake: Brake) -> dict[str, Lines]:
             bodies.append(_beam(shoe, R))
     held = [shoe.pin.xy * MM for shoe in brake.shoes if shoe.guide is None]
     return {
-        "drum": _round([(circle, np.full(circle.shape, R * MM))]),
-        "linings": Lines([x for x, _ in linings], [y for _, y in linings]),
-        "bodies": Lines([x for x, _ in bodies], [y for _, y in bodies]),
+        "drum": Lines([R * MM * np.cos(circle)], [R * MM * np.sin(circle)]),
+        "linings": _lines(linings),
+        "bodies": _lines(bodies),
         "hinges": Lines([xy[:1] for xy in held], [xy[1:] for xy in held]),
     }
+
+
+def _flat_drawing(brake: FlatBrake) -> dict[str, Lines]:
+    """As `drawing_of`, its `drum` the plane."""
+    linings, bodies = [], []
+    for shoe in brake.shoes:
+        behind = shoe.lining.thickness or 0.0
+        linings.append(_box(shoe.lining.start, shoe.lining.end, 0.0, behind))
+        if shoe.body is not None:
+            behind += shoe.backing.thickness if shoe.backing else 0.0
+            bodies.append(_box(shoe.body.start, shoe.body.end, behind, behind + shoe.body.thickness))
+    held = [shoe.pin.xy * MM for shoe in brake.shoes if shoe.guide is None]
+    (x, _), reach = centre_of(brake), reach_of(brake)
+    return {
+        "drum": Lines([np.array([x - reach, x + reach])], [np.zeros(2)]),
+        "linings": _lines(linings),
+        "bodies": _lines(bodies),
+        "hinges": Lines([xy[:1] for xy in held], [xy[1:] for xy in held]),
+    }
+
+
+def _box(start: float, end: float, low: float, high: float) -> tuple[Floats, Floats]:
+    """x and y [mm] of a rectangle between places [m]."""
+    return np.array([start, end, end, start]) * MM, np.array([low, low, high, high]) * MM
+
+
+def _lines(curves: Sequence[tuple[Floats, Floats]]) -> Lines:
+    return Lines([x for x, _ in curves], [y for _, y in curves])
 
 
 def path_of(lines: Lines) -> str:
@@ -248,14 +305,36 @@ def path_of(lines: Lines) -> str:
     )
 
 
-def brake_extent(brake: Brake) -> tuple[float, float]:
-    """The angles [deg] between which all linings lie, with some room."""
-    ends = [math.degrees(angle) for shoe in brake.shoes for angle in (shoe.lining.start, shoe.lining.end)]
-    return min(ends) - 5, max(ends) + 5
+def brake_extent(brake: AnyBrake) -> tuple[float, float]:
+    """The places [deg], on a plane [mm], between which all linings lie, with some room."""
+    unit = unit_of(brake)[1]
+    ends = [place * unit for shoe in brake.shoes for place in (shoe.lining.start, shoe.lining.end)]
+    room = 0.04 * size_of(brake) * MM if isinstance(brake, FlatBrake) else 5.0
+    return min(ends) - room, max(ends) + room
 
 
-def reach_of(brake: Brake) -> float:
-    """Half the side [mm] of a square about the drum that holds shoes, hinges, pressures and forces."""
+def centre_of(brake: AnyBrake) -> tuple[float, float]:
+    """The middle (x, y) [mm] of the picture: the drum's, on a plane that of what is drawn."""
+    if not isinstance(brake, FlatBrake):
+        return 0.0, 0.0
+    xy = _places(brake)
+    x, y = 0.5 * (xy.min(axis=0) + xy.max(axis=0)) * MM
+    return float(x), float(y)
+
+
+def _places(brake: FlatBrake) -> Floats:
+    """Points (n, 2) [m] that must be in the picture of a brake on a plane."""
+    found = [
+        (place, -1.2 * PETAL * size_of(brake)) for shoe in brake.shoes for place in (shoe.lining.start, shoe.lining.end)
+    ]
+    return np.array([*found, *(point for shoe in brake.shoes for point in (shoe.pin.xy, *_arrow(brake, shoe)))])
+
+
+def reach_of(brake: AnyBrake) -> float:
+    """Half the side [mm] of a square about `centre_of` that holds shoes, hinges, pressures and forces."""
+    if isinstance(brake, FlatBrake):
+        xy = _places(brake)
+        return float(0.55 * np.ptp(xy, axis=0).max()) * MM
     R = brake.drum.radius
     room = [1.12 * (1 + PETAL) * R if shoe.sign > 0 else 1.05 * R + shoe.depth for shoe in brake.shoes]
     places = [place for shoe in brake.shoes for place in (shoe.pin.xy, *_arrow(brake, shoe))]
@@ -265,7 +344,8 @@ def reach_of(brake: Brake) -> float:
 
 def _layer(start: float, end: float, near: float, far: float) -> tuple[Floats, Floats]:
     """x and y [mm] of a layer between two radii [m]."""
-    t, r = _closed(np.linspace(start, end, 90), np.linspace(start, end, 90)), np.repeat([near, far], 90) * MM
+    there = np.linspace(start, end, 90)
+    t, r = np.concatenate([there, there[::-1]]), np.repeat([near, far], 90) * MM
     return r * np.cos(t), r * np.sin(t)
 
 

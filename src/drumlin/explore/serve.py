@@ -1,18 +1,19 @@
 """The server of the page: for this machine only, until it is interrupted."""
 
 import signal
+import sys
 import threading
 from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
 from urllib.parse import quote
 
-from drumlin.brake import Brake
+from drumlin.brake import AnyBrake
 from drumlin.errors import BadInput, reason_of
 from drumlin.explore.answers import Explorer
 from drumlin.explore.page import reply
 
 ADDRESS = "127.0.0.1"
-PORT = 8765
 OWN = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:"
 
 
@@ -25,6 +26,11 @@ class _Server(ThreadingHTTPServer):
         super().__init__((ADDRESS, port), _Handler)
         self.explorer, self.name, self.answering = explorer, name, threading.Lock()
         self.hosts = {f"{host}:{self.server_port}" for host in ("localhost", ADDRESS)}
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Silent where a browser has gone before its answer."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -54,7 +60,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Say nothing: a line a picture would bury the address."""
 
 
-def serve(brake: Brake, name: str, port: int, ready: Callable[[str], None]) -> None:
+def serve(brake: AnyBrake, name: str, port: int, ready: Callable[[str], None]) -> None:
     """Serve a brake's page until the process is interrupted; `ready` is told its address once it can be opened.
 
     name: first words of the file that the page saves; port: 0 for any free one. Raises BadInput for a port that

@@ -320,8 +320,10 @@ def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
     """The shoes that their forces press on the drum, and those that a strut from one of them pushes."""
     touching = {i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)}
     names = [shoe.name for shoe in brake.shoes]
-    behind = {names.index(link.to): names.index(link.source) for link in brake.links}
-    return sorted(touching | {to for to, source in behind.items() if source in touching})
+    for link in brake.links:  # from the actuation on
+        if names.index(link.source) in touching:
+            touching.add(names.index(link.to))
+    return sorted(touching)
 
 
 def grouped(scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf) -> list[ShoeGroup]:

@@ -59,8 +59,8 @@ def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
         shoe.actuation.moment_about(shoe.pin),
         response.reaction_moment,
     ]
-    if shoe.guide is not None:  # it may bear no moment at all: then its parts say what is small
-        moments += [float(cross(hinge, shoe.actuation.vector)), -float(cross(hinge, shoe.actuation.vector))]
+    if shoe.guide is not None:
+        moments += borne(shoe.actuation.force, brake.drum.radius * (shoe.lining.end - shoe.lining.start))
     return relative_balance(forces, moments)
 
 
@@ -75,15 +75,21 @@ def flat_balance(brake: FlatBrake, index: int, response: ShoeResponse) -> Balanc
     x, p, dx = gauss_points(response.theta, response.pressure, response.order)
     load = p * dx * shoe.lining.width
     contact = float(np.sum(load)) * np.array([brake.friction * brake.spin, 1.0])
-    return relative_balance(
-        [contact, response.hinge_reaction, shoe.actuation.vector],
-        [
-            float(np.sum(load * (x - shoe.pin.x))),
-            brake.friction * brake.spin * shoe.pin.y * float(np.sum(load)),
-            shoe.actuation.moment_about(shoe.pin),
-            response.reaction_moment,
-        ],
-    )
+    moments = [
+        float(np.sum(load * (x - shoe.pin.x))),
+        brake.friction * brake.spin * shoe.pin.y * float(np.sum(load)),
+        shoe.actuation.moment_about(shoe.pin),
+        response.reaction_moment,
+    ]
+    if shoe.guide is not None:
+        moments += borne(shoe.actuation.force, shoe.lining.end - shoe.lining.start)
+    return relative_balance([contact, response.hinge_reaction, shoe.actuation.vector], moments)
+
+
+def borne(force: float, length: float) -> list[float]:
+    """Two moments [N m] that say what is a small one where a guide may bear none at all: the force's in the middle of
+    a lining of this length [m], of either half."""
+    return [0.5 * force * length, -0.5 * force * length]
 
 
 def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:

@@ -17,7 +17,8 @@ from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
 from drumlin.files import read_text
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.verification.reference import LARGEST_FILE, Reference, ShoeReference
+from drumlin.verification.reference import Reference, ShoeReference
+from drumlin.verification.reference_file import LARGEST_FILE
 
 QUANTITIES = {"theta": "rad", "p": "Pa"}
 ALLOWED = "columns 'shoe', 'theta [deg]' and 'p [MPa]', or other units"

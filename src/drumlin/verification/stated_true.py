@@ -1,7 +1,8 @@
 """The error that a response states against the one that it has.
 
-The truth comes from curved triangles, which share nothing with the finite elements that are judged but the brake; how
-far its own last meshes moved it is its uncertainty. All errors are relative: of p in L2 outside EDGE_ZONE at the
+The truth comes from curved triangles, which share nothing with the finite elements that are judged but the brake, or
+from columns that are finer by some two levels, with exact contact; how far its own last steps moved it is its
+uncertainty. All errors are relative: of p in L2 outside EDGE_ZONE at the
 lining's ends, the worst shoe's; of the torque, that of the whole brake; of the peak pressure away from the ends and of
 the hinge reaction, the worst shoe's.
 """
@@ -10,6 +11,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,13 +19,16 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.response.response import EDGE_ZONE, Response
+from drumlin.fem.hp.levels import steps
+from drumlin.fem.model import respond
+from drumlin.response.response import EDGE_ZONE, Response, edge_zone
+from drumlin.response.resultants import edge_left_out
 from drumlin.verification import triangles
-from drumlin.verification.triangles import ShoeSolution
 
 QUANTITIES = ("pressure", "torque", "peak", "reaction")
 TOLERANCES = (1e-2, 1e-3, 1e-4)
 GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(8)
+FINER = 0.1  # of a tolerance: the last step of p in a sequence of columns that is the truth for it
 SAMPLES = 4001  # angles at which a peak is looked for, besides the nodes
 
 
@@ -34,27 +39,67 @@ class Pressed(Protocol):
     def theta(self) -> Floats:
         """Angles [rad] of its nodes."""
 
+    @property
+    def pressure(self) -> Floats:
+        """Pressure [Pa] there."""
+
+    @property
+    def order(self) -> int:
+        """Degree of the pieces of its pressure."""
+
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at angles [rad]."""
 
 
+class Solved(Pressed, Protocol):
+    """A shoe that is taken as true."""
+
+    @property
+    def torque(self) -> float:
+        """Torque [N m] on the drum."""
+
+    @property
+    def hinge_reaction(self) -> Floats:
+        """Force (2,) [N] of the pin."""
+
+
 @dataclass(frozen=True)
 class Truth:
-    """The solution of each shoe on the finest mesh; `unsure`: relative uncertainties by QUANTITIES, from how far the
-    last steps of the sequence went; `seconds` of processor time it took."""
+    """The solution of each shoe on the finest division; `unsure`: relative uncertainties by QUANTITIES, from how far
+    the last steps of the sequence went; `seconds` of processor time it took."""
 
-    shoes: Sequence[ShoeSolution]
+    shoes: Sequence[Solved]
     unsure: Mapping[str, float]
     seconds: float
 
 
-def truth(brake: Brake) -> Truth:
-    """The truth of a brake. Raises as `triangles.solve`."""
+def by_triangles(brake: Brake) -> Truth:
+    """The truth of a brake by triangles. Raises as `triangles.solve`."""
     begin = time.process_time()
-    first, second, last = triangles.sequence(brake)
-    early, late = errors(brake, first, second), errors(brake, second, last)
+    return _truth(brake, triangles.sequence(brake), begin)
+
+
+def by_columns(brake: Brake, tolerance: float) -> Truth:
+    """The truth of a brake by levels that go on until p moves by FINER of the tolerance, or the levels end.
+
+    Raises NoAnswer where fewer than three have one.
+    """
+    begin = time.process_time()
+    found: list[Sequence[Solved]] = []
+    for _, response in steps(brake, partial(respond, penalty=math.inf)):
+        found.append(response.shoes)
+        if len(found) > 2 and errors(brake, *found[-2:])["pressure"] <= FINER * tolerance:
+            break
+    if len(found) < 3:
+        raise NoAnswer(f"only {len(found)} levels of columns have an answer")
+    return _truth(brake, found[-3:], begin)
+
+
+def _truth(brake: Brake, last: Sequence[Sequence[Solved]], begin: float) -> Truth:
+    """From the last three of a sequence; begin: processor time at which it was begun [s]."""
+    early, late = errors(brake, last[0], last[1]), errors(brake, last[1], last[2])
     unsure = {name: limit(early[name], late[name]) for name in QUANTITIES}
-    return Truth(last, unsure, time.process_time() - begin)
+    return Truth(last[2], unsure, time.process_time() - begin)
 
 
 def limit(early: float, late: float) -> float:
@@ -63,7 +108,7 @@ def limit(early: float, late: float) -> float:
     return late / (min(max(early / late, 2.0), 4.0) - 1) if late else 0.0
 
 
-def errors(brake: Brake, found: Sequence[Any], true: Sequence[ShoeSolution]) -> dict[str, float]:
+def errors(brake: Brake, found: Sequence[Any], true: Sequence[Solved]) -> dict[str, float]:
     """Relative errors of the shoes `found` (ShoeResponse or ShoeSolution), by QUANTITIES."""
     trios = list(zip(brake.shoes, found, true, strict=True))
     torque = math.fsum(shoe.torque for shoe in true)
@@ -79,11 +124,11 @@ def errors(brake: Brake, found: Sequence[Any], true: Sequence[ShoeSolution]) -> 
     }
 
 
-def pressure_error(found: Pressed, true: ShoeSolution) -> float:
-    """L2 norm over theta of the error of p, relative to that of p, outside EDGE_ZONE at the lining's ends."""
-    first, last = true.theta[0] + EDGE_ZONE, true.theta[-1] - EDGE_ZONE
-    if first >= last:
-        return math.nan
+def pressure_error(found: Pressed, true: Solved) -> float:
+    """L2 norm over theta of the error of p, relative to that of p, outside EDGE_ZONE at the lining's ends, unless half
+    of the force is there."""
+    zone = edge_left_out(true.theta, true.pressure, true.order, EDGE_ZONE)
+    first, last = true.theta[0] + zone, true.theta[-1] - zone
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
     knots = knots[(knots >= first) & (knots <= last)]
     half = 0.5 * np.diff(knots)[:, None]
@@ -94,17 +139,15 @@ def pressure_error(found: Pressed, true: ShoeSolution) -> float:
 
 
 def peak(shoe: Shoe, R: float, found: Pressed) -> float:
-    """Largest pressure [Pa] more than half a lining thickness from the lining's ends; of all where there is nothing."""
-    zone = shoe.lining.thickness / (2 * R)
+    """Largest pressure [Pa] outside the `edge_zone` at the lining's ends, unless half of the force is there."""
+    zone = edge_left_out(found.theta, found.pressure, found.order, edge_zone(shoe, R))
     start, end = shoe.lining.start + zone, shoe.lining.end - zone
-    if start >= end:
-        return math.nan
     inside = found.theta[(found.theta > start) & (found.theta < end)]
     return float(found.pressure_at(np.concatenate([inside, np.linspace(start, end, SAMPLES)])).max())
 
 
-def _peak_error(shoe: Shoe, R: float, found: Any, true: ShoeSolution) -> float:
-    """Relative error of the peak that a response states, or of a solution's own; nan where all p is at the ends."""
+def _peak_error(shoe: Shoe, R: float, found: Any, true: Solved) -> float:
+    """Relative error of the peak that a response states, or of a solution's own; nan where nothing presses."""
     most = peak(shoe, R, true)
     own = float(found.peak_pressure) if hasattr(found, "peak_pressure") else peak(shoe, R, found)
     return abs(own / most - 1) if most else math.nan

@@ -1,0 +1,80 @@
+"""The page to play with in a real browser without a screen: serving it, moving its sliders."""
+
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+from urllib.parse import parse_qsl
+
+import pytest
+
+import drumlin
+from conftest import STUDY
+from drumlin.brake import read_brake, vary
+
+DRIVER = "/usr/bin/chromedriver"
+PROGRAM = [sys.executable, "-c", "from drumlin.cli import main; main()"]
+
+
+@contextmanager
+def served(program=PROGRAM, brake_file=STUDY / "brake.toml", **process):
+    """The page of a brake, served by a process of its own: its address."""
+    command = [*map(str, program), "explore", str(brake_file), "--port", "0", "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **process) as server:
+        try:
+            assert server.stdout is not None
+            yield server.stdout.readline().rsplit(" ", 1)[1].strip()
+        finally:
+            server.send_signal(signal.SIGINT)
+            assert server.wait(10) == 0
+
+
+@contextmanager
+def browser(folder):
+    """A browser without a screen that keeps to this machine."""
+    from selenium import webdriver
+    from selenium.webdriver.chrome.options import Options
+    from selenium.webdriver.chrome.service import Service
+
+    options = Options()
+    options.binary_location = "/usr/bin/chromium"
+    for word in (
+        "headless", "no-sandbox", "disable-gpu", "disable-quic", "no-first-run", "disable-background-networking",
+        "disable-component-update", "disable-sync", "window-size=1280,900", f"user-data-dir={folder / 'profile'}",
+    ):  # fmt: skip
+        options.add_argument(f"--{word}")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    with webdriver.Chrome(options, Service(DRIVER)) as page:
+        yield page
+
+
+def play(page, address):
+    """Open the page of the study's brake, move sliders, hold each torque against that of solve; returns the link."""
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    def torque():
+        return float(page.find_element(By.ID, "head").text.split("torque ")[1].split(" N m")[0])
+
+    page.get(address)
+    wait = WebDriverWait(page, 60)
+    wait.until(lambda page: "torque" in page.find_element(By.ID, "head").text)
+    brake = read_brake(STUDY / "brake.toml")
+    assert torque() == pytest.approx(drumlin.solve(brake).torque, rel=1e-4)
+    page.find_element(By.ID, "friction").send_keys(Keys.ARROW_RIGHT * 8)
+    assert page.find_element(By.ID, "friction-value").text == "0.34"
+    wait.until(lambda page: "friction=0.34" in page.current_url)  # settled
+    expected = drumlin.solve(vary(brake, {"friction": 0.34}))
+    assert torque() == pytest.approx(expected.torque, rel=1e-4)
+    page.find_element(By.ID, "shoe").send_keys(Keys.PAGE_DOWN * 5)  # bodies anew
+    wait.until(lambda page: "shoe=" in page.current_url)
+    E = float(dict(parse_qsl(page.current_url.split("?")[1]))["shoe"]) * 1e9
+    expected = drumlin.solve(vary(brake, {"friction": 0.34, "shoe.body.material.E": E}))
+    assert torque() == pytest.approx(expected.torque, rel=1e-4)
+    link = page.find_element(By.ID, "link").get_attribute("href")
+    before = torque()
+    page.get(link)  # the same state in a page of its own
+    wait.until(lambda page: "torque" in page.find_element(By.ID, "head").text)
+    assert torque() == before
+    return link

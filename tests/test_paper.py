@@ -1,0 +1,85 @@
+"""The paper: its length, its parts, and that what it quotes is what the kept reports say."""
+
+import re
+
+import pytest
+
+from conftest import ROOT
+from drumlin.errors import BadInput
+from drumlin.studies import load
+from test_readme import rows
+
+study = load("paper")[0]
+PARTS = ["Summary", "Statement of need", "State of the field", "How it works", "How it is checked", "What it has shown",
+         "Honest limits", "Availability", "References"]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    return study.report(study.study(), tmp_path_factory.mktemp("paper")).read_text()
+
+
+@pytest.fixture(scope="module")
+def text(page):
+    """The words between title and references."""
+    inside = re.search(r"<main>(.*?)</main>", page, re.DOTALL)[1]
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", inside))
+
+
+def test_it_has_its_parts_and_its_length(page, text):
+    assert re.findall(r"<h2[^>]*><a[^>]*>(.*?)</a></h2>", page) == PARTS
+    assert 750 <= len(text.split()) <= 1750
+
+
+def test_every_source_that_is_named_is_listed_and_no_other(page, text):
+    named = {(found[0], found[2]) for found in re.findall(r"([A-Z]\w+)( and [A-Z]\w+)? \(?(\d{4})\)", text)}
+    named.add(("Archard", "1953"))  # "Archard's law (1953)"
+    listed = set(re.findall(r"<p>([A-Z]\w+), .*?\((\d{4})\)", page[page.index("</main>") :]))
+    assert named == listed and len(listed) == 7
+
+
+def percent(value, form):
+    return format(float(value), form)
+
+
+def test_its_numbers_are_those_of_the_kept_reports(text):
+    made = rows("double_shoe/results.csv", rotation="counter-clockwise", model="sine")
+    total = {row["case"]: row["torque_error"] for row in made if row["shoe"] == "all"}
+    assert f"total torque is off by {percent(total['stiff shoes'], '+.1%')}" in text
+    assert f"With flexible shoes the total is off by {percent(total['flexible shoes'], '+.0%')}" in text
+    law = rows("error_vs_runtime/results.csv", model="sine", status="converged")
+    errors = sorted(float(row["torque_error"]) for row in law)
+    assert f"of the sine law is wrong by {errors[0]:.1%} to {errors[-1]:.0%}" in text
+    assert f"Over these {len(law)} brakes" in text
+    best = rows("error_vs_runtime/recommended.csv", family="law")
+    for words, quantity, target in (
+        ("For 5 % of the torque some law is good enough on {} of them", "torque", "0.05"),
+        ("for 0.1 % on {},", "torque", "0.001"),
+        ("for 5 % of the pressure on {}.", "p (L2)", "0.05"),
+    ):
+        count = sum((row["quantity"], row["target"]) == (quantity, target) for row in best)
+        assert words.format(count) in text
+    half = rows("error_vs_runtime/recommended.csv", brake="double_shoe/brake", quantity="p (L2)", target="0.005")[0]
+    assert f"{1e3 * float(half['seconds']):.0f} ms of finite elements know it to half a percent" in text
+    flexible = rows("run_in/brakes.csv", brake="double_shoe/flexible", model="fem")[0]
+    assert f"takes {float(flexible['pressure_life']):.2f} times that life: it never arrives" in text
+    assert float(flexible["pressure_life"]) > 1
+    post = {row["model"]: row for row in rows("post_brake/results.csv", case="fits", shoe="all")}
+    assert f"is off by {percent(post['sine']['torque_error'], '+.0%')} and that of the published" in text
+    assert f"{percent(post['lifted']['torque_error'], '+.1%')} remain" in text
+    solid = rows("plane_stress/errors.csv", case="T-section", shoe="leading")[0]
+    assert f"off by {percent(solid['torque'], '+.1%')} only" in text
+
+
+def test_a_missing_report_is_said(monkeypatch, tmp_path):
+    monkeypatch.setattr(study, "KEPT", tmp_path)
+    with pytest.raises(BadInput, match=r"double_shoe/results\.csv: the paper quotes it, and it is missing"):
+        study.study()
+
+
+def test_the_metadata_agree():
+    citation = (ROOT / "CITATION.cff").read_text()
+    project = (ROOT / "pyproject.toml").read_text()
+    assert "license: BSD-3-Clause" in citation and 'license = "BSD-3-Clause"' in project
+    assert "The drumlin developers" in citation and "The drumlin developers" in project
+    assert (ROOT / "LICENSE").read_text().startswith("BSD 3-Clause License")
