@@ -106,7 +106,7 @@ def _killed_at(moment: int, folder: Path, words: list[str]) -> bool:
     while process.poll() is None and time.monotonic() < end:
         if journal.exists() and journal.read_bytes().count(b"\n") > moment:
             break
-        time.sleep(0.002)
+        time.sleep(0.01)
     met = process.poll() is None
     process.kill()
     process.wait()
