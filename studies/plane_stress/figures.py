@@ -9,8 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
-from drumlin.report.figures import STYLE
+from drumlin.report.figures import STYLE, key
+from drumlin.report.palette import BLUE, GREEN, GREY, INK, PURPLE, RED
 from drumlin.response.response import ShoeResponse, edge_zone
+from drumlin.texts import formatted
 from drumlin.verification.plane_stress import Map, Rung, Three, Worn, worst
 
 LABELS = {
@@ -31,19 +33,20 @@ def maps(charts: Sequence[Map]) -> Figure:
         figure = Figure(figsize=(15.5, 3.9 * len(charts)), layout="constrained")
         grid = figure.subplots(len(charts), len(PANELS), squeeze=False)
         for row, chart in zip(grid, charts, strict=True):
-            for axes, (key, title) in zip(row, PANELS.items(), strict=True):
-                _panel(axes, chart, key, f"{chart.name}: {title}")
+            for axes, (name, title) in zip(row, PANELS.items(), strict=True):
+                _panel(axes, chart, name, f"{chart.name}: {title}")
     return figure
 
 
-def _panel(axes: Axes, chart: Map, key: str, title: str) -> None:
-    error = 100 * chart.errors[key]
+def _panel(axes: Axes, chart: Map, name: str, title: str) -> None:
+    error = 100 * chart.errors[name]
     axes.imshow(np.log10(np.maximum(np.abs(error), 0.03)), origin="lower", aspect="auto", cmap="YlOrRd",
                 vmin=-1.5, vmax=1.8)  # fmt: skip
     for j, i in np.ndindex(*error.shape):
-        signed = key in {"torque", "corrected_torque"}
-        axes.text(i, j, f"{error[j, i]:{'+' if signed else ''}.2g}", ha="center", va="center", fontsize=9,
-                  color="white" if abs(error[j, i]) > 18 else "#1d2733")  # fmt: skip
+        signed = name in {"torque", "corrected_torque"}
+        said = formatted(float(error[j, i]), f"{'+' if signed else ''}.2g")
+        color = "white" if abs(error[j, i]) > 18 else INK
+        axes.text(i, j, said, ha="center", va="center", fontsize=9, color=color)
     x, y = LABELS[chart.name]
     axes.set_xticks(range(len(chart.x)), [f"{value:g}" for value in chart.x])
     axes.set_yticks(range(len(chart.y)), [f"{value:g}" for value in chart.y])
@@ -88,16 +91,16 @@ def curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
         for axes, (name, points) in zip(np.ravel(figure.subplots(1, len(found), sharey=True)), found.items(),
                                         strict=True):  # fmt: skip
             x = [value for value, _ in points]
-            for key, label, marker in (
+            for kind, label, marker in (
                 ("torque", "torque", "o"),
                 ("pressure", "p averaged over the width (L2)", "s"),
                 ("reaction", "hinge reaction", "D"),
                 ("corrected_torque", "torque, corrected", "^"),
             ):
-                axes.plot(x, [100 * abs(worst(table, key)) for _, table in points], marker=marker, lw=1.5, label=label)
+                axes.plot(x, [100 * abs(worst(table, kind)) for _, table in points], marker=marker, lw=1.5, label=label)
             axes.set_xlabel(name)
         figure.axes[0].set_ylabel("error of plane stress, worst shoe [%]")
-        figure.axes[0].legend()
+        key(figure, figure.axes[0])
     return figure
 
 
@@ -107,38 +110,36 @@ def wear(worn: Worn) -> Figure:
         figure = Figure(figsize=(6.6, 3.9), layout="constrained")
         axes = figure.subplots()
         x: Floats = np.asarray(worn.distance)
-        for shoe, uneven, law, color in zip(
-            worn.last, worn.uneven, worn.from_law, ("#0b6e99", "#c8553d"), strict=False
-        ):
+        for shoe, uneven, law, color in zip(worn.last, worn.uneven, worn.from_law, (BLUE, RED), strict=False):
             axes.semilogy(x, 100 * np.array(uneven), color=color, marker="o", ms=4,
                           label=f"{shoe.name}: off its mean across the width")  # fmt: skip
             axes.semilogy(x, 100 * np.array(law), color=color, ls="--", label=f"{shoe.name}: mean off the sine law")
         axes.set_xscale("symlog", linthresh=0.1)
         axes.set_xlabel("sliding distance [1/(k K)]")
         axes.set_ylabel("pressure [%]")
-        axes.legend(fontsize=8.5)
+        key(figure, axes)
     return figure
 
 
 def ladder(rungs: Sequence[Rung]) -> Figure:
     """Error over processor time, against the solid truth (full) and against that of plane stress (hollow)."""
-    colors = {"sine": "#c8553d", "cosine": "#7a5195", "uniform": "#8a8f98", "plane stress": "#0b6e99",
-              "plane stress, corrected": "#2a9d5c", "solid": "#1d2733"}  # fmt: skip
+    looks = {"sine": (RED, "v"), "cosine": (PURPLE, "D"), "uniform": (GREY, "s"), "plane stress": (BLUE, "o"),
+             "plane stress, corrected": (GREEN, "^"), "solid": (INK, "P")}  # fmt: skip
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.5, 4.3), layout="constrained")
         panels = figure.subplots(1, 2)
-        for axes, key, title in zip(
+        for axes, name, title in zip(
             panels, ("pressure", "torque"), ("mean p over the width (L2)", "torque"), strict=True
         ):
-            for method, color in colors.items():
+            for method, (color, mark) in looks.items():
                 own = [rung for rung in rungs if rung.method == method]
                 x = [1e3 * rung.seconds for rung in own]
-                true = [100 * getattr(rung, key) for rung in own]
-                plane = [100 * getattr(rung, f"plane_{key}") for rung in own]
-                axes.loglog(x, true, "o-", color=color, lw=1.5, label=method)
+                true = [100 * getattr(rung, name) for rung in own]
+                plane = [100 * getattr(rung, f"plane_{name}") for rung in own]
+                axes.loglog(x, true, marker=mark, color=color, lw=1.5, label=method)
                 if method == "plane stress":
                     axes.loglog(x, plane, "o--", color=color, lw=1.0, mfc="white", label="plane stress, against itself")
             axes.set_xlabel("processor time [ms]")
             axes.set_title(f"error of {title}, worst shoe [%]")
-        panels[0].legend(fontsize=8.5)
+        key(figure, panels[0])
     return figure
