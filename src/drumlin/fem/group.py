@@ -317,10 +317,10 @@ def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[Sho
 
 
 def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
-    """The shoes that their forces press on the drum, and those that a strut from one of them pushes."""
+    """The shoes that their forces press on the drum, and those that struts from them push."""
     touching = {i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)}
     names = [shoe.name for shoe in brake.shoes]
-    for link in brake.links:  # from the actuation on
+    for link in brake.links:  # a chain is named from the actuation on
         if names.index(link.source) in touching:
             touching.add(names.index(link.to))
     return sorted(touching)

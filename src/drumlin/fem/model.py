@@ -7,6 +7,7 @@ force, line of action, clearance and penalty, in milliseconds on the same scene.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,10 +23,12 @@ from drumlin.fem.assembly import (
     shape_of,
 )
 from drumlin.fem.group import ShoeGroup, groups_of
-from drumlin.fem.refinement import Refined, refine, whole
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
+
+if TYPE_CHECKING:
+    from drumlin.fem.refinement import Refined
 
 OVERLAP = 0.01  # of the lining's thickness, from which on a mesh that lies in the drum is said
 PENALTY = 1e6
@@ -178,11 +181,13 @@ def _imbalance(answers: dict[int, _Answer]) -> float:
     return float(np.nan_to_num(max(balance.force, balance.moment), nan=math.inf))
 
 
-def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> Refined:
+def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Refined":
     """The answer of a group of shoes to all digits: the whole system, refined from the contact set `active` (n,).
 
     order: of its elimination, by SuperLU's names. Raises NoAnswer where it is singular or does not settle.
     """
+    from drumlin.fem.refinement import refine, whole  # noqa: PLC0415  (with scipy.sparse; few brakes lose digits)
+
     refined = refine(whole(group), active, order)
     if refined.correction < SETTLED:
         return refined
