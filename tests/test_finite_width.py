@@ -1,15 +1,20 @@
 """The correction for the width: a flange on a foundation, a lining between plane stress and plane strain."""
 
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from drumlin.brake.fields import Material
-from drumlin.brake.file import vary
+from drumlin.brake.file import read_brake, vary
+from drumlin.brake.plane_brake import read_any
+from drumlin.errors import BadInput
 from drumlin.fem import finite_width
 from drumlin.fem.solid import model
 from drumlin.fem.solve import solve
+from test_cli import drumlin
 from test_solid import t_section
 
 pytestmark = pytest.mark.slow
@@ -67,3 +72,36 @@ def test_it_halves_the_error_of_a_t_section_and_leaves_a_narrow_one_alone(flexib
     assert abs(other / true - 1) < 0.4 * abs(plane / true - 1)
     narrow = vary(flexible, dict.fromkeys(("shoe.lining.width", "shoe.body.width"), 4e-3))
     assert finite_width.finite_width(narrow) == narrow
+
+
+def test_the_option_solves_the_corrected_brake_and_says_how_far_it_is_to_be_trusted(root, flexible, tmp_path):
+    brake = t_section(flexible)
+    plain, found = solve(brake, elements=12), solve(brake, elements=12, finite_width=True)
+    assert found.torque == solve(finite_width.finite_width(brake), elements=12).torque != plain.torque
+    (note,) = set(found.notes) - set(solve(finite_width.finite_width(brake), elements=12).notes)
+    factor = finite_width.corrected(brake.shoes[0]).E / brake.shoes[0].lining.material.E
+    assert f"modulus of the lining times {factor:.3f};" in note and "within 1.5%" in note
+    file, answers = root / "studies" / "plane_stress" / "brake.toml", []
+    for options in ((), ("--finite-width",)):
+        done = drumlin("solve", file, "--elements", "12", *options, "--json", tmp_path / "a.json")
+        assert done.returncode == 0
+        answers.append(json.loads((tmp_path / "a.json").read_text())["torque"])
+    assert answers == [solve(read_brake(file), elements=12, finite_width=wide).torque for wide in (False, True)]
+
+
+@pytest.mark.parametrize(
+    ("file", "changes", "said"),
+    [
+        ("double_shoe/brake.toml", {"shoe.lining.material.nu": 0.46}, "lining.material.nu = 0.46"),
+        ("laws/pad.toml", {}, "its shoes press on a plane"),
+    ],
+)
+def test_what_the_correction_does_not_cover_it_refuses(root, file, changes, said):
+    brake = vary(read_any(root / "studies" / file), changes) if changes else read_any(root / "studies" / file)
+    with pytest.raises(BadInput, match=f"--finite-width: does not apply to this brake: .*{said}"):
+        solve(brake, finite_width=True)
+
+
+def test_the_option_belongs_to_the_finite_elements(root):
+    done = drumlin("solve", root / "studies" / "double_shoe" / "brake.toml", "--model", "sine", "--finite-width")
+    assert done.returncode == 2 and "--finite-width belong to --model fem" in done.stderr

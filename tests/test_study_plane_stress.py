@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from drumlin.fem import finite_width
 from drumlin.studies import load
+from drumlin.verification import plane_stress
 
 pytestmark = pytest.mark.slow
 
@@ -45,6 +47,44 @@ def test_one_width_is_within_one_per_cent_and_thin_tables_are_not(result):
     worst = table.errors["torque"][0, 0]  # the thinnest table on the narrowest web
     assert 0.02 < worst < 0.05 and table.errors["uneven"][0, 0] > 0.4
     assert np.abs(table.errors["corrected_torque"]).max() < 0.01
+
+
+def test_corrected_all_brakes_are_within_what_the_option_states(result):
+    found = {}
+    for key in ("corrected_torque", "corrected_pressure"):
+        maps = [chart.errors[key].ravel() for chart in result.maps]
+        found[key] = [*np.concatenate(maps), *(row[key] for row in swept(result))]
+    torques, pressures = found.values()
+    for rungs in result.ladder.values():
+        ways = [rung for rung in rungs if rung.method == "plane stress, corrected"]
+        torques.append(ways[-1].torque)
+        pressures.append(ways[-1].pressure)
+    assert len(torques) > 20 and np.abs(torques).max() < finite_width.TORQUE
+    assert max(pressures) < finite_width.PRESSURE
+
+
+def test_the_ladder_prices_every_rung_against_both_truths(result):
+    car, post = result.ladder.values()
+    assert {rung.method for rung in post} - {rung.method for rung in car} == {"foundation", "lifted"}
+    for rungs in (car, post):
+        plane, solid, law = (
+            [rung for rung in rungs if rung.method == way][-1] for way in ("plane stress", "solid", "sine")
+        )
+        assert solid.torque < plane.torque < law.torque and plane.plane_torque < 0.2 * plane.torque
+        assert law.seconds < plane.seconds < solid.seconds
+
+
+def test_the_reader_is_told_which_brakes_plane_stress_prices():
+    errors = {"torque": np.array([[0.3, 0.02], [0.04, 0.009], [0.03, -0.008]])}
+    chart = plane_stress.Map("some", ("width", "depth"), np.array([1.0, 2.0]), np.array([1.0, 4.0, 9.0]), errors)
+    assert chart.where_within(0.05) == "width from 2 on or depth from 4 on"
+    assert chart.where_within(0.01) == "for no whole row or column of the map"
+    assert chart.where_within(0.4) == "everywhere"
+    assert chart.share_within(0.05) == pytest.approx(5 / 6)
+
+
+def swept(result):
+    return [row for points in result.curves.values() for _, table in points for row in table]
 
 
 def test_worn_in_the_pressure_is_even_across_the_width_and_the_laws_along_the_arc(result):

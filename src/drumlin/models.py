@@ -106,7 +106,8 @@ def solve(brake: AnyBrake, model: str = "fem", **options: Any) -> Response:
     model : "fem", the finite elements, or a law: a name of MODELS
     options : those of the model; of "fem": `tolerance` (relative error of p and torque), or `elements` along each
         lining; `kind` of the elements; `penalty`, the contact stiffness as a multiple of E/t of the lining;
-        `worn_in`, for linings that are worn in. Of "solid": `elements`, `across` over half the lining's width,
+        `worn_in`, for linings that are worn in; `finite_width`, for linings' moduli corrected for the widths of the
+        shoes. Of "solid": `elements`, `across` over half the lining's width,
         `penalty`. Of "foundation": `sections`, `lift`
 
     Returns

@@ -140,7 +140,8 @@ SWEEP: tuple[Table, ...] = (
     ('`distribution = "truncated-normal"`', TruncatedNormal, {**_DRAW, **_MEAN, **_ENDS}),
     ("`[model.fem]`", FemOptions, {
         "elements": "along each lining", "kind": "of the elements", "penalty": "contact stiffness over E/t",
-        "tolerance": "of p and torque, in place of `elements`"}),
+        "tolerance": "of p and torque, in place of `elements`",
+        "finite_width": "whether the lining's modulus is corrected for the widths"}),
     ("`[model.foundation]`", FoundationOptions, {
         "sections": "of each beam", "lift": "simplifications to lift, by name"}),
 )  # fmt: skip

@@ -7,7 +7,8 @@ from typing import Any
 
 from drumlin.errors import BadInput
 from drumlin.report.page import fill
-from drumlin.verification.recommendation import PEER_FAMILIES, matrices
+from drumlin.verification.recommendation import matrices
+from drumlin.verification.work_precision import PEER_FAMILIES
 
 HERE = Path(__file__).parent
 KEPT = HERE.parents[1] / "reports" / "reference"

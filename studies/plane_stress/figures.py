@@ -10,13 +10,10 @@ from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
 from drumlin.report.figures import STYLE
+from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, RED, color_of
 from drumlin.response.response import ShoeResponse, edge_zone
 from drumlin.verification.plane_stress import Map, Rung, Three, Worn, worst
 
-LABELS = {
-    "one width": ("lining width / thickness", "lining modulus [MPa]"),
-    "table and web": ("web width / lining width", "table thickness [mm]"),
-}
 PANELS = {
     "torque": "torque",
     "pressure": "mean p over the width (L2)",
@@ -44,7 +41,7 @@ def _panel(axes: Axes, chart: Map, key: str, title: str) -> None:
         signed = key in {"torque", "corrected_torque"}
         axes.text(i, j, f"{error[j, i]:{'+' if signed else ''}.2g}", ha="center", va="center", fontsize=9,
                   color="white" if abs(error[j, i]) > 18 else "#1d2733")  # fmt: skip
-    x, y = LABELS[chart.name]
+    x, y = chart.axes
     axes.set_xticks(range(len(chart.x)), [f"{value:g}" for value in chart.x])
     axes.set_yticks(range(len(chart.y)), [f"{value:g}" for value in chart.y])
     axes.set_xlabel(x)
@@ -84,20 +81,25 @@ def _top(shoe: ShoeResponse, zone: float) -> float:
 def curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) -> Figure:
     """Errors of the worst shoe over one quantity a panel."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10.5, 3.8), layout="constrained")
-        for axes, (name, points) in zip(np.ravel(figure.subplots(1, len(found), sharey=True)), found.items(),
-                                        strict=True):  # fmt: skip
+        figure = Figure(figsize=(11.5, 6.6), layout="constrained")
+        panels = np.ravel(figure.subplots(2, len(found) // 2, sharey=True))
+        for axes, (name, points) in zip(panels, found.items(), strict=True):
             x = [value for value, _ in points]
             for key, label, marker in (
                 ("torque", "torque", "o"),
                 ("pressure", "p averaged over the width (L2)", "s"),
+                ("peak", "peak pressure against the face's", "v"),
                 ("reaction", "hinge reaction", "D"),
                 ("corrected_torque", "torque, corrected", "^"),
             ):
-                axes.plot(x, [100 * abs(worst(table, key)) for _, table in points], marker=marker, lw=1.5, label=label)
+                y = [100 * abs(worst(table, key)) for _, table in points]
+                axes.semilogy(x, y, marker=marker, lw=1.5, label=label)
+            if max(x) > 10 * max(min(x), 0.1):
+                axes.set_xscale("log")
             axes.set_xlabel(name)
-        figure.axes[0].set_ylabel("error of plane stress, worst shoe [%]")
-        figure.axes[0].legend()
+        for axes in panels[:: len(found) // 2]:
+            axes.set_ylabel("error of plane stress, worst shoe [%]")
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=9)
     return figure
 
 
@@ -107,9 +109,7 @@ def wear(worn: Worn) -> Figure:
         figure = Figure(figsize=(6.6, 3.9), layout="constrained")
         axes = figure.subplots()
         x: Floats = np.asarray(worn.distance)
-        for shoe, uneven, law, color in zip(
-            worn.last, worn.uneven, worn.from_law, ("#0b6e99", "#c8553d"), strict=False
-        ):
+        for shoe, uneven, law, color in zip(worn.last, worn.uneven, worn.from_law, (GREEN, RED), strict=False):
             axes.semilogy(x, 100 * np.array(uneven), color=color, marker="o", ms=4,
                           label=f"{shoe.name}: off its mean across the width")  # fmt: skip
             axes.semilogy(x, 100 * np.array(law), color=color, ls="--", label=f"{shoe.name}: mean off the sine law")
@@ -120,25 +120,44 @@ def wear(worn: Worn) -> Figure:
     return figure
 
 
-def ladder(rungs: Sequence[Rung]) -> Figure:
-    """Error over processor time, against the solid truth (full) and against that of plane stress (hollow)."""
-    colors = {"sine": "#c8553d", "cosine": "#7a5195", "uniform": "#8a8f98", "plane stress": "#0b6e99",
-              "plane stress, corrected": "#2a9d5c", "solid": "#1d2733"}  # fmt: skip
+WAYS = {
+    "sine": "sine law",
+    "cosine": "cosine law",
+    "uniform": "uniform pressure",
+    "foundation": "elastic foundation",
+    "lifted": "foundation, all lifted",
+    "plane stress": "plane stress",
+    "plane stress, corrected": "plane stress, corrected for the width",
+    "solid": "solid",
+}
+COLORS = {"plane stress": BLUE, "plane stress, corrected": BROWN}
+
+
+def ladder(found: Mapping[str, Sequence[Rung]]) -> Figure:
+    """Error over processor time, a row for each brake: against the solid truth (full) and against that of plane stress
+    (hollow)."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(11.5, 4.3), layout="constrained")
-        panels = figure.subplots(1, 2)
-        for axes, key, title in zip(
-            panels, ("pressure", "torque"), ("mean p over the width (L2)", "torque"), strict=True
-        ):
-            for method, color in colors.items():
-                own = [rung for rung in rungs if rung.method == method]
-                x = [1e3 * rung.seconds for rung in own]
-                true = [100 * getattr(rung, key) for rung in own]
-                plane = [100 * getattr(rung, f"plane_{key}") for rung in own]
-                axes.loglog(x, true, "o-", color=color, lw=1.5, label=method)
-                if method == "plane stress":
-                    axes.loglog(x, plane, "o--", color=color, lw=1.0, mfc="white", label="plane stress, against itself")
-            axes.set_xlabel("processor time [ms]")
-            axes.set_title(f"error of {title}, worst shoe [%]")
-        panels[0].legend(fontsize=8.5)
+        figure = Figure(figsize=(11.5, 4.4 * len(found)), layout="constrained")
+        grid = figure.subplots(len(found), 2, squeeze=False)
+        for row, (brake, rungs) in zip(grid, found.items(), strict=True):
+            for axes, key, title in zip(row, ("pressure", "torque"), ("p (L2)", "torque"), strict=True):
+                for method, name in WAYS.items():
+                    _way(axes, [rung for rung in rungs if rung.method == method], key, name)
+                axes.set_xlabel("processor time [ms]")
+                axes.set_title(f"{brake}: error of {title}, worst shoe [%]")
+        grid[0, 0].plot([], [], "o-", color=FAINT, label="full: against the solid")
+        grid[0, 0].plot([], [], "o--", color=FAINT, mfc="white", label="hollow: against plane stress")
+        named = {text: line for axes in grid.flat for line, text in zip(*axes.get_legend_handles_labels(), strict=True)}
+        figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=5, fontsize=8.5)
     return figure
+
+
+def _way(axes: Axes, own: Sequence[Rung], key: str, name: str) -> None:
+    if not own:
+        return
+    method, x = own[0].method, [1e3 * rung.seconds for rung in own]
+    color = COLORS.get(method) or color_of(method)
+    if method not in {"solid", "plane stress, corrected"}:  # whose answer is not meant to be that of plane stress
+        hollow = [100 * getattr(rung, f"plane_{key}") for rung in own]
+        axes.loglog(x, hollow, "o--", color=color, lw=1.0, mfc="white")
+    axes.loglog(x, [100 * getattr(rung, key) for rung in own], "o-", color=color, lw=1.5, label=name)

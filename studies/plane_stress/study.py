@@ -10,12 +10,16 @@ from typing import Any
 import numpy as np
 from studies.plane_stress import figures
 
+from drumlin.brake.components import Beam
+from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
+from drumlin.fem import finite_width
 from drumlin.fem.assembly import prepare
+from drumlin.fem.fields import write_vtu
 from drumlin.fem.model import respond
 from drumlin.fem.solid import model as solid
-from drumlin.fem.solid.fields import recover, write_vtu
+from drumlin.fem.solid.fields import recover
 from drumlin.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
@@ -48,7 +52,7 @@ class Setting:
     solids: tuple[int, ...]
 
 
-FULL = Setting(24, 40, (14, 28, 56), 1, 64, (8, 16, 32, 64, 128), (8, 12, 16, 24, 32, 48))
+FULL = Setting(24, 40, (14, 28, 56), 1, 60, (8, 16, 32, 64, 128), (8, 12, 16, 24, 32, 40))
 SHORT = Setting(10, 12, (6, 12, 24), 4, 20, (8, 16), (6, 12))
 
 
@@ -64,7 +68,7 @@ class Result:
     maps: tuple[Map, Map]
     curves: dict[str, list[tuple[float, list[dict[str, Any]]]]]
     worn: Worn
-    ladder: list[Rung]
+    ladder: dict[str, list[Rung]]
     seconds: float
 
 
@@ -84,26 +88,35 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     n = setting.every
     maps = (
         rows.chart(
-            "one width", lambda x, y: rows.plain(brake, x * t, y * 1e6), WIDTHS[::n], MODULI[::n], setting.elements, say
+            "one width",
+            ("lining width / thickness", "lining modulus [MPa]"),
+            lambda x, y: rows.plain(brake, x * t, y * 1e6), WIDTHS[::n], MODULI[::n], setting.elements, say,
         ),
         rows.chart(
             "table and web",
+            ("web width / lining width", "table thickness [mm]"),
             lambda x, y: vary(brake, {"shoe.body.width": x * b, "shoe.backing.thickness": y * 1e-3}),
             WEBS[::n], TABLES[::n], setting.elements, say,
         ),
     )  # fmt: skip
     curves = {}
-    for name, key, values in (
-        ("friction", "friction", FRICTIONS),
-        ("Poisson's ratio of the lining", "shoe.lining.material.nu", POISSON),
+    for name, key, values, unit in (
+        ("friction", "friction", FRICTIONS, 1.0),
+        ("Poisson's ratio of the lining", "shoe.lining.material.nu", POISSON, 1.0),
+        ("lining width / thickness", "shoe.lining.width", WIDTHS, t),
+        ("lining modulus [MPa]", "shoe.lining.material.E", MODULI, 1e6),
     ):
         say(name)
-        found = [(value, rows.rows(rows.solve(vary(brake, {key: value}), setting.elements))) for value in values[::n]]
+        found = [
+            (value, rows.rows(rows.solve(vary(brake, {key: unit * value}), setting.elements))) for value in values[::n]
+        ]
         curves[name] = found
     say("wear")
     worn = rows.wear(brake, setting.elements, DISTANCES if not short else DISTANCES[::3])
-    say("the ladder")
-    ladder = rows.ladder(brake, setting.truth, setting.meshes, setting.solids)
+    ladder = {}
+    for each in (brake, post()):
+        say(f"the ladder: {each.title}")
+        ladder[each.title] = rows.ladder(each, setting.truth, setting.meshes, setting.solids)
     return Result(
         three=three,
         scene=scene,
@@ -116,6 +129,15 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         ladder=ladder,
         seconds=time.perf_counter() - start,
     )
+
+
+def post() -> Brake:
+    """The mine winder's post brake on a rigid drum, its beam solid, as wide as gives it its bending stiffness."""
+    brake = read_brake(HERE.parent / "post_brake" / "brake.toml")
+    body = brake.shoes[0].body
+    assert isinstance(body, Beam) and body.section is not None
+    changes = {"drum.ring": None, "shoe.body.bending_stiffness": None, "shoe.body.width": body.section.width}
+    return vary(brake, changes)
 
 
 def report(result: Result, folder: Path) -> Path:
@@ -134,7 +156,8 @@ def report(result: Result, folder: Path) -> Path:
     write_vtu(folder / "solid.vtu", [recover(result.scene, brake, response, i) for i in range(len(brake.shoes))])
     not_drawn = render(folder / "solid.vtu", folder / "solid.png", brake.title)
     write_text(folder / "errors.csv", as_csv(result.table))
-    write_text(folder / "ladder.csv", as_csv([rung._asdict() for rung in result.ladder]))
+    rungs = [{"brake": name} | rung._asdict() for name, ladder in result.ladder.items() for rung in ladder]
+    write_text(folder / "ladder.csv", as_csv(rungs))
     points = [
         {"map": chart.name, "x": x, "y": y, **{key: float(values[j, i]) for key, values in chart.errors.items()}}
         for chart in result.maps
@@ -148,11 +171,12 @@ def report(result: Result, folder: Path) -> Path:
         result=result,
         not_drawn=not_drawn,
         within=partial(_within, result.maps),
-        largest={key: max(float(np.abs(chart.errors[key]).max()) for chart in result.maps) for key in points[0].keys()
-                 - {"map", "x", "y", "mid_over_side"}},
-        limits=rows.KNOWN,
+        largest={key: max(float(np.abs(chart.errors[key]).max()) for chart in result.maps) for key in rows.QUANTITIES},
+        stated=(finite_width.TORQUE, finite_width.PRESSURE),
+        shares=rows.shares(result.maps),
         sentence=rows.sentence(result.maps),
-    )  # fmt: skip
+        along=rows.along(result.curves),
+    )
 
 
 def _within(maps: tuple[Map, Map], limit: float, key: str) -> float:

@@ -11,7 +11,7 @@ from drumlin.cli.terminal import busy, note, print_table, tell
 from drumlin.errors import BadInput, NoAnswer
 
 OPTIONS = {  # model -> its own options
-    "fem": ("elements", "kind", "penalty", "tolerance"),
+    "fem": ("elements", "kind", "penalty", "tolerance", "finite-width"),
     "solid": ("elements", "across", "penalty", "fields"),
     "foundation": ("sections", "lift"),
 }
@@ -37,6 +37,9 @@ def solve(
     lift: Annotated[
         list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
     ] = None,
+    finite_width: Annotated[
+        bool, typer.Option("--finite-width", help="correct plane stress for the width; torque within 1.5 % of a solid")
+    ] = False,
     across: Annotated[int | None, typer.Option(help="elements over half the width of a solid lining")] = None,
     fields: Annotated[
         Path | None, typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes")
@@ -58,9 +61,10 @@ def solve(
     chosen = [pick(model, brake) for brake in brakes]
     more = (("sections", sections), ("lift", lift), ("across", across), ("fields", fields))
     options |= {name: value for name, value in more if value is not None}
+    options |= {"finite_width": True} if finite_width else {}
     for owner, names in OPTIONS.items():
         others = [f"--{name}" for name in names if name not in OPTIONS.get(model, ())]
-        if model != owner and any(option.removeprefix("--") in options for option in others):
+        if model != owner and any(option[2:].replace("-", "_") in options for option in others):
             *some, last = others
             said = f"{', '.join(some)} and {last} belong" if some else f"{last} belongs"
             raise BadInput(f"{said} to --model {owner}, not to {model!r}")
@@ -150,8 +154,7 @@ def hold(
     check_outputs(json_file)
     if not 1 <= steps <= 10_000:
         raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
-    options = fem_options(elements, kind=kind, penalty=penalty)
-    stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
+    options, stiffness = fem_options(elements, kind=kind), fem_options(None, penalty=penalty)
     end = None if rotation is None else quantity("--rotation", rotation, "m" if flat else "rad")
     with busy("holding") as say:
         scene = scene_of(brake, **options)
@@ -184,8 +187,7 @@ def sensitivity(
 
     brake = read_any(brake_file)
     check_outputs(json_file)
-    options = fem_options(elements, kind=kind, penalty=penalty)
-    stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
+    options, stiffness = fem_options(elements, kind=kind), fem_options(None, penalty=penalty)
     with busy("sensitivity"):
         own = on_drum(brake)
         found = slopes(scene_of(own, **options), own, **stiffness)

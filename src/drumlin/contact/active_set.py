@@ -308,7 +308,8 @@ class _Equations:
             return True
         unit = np.vstack([np.zeros((len(self._on), k)), np.diag(scales.balance)])
         yielding = scales.motion[:, None] * -self._solution(unit)[-k:]  # (C A^-1 B)^-1
-        values = np.linalg.eigvals(yielding)
+        size = np.sqrt(np.abs(np.diagonal(yielding)))  # motions have units of their own: nothing may hang on these
+        values = np.linalg.eigvals(yielding / np.outer(size, size))
         return not ((values.imag == 0) & (values.real < 0)).any()
 
     def _solution(self, right: Floats) -> Floats:

@@ -1,5 +1,6 @@
 """Displacements and stresses inside the bodies: recovered only where a picture asks for them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -106,18 +107,27 @@ def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) ->
 
 def _part(mesh: Any, u: Floats, name: str, material: Material) -> tuple[Ints, Ints, Floats]:
     """Nodes, cells (numbered within the nodes) and nodal mean stresses (n, 2, 2) of one subdomain."""
-    elements = mesh.subdomains[name]
-    dofs, slopes, cut = _at_nodes(mesh, elements)
+    dofs, slopes, cut = _at_nodes(mesh, mesh.subdomains[name])
+    nodes, cells, stress = mean_stress(u, dofs, slopes, plane_stress(material.E, material.nu))
+    return nodes, cells[cut].reshape(len(cut), -1).T, stress
+
+
+def mean_stress(u: Floats, dofs: Ints, slopes: Floats, lame: tuple[float, float]) -> tuple[Ints, Ints, Floats]:
+    """Stresses at the nodes of a part, means of its elements', in a plane (d = 2) or a solid (d = 3).
+
+    u (d, nodes) [m]; dofs (a, m): nodes of the elements; slopes (a, d, m, a): gradients of their shape functions at
+    these; lame: lambda and mu [Pa]. Returns the part's nodes (n,), dofs as numbers within them, and (n, d, d) [Pa].
+    """
     gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
     strain = 0.5 * (gradient + gradient.transpose(1, 0, 2, 3))
-    lam, mu = plane_stress(material.E, material.nu)
-    stress = 2 * mu * strain
-    stress[[0, 1], [0, 1]] += lam * (strain[0, 0] + strain[1, 1])
+    lam, mu = lame
+    stress, d = 2 * mu * strain, range(len(u))
+    stress[d, d] += lam * np.trace(strain)
     nodes, cells = np.unique(dofs, return_inverse=True)
     cells = cells.reshape(dofs.shape)
-    total = np.zeros((len(nodes), 2, 2))
+    total = np.zeros((len(nodes), len(u), len(u)))
     np.add.at(total, cells, stress.transpose(3, 2, 0, 1))
-    return nodes, cells[cut].reshape(len(cut), -1).T, total / np.bincount(cells.ravel())[:, None, None]
+    return nodes, cells, total / np.bincount(cells.ravel())[:, None, None]
 
 
 def _at_nodes(mesh: Any, elements: Ints) -> tuple[Ints, Floats, Ints]:
@@ -133,27 +143,27 @@ def _at_nodes(mesh: Any, elements: Ints) -> tuple[Ints, Floats, Ints]:
     return basis.element_dofs, slopes, np.arange(len(slopes))[:, None]
 
 
-def write_vtu(path: Path, parts: list[Fields]) -> None:
-    """Write the fields of all shoes as one .vtu file for ParaView, with units in the names."""
+HEADS = {
+    "displacement [m]": "displacement",
+    "stress xx, yy, xy [Pa]": "stress",
+    "von Mises [Pa]": "von_mises",
+    "pressure [Pa]": "pressure",
+    "push of the drum [Pa]": "push",
+}
+
+
+def write_vtu(path: Path, parts: Sequence[Any]) -> None:
+    """Write the `Fields` or `SolidFields` of all shoes as one .vtu file for ParaView, with units in the names."""
     starts = np.cumsum([0] + [len(part.points) for part in parts])
 
     def joined(name: str) -> Floats:
-        return np.concatenate([getattr(part, name) for part in parts])
-
-    def spatial(name: str) -> Floats:
-        vectors = joined(name)
-        return np.column_stack([vectors, np.zeros(len(vectors))])
+        values = np.concatenate([getattr(part, name) for part in parts])
+        return np.column_stack([values, np.zeros(len(values))]) if values.shape[1:] == (2,) else values
 
     mesh = meshio.Mesh(
-        spatial("points"),
+        joined("points"),
         [(part.cell_type, part.cells + start) for part, start in zip(parts, starts[:-1], strict=True)],
-        point_data={
-            "displacement [m]": spatial("displacement"),
-            "stress xx, yy, xy [Pa]": joined("stress"),
-            "von Mises [Pa]": joined("von_mises"),
-            "pressure [Pa]": joined("pressure"),
-            "push of the drum [Pa]": spatial("push"),
-        },
+        point_data={head: joined(name) for head, name in HEADS.items() if hasattr(parts[0], name)},
         cell_data={
             "part": [part.part for part in parts],
             "shoe": [np.full(len(part.cells), i) for i, part in enumerate(parts)],

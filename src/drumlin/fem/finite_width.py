@@ -13,9 +13,13 @@ from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.errors import BadInput
 
 HELD = 0.5
 """The share of plane strain in a wide lining, by solid shoes: the shoe behind it contracts as well."""
+LARGEST_NU = 0.45  # of a lining up to which the correction has been held against solid shoes
+TORQUE, PRESSURE = 0.015, 0.08  # largest errors over all brakes of the study plane_stress
 
 
 def between(material: Material, share: float) -> Material:
@@ -72,8 +76,39 @@ def corrected(shoe: Shoe) -> Material:
     return material.model_copy(update={"E": material.E * share})
 
 
-def finite_width(brake: Brake) -> Brake:
-    """The brake whose plane stress is corrected for the widths of its shoes, lining by lining."""
+def why_not(brake: AnyBrake) -> str | None:
+    """Why the correction does not apply to a brake (None: it does)."""
+    if isinstance(brake, FlatBrake):
+        return "its shoes press on a plane, not on a drum"
+    for shoe in brake.shoes:
+        if shoe.mesh is not None:
+            return f"shoe {shoe.name!r}: a mesh of its own is a section without widths"
+        nu = shoe.lining.material.nu
+        if nu > LARGEST_NU:
+            return f"shoe {shoe.name!r}: lining.material.nu = {nu:g}, the correction holds up to {LARGEST_NU:g}"
+    return None
+
+
+def said(brake: AnyBrake, other: Brake) -> str:
+    """What the correction has made of a brake, and how far it is to be trusted, in a line."""
+    assert isinstance(brake, Brake)  # others are refused
+    pairs = zip(brake.shoes, other.shoes, strict=True)
+    factors = [after.lining.material.E / shoe.lining.material.E for shoe, after in pairs]
+    times = ", ".join(f"{factor:.3f}" for factor in dict.fromkeys(np.round(factors, 3)))
+    return (
+        f"corrected for the finite width: modulus of the lining times {times}; torque within {TORQUE:.1%}, p averaged "
+        f"over the width within {PRESSURE:.0%} (L2) of the solid shoes in the study plane_stress"
+    )
+
+
+def finite_width(brake: AnyBrake) -> Brake:
+    """The brake whose plane stress is corrected for the widths of its shoes, lining by lining.
+
+    Raises BadInput where the correction does not apply.
+    """
+    reason = why_not(brake)
+    if reason is not None or isinstance(brake, FlatBrake):
+        raise BadInput(f"--finite-width: does not apply to this brake: {reason}")
     return vary(
         brake,
         {f"shoe[{i}].lining.material.E": material.E for i, material in enumerate(map(corrected, brake.shoes))},

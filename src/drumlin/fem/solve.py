@@ -9,6 +9,8 @@ from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import adapt as adapt_meshes
 from drumlin.fem.assembly import ELEMENTS, Cache, Scene, prepare
+from drumlin.fem.finite_width import finite_width as corrected
+from drumlin.fem.finite_width import said
 from drumlin.fem.hp import scene as hp
 from drumlin.fem.hp.adapt import DEFAULT, adapt
 from drumlin.fem.hp.levels import LEVELS
@@ -31,6 +33,7 @@ def solve(
     kind: str | None = None,
     tolerance: float | None = None,
     penalty: float = PENALTY,
+    finite_width: bool = False,
     cache: Cache | None = None,
 ) -> Response:
     """Divide, condense and solve a brake, finer and finer until its estimated errors are below a tolerance.
@@ -38,8 +41,13 @@ def solve(
     tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the division and
     of what is left out for it; NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is
     reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind`
-    on meshes of that kind. BadInput is raised for elements and a tolerance together. cache: bodies of earlier solves.
+    on meshes of that kind. BadInput is raised for elements and a tolerance together. finite_width: the linings' moduli
+    corrected for the widths of the shoes, see fem/finite_width.py. cache: bodies of earlier solves.
     """
+    if finite_width:
+        other = corrected(brake)
+        found = solve(other, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache)
+        return replace(found, notes=(*found.notes, said(brake, other)))
     check_penalty(penalty)
     if tolerance is not None and elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")

@@ -22,8 +22,6 @@ from drumlin.texts import one_line
 
 TIMEOUT = 120  # s
 SCALAR = "von Mises stress [MPa]"
-CHILD = "import sys; sys.path.append(sys.argv.pop(1)); from drumlin.report.render import main; sys.exit(main())"
-"""With -P nothing is imported from the current folder; drumlin itself from where it is, if it is not installed."""
 
 
 class NoPicture(Exception):
@@ -38,10 +36,17 @@ def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
         "forces": [[*shoe.actuation.point.xy, *shoe.actuation.vector] for shoe in brake.shoes],
         "title": title,
     }
-    command = [sys.executable, "-P", "-c", CHILD, str(Path(__file__).parents[2]), str(fields)]
+    return picture_by(__name__, fields, picture, json.dumps(marks))
+
+
+def picture_by(module: str, fields: Path, picture: Path, argument: str) -> str | None:
+    """Have a module's `main` draw a .vtu file into a .png, in a process of its own; None, or why there is none."""
+    child = f"import sys; sys.path.append(sys.argv.pop(1)); from {module} import main; sys.exit(main())"
+    # With -P nothing is imported from the current folder; drumlin itself from where it is, if it is not installed.
+    command = [sys.executable, "-P", "-c", child, str(Path(__file__).parents[2]), str(fields)]
     try:
         with replacing(picture) as partial:
-            drawn([*command, str(partial), json.dumps(marks)])
+            drawn([*command, str(partial), argument])
         return None
     except NoPicture as error:
         if picture.is_file():

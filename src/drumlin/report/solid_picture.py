@@ -6,26 +6,15 @@ from pathlib import Path
 import numpy as np
 
 from drumlin.errors import ended
-from drumlin.files import replacing
-from drumlin.report.render import NoPicture, drawn
-from drumlin.texts import one_line
+from drumlin.report.render import picture_by
 
 SCALAR = "von Mises stress [MPa]"
 MOST = 0.05  # of the drum's radius, which the largest displacement is drawn as
-CHILD = "import sys; sys.path.append(sys.argv.pop(1)); from drumlin.report.solid_picture import main; sys.exit(main())"
 
 
 def render(fields: Path, picture: Path, title: str) -> str | None:
     """Draw the .vtu file of solid shoes into a .png; returns None, or one line that says why there is no picture."""
-    command = [sys.executable, "-P", "-c", CHILD, str(Path(__file__).parents[2]), str(fields)]
-    try:
-        with replacing(picture) as partial:
-            drawn([*command, str(partial), title])
-        return None
-    except NoPicture as error:
-        if picture.is_file():
-            picture.unlink()  # an old picture must not stand for a new result
-        return f"no field picture: off-screen rendering is not possible here ({one_line(str(error), 200)})"
+    return picture_by(__name__, fields, picture, title)
 
 
 def draw(fields: Path, picture: Path, title: str) -> None:

@@ -93,6 +93,7 @@ class FemOptions(Part):
     kind: Literal["quad2", "quad1", "tri2", "tri1"] | None = None
     penalty: Annotated[float, Field(gt=0)] | None = None
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
+    finite_width: bool | None = None
 
 
 class FoundationOptions(Part):

@@ -1,9 +1,7 @@
 """Displacements and stresses inside solid shoes: recovered only where a picture asks for them."""
 
-from pathlib import Path
 from typing import Any, NamedTuple
 
-import meshio
 import numpy as np
 import skfem
 from skfem.models.elasticity import lame_parameters
@@ -12,8 +10,8 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.fem.assembly import Scene, actuation
+from drumlin.fem.fields import mean_stress
 from drumlin.fem.solid.body import materials
-from drumlin.files import replacing
 from drumlin.response.response import Response
 
 _BOTTOM = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
@@ -50,6 +48,7 @@ class SolidFields(NamedTuple):
     displacement: Floats
     von_mises: Floats
     pressure: Floats
+    cell_type: str = "hexahedron20"
 
 
 def recover(scene: Scene, brake: Brake, response: Response, index: int) -> SolidFields:
@@ -93,38 +92,7 @@ def _part(mesh: Any, u: Floats, elements: Ints, material: Material) -> tuple[Int
     element = skfem.ElementHex2()
     at = element.doflocs.T
     basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
-    dofs = basis.element_dofs
-    gradient = np.zeros((3, 3, *basis.dx.shape))
-    for psi, row in zip(basis.basis, dofs, strict=True):
-        gradient += u[:, None, row, None] * psi[0].grad[None]
-    strain = 0.5 * (gradient + gradient.transpose(1, 0, 2, 3))
-    lam, mu = lame_parameters(material.E, material.nu)
-    stress = 2 * mu * strain
-    stress[[0, 1, 2], [0, 1, 2]] += lam * np.trace(strain)
-    nodes, cells = np.unique(dofs, return_inverse=True)
-    cells = cells.reshape(dofs.shape)
-    total = np.zeros((len(nodes), 3, 3))
-    np.add.at(total, cells, stress.transpose(3, 2, 0, 1))
-    mean = total / np.bincount(cells.ravel())[:, None, None]
-    deviator = mean - np.trace(mean, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+    slopes = np.array([psi[0].grad for psi in basis.basis])
+    nodes, cells, stress = mean_stress(u, basis.element_dofs, slopes, lame_parameters(material.E, material.nu))
+    deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
     return nodes, cells, np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2)))
-
-
-def write_vtu(path: Path, parts: list[SolidFields]) -> None:
-    """Write the fields of all shoes as one .vtu file for ParaView, with units in the names; half of each, z >= 0."""
-    starts = np.cumsum([0] + [len(part.points) for part in parts])
-    mesh = meshio.Mesh(
-        np.concatenate([part.points for part in parts]),
-        [("hexahedron20", part.cells + start) for part, start in zip(parts, starts[:-1], strict=True)],
-        point_data={
-            "displacement [m]": np.concatenate([part.displacement for part in parts]),
-            "von Mises [Pa]": np.concatenate([part.von_mises for part in parts]),
-            "pressure [Pa]": np.concatenate([part.pressure for part in parts]),
-        },
-        cell_data={
-            "part": [part.part for part in parts],
-            "shoe": [np.full(len(part.cells), i) for i, part in enumerate(parts)],
-        },
-    )
-    with replacing(path) as partial:
-        meshio.write(partial, mesh, file_format="vtu")

@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Shoe
+from drumlin.fem.assembly import materials_of
 from drumlin.fem.body import scalar_basis
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.grading import Division, graded
@@ -47,8 +48,6 @@ class Solid:
 
 def half_widths(shoe: Shoe) -> dict[str, float]:
     """Half the width [m] of each subdomain of a shoe."""
-    from drumlin.fem.assembly import materials_of  # noqa: PLC0415
-
     return {name: width / 2 for name, (_, width) in materials_of(shoe).items()}
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Body, Scene, Seconds, lacking, shape_of
+from drumlin.fem.assembly import why_not as plane_why_not
 from drumlin.fem.model import PENALTY, check_penalty, respond
 from drumlin.fem.solid.body import solid_body
 from drumlin.response.merit import with_merits
@@ -19,8 +20,6 @@ SOFTEST = 0.499  # Poisson's ratio up to which displacements alone describe a so
 
 def why_not(brake: Brake) -> str | None:
     """Why the solid model does not apply to a brake (None: it does)."""
-    from drumlin.fem import assembly  # noqa: PLC0415
-
     if brake.shares is not None:
         return f"{brake.shares}; solid shoes have a force each"
     if brake.drum.ring is not None:
@@ -29,7 +28,7 @@ def why_not(brake: Brake) -> str | None:
         reason = _shoe_why_not(shoe)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
-    return assembly.why_not(brake)
+    return plane_why_not(brake)
 
 
 def _shoe_why_not(shoe: Shoe) -> str | None:
@@ -91,7 +90,8 @@ def solve(
     scene = prepare(brake, elements=elements, across=across)
     response = with_merits(brake, respond(scene, brake, penalty=penalty))
     if fields is not None:
-        from drumlin.fem.solid.fields import recover, write_vtu  # noqa: PLC0415  (only where it is asked for)
+        from drumlin.fem.fields import write_vtu  # noqa: PLC0415  (only where it is asked for)
+        from drumlin.fem.solid.fields import recover  # noqa: PLC0415
 
         write_vtu(fields, [recover(scene, brake, response, i) for i in range(len(brake.shoes))])
     return response
