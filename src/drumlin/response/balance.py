@@ -36,7 +36,7 @@ def loaded(brake: B, response: Response) -> B:
     if all(force is None for force in forces):
         return brake
     shoes = tuple(shoe if force is None else shoe.under(force) for shoe, force in zip(brake.shoes, forces, strict=True))
-    return cast(B, brake.model_copy(update={"shoes": shoes}))
+    return cast("B", brake.model_copy(update={"shoes": shoes}))
 
 
 def balance_of(brake: AnyBrake, index: int, response: ShoeResponse) -> Balance:
