@@ -15,32 +15,36 @@ SLOW = [
     *(Case(arc=arc, force=force) for arc, force in ((1.0, 20.0), (5.0, 100.0), (60.0, 2000.0))),
     Case(nu=0.0), Case(nu=0.49), Case(friction=1.0), Case(clearance=1e-3), Case(clearance="split"),
     *(Case(shoes=2, ring=ring, support="free") for ring in (10.0, 1e3, 1e5)),
-    Case(shoe=1e-3, thickness=1e-3), Case(shoe=1e4, arc=5.0, force=100.0), Case(shoe=1e6, thickness=0.2, nu=0.49),
+    Case(shoe=1e4, arc=5.0, force=100.0), Case(shoe=1e6, thickness=0.2, nu=0.49),
 ]  # fmt: skip
 
 
-def judged(case):
-    """Whether a brake is answered; then its errors must be within what is stated, as far as a mesh can tell."""
+def check(case):
+    """The errors of a brake are within what is stated, as far as a mesh can tell: its corners converge slowly, and the
+    last step may be as large as half of what is left.
+    """
     brake = case.brake()
-    try:
-        found = solve(brake)
-    except NoAnswer:
-        return False
+    found = solve(brake)
     coarse, fine = (solve(brake, elements=elements) for elements in (60, 120))
     assert found.torque > 0
-    off, unsure = (abs(one.torque / fine.torque - 1) for one in (found, coarse))
-    assert off <= found.error["torque"] + unsure
+    off, step = (abs(one.torque / fine.torque - 1) for one in (found, coarse))
+    assert off <= found.error["torque"] + 2 * step
     for a, b, c in zip(found.shoes, fine.shoes, coarse.shoes, strict=True):
-        assert pressure_distance(a, b) <= found.error["pressure"] + pressure_distance(c, b)
-    return True
+        assert pressure_distance(a, b) <= found.error["pressure"] + 2 * pressure_distance(c, b)
 
 
 @pytest.mark.parametrize("case", QUICK, ids=said)
 def test_far_apart(case):
-    assert judged(case)
+    check(case)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", SLOW, ids=said)
 def test_farther_apart(case):
-    assert judged(case)
+    check(case)
+
+
+@pytest.mark.slow
+def test_a_thin_lining_on_a_shoe_far_softer_is_refused():
+    with pytest.raises(NoAnswer):
+        solve(Case(shoe=1e-3, thickness=1e-3).brake())
