@@ -128,3 +128,13 @@ def test_a_strut_reaches_from_a_foot_to_the_shoe_that_it_pushes(root):
     np.testing.assert_allclose(strut[0], [25, -112])
     assert strut[1][1] == pytest.approx(-112)
     assert np.hypot(*strut[1]) < 139.7 and strut[1][0] < 0
+
+
+def test_panels_of_other_angles_say_their_own(root, brake):
+    """Blocks one after the other around a drum have their axes each; shoes in both rotations share them."""
+    band = read_any(root / "studies/brakes/band.toml")
+    blocks = [(shoe.name, {"rigid": shoe}) for shoe in solve(band, "rigid").shoes]
+    shown = [axes for axes in figures.pressures(blocks).axes if axes.get_visible()]
+    assert [bool(axes.get_xlabel()) for axes in shown] == [True] * 5
+    both = [(shoe.name, {"sine": shoe}) for _ in range(2) for shoe in solve(brake, "sine").shoes]
+    assert [bool(axes.get_xlabel()) for axes in figures.pressures(both).axes] == [False, False, True, True]
