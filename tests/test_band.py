@@ -11,6 +11,9 @@ import drumlin
 from drumlin.brake import Brake, read_any, vary
 from drumlin.brake.file import brake_from
 from drumlin.errors import BadInput
+from drumlin.fem.holding import full_slip_rotation, hold
+from drumlin.fem.sensitivity import sensitivity
+from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 
 R, BAND, HALF, PITCH = 0.25, 0.267, math.radians(18), math.radians(48)
@@ -91,6 +94,15 @@ def test_elastic_blocks_balance_and_thin_linings_bear_by_the_law(spin: int) -> N
     assert fem.torque == pytest.approx(rigid.torque, rel=3e-3)
     assert [shoe.torque for shoe in fem.shoes] == pytest.approx([shoe.torque for shoe in rigid.shoes], rel=3e-3)
     assert max(fem.balance.force, fem.balance.moment) < 1e-9
+
+
+def test_slopes_and_full_slip_of_a_chain() -> None:
+    brake = band(thickness=5e-3)
+    scene = scene_of(brake, elements=20)
+    torque = [drumlin.solve(vary(brake, {"friction": mu}), elements=20).torque for mu in (0.35, 0.3501, 0.3499)]
+    assert sensitivity(scene, brake).friction == pytest.approx((torque[1] - torque[2]) / 2e-4, rel=1e-6)
+    states = hold(scene, brake, np.array([0.0, full_slip_rotation(scene, brake)]))
+    assert states[-1].torque == pytest.approx(torque[0], rel=1e-9)
 
 
 def test_the_file_wears_in_to_its_law(root: Path) -> None:

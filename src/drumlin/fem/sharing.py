@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.contact.active_set import Problem
+from drumlin.contact.equations import Problem
 
 
 class Pushed(NamedTuple):

@@ -1,6 +1,7 @@
 """Equilibrium of what a model returns: sums of forces and moments, relative to their largest members."""
 
 import math
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -9,6 +10,8 @@ from drumlin.brake import AnyBrake, Brake
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import Resultant, cross, gauss_points, resultant
+
+B = TypeVar("B", bound=Brake | FlatBrake)
 
 
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
@@ -27,13 +30,13 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
     )
 
 
-def loaded(brake: AnyBrake, response: Response) -> AnyBrake:
+def loaded(brake: B, response: Response) -> B:
     """The brake under the forces that its shoes share in a response."""
     forces = [shoe.force for shoe in response.shoes]
     if all(force is None for force in forces):
         return brake
     shoes = tuple(shoe if force is None else shoe.under(force) for shoe, force in zip(brake.shoes, forces, strict=True))
-    return brake.model_copy(update={"shoes": shoes})
+    return cast("B", brake.model_copy(update={"shoes": shoes}))
 
 
 def balance_of(brake: AnyBrake, index: int, response: ShoeResponse) -> Balance:
