@@ -137,3 +137,13 @@ def test_the_top_of_a_colour_bar_is_round_in_its_quarters_and_near():
         assert value <= top * (1 + 1e-9) and top <= 1.51 * value
         assert len(f"{top / 4:.6g}".replace("0.", "").strip("0.").replace(".", "")) <= 2
     assert _round_up(10.6) == pytest.approx(12)
+
+
+def test_panels_of_other_angles_say_their_own(root, brake):
+    """Blocks one after the other around a drum have their axes each; shoes in both rotations share them."""
+    band = read_any(root / "studies/brakes/band.toml")
+    blocks = [(shoe.name, {"rigid": shoe}) for shoe in solve(band, "rigid").shoes]
+    shown = [axes for axes in figures.pressures(blocks).axes if axes.get_visible()]
+    assert [bool(axes.get_xlabel()) for axes in shown] == [True] * 5
+    both = [(shoe.name, {"sine": shoe}) for _ in range(2) for shoe in solve(brake, "sine").shoes]
+    assert [bool(axes.get_xlabel()) for axes in figures.pressures(both).axes] == [False, False, True, True]
