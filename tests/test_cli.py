@@ -8,6 +8,7 @@ import subprocess
 import sys
 from contextlib import redirect_stderr, redirect_stdout
 
+import numpy as np
 import pytest
 
 from conftest import STUDY
@@ -186,22 +187,50 @@ def test_help_answers_in_some_half_a_second():
     assert min(seconds) < 1.5  # .4 where nothing shares the caches
 
 
-def test_solving_loads_neither_pyvista_nor_matplotlib(tmp_path):
+HEAVY = {"pyvista", "matplotlib", "vtk", "vtkmodules", "pint", "meshio"}
+
+
+@pytest.mark.parametrize(
+    ("options", "none_of"),
+    [(["--elements", "10"], HEAVY), ([], HEAVY | {"skfem", "scipy.sparse", "scipy.optimize"})],
+    ids=["mesh", "columns"],
+)
+def test_solving_loads_what_it_calls(tmp_path, options, none_of):
+    """By columns it calls scikit-fem's elements alone, which are loaded without the rest of it."""
     code = (
-        "import sys; sys.argv = ['drumlin', 'solve', sys.argv[1], '--json', sys.argv[2], '--elements', '10']\n"
+        "import json, sys; sys.argv = ['drumlin', 'solve', *sys.argv[1:]]\n"
         "from drumlin.cli import main\n"
         "try: main()\n"
         "except SystemExit as end: assert not end.code\n"
-        "assert 'skfem' in sys.modules\n"
-        "print('loaded:', {'pyvista', 'matplotlib', 'vtk', 'vtkmodules'} & set(sys.modules))"
+        "print(json.dumps(sorted(sys.modules)))"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, STUDY / "brake.toml", tmp_path / "r.json"],
+        [sys.executable, "-c", code, STUDY / "brake.toml", "--json", tmp_path / "r.json", *options],
         capture_output=True,
         text=True,
         check=True,
     )
-    assert "loaded: set()" in done.stdout
+    loaded = set(json.loads(done.stdout.splitlines()[-1]))
+    assert not loaded & none_of
+    assert ("skfem" if options else "drumlin.fem._skfem.element") in loaded
+
+
+def test_elements_without_the_rest_are_those_of_scikit_fem():
+    import skfem
+    from skfem.models import elasticity
+
+    from drumlin.fem import shapes
+
+    at = np.random.default_rng(1).random((2, 7))
+    for ours, theirs, count in (
+        (shapes.elements().ElementQuadP(4), skfem.ElementQuadP(4), 25),
+        (shapes.elements().ElementQuad2(), skfem.ElementQuad2(), 9),
+    ):
+        assert type(ours).__module__.startswith("drumlin.fem._skfem") and type(theirs).__module__.startswith("skfem.")
+        for i in range(count):
+            for one, other in zip(ours.lbasis(at, i), theirs.lbasis(at, i), strict=True):
+                assert np.array_equal(one, other)
+    assert shapes.plane_stress(2e11, 0.3) == pytest.approx(elasticity.plane_stress(2e11, 0.3), rel=1e-15)
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drumlin.contact import active_set
-from drumlin.contact.active_set import Problem
+from drumlin.contact.equations import Changed, Equations, Problem, condition, equilibrated, few_changed
 from drumlin.errors import NoAnswer
 
 
@@ -117,9 +117,9 @@ def test_changing_a_few_nodes_of_a_factorised_set_equals_factorising_the_other_s
         p_matrix(rng, n, 0.3), rng.normal(size=n), rng.normal(size=(n, 1)), rng.normal(size=(1, n)), rng.normal(size=1)
     )
     active = rng.random(n) < 0.8
-    base, other = active_set._Equations(problem, active), active.copy()
+    base, other = Equations(problem, active), active.copy()
     other[rng.choice(n, n // 10, replace=False)] ^= True
-    direct, changed = active_set._Equations(problem, other), active_set._Changed(base, problem, other)
+    direct, changed = Equations(problem, other), Changed(base, problem, other)
     for a, b in zip(direct.solve(problem.q, problem.h), changed.solve(problem.q, problem.h), strict=True):
         assert b == pytest.approx(a, rel=1e-6, abs=1e-8 * np.abs(a).max())
     assert changed.sign == direct.sign
@@ -262,44 +262,21 @@ def test_condition_is_that_of_the_equilibrated_equations():
     problem, on = hinged_twice(), np.array([True, True, False])
     # unit diagonal of A, largest entries of the columns of B and rows of C: those of equal springs, each on its motion
     exact = np.linalg.cond(np.block([[np.eye(2), -np.eye(2)], [-np.eye(2), np.zeros((2, 2))]]), 1)
-    assert active_set.condition(problem, on) == pytest.approx(exact, rel=1e-12)
-    assert active_set.condition(free(np.eye(2), [1, 1]), np.zeros(2, bool)) == 1.0
-    assert active_set.condition(free(np.ones((2, 2)), [1, 1]), np.ones(2, bool)) == np.inf
+    assert condition(problem, on) == pytest.approx(exact, rel=1e-12)
+    assert condition(free(np.eye(2), [1, 1]), np.zeros(2, bool)) == 1.0
+    assert condition(free(np.ones((2, 2)), [1, 1]), np.ones(2, bool)) == np.inf
 
 
 def test_equilibration_makes_units_of_a_b_and_c_and_is_undone():
     problem = Problem(
         np.array([[4.0, 1], [2, 9]]), np.array([1.0, 2]), np.array([[6.0], [3]]), np.array([[4.0, 2]]), np.array([8.0])
     )
-    scaled, scales = active_set.equilibrated(problem)
+    scaled, scales = equilibrated(problem)
     assert np.diagonal(scaled.A) == pytest.approx([1, 1])
     assert scaled.A[0, 1] == pytest.approx(1 / 6) and scaled.q == pytest.approx([1 / 2, 2 / 3])
     assert np.abs(scaled.B).max() == np.abs(scaled.C).max() == 1 and scaled.B[1, 0] == pytest.approx(1 / 3)
     assert scaled.h / scaled.C[0, 0] * scales.pressure[0] == pytest.approx(8 / 4)
     assert scales.motion == pytest.approx([1 / 3]) and scales.balance == pytest.approx([1 / 2])
-
-
-@given(st.integers(0, 1000))
-def test_the_adjoint_is_what_functionals_feel_of_any_change(seed):
-    rng = np.random.default_rng(seed)
-    n, k = 7, 2
-    B = rng.normal(size=(n, k))
-    p, active = rng.uniform(1, 2, n), np.arange(n) != 3
-    p[~active] = 0
-    A, C, y = p_matrix(rng, n, 0.3), rng.normal(size=(k, n)), rng.normal(size=k)
-    base = Problem(A, -A @ p - B @ y + ~active, B, C, C @ p)
-    weights = rng.normal(size=(n, 3))
-    weights[~active] = 0
-    a, b = active_set.adjoint(base, active, weights)
-    assert not a[~active].any()
-    change = Problem(*(rng.normal(size=part.shape) for part in base))
-    ends = []
-    for step in (-1e-5, 1e-5):
-        moved = Problem(*(part + step * d for part, d in zip(base, change, strict=True)))
-        ends.append(active_set._Equations(moved, active).solve(moved.q, moved.h)[0])
-    slope = weights.T @ (ends[1] - ends[0]) / 2e-5
-    felt = -a.T @ (change.q + change.A @ p + change.B @ y) + b.T @ (change.h - change.C @ p)
-    assert felt == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(slope).max())
 
 
 def test_coarse_problems_are_those_on_every_other_node():
@@ -315,13 +292,13 @@ def test_coarse_problems_are_those_on_every_other_node():
 
 def test_a_few_changed_nodes_use_the_factors_that_there_are():
     problem, on = free(np.eye(40) + 0.1, np.ones(40)), np.arange(40) < 33
-    base = active_set._Equations(problem, on)
-    few = active_set._few_changed
+    base = Equations(problem, on)
+    few = few_changed
 
     def changed(*nodes):
         return on ^ np.isin(np.arange(40), nodes)
 
     assert few(base, changed(1, 2, 35, 3))
     assert not few(base, changed(1, 2, 35, 3, 4))  # more than an eighth of what is on
-    p, _ = active_set._Changed(base, problem, changed(4, 9, 35)).solve(-np.arange(1.0, 41), np.zeros(0))
+    p, _ = Changed(base, problem, changed(4, 9, 35)).solve(-np.arange(1.0, 41), np.zeros(0))
     assert p[[4, 9, 34]].tolist() == [0, 0, 0] and (p != 0).sum() == 32

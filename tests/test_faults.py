@@ -83,6 +83,13 @@ def test_the_judge_finds_each_kind_of_fault(case):
     assert fault_of(GIVEN, BAD[case])
 
 
+def test_a_name_that_reads_like_no_number_is_none():
+    named = GIVEN._replace(files={"b.toml": b'shoe = [{name = "nan mm"}, {name = "inf"}]'})
+    end = GOOD._replace(out="nan mm  3 N m\n", written={"r.csv": b"shoe,p\ninf,1\n"})
+    assert fault_of(named, end) == "" != fault_of(GIVEN, end)
+    assert fault_of(named, end._replace(out="nan mm  nan N m\n"))
+
+
 # the ones that a list names
 
 BRAKE = "double_shoe/brake"

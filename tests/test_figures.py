@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from drumlin.brake import read_any
 from drumlin.models import solve
 from drumlin.report import figures
+from drumlin.report.drawing import draw_brake
 from drumlin.report.palette import CATEGORIES, GRADES, LOOKS
 
 # Dichromats by Machado, Oliveira & Fernandes (2009), severity 1, on linear RGB
@@ -78,3 +80,61 @@ def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_be
     assert not any(axes.get_legend() for axes in few.axes)  # nothing over the data
     many = figures.pressures([("right", {name: solve(brake, name).shoes[0] for name in ("sine", "cosine", "uniform")})])
     assert {text.get_text() for text in many.legends[0].get_texts()} >= {"sine law", "cosine law", "uniform pressure"}
+
+
+# drawings of brakes
+
+
+def drawn(path):
+    figure = Figure()
+    axes = figure.subplots()
+    draw_brake(axes, read_any(path))
+    dashed = [np.array(line.get_xydata()) for line in axes.lines if line.get_linestyle() == "--"]
+    return axes, [text.get_text() for text in axes.texts], dashed
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("simplex_hinged", ["1.861 kN each"]),
+        ("duplex", ["1.094 kN", "1.094 kN"]),
+        ("duo_servo", ["1.117 kN"]),
+        ("s_cam", ["53.15 kN in all"]),
+        ("crane", ["3 kN", "3 kN"]),
+        ("rail_clamp", ["20 kN"]),
+        ("band", ["2 kN"]),
+    ],
+)
+def test_forces_are_written_once_a_place(root, name, words):
+    """Of a cam their sum: 900 N m over 12.7 mm, .75 of it."""
+    _, texts, _ = drawn(root / f"studies/brakes/{name}.toml")
+    assert [text for text in texts if "kN" in text] == words
+
+
+def test_a_rigid_arm_is_drawn_from_what_holds_and_pushes_a_block_to_its_grip(root):
+    brake = read_any(root / "studies/brakes/block_on_lever.toml")
+    axes, _, dashed = drawn(root / "studies/brakes/block_on_lever.toml")
+    ends = [line[-1].tolist() for line in dashed]
+    assert ends == [[-250, 200], [450, 200]]
+    np.testing.assert_allclose([line[0] for line in dashed], [[0, 200]] * 2, atol=1e-9)  # the middle of its back
+    back = [line.get_xydata() for line in axes.lines if np.allclose(np.hypot(*line.get_xydata().T), 200)]
+    lengths = [float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in back]
+    assert any(length == pytest.approx(1e3 * brake.shoes[0].body.grip, rel=1e-3) for length in lengths)
+
+
+def test_a_strut_reaches_from_a_foot_to_the_shoe_that_it_pushes(root):
+    axes, _, _ = drawn(root / "studies/brakes/duo_servo.toml")
+    (strut,) = [line.get_xydata() for line in axes.lines if line.get_linewidth() == 5]
+    np.testing.assert_allclose(strut[0], [25, -112])
+    assert strut[1][1] == pytest.approx(-112)
+    assert np.hypot(*strut[1]) < 139.7 and strut[1][0] < 0
+
+
+def test_panels_of_other_angles_say_their_own(root, brake):
+    """Blocks one after the other around a drum have their axes each; shoes in both rotations share them."""
+    band = read_any(root / "studies/brakes/band.toml")
+    blocks = [(shoe.name, {"rigid": shoe}) for shoe in solve(band, "rigid").shoes]
+    shown = [axes for axes in figures.pressures(blocks).axes if axes.get_visible()]
+    assert [bool(axes.get_xlabel()) for axes in shown] == [True] * 5
+    both = [(shoe.name, {"sine": shoe}) for _ in range(2) for shoe in solve(brake, "sine").shoes]
+    assert [bool(axes.get_xlabel()) for axes in figures.pressures(both).axes] == [False, False, True, True]

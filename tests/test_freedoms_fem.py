@@ -1,6 +1,7 @@
 """Shoes held by a pivot, an abutment or a guide, by finite elements: rigid limit, balances, mirror images."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,8 @@ import drumlin
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import brake_from, vary
 from drumlin.errors import BadInput
+from drumlin.fem.fields import fields
+from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 
 R = 0.11
@@ -141,3 +144,28 @@ def test_a_body_bolted_to_a_lever_is_held_as_a_guided_one_where_the_lever_is_lon
 def test_an_abutment_does_not_grip_a_back(kind: str) -> None:
     with pytest.raises(BadInput, match=r"^shoe\[0\]\.body\.grip = 30 mm: an abutment holds the body's end face"):
         brake_of(kind, 1, body=BODY | {"grip": 0.03})
+
+
+def test_a_guided_shoe_that_aims_at_the_centre_bears_no_moment_without_friction() -> None:
+    towards = {
+        "guide": {"direction": 0.0},
+        "actuation": {"force": 1e3, "direction": 0.0, "point": {"x": 0.1, "y": 0.0}},
+    }
+    response = drumlin.solve(brake_of("guide", 1, mu=0.0, **towards))
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+
+
+FILES = ["band", "crane", "duo_servo", "duplex", "s_cam", "simplex_hinged", "block_on_lever"]
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_the_displacements_inside_are_those_of_the_answer(name: str, root: Path) -> None:
+    """However a shoe is held and pushed, where it bears it stands on the drum: no displacement along radii."""
+    brake = drumlin.read_brake(root / f"studies/brakes/{name}.toml")
+    scene = scene_of(brake, elements=20)
+    response = drumlin.solve(brake, elements=20)
+    for i in range(len(brake.shoes)):
+        found = fields(scene, brake, response, i)
+        on = found.pressure > 0.01 * found.pressure.max()
+        radial = (found.displacement * found.points).sum(axis=1)[on] / np.hypot(*found.points[on].T)
+        assert np.abs(radial).max() < 0.01 * np.linalg.norm(found.displacement, axis=1).max()

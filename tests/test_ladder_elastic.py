@@ -9,6 +9,7 @@ from scipy.sparse.linalg import spsolve
 
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
+from drumlin.contact.equations import Problem
 from drumlin.fem.body import scalar_basis, stiffness
 from drumlin.verification.two_bodies import Pair, body, sector, towards
 
@@ -82,7 +83,7 @@ def test_the_pressure_at_a_sharp_edge_that_the_drum_runs_onto_goes_as_r_to_lambd
     A = pair.pressed.T @ (pair.pressed + mu * pair.dragged)
     n = len(pair.angle)
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
-    found = active_set.solve(active_set.Problem(A, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)))
+    found = active_set.solve(Problem(A, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)))
     r = pair.angle - pair.angle[0]  # the drum moves along +phi, onto this end
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)
     assert near.sum() > 10

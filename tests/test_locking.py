@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, self_locking
-from drumlin.contact.active_set import Problem
+from drumlin.contact.equations import Problem
 from drumlin.contact.self_locking import Sliding, limit
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import prepare

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import drumlin
+from drumlin.brake.fields import Material
 from drumlin.brake.file import validated
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.unrolled import unrolled
@@ -16,6 +17,7 @@ from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
 from drumlin.laws import law
+from drumlin.verification.ladder_pads import guided
 
 LINING = {"thickness": 0.001, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 BODY = {"thickness": 0.02, "width": 0.04, "start": 0.05, "end": 0.19, "material": {"E": 2.1e11, "nu": 0.3}}
@@ -141,3 +143,11 @@ def test_a_pad_without_thickness_is_refused_in_one_line() -> None:
     bare = {key: None for key in ("thickness", "material")}
     with pytest.raises(BadInput, match="its lining has no thickness and material to mesh"):
         drumlin.solve(pad("hinge", lining=LINING | {"start": 0.06, "end": 0.18} | bare))
+
+
+def test_a_centred_pad_without_friction_bears_no_moment_and_is_answered() -> None:
+    """All moments vanish: what is small is said by the force in the middle of half a lining."""
+    response = drumlin.solve(guided(0.01, 0.0, Material(E=3e8, nu=0.25)))
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    (shoe,) = response.shoes
+    np.testing.assert_allclose(shoe.pressure_at(0.12 - shoe.theta), shoe.pressure, atol=1e-6 * shoe.peak_pressure)

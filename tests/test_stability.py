@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drumlin.contact import active_set
+from drumlin.contact.equations import Problem, condition
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import materials_of, prepare
 from drumlin.fem.body import stiffness
@@ -128,7 +129,7 @@ def test_wide_gaps_on_tiny_compressions_keep_their_digits():
 
 def test_a_contact_set_of_one_node_carries_the_moment_exactly():
     A = np.diag([1e-16, 2e-16, 1e-16])
-    problem = active_set.Problem(
+    problem = Problem(
         A,
         np.array([5e-5, 4.9e-5, 6e-5]),
         -np.array([[1e-6], [1e-6], [1e-6]]),
@@ -148,7 +149,7 @@ def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix()
     column, row = 1 / np.abs(d[:, None] * B).max(), 1 / np.abs(C * d).max()
     matrix = np.block([[d[:, None] * A * d, d[:, None] * B * column], [row * C * d, np.zeros((1, 1))]])
     exact = np.linalg.cond(matrix, 1)
-    assert active_set.condition(problem, everywhere(scene)) == pytest.approx(exact, rel=0.5)
+    assert condition(problem, everywhere(scene)) == pytest.approx(exact, rel=0.5)
 
 
 def test_a_stiff_penalty_costs_nothing_and_a_soft_one_errs_in_proportion():

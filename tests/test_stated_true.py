@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from drumlin.errors import NoAnswer
+from drumlin.fem.hp.adapt import RULES, estimate
 from drumlin.fem.solve import solve
 from drumlin.verification.random_brake import KINDS, random_brake
-from drumlin.verification.stated_true import QUANTITIES, Truth, errors, limit, ratio, row, summary
+from drumlin.verification.stated_true import QUANTITIES, Truth, by_columns, errors, limit, ratio, row, summary
 from drumlin.verification.triangles import Level, sequence
 
 LEVELS = (Level(3, 5, 1.4, 1.0), Level(4, 7, 1.2, 1.0))
@@ -81,3 +82,48 @@ def test_uncertainty_of_a_sequence():
     assert limit(1.0, 0.0) == 0.0
     assert math.isnan(ratio({"stated_torque": math.nan, "true_torque": 1.0, "unsure_torque": 0.0}, "torque"))
     assert np.isinf(ratio({"stated_torque": 1e-3, "true_torque": 1e-6, "unsure_torque": 2e-6}, "torque"))
+
+
+def test_an_estimate_follows_what_is_observed_and_distrusts_what_is_lucky(brake):
+    """Torques 1 + c r^-k: at least the true error c r^-k / (r - 1) of the last, however slowly they fall."""
+    response = solve(brake, elements=10)
+
+    def stated(*torques, softness=0.0, corner=False, soft=0.0):
+        series = [
+            replace(response, shoes=tuple(replace(s, torque=s.torque * t, softness=softness) for s in response.shoes))
+            for t in torques
+        ]
+        return estimate(series, soft=soft, corner=corner).brake
+
+    rule = RULES["torque"]
+    for r in (1.4, 2.0, 5.0, 20.0):
+        three = stated(*(1 + 1e-3 * r**-k for k in range(3)))["torque"]
+        step = 1e-3 * (r**-1 - r**-2)
+        assert three == pytest.approx(
+            max(step / (r - 1), rule.later * step, rule.first * 1e-3 * (1 - 1 / r) / 30), rel=5e-3
+        )
+        assert three >= 0.999e-3 * r**-2
+    assert stated(1.001, 1.0)["torque"] == pytest.approx(rule.first * 1e-3)
+    assert stated(1.001, 1.0, corner=True)["torque"] == pytest.approx(rule.corner * 1e-3)
+    assert stated(1.001, 1.0, 1.0)["torque"] == pytest.approx(rule.first * 1e-3 / rule.fastest)
+    yielding = stated(1.001, 1.0, softness=1e-3, soft=1.0)
+    assert yielding["torque"] == pytest.approx(rule.first * 1e-3 + rule.yielding * 1e-3)
+    assert yielding["pressure"] == 0.0  # which does not differ at all
+
+
+@pytest.mark.parametrize("index", range(2))
+def test_the_penalty_changes_the_torque_as_a_response_says(brake, index):
+    firm, soft = (solve(brake, elements=20, penalty=penalty).shoes[index] for penalty in (math.inf, 1e4))
+    assert abs(soft.torque / firm.torque - 1) == pytest.approx(soft.softness, rel=0.02)
+    assert soft.softness > 1e-9 and firm.softness == 0
+
+
+def test_columns_are_a_truth_that_triangles_share(brake, truth):
+    """They differ by no more than twice what both are unsure of; both see the error of a coarse answer."""
+    finer = by_columns(brake, 1e-2)
+    apart = errors(brake, finer.shoes, truth.shoes)
+    for name in QUANTITIES:
+        assert apart[name] <= 2 * (finer.unsure[name] + truth.unsure[name])
+    coarse = solve(brake, elements=12)
+    one, other = (errors(brake, coarse.shoes, true.shoes)["pressure"] for true in (finer, truth))
+    assert one == pytest.approx(other, rel=0.1)

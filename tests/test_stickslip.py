@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from conftest import STUDY
 from drumlin.brake.file import read_brake, vary
-from drumlin.contact import stick_slip
+from drumlin.contact import equations, stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import prepare
@@ -181,7 +181,7 @@ def test_flat_patch_whole_and_inclined(turned):
     Y = condensed.half(-coupling.N.T)
     depth = 0.05  # strain -.05 of the strip of height 1: s = -1e5
     n = len(line.nodes)
-    problem = active_set.Problem(
+    problem = equations.Problem(
         Y.T @ Y, coupling.M @ np.full(n, -depth), np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
     )
     found = active_set.solve(problem)

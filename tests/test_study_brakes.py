@@ -17,7 +17,7 @@ KINDS = {"hinge", "abutment", "pivot"}
 
 def test_the_files_hold_and_push_shoes_in_every_way() -> None:
     brakes = [read_any(path) for path in FILES]
-    assert len(brakes) == 8
+    assert len(brakes) == 9
     assert {shoe.held_by for brake in brakes for shoe in brake.shoes} == KINDS
     assert {brake.shares for brake in brakes} == {
         None, "its shoes share their forces by a cam", "its shoes share their forces by a strut",

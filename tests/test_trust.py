@@ -16,6 +16,7 @@ from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import edge_left_out
+from drumlin.verification.textbook_brakes import hinged
 
 
 def _pressing(pressure):
@@ -125,34 +126,14 @@ def test_running_in_says_no_number_that_is_not_finite(tmp_path, words):
     assert ("energy" in end.out) == ("--exponent" not in words)
 
 
-BEYOND = """
-title = "lining beyond half a turn from its hinge"
-rotation = "clockwise"
-friction = 0.3
-drum = { radius = "150 mm" }
-[[shoe]]
-name = "s"
-side = "internal"
-hinge = { radius = "100 mm", angle = "0 deg" }
-actuation = { force = "2 kN", direction = "-90 deg", point = { x = "-50 mm", y = "0 mm" } }
-[shoe.lining]
-start = "200 deg"
-end = "300 deg"
-thickness = "8 mm"
-width = "40 mm"
-material = { E = "300 MPa", nu = 0.25 }
-"""
-
-
 @pytest.mark.parametrize(("start", "end"), [("100 deg", "250 deg"), ("200 deg", "300 deg"), ("150 deg", "200 deg")])
 @pytest.mark.parametrize("rotation", ["clockwise", "counter-clockwise"])
 @pytest.mark.parametrize("direction", ["90 deg", "-90 deg"])
-def test_eta_is_its_own_formula_wherever_the_lining_lies(tmp_path, start, end, rotation, direction):
+def test_eta_is_its_own_formula_wherever_the_lining_lies(start, end, rotation, direction):
     """eta = T/M = 1/(m - dD n), UWA notes eq. 6, also where the lining reaches beyond half a turn from the hinge."""
-    file = tmp_path / "beyond.toml"
-    file.write_text(BEYOND)
-    changes = {"rotation": rotation, "shoe[0].lining.start": start, "shoe[0].lining.end": end}
-    brake = vary(drumlin.read_brake(file), changes | {"shoe[0].actuation.direction": direction, "friction": 0.08})
+    changes = {"rotation": rotation, "shoe[0].actuation.direction": direction}
+    changes |= {"shoe[0].lining.start": start, "shoe[0].lining.end": end}
+    brake = vary(hinged(R=0.15, a=0.1, arc=(3.5, 5.2), moment=300.0, mu=0.08), changes)
     merit = drumlin.solve(brake, elements=20).merits[0]
     if merit.m is not None:
         assert merit.mechanical_advantage == pytest.approx(1 / (merit.m - merit.double_delta * merit.n), rel=1e-5)

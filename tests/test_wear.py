@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin.contact import active_set
+from drumlin.contact.equations import Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.interface import ContactLine, couple, radial
 from drumlin.wear.archard import (
@@ -38,7 +38,7 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
     coupling = couple(ContactLine(np.arange(len(phi)), xy, phi, pieces), WIDTH, radial(1))
     turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
     approach = coupling.N @ turned
-    problem = active_set.Problem(
+    problem = Problem(
         A=coupling.M / K,
         q=coupling.M @ gap(phi),
         B=-approach[:, None],

@@ -13,7 +13,17 @@ from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
 from drumlin.report.page import fill
-from drumlin.verification.brake_kinds import Case, both_ways, cam_factor, case, mu_lock, others_of, row_of, verdict
+from drumlin.verification.brake_kinds import (
+    TRUSTED,
+    Case,
+    both_ways,
+    cam_factor,
+    case,
+    mu_lock,
+    others_of,
+    row_of,
+    verdict,
+)
 
 HERE = Path(__file__).parent
 SHOWN = "simplex_abutted"  # its pressures stand in the reference report
@@ -75,4 +85,14 @@ def report(result: Result, folder: Path) -> Path:
         figure = Figure(figsize=(4.5, 4.5), layout="constrained")
         draw_brake(figure.subplots(), brake)
         figures.save(figure, folder / f"{file}_drawing.svg")
-    return fill(HERE / "page.html", folder / "index.html", result=result, titles={f: b.title for f, b in drawn.items()})
+    errors = {key: [abs(row[key]) for row in result.rows] for key in ("new", "worn", "p")}
+    rough = {row["file"] for row in result.rows if abs(row["new"]) > TRUSTED}
+    return fill(
+        HERE / "page.html",
+        folder / "index.html",
+        result=result,
+        titles={f: b.title for f, b in drawn.items()},
+        worst={key: max(values) for key, values in errors.items()},
+        least={key: min(values) for key, values in errors.items()},
+        trusted=sorted(set(result.verdicts) - rough),
+    )

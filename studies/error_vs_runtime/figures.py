@@ -55,10 +55,13 @@ def work_precision(title: str, rows: Sequence[Mapping[str, Any]], floors: Mappin
         ]
         marks = {series_.split(",")[0] for (_, series_) in series(rows)}
         handles += [
-            mpl.lines.Line2D([], [], color="#444444", marker=marker, ls="", ms=6, label=name)
+            mpl.lines.Line2D([], [], color=FAINT, marker=marker, ls="", ms=6, label=name)
             for name, marker in MARKERS.items()
             if name in marks
         ]
+        if any("lower" in row for row in rows):
+            words = "bars: quartiles of the repeats"
+            handles.append(mpl.lines.Line2D([], [], color=FAINT, marker="|", ms=7, label=words))
         handles.append(mpl.patches.Patch(color=PALE, label="below what the reference knows"))
         figure.legend(handles=handles, loc="outside right upper", fontsize=8.5)
     return figure

@@ -17,11 +17,15 @@ from typing import Any
 from studies.faults.study import INPUTS, UNKNOWN
 
 from drumlin.fuzzing import broken_sweeps, endings, faults, trials
+from drumlin.studies import REPOSITORY
 
 PROGRAM = r"""
-import json, os, resource, signal, sys, traceback
-import meshio, numpy, pint, pydantic, rich.table, scipy.optimize, scipy.sparse.linalg, skfem
+import contextlib, io, json, os, resource, signal, sys, traceback
 from drumlin.cli.main import main
+
+with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
+    sys.argv = ["drumlin", "solve", sys.argv[1]]
+    main()  # loads what a solve needs
 
 def one(given):
     os.chdir(given["folder"])
@@ -80,7 +84,11 @@ class Earlier:
     def __init__(self, checkout: Path) -> None:
         env = os.environ | {"PYTHONPATH": str(checkout / "src"), "OPENBLAS_NUM_THREADS": "1", "PYTHONUTF8": "1"}
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", PROGRAM], env=env, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+            [sys.executable, "-P", "-c", PROGRAM, REPOSITORY / "studies" / f"{faults.BRAKES[0]}.toml"],
+            env=env,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
         )
 
     def end(self, given: faults.Input) -> endings.Ending:

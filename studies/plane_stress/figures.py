@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
 from drumlin.report.figures import STYLE
-from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, RED, color_of
+from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of
 from drumlin.response.response import ShoeResponse, edge_zone
+from drumlin.texts import formatted
 from drumlin.verification.plane_stress import Map, Rung, Three, Worn, worst
 
 PANELS = {
@@ -39,8 +40,9 @@ def _panel(axes: Axes, chart: Map, key: str, title: str) -> None:
                 vmin=-1.5, vmax=1.8)  # fmt: skip
     for j, i in np.ndindex(*error.shape):
         signed = key in {"torque", "corrected_torque"}
-        axes.text(i, j, f"{error[j, i]:{'+' if signed else ''}.2g}", ha="center", va="center", fontsize=9,
-                  color="white" if abs(error[j, i]) > 18 else "#1d2733")  # fmt: skip
+        said = formatted(float(error[j, i]), f"{'+' if signed else ''}.2g")
+        color = "white" if abs(error[j, i]) > 18 else INK
+        axes.text(i, j, said, ha="center", va="center", fontsize=9, color=color)
     x, y = chart.axes
     axes.set_xticks(range(len(chart.x)), [f"{value:g}" for value in chart.x])
     axes.set_yticks(range(len(chart.y)), [f"{value:g}" for value in chart.y])

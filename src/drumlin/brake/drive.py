@@ -53,7 +53,8 @@ class Drive(Part):
 
 
 class Link(Part):
-    """A strut: the abutment of the shoe `from` is on it, and it pushes the shoe `to` along the line of that force."""
+    """A strut or a strap: the abutment of the shoe `from` is on it, and it pushes or pulls the shoe `to` along the line
+    of that force. Several make a chain, named from the actuation on."""
 
     source: Annotated[Name, Field(alias="from")]
     to: Name
@@ -68,7 +69,7 @@ def driven(shoes: tuple[Any, ...], drive: Drive | None, links: tuple[Link, ...],
         for key, name in (("from", link.source), ("to", link.to)):
             if name not in places:
                 raise ValueError(f"link[{k}].{key} = {name!r}: must be the name of a shoe: {', '.join(places)}")
-        lines[places[link.to]] = _line(f"link[{k}]", shoes[places[link.source]], shoes[places[link.to]], link, links)
+        lines[places[link.to]] = _line(f"link[{k}]", shoes[places[link.source]], link, links[:k])
     pushed = [i for i in range(len(shoes)) if i not in lines]
     if drive is not None and drive.is_cam and len(pushed) != 2:
         raise ValueError(f"actuation: a cam moves two shoes, not {len(pushed)}")
@@ -93,15 +94,20 @@ def driven(shoes: tuple[Any, ...], drive: Drive | None, links: tuple[Link, ...],
     return tuple(found)
 
 
-def _line(key: str, source: Held, to: Held, link: Link, links: tuple[Link, ...]) -> Actuation:
+def _line(key: str, source: Held, link: Link, before: tuple[Link, ...]) -> Actuation:
     if source.abutment is None:
         raise ValueError(f"{key}.from = {link.source!r}: its shoe must bear on the strut by an abutment")
     if source.abutment.friction > 0:
         raise ValueError(f"{key}.from = {link.source!r}: a strut pushes along its line; leave out abutment.friction")
-    if link.to == link.source or any(other.source == link.to for other in links):
-        raise ValueError(f"{key}.to = {link.to!r}: must be a shoe that does not push another")
-    if [other.to for other in links].count(link.to) > 1:
+    if link.to == link.source or any(other.source == link.to for other in before):
+        raise ValueError(
+            f"{key}.to = {link.to!r}: must be a shoe that does not push another in a link before; "
+            "name the links from the actuation on"
+        )
+    if any(other.to == link.to for other in before):
         raise ValueError(f"{key}.to = {link.to!r}: is pushed by two struts")
+    if any(other.source == link.source for other in before):
+        raise ValueError(f"{key}.from = {link.source!r}: bears on two struts")
     return Actuation(force=0.0, direction=source.abutment.direction + math.pi, point=source.abutment.point)
 
 

@@ -154,8 +154,7 @@ def hold(
     check_outputs(json_file)
     if not 1 <= steps <= 10_000:
         raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
-    options = fem_options(elements, kind=kind, penalty=penalty)
-    stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
+    options, stiffness = fem_options(elements, kind=kind), fem_options(None, penalty=penalty)
     end = None if rotation is None else quantity("--rotation", rotation, "m" if flat else "rad")
     with busy("holding") as say:
         scene = scene_of(brake, **options)
@@ -188,8 +187,7 @@ def sensitivity(
 
     brake = read_any(brake_file)
     check_outputs(json_file)
-    options = fem_options(elements, kind=kind, penalty=penalty)
-    stiffness = {key: options.pop(key) for key in ("penalty",) if key in options}
+    options, stiffness = fem_options(elements, kind=kind), fem_options(None, penalty=penalty)
     with busy("sensitivity"):
         own = on_drum(brake)
         found = slopes(scene_of(own, **options), own, **stiffness)

@@ -16,12 +16,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg
 
-from drumlin.arrays import Bools, Floats, Ints
+from drumlin.arrays import Bools, Floats
+from drumlin.contact.equations import Changed, Equations, Problem, equilibrated, few_changed
 from drumlin.errors import NoAnswer
 
 MOST_STEPS = 120  # a brake that has an answer needs some ten
@@ -32,16 +31,6 @@ FAR = 4  # a set in which more than one node in so many is wrong is far off
 PATIENCE = 5  # steps in which all wrong nodes change at once without becoming fewer
 SMALL = 48  # nodes below which a contact set is not guessed from a coarser problem
 SLACK = 1e-12  # relative: a pressure or gap below it is round-off, and does not change the contact set
-
-
-class Problem(NamedTuple):
-    """A contact problem: the matrices and vectors of the equations above."""
-
-    A: Floats
-    q: Floats
-    B: Floats
-    C: Floats
-    h: Floats
 
 
 @dataclass(frozen=True)
@@ -96,14 +85,14 @@ def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS)
     n, k = B.shape
     active = np.ones(n, dtype=bool) if start is None else start.copy()
     fewest, patience = n + 1, PATIENCE
-    base: _Equations | None = None
+    base: Equations | None = None
     for step in range(1, most + 1):
         if k and not _resisted(B, active):  # a motion that nothing resists yet
             active = active | _first_touch(q, B, C, h)
-        if base is not None and _few_changed(base, active):
-            equations: _Equations = _Changed(base, scaled, active)
+        if base is not None and few_changed(base, active):
+            equations: Equations = Changed(base, scaled, active)
         else:
-            equations = base = _Equations(scaled, active)
+            equations = base = Equations(scaled, active)
         p, y = equations.solve(q, h)
         w = q + A @ p + B @ y
         w[active] = 0.0
@@ -150,7 +139,7 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
     active = _first_touch(q, B, C, h, alone=True)
     s, way, last, e = 1.0, -1, -1, np.zeros(n)
     for step in range(MOST_PASSES * n):
-        equations = _Equations(scaled, active)
+        equations = Equations(scaled, active)
         p, y = equations.solve(q, h)
         w = q + A @ p + B @ y
         if step == 0:
@@ -171,69 +160,6 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
             break
         active[last] ^= True
     raise NoAnswer("no equilibrium found: from wider gaps the contact never reaches the true ones")
-
-
-class Scales(NamedTuple):
-    """What undoes the equilibration: p = pressure p', y = motion y'; C p = h was multiplied by `balance` (k,)."""
-
-    pressure: Floats
-    motion: Floats
-    balance: Floats
-
-
-def equilibrated(problem: Problem) -> tuple[Problem, Scales]:
-    """The problem with unit diagonal of A, unit columns of B and rows of C. Signs, and so the answer, stay."""
-    A, q, B, C, h = problem
-    tiny = np.finfo(float).tiny
-    d = 1 / np.sqrt(np.maximum(np.abs(np.diagonal(A)), tiny))
-    column = 1 / np.maximum(np.abs(d[:, None] * B).max(axis=0), tiny)
-    row = 1 / np.maximum(np.abs(C * d).max(axis=1), tiny)
-    even = d[:, None] * A
-    even *= d  # in place: where there are many nodes, half of the time is that of new memory
-    scaled = Problem(even, d * q, d[:, None] * B * column, row[:, None] * C * d, row * h)
-    return scaled, Scales(d, column, row)
-
-
-def matrix_on(problem: Problem, active: Bools) -> Floats:
-    """The matrix (m + k, m + k) of w = 0 on the m nodes of a contact set and of C p = h, column by column in memory."""
-    A, _, B, C, _ = problem
-    on = np.flatnonzero(active)
-    size, k = len(on), B.shape[1]
-    matrix = np.zeros((size + k, size + k), order="F")
-    matrix[:size, :size] = A if size == len(A) else A[np.ix_(on, on)]
-    matrix[:size, size:] = B[on]
-    matrix[size:, :size] = C[:, on]
-    return matrix
-
-
-def condition(problem: Problem, active: Bools) -> float:
-    """Condition in the 1-norm, estimated by LAPACK's gecon, of the equilibrated equations on a contact set (n,)."""
-    matrix = matrix_on(equilibrated(problem)[0], active)
-    if not matrix.size:
-        return 1.0
-    lu, _, _ = scipy.linalg.lapack.dgetrf(matrix)
-    reciprocal, _ = scipy.linalg.lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max())
-    return float(1 / reciprocal) if reciprocal else np.inf
-
-
-def adjoint(problem: Problem, active: Bools, weights: Floats) -> tuple[Floats, Floats]:
-    """What one functional feels of any change of the problem, while the contact set stays.
-
-    weights (n, m): m functionals weights^T p. Returns a (n, m), zero off the contact set, and b (k, m), so that
-    each changes by
-
-        -a^T (dq + dA p + dB y) + b^T (dh - dC p).
-
-    Raises NoAnswer where the equations are singular.
-    """
-    scaled, scales = equilibrated(problem)
-    on = np.flatnonzero(active)
-    right = np.zeros((len(on) + len(problem.C), weights.shape[1]))
-    right[: len(on)] = (scales.pressure[:, None] * weights)[on]
-    solution = _back(_factorised(matrix_on(scaled, active).T), right)
-    a = np.zeros(weights.shape)
-    a[on] = solution[: len(on)]
-    return scales.pressure[:, None] * a, scales.balance[:, None] * solution[len(on) :]
 
 
 def coarse_start(problem: Problem) -> Bools:
@@ -281,105 +207,7 @@ def _halved(rows: Floats) -> Floats:
     return half
 
 
-class _Equations:
-    """The linear equations w = 0 on a contact set, p = 0 off it, C p = h: factorised once.
-
-    A set that differs from a factorised one by a few nodes needs no factorisation of its own, see `_Changed`.
-    """
-
-    def __init__(self, problem: Problem, active: Bools) -> None:
-        self.active, self._on, self._n = active, np.flatnonzero(active), len(problem.q)
-        self._factors = _factorised(matrix_on(problem, active))
-        self.sign = _determinant_sign(self._factors)
-
-    def solve(self, q: Floats, h: Floats) -> tuple[Floats, Floats]:
-        """p (n,) and y (k,)."""
-        solution = self._solution(np.concatenate([-q[self._on], h]))
-        p = np.zeros(self._n)
-        p[self._on] = solution[: len(self._on)]
-        return p, solution[len(self._on) :]
-
-    def regular(self, scales: "Scales") -> bool:
-        """Whether no motion has lost its resistance: det A > 0 and C A^-1 B without negative eigenvalue."""
-        k = len(scales.motion)
-        if self.sign != (-1) ** k:
-            return False
-        if k < 2:
-            return True
-        unit = np.vstack([np.zeros((len(self._on), k)), np.diag(scales.balance)])
-        yielding = scales.motion[:, None] * -self._solution(unit)[-k:]  # (C A^-1 B)^-1
-        values = np.linalg.eigvals(yielding)
-        return not ((values.imag == 0) & (values.real < 0)).any()
-
-    def _solution(self, right: Floats) -> Floats:
-        return _back(self._factors, right)
-
-
-class _Changed(_Equations):
-    """The equations of a factorised set with a few of its nodes released and a few others added, by a bordered system.
-
-    Its further unknowns are the weighted gaps of the released nodes, which make their pressures vanish, and the
-    pressures of the added ones, which make their weighted gaps vanish.
-    """
-
-    def __init__(self, base: _Equations, problem: Problem, active: Bools) -> None:
-        self.active, self._base, self._n = active, base, base._n
-        self._out = np.flatnonzero(~active[base._on])
-        self._in = np.flatnonzero(active & ~base.active)
-        self._on = np.concatenate([base._on, self._in])
-        size, out, added = len(base._on), len(self._out), self._in
-        border = np.zeros((len(base._factors[0]), out + len(added)))
-        border[self._out, np.arange(out)] = -1.0
-        border[:size, out:] = problem.A[np.ix_(base._on, added)]
-        border[size:, out:] = problem.C[:, added]
-        self._spread = -base._solution(border)
-        self._rows = np.hstack([problem.A[np.ix_(added, base._on)], problem.B[added]])
-        inner = self._across(self._spread)
-        inner[out:, out:] += problem.A[np.ix_(added, added)]
-        self._inner = _factorised(inner)
-        self.sign = base.sign * _determinant_sign(self._inner)  # Schur; Jacobi's complementary minor
-
-    def _across(self, solution: Floats) -> Floats:
-        """Pressures of the released nodes and weighted gaps of the added ones, of pressures in the base."""
-        return np.concatenate([solution[self._out], self._rows @ solution])
-
-    def _solution(self, right: Floats) -> Floats:
-        size, added = len(self._base._on), len(self._in)
-        solution = self._base._solution(np.concatenate([right[:size], right[size + added :]]))
-        wanted = np.concatenate([np.zeros((len(self._out), *right.shape[1:])), right[size : size + added]])
-        border = _back(self._inner, wanted - self._across(solution))
-        solution += self._spread @ border
-        solution[self._out] = 0.0
-        return np.concatenate([solution[:size], border[len(self._out) :], solution[size:]])
-
-
-def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
-    """LU factors and pivots, in the place of the matrix where LAPACK can; raises NoAnswer for a singular one."""
-    if not matrix.size:
-        return matrix, np.zeros(0, dtype=np.int32)
-    lu, pivots, info = scipy.linalg.lapack.dgetrf(matrix, overwrite_a=True)
-    if info or not np.isfinite(np.diagonal(lu)).all():
-        raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
-    return lu, pivots
-
-
-def _back(factors: tuple[Floats, Ints], right: Floats) -> Floats:
-    """Back-substitution; LAPACK directly, since scipy's checks cost more than these small systems."""
-    return scipy.linalg.lapack.dgetrs(*factors, right)[0] if len(right) else right
-
-
-def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
-    lu, pivots = factors
-    swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
-    return int(np.prod(np.sign(np.diagonal(lu))) * (-1) ** swaps)
-
-
-def _few_changed(base: _Equations, active: Bools) -> bool:
-    """Whether a set differs from a factorised one by few nodes: then it is cheaper to border that one."""
-    return bool(8 * np.count_nonzero(base.active ^ active) < np.count_nonzero(base.active))
-
-
-def _tangent(equations: _Equations, d: Floats, h: Floats, dq: Floats) -> Floats:
+def _tangent(equations: Equations, d: Floats, h: Floats, dq: Floats) -> Floats:
     return equations.solve(d * dq, h)[0] * d
 
 

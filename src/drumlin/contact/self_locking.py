@@ -19,7 +19,8 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
-from drumlin.contact.active_set import Contact, Problem, between, equilibrated, halved, matrix_on, settle, solve
+from drumlin.contact.active_set import Contact, between, halved, settle, solve
+from drumlin.contact.equations import Problem, equilibrated, matrix_on
 from drumlin.errors import NoAnswer
 
 LARGEST = 1e3  # friction coefficient up to which a limit is looked for

@@ -109,7 +109,7 @@ def knobs_of(brake: AnyBrake) -> tuple[Knob, ...]:
     found = [
         Knob("friction", "friction µ", "", 0.0, max(1.0, 2 * brake.friction), 0.005, brake.friction, _friction),
         _force(brake),
-        Knob("shift", "line of action, moved outwards", "mm", -nice(R / 5), nice(R / 5), nice(R / 400), 0.0,
+        Knob("shift", "line of action, moved out", "mm", -nice(R / 5), nice(R / 5), nice(R / 400), 0.0,
              lambda value: _shifted(brake, value * 1e-3)),
         Knob("turn", "line of action, turned", "deg", -30.0, 30.0, 0.5, 0.0,
              lambda value: _turned(brake, math.radians(value))),

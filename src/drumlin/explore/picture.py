@@ -18,11 +18,13 @@ from drumlin.response import Response
 from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor, effect, shoe_effect
 from drumlin.response.show import arcs_text
+from drumlin.texts import formatted
 
 MM, MPA = 1e3, 1e-6
 POINTS = 160  # of a curve
 ARROW = 0.45  # of the drum's radius: the largest force
 PETAL = 0.45  # of the drum's radius: how far the full scale stands off the drum
+ROUNDING = 1e-12  # relative, below which an error is that of the arithmetic
 PLACE, PRESSURE = 1e-3, 1e-4  # what curves count in on their way to the page: deg or mm, parts of the full scale
 
 
@@ -162,7 +164,7 @@ def head_of(answer: Answer) -> str:
     said += [] if factor is None else [f"brake factor {name} <b>{factor:.4g}</b>"]
     if answer.law is not None:
         by_law = effect(answer.law)
-        off = f" ({by_law / found - 1:+.1%})" if found else ""
+        off = f" ({formatted(by_law / found - 1, '+.1%')})" if found else ""
         said.append(f"{escape(name_of(answer.law.model))} {by_law:.6g} {unit}{off}")
     if answer.distance:
         said.append(f"worn over {answer.distance * 1e-3:.4g} km at k = 1e-5 mm³/(N m)")
@@ -202,11 +204,15 @@ def error_html(answer: Answer, stated: Stated | None, *, asked: bool) -> str:
         if stated.own is not None:
             own = f"whose own errors are estimated as {stated.own['torque']:.1e} and {stated.own['pressure']:.1e}"
         said = (
-            f"error of the finite elements on this fixed division: {effect} {stated.torque:.1e}, "
-            f"p {stated.pressure:.1e} (L2, worst shoe) from drumlin solve, {own}"
+            f"error of the finite elements on this fixed division: {effect} {_small(stated.torque)}, "
+            f"p {_small(stated.pressure)} (L2, worst shoe) from drumlin solve, {own}"
         )
     worn = f"; wear in steps of {WEAR_TOLERANCE:g} of p" if answer.distance else ""
     return f"<p>{said}{worn}</p>"
+
+
+def _small(error: float) -> str:
+    return f"{error:.1e}" if error > ROUNDING else "only rounding"
 
 
 def rows_of(answer: Answer, brake: AnyBrake) -> tuple[tuple[str, ...], ...]:
@@ -290,7 +296,7 @@ def _flat_drawing(brake: FlatBrake) -> dict[str, Lines]:
 
 def _box(start: float, end: float, low: float, high: float) -> tuple[Floats, Floats]:
     """x and y [mm] of a rectangle between places [m]."""
-    return np.array([start, end, end, start]) * MM, np.array([low, low, high, high]) * MM
+    return np.array([start, end, end, start, start]) * MM, np.array([low, low, high, high, low]) * MM
 
 
 def _lines(curves: Sequence[tuple[Floats, Floats]]) -> Lines:

@@ -14,7 +14,7 @@ import scipy.linalg
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.support import UNHELD, Abutment
-from drumlin.contact import active_set
+from drumlin.contact import equations
 from drumlin.contact.stick_slip import Problem
 from drumlin.fem.assembly import actuation, contact_stiffness
 from drumlin.fem.group import ShoeGroup
@@ -110,7 +110,7 @@ def _smooth(face: Abutment) -> Abutment:
 def _shared(still: ShoeGroup, problem: Problem, dragged: list[Pushed]) -> Problem:
     """The problem of shoes that share forces by struts and a cam; `dragged`: what each is under tractions."""
     n = len(problem.q_w)
-    whole = active_set.Problem(
+    whole = equations.Problem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),
         q=np.concatenate([problem.q_w, problem.q_s]),
         B=np.vstack([problem.B_w, problem.B_s]),

@@ -13,11 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
-import scipy.sparse as sp
-import skfem
 from scipy.linalg.lapack import dpotrf
-from scipy.sparse.linalg import splu
-from skfem.models.elasticity import lame_parameters, plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.fields import Material
@@ -86,6 +82,8 @@ class Condensed:
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacements (2 nodes, m) [m] of m cases: nodal (2n, m), frame (3, m), loads (l, m) as above."""
+        from scipy.sparse.linalg import splu  # noqa: PLC0415  (meshes alone load it)
+
         A, ties, unit = self.inside()
         right = unit[:-FRAME] @ loads - A[:-FRAME, -FRAME:] @ frame
         right[len(right) - len(nodal) :] += nodal
@@ -95,6 +93,8 @@ class Condensed:
 
 def scalar_basis(mesh: Any) -> Any:
     """skfem's basis of one component; quadrature of order 4 in a quadratic element, 2 in a linear."""
+    import skfem  # noqa: PLC0415  (meshes alone load it)
+
     element = kind_of(mesh).element()
     return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
 
@@ -113,6 +113,9 @@ def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]], *, pr
     """
     if hasattr(basis, "stiffness"):  # a grid of columns knows its own
         return basis.stiffness(materials, precise=precise)
+    import scipy.sparse as sp  # noqa: PLC0415  (meshes alone load it)
+    from skfem.models.elasticity import lame_parameters, plane_stress  # noqa: PLC0415  (meshes alone load it)
+
     gradients, dx = (
         _precise_gradients(basis) if precise else (np.array([psi[0].grad for psi in basis.basis]), basis.dx)
     )  # (a, i, elements, points), (elements, points)
@@ -155,6 +158,8 @@ def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None 
     The `rigid` nodes move with u = (dx, dy) + turn k x (x - pin). Without rigid nodes three unknowns `alone` (3,) of
     other nodes stand in the frame's place.
     """
+    import scipy.sparse as sp  # noqa: PLC0415  (meshes alone load it)
+
     order = dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones(basis.N, dtype=bool)
     inner[contact] = inner[rigid] = False

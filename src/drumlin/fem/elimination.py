@@ -10,7 +10,6 @@ products, the kept unknowns come last whatever the sparsity, nothing of the fact
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 from scipy.linalg.blas import dtrsm
 from scipy.linalg.lapack import dpotrf
 
@@ -94,6 +93,8 @@ def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
     """
     inner, regions = len(region), int(region[-1]) + 1 if len(region) else 0
     starts = np.searchsorted(region, np.arange(regions + 1))
+    import scipy.sparse as sp  # noqa: PLC0415  (meshes alone load it)
+
     lower = sp.tril(A, format="csc")
     lower.sort_indices()
     indptr, indices, data = lower.indptr, lower.indices, lower.data

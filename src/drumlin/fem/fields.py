@@ -18,6 +18,7 @@ from drumlin.fem.assembly import Body, Scene, actuation, materials_of
 from drumlin.fem.hp.grid import Grid
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.files import replacing
+from drumlin.response.balance import loaded
 from drumlin.response.response import Response, ShoeResponse
 
 
@@ -42,8 +43,8 @@ class Fields:
 
 
 def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields:
-    """Recover the fields of shoe `index` from the contact pressure of its response."""
-    shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]
+    """Recover the fields of shoe `index` from the contact pressure of its response, and the force it has there."""
+    shoe, body, answer = loaded(brake, response).shoes[index], scene.bodies[index], response.shoes[index]
     materials = {name: material for name, (material, _) in materials_of(shoe).items()}
     p = answer.pressure[:: shoe.frame.sense]
     u = displaced(body, brake, shoe, answer, p).reshape(-1, 2).T

@@ -18,6 +18,7 @@ from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.support import moved
 from drumlin.contact import active_set, self_locking
+from drumlin.contact.equations import Problem
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
 from drumlin.fem.sharing import Pushed, Sharing, share
@@ -145,7 +146,7 @@ class ShoeGroup:
         return np.hstack([ring.pressed[i] for i in self.members]), np.hstack([ring.dragged[i] for i in self.members])
 
     @cached_property
-    def problem(self) -> active_set.Problem:
+    def problem(self) -> Problem:
         """Full slip, the drum dragging the linings by mu p, as one complementarity problem.
 
         The weighted gap  w = M (g + p/eps) - N u + N_ring u_ring  closes as the lining moves by u, elastically and by
@@ -153,7 +154,7 @@ class ShoeGroup:
         """
         return self.problem_at(self.brake.friction)
 
-    def problem_at(self, friction: float) -> active_set.Problem:
+    def problem_at(self, friction: float) -> Problem:
         """`problem` at another friction coefficient; linear in it."""
         sharing = self._sharing_at(friction)
         return self.blocks(friction) if sharing is None else sharing.problem
@@ -217,7 +218,7 @@ class ShoeGroup:
     def _drag_on(self, shoe: Shoe, friction: float) -> float:
         return friction * self.brake.spin * shoe.frame.sense
 
-    def blocks(self, friction: float) -> active_set.Problem:
+    def blocks(self, friction: float) -> Problem:
         """The problem at a friction coefficient with the forces of each shoe's own actuation."""
         parts = [self._shoe_problem(k, friction) for k in range(len(self.members))]
         if self.ring is None and len(parts) == 1:
@@ -226,7 +227,7 @@ class ShoeGroup:
         if self.ring is not None:
             pressed, dragged = self.ring
             A += pressed.T @ (pressed + friction * self.brake.spin * dragged)
-        return active_set.Problem(
+        return Problem(
             A=A,
             q=np.concatenate([part.q for part in parts]),
             B=scipy.linalg.block_diag(*(part.B for part in parts)),
@@ -234,7 +235,7 @@ class ShoeGroup:
             h=np.concatenate([part.h for part in parts]),
         )
 
-    def _shoe_problem(self, k: int, friction: float) -> active_set.Problem:
+    def _shoe_problem(self, k: int, friction: float) -> Problem:
         body, shoe = self.bodies[k], self.shoes[k]
         drag = self._drag_on(shoe, friction)
         load, _ = self.loads[k]
@@ -246,7 +247,7 @@ class ShoeGroup:
             A -= drag * body.closing_dragged
             C += drag * (T @ motions.tested)
         A += M / self.stiffnesses[k]
-        return active_set.Problem(
+        return Problem(
             A=A,
             q=M @ (self.gaps[k] / self.unit_force) - own * (body.closing_loaded @ load),
             B=-(N @ motions.moved),
@@ -317,11 +318,13 @@ def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[Sho
 
 
 def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
-    """The shoes that their forces press on the drum, and those that a strut from one of them pushes."""
+    """The shoes that their forces press on the drum, and those that struts from them push."""
     touching = {i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)}
     names = [shoe.name for shoe in brake.shoes]
-    behind = {names.index(link.to): names.index(link.source) for link in brake.links}
-    return sorted(touching | {to for to, source in behind.items() if source in touching})
+    for link in brake.links:  # a chain is named from the actuation on
+        if names.index(link.source) in touching:
+            touching.add(names.index(link.to))
+    return sorted(touching)
 
 
 def grouped(scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf) -> list[ShoeGroup]:

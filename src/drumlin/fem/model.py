@@ -7,6 +7,7 @@ force, line of action, clearance and penalty, in milliseconds on the same scene.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,10 +23,12 @@ from drumlin.fem.assembly import (
     shape_of,
 )
 from drumlin.fem.group import ShoeGroup, groups_of
-from drumlin.fem.refinement import Refined, refine, whole
-from drumlin.response.balance import relative_balance, worst
+from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
+
+if TYPE_CHECKING:
+    from drumlin.fem.refinement import Refined
 
 OVERLAP = 0.01  # of the lining's thickness, from which on a mesh that lies in the drum is said
 PENALTY = 1e6
@@ -37,6 +40,7 @@ MAX_REFINED = 240_000  # unknowns of a group of shoes, times their degree square
 LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
 LARGEST_LOSS = 1e-6  # relative, of a condensed body
 LARGEST_CORRECTION = 1e-6  # relative, of the pressures, by the last step of a refinement
+PULLED = 1e-9  # of the largest force: a shared one below it does not push
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
 REFINED = "refined in the whole system, condensed it loses digits"
@@ -177,11 +181,13 @@ def _imbalance(answers: dict[int, _Answer]) -> float:
     return float(np.nan_to_num(max(balance.force, balance.moment), nan=math.inf))
 
 
-def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> Refined:
+def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Refined":
     """The answer of a group of shoes to all digits: the whole system, refined from the contact set `active` (n,).
 
     order: of its elimination, by SuperLU's names. Raises NoAnswer where it is singular or does not settle.
     """
+    from drumlin.fem.refinement import refine, whole  # noqa: PLC0415  (with scipy.sparse; few brakes lose digits)
+
     refined = refine(whole(group), active, order)
     if refined.correction < SETTLED:
         return refined
@@ -207,7 +213,7 @@ def _answer(
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
     load, moment = group.loads[k]
-    if group.sharing is not None and force < 0:
+    if group.sharing is not None and force < PULLED * group.unit_force:
         raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, what pushes it would have to pull")
     load, moment = abs(force) * load, abs(force) * moment
     drag = brake.drag_on(shoe)
@@ -219,11 +225,11 @@ def _answer(
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
     acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
     left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
-    balance = relative_balance(
-        [nodal.sum(axis=0), reaction, load[:2]],
-        # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
-        [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2])), twist],
-    )
+    # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
+    moments = [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))]
+    if shoe.guide is not None:
+        moments += [twist, *borne(force, brake.drum.radius * (shoe.lining.end - shoe.lining.start))]
+    balance = relative_balance([nodal.sum(axis=0), reaction, load[:2]], moments)
     if shoe.held_by != "hinge":
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
     stiffness = group.stiffnesses[k]

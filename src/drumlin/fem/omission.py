@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-import skfem
 
 from drumlin.arrays import Floats
 from drumlin.brake.components import Beam, Body
@@ -163,6 +162,8 @@ def _undragged(scene: Scene, brake: Brake) -> Scene:
 
 def prepare_straight(brake: Brake, *, elements: int) -> Scene:
     """`prepare` on quadratic quadrilaterals with straight edges."""
+
+    import skfem  # noqa: PLC0415  (meshes alone load it)
 
     def mesher(shoe: Shoe, radius: float) -> Any:
         mesh = shoe_mesh(shoe, radius, elements)

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-import skfem
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.components import Ring, Section
@@ -87,6 +86,8 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
     `angles` (m,) within one turn and `depths` from 0: the ends of the elements. Subdomain `name`; boundaries
     "contact" at depth 0 and "support" at the other side.
     """
+    import skfem  # noqa: PLC0415  (meshes alone load it)
+
     m = len(angles)
     depth, theta = np.repeat(depths, m), np.tile(angles, len(depths))
     corner = np.arange(len(depths) * m).reshape(len(depths), m)

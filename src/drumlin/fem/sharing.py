@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.contact.active_set import Problem
+from drumlin.contact.equations import Problem
 
 
 class Pushed(NamedTuple):
@@ -70,7 +70,7 @@ def share(
     (n, k), count = B.shape, len(shoes)
     fixed, by = np.array(own, dtype=float), np.zeros((count, n))
     for i in cam:
-        shoe, main = shoes[i], _main(shoes[i])
+        shoe, main = shoes[i], _main(blocks, shoes[i])
         by[i] = -C[shoe.rows][main] / shoe.work[main]
         fixed[i] = 0.0
     for source, to in links:
@@ -90,9 +90,10 @@ def share(
     mains = []
     for i in cam:
         shoe = shoes[i]
-        main = shoe.rows.start + _main(shoe)
+        row = _main(blocks, shoe)
+        main = shoe.rows.start + row
         mains.append(main)
-        size = shoe.moves[_main(shoe)]
+        size = shoe.moves[row]
         elastic = shoe.yields * by[i]
         elastic[shoe.part] += shoe.tip
         also[main] = -elastic / size
@@ -130,6 +131,7 @@ def unreduced(blocks: Problem, shoes: list[Pushed], links: list[tuple[int, int]]
     return matrix
 
 
-def _main(shoe: Pushed) -> int:
-    """The motion that the force works most on."""
-    return int(np.abs(shoe.work).argmax())
+def _main(blocks: Problem, shoe: Pushed) -> int:
+    """The motion that the force works most on and its tip goes with, over how far the lining goes with it, for motions
+    are turns and slides. The same at every friction coefficient."""
+    return int((shoe.work * shoe.moves / np.linalg.norm(blocks.B[:, shoe.rows], axis=0) ** 2).argmax())

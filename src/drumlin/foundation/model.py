@@ -22,6 +22,7 @@ from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.contact import active_set, self_locking
+from drumlin.contact.equations import Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.foundation.post import Post, post, shoe_angles, trapezoid
 from drumlin.foundation.ring import drag_flexibility, flexibility
@@ -88,7 +89,7 @@ class System(NamedTuple):
 
     posts: tuple[Post, ...]
     ring: Floats
-    problem: active_set.Problem
+    problem: Problem
 
 
 def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> System:
@@ -116,7 +117,7 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
         B.append(-p.closing[:1].T)
         C.append(-moments[:1])
         h.append(-p.loaded[:1])
-    problem = active_set.Problem(
+    problem = Problem(
         scipy.linalg.block_diag(*A) + ring,
         np.concatenate(q),
         scipy.linalg.block_diag(*B),
@@ -211,7 +212,7 @@ def _found(
     said = brake.names(group)
     begin = None if start is None else np.concatenate([start[i] for i in group])
 
-    def at(friction: float) -> active_set.Problem:
+    def at(friction: float) -> Problem:
         if friction == brake.friction:
             return parts.problem
         return system(brake.model_copy(update={"friction": friction}), group, sections, names).problem

@@ -13,6 +13,7 @@ from drumlin.files import write_text
 from drumlin.models import refusals
 from drumlin.report import figures
 from drumlin.report.page import fill, versions
+from drumlin.response.balance import loaded
 from drumlin.response.response import Response
 
 
@@ -52,7 +53,7 @@ def draw_fields(brake: Brake, response: Response, folder: Path, name: str, **opt
         parts.append(ring_fields(scene, brake, response))
     write_vtu(folder / f"{name}.vtu", parts)
     title = f"{brake.title}, drum turns {brake.rotation}"
-    return render(folder / f"{name}.vtu", folder / f"{name}.png", brake, title)
+    return render(folder / f"{name}.vtu", folder / f"{name}.png", loaded(brake, response), title)
 
 
 def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:

@@ -47,7 +47,7 @@ def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
         _shoe(axes, shoe, R, unit, on_strut=shoe.name in struts)
     loaded = {shoe.name: _loaded_point(shoe, R) for shoe in brake.shoes}
     between(axes, brake, loaded, unit)
-    _forces(axes, brake, loaded, unit)
+    _forces(axes, brake, {shoe.name: _tip(shoe, R, unit) for shoe in brake.shoes}, unit)
     corners = np.array([[-1.0, -1.0], [1.0, 1.0]]) * _outermost(brake)
     points = [corners, *(_places(shoe, R, unit) for shoe in brake.shoes)]
     _frame(axes, np.concatenate(points), 1.8 * unit)
@@ -198,9 +198,16 @@ def _loaded_point(shoe: Shoe, R: float) -> Floats:
     return np.asarray(middle + math.copysign(math.sqrt(reach), (far - middle) @ along) * along)
 
 
+def _tip(shoe: Shoe, R: float, unit: float) -> Floats:
+    """The tip (2,) [mm] of the force's arrow; of one that pulls an external shoe its tail is where it acts."""
+    load, tail = _loaded_point(shoe, R), _tail(shoe.actuation, unit)
+    middle = R * np.array([math.cos(shoe.lining.middle), math.sin(shoe.lining.middle)])
+    return load + tail if shoe.sign < 0 and (load - middle) @ tail > 0 else load
+
+
 def _places(shoe: Shoe, R: float, unit: float) -> Floats:
     """Points (n, 2) [mm] that must be in the picture."""
-    load = _loaded_point(shoe, R)
+    load = _tip(shoe, R, unit)
     hinge = shoe.pin.xy * MM
     size = np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
     return np.concatenate([_room(shoe.actuation, load, unit), hinge + size])

@@ -122,6 +122,7 @@ def pressures(
     beside them, more a key below.
     """
     with mpl.rc_context(STYLE):
+        columns = min(columns, len(panels))
         rows, few = math.ceil(len(panels) / columns), max(len(responses) for _, responses in panels) <= 2
         figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
@@ -138,7 +139,7 @@ def pressures(
                 if model == "fem":
                     axes.fill_between(theta * unit, p * 1e-6, color=color_of(model), alpha=0.12, lw=0)
             axes.set_xlim(theta[0] * unit - 3, theta[-1] * unit + 3)
-            axes.label_outer(remove_inner_ticks=False)
+            axes.tick_params(labelleft=axes in grid[:, 0])
             if few:
                 even = np.linspace(theta[0], theta[-1], 200)
                 lines = [np.interp(even, *curve) * 1e-6 for curve in drawn.values()]
@@ -146,6 +147,12 @@ def pressures(
                     name_curve(axes, even * unit, lines, i, name_of(model), color_of(model))
         for axes in grid[:, 0]:
             axes.set_ylabel("pressure p [MPa]")
+        for k in range(columns):
+            below = list(grid.flat)[k : len(panels) : columns]
+            if len({axes.get_xlim() for axes in below}) == 1:  # then the lowest one says the angle for all
+                for axes in below[:-1]:
+                    axes.set_xlabel("")
+                    axes.tick_params(labelbottom=False)
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
         key(figure, max(grid.flat[: len(panels)], key=lambda axes: len(set(axes.get_legend_handles_labels()[1]))))

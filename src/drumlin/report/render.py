@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.fields import Point
 from drumlin.errors import ended
 from drumlin.files import replacing
 from drumlin.report.palette import RED
@@ -31,7 +32,7 @@ def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
     """Draw a .vtu file of fields into a .png; returns None, or one line that says why there is no picture."""
     marks = {
         "radius": brake.drum.radius,
-        "pins": [list(shoe.pin.xy) for shoe in brake.shoes],
+        "pins": [list(point.xy) for shoe in brake.shoes for point in _points(shoe)],
         "forces": [[*shoe.actuation.point.xy, *shoe.actuation.vector] for shoe in brake.shoes],
         "title": title,
     }
@@ -51,6 +52,12 @@ def picture_by(module: str, fields: Path, picture: Path, argument: str) -> str |
         if picture.is_file():
             picture.unlink()  # an old picture must not stand for a new result
         return f"no field picture: off-screen rendering is not possible here ({one_line(str(error), 200)})"
+
+
+def _points(shoe: Shoe) -> list[Point]:
+    """Where a shoe is held: its pin, that of its lever and its pivot, its foot."""
+    foot = None if shoe.abutment is None else shoe.abutment.point
+    return [point for point in (shoe.hinge, shoe.pivot, foot) if point is not None]
 
 
 def drawn(command: list[str]) -> None:
@@ -89,23 +96,24 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     circle = radius * np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
     plotter.add_mesh(pv.lines_from_points(circle), color="black", line_width=5)
     _add_pressure(plotter, grid, radius)
+    ends = []
     for x, y, fx, fy in marks["forces"]:
         size = math.hypot(fx, fy)
         if size > 0:
+            ends += [[x, y], [x + 0.28 * radius * fx / size, y + 0.28 * radius * fy / size]]
             arrow = pv.Arrow(start=(x, y, 0), direction=(fx / size, fy / size, 0), scale=0.28 * radius,
                              tip_radius=0.06, shaft_radius=0.02)  # fmt: skip
             plotter.add_mesh(arrow, color="#1d2733")
     for x, y in marks["pins"]:
         plotter.add_mesh(pv.Disc(center=(x, y, 0), inner=0, outer=0.035 * radius, c_res=40), color="#1d2733")
     text = f"{marks['title']}\nDisplacements x {factor:g} (undeformed outline grey), drum black.\n"
-    text += "Red arrows: pressure of the drum on the lining. Black arrows: actuation. Discs: hinge pins."
+    text += "Red arrows: pressure of the drum on the lining. Black arrows: actuation. Discs: pins and feet."
     plotter.add_text(text, position="upper_left", font_size=12, color="black")
     plotter.view_xy()
     plotter.enable_parallel_projection()
     # All of the scene to the left of the colour bar and below the text.
-    left, right, bottom, top_edge = np.add(deformed.bounds[:4], 0.2 * radius * np.array([-1, 1, -1, 1]))
-    left, right = min(left, -1.2 * radius), max(right, 1.2 * radius)
-    bottom, top_edge = min(bottom, -1.2 * radius), max(top_edge, 1.2 * radius)
+    places = np.array([[-radius] * 2, [radius] * 2, *marks["pins"], *ends, *np.reshape(deformed.bounds[:4], (2, 2)).T])
+    (left, bottom), (right, top_edge) = places.min(axis=0) - 0.2 * radius, places.max(axis=0) + 0.2 * radius
     scale = max((top_edge - bottom) / 2 / 0.9, (right - left) / 2 / 0.84 * 1300 / 1500)
     x = (left + right) / 2 + 0.13 * scale * 1500 / 1300
     y = (bottom + top_edge) / 2 + 0.09 * scale

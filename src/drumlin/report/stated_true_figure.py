@@ -54,11 +54,11 @@ def levels(rows: Sequence[Mapping[str, Any]]) -> Figure:
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         axes = figure.subplots()
         x = [row["root"] for row in rows]
-        for key, label, mark, color in (("pressure", "p (L2)", "s", "#0b6e99"), ("torque", "torque", "o", "#c8553d")):
-            axes.semilogy(x, [row[key] for row in rows], marker=mark, color=color, label=label)
+        for name, label, mark, color in (("pressure", "p (L2)", "s", BLUE), ("torque", "torque", "o", RED)):
+            axes.semilogy(x, [row[name] for row in rows], marker=mark, color=color, label=label)
         for row in rows:
             axes.annotate(f"p = {row['degree']}", (row["root"], row["pressure"]), (4, 5), textcoords="offset points")
         axes.set_xlabel("(unknowns of a shoe)$^{1/3}$")
         axes.set_ylabel("relative error")
-        axes.legend()
+        key(figure, axes)
     return figure

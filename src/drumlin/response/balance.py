@@ -1,6 +1,7 @@
 """Equilibrium of what a model returns: sums of forces and moments, relative to their largest members."""
 
 import math
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -9,6 +10,8 @@ from drumlin.brake import AnyBrake, Brake
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import Resultant, cross, gauss_points, resultant
+
+B = TypeVar("B", bound=Brake | FlatBrake)
 
 
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
@@ -27,13 +30,13 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
     )
 
 
-def loaded(brake: AnyBrake, response: Response) -> AnyBrake:
+def loaded(brake: B, response: Response) -> B:
     """The brake under the forces that its shoes share in a response."""
     forces = [shoe.force for shoe in response.shoes]
     if all(force is None for force in forces):
         return brake
     shoes = tuple(shoe if force is None else shoe.under(force) for shoe, force in zip(brake.shoes, forces, strict=True))
-    return brake.model_copy(update={"shoes": shoes})
+    return cast("B", brake.model_copy(update={"shoes": shoes}))
 
 
 def balance_of(brake: AnyBrake, index: int, response: ShoeResponse) -> Balance:
@@ -59,8 +62,8 @@ def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
         shoe.actuation.moment_about(shoe.pin),
         response.reaction_moment,
     ]
-    if shoe.guide is not None:  # it may bear no moment at all: then its parts say what is small
-        moments += [float(cross(hinge, shoe.actuation.vector)), -float(cross(hinge, shoe.actuation.vector))]
+    if shoe.guide is not None:
+        moments += borne(shoe.actuation.force, brake.drum.radius * (shoe.lining.end - shoe.lining.start))
     return relative_balance(forces, moments)
 
 
@@ -75,15 +78,21 @@ def flat_balance(brake: FlatBrake, index: int, response: ShoeResponse) -> Balanc
     x, p, dx = gauss_points(response.theta, response.pressure, response.order)
     load = p * dx * shoe.lining.width
     contact = float(np.sum(load)) * np.array([brake.friction * brake.spin, 1.0])
-    return relative_balance(
-        [contact, response.hinge_reaction, shoe.actuation.vector],
-        [
-            float(np.sum(load * (x - shoe.pin.x))),
-            brake.friction * brake.spin * shoe.pin.y * float(np.sum(load)),
-            shoe.actuation.moment_about(shoe.pin),
-            response.reaction_moment,
-        ],
-    )
+    moments = [
+        float(np.sum(load * (x - shoe.pin.x))),
+        brake.friction * brake.spin * shoe.pin.y * float(np.sum(load)),
+        shoe.actuation.moment_about(shoe.pin),
+        response.reaction_moment,
+    ]
+    if shoe.guide is not None:
+        moments += borne(shoe.actuation.force, shoe.lining.end - shoe.lining.start)
+    return relative_balance([contact, response.hinge_reaction, shoe.actuation.vector], moments)
+
+
+def borne(force: float, length: float) -> list[float]:
+    """Two moments [N m] that say what is a small one where a guide may bear none at all: the force's in the middle of
+    a lining of this length [m], of either half."""
+    return [0.5 * force * length, -0.5 * force * length]
 
 
 def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:

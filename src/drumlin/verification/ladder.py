@@ -11,8 +11,9 @@ from drumlin.verification.ladder_case import Case
 from drumlin.verification.ladder_contact import CASES as CONTACT
 from drumlin.verification.ladder_friction import CASES as FRICTION
 from drumlin.verification.ladder_laws import CASES as LAWS
+from drumlin.verification.ladder_pads import CASES as PADS
 
-CASES: tuple[Case, ...] = (*LAWS, *BODIES, *CONTACT, *FRICTION)
+CASES: tuple[Case, ...] = (*LAWS, *BODIES, *CONTACT, *PADS, *FRICTION)
 
 
 def families(cases: Sequence[Case] = CASES) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.fields import Material
 from drumlin.comparison import extrapolate
 from drumlin.contact import active_set
+from drumlin.contact.equations import Problem
 from drumlin.fem.body import scalar_basis, stiffness
 from drumlin.fem.interface import contact_line, couple, radial
 from drumlin.foundation.ring import two_forces
@@ -175,13 +176,13 @@ def _murty() -> float:
     """Largest pressure of the P-matrix on which plain pivoting of all wrong nodes cycles."""
     A = np.array([[1.0, 2, 0], [0, 1, 2], [2, 0, 1]])
     none = np.zeros((3, 0))
-    return float(active_set.solve(active_set.Problem(A, -np.ones(3), none, none.T, np.zeros(0))).p.max())
+    return float(active_set.solve(Problem(A, -np.ones(3), none, none.T, np.zeros(0))).p.max())
 
 
 def _lever() -> float:
     """Force of the outer one of two equal springs at 1 and 2 m on a hinged rigid lever under 3 N at 2 m."""
     B = -np.array([[1.0], [2.0]])
-    problem = active_set.Problem(np.eye(2), np.zeros(2), B, B.T.copy(), np.array([-6.0]))
+    problem = Problem(np.eye(2), np.zeros(2), B, B.T.copy(), np.array([-6.0]))
     return float(active_set.solve(problem).p[1])
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
+from drumlin.contact.equations import Problem
 from drumlin.fem.mesh.grading import graded
 from drumlin.response.resultants import integrate
 from drumlin.verification import closed_forms
@@ -25,7 +26,7 @@ def half_plane(sign: int, per_half: int, material: Material = STEEL) -> Body:
     return body(sector(angles, towards(A / per_half, 1.3, 0.5), 1.0, sign), material)
 
 
-def answer(problem: active_set.Problem) -> Floats:
+def answer(problem: Problem) -> Floats:
     """Pressures (n,) [Pa]."""
     return active_set.solve(problem, nested_start(problem)).p
 
@@ -151,7 +152,7 @@ def _edge_exponent(mu: float, nu: float) -> float:
     matrix = pair.pressed.T @ (pair.pressed + mu * pair.dragged)
     n = len(pair.angle)
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
-    p = active_set.solve(active_set.Problem(matrix, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))).p
+    p = active_set.solve(Problem(matrix, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))).p
     r = pair.angle - pair.angle[0]
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)
     return float(1 + np.polyfit(np.log(r[near]), np.log(p[near]), 1)[0])

@@ -11,7 +11,7 @@ from scipy.sparse.linalg import splu
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
-from drumlin.contact import active_set, self_locking, stick_slip
+from drumlin.contact import active_set, equations, self_locking, stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK, History, Problem
 from drumlin.fem.body import scalar_basis, stiffness
 from drumlin.fem.interface import ContactLine, Coupling, Directions, contact_line, couple, radial
@@ -155,7 +155,7 @@ def _belt(mu: float, wrap: float) -> float:
     on = np.column_stack([2 * belt.line.nodes, 2 * belt.line.nodes + 1]).ravel()
     n = len(N)
     p = active_set.solve(
-        active_set.Problem(N @ u[on, 1:], -N @ u[on, 0], np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
+        equations.Problem(N @ u[on, 1:], -N @ u[on, 0], np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
     ).p
     whole = u @ np.concatenate([[1.0], -p])
     reaction = (belt.K @ whole).reshape(-1, 2)[at].sum(axis=0)
@@ -174,7 +174,7 @@ def _flat_patch(turned: float) -> float:
     on, n = np.column_stack([2 * strip.line.nodes, 2 * strip.line.nodes + 1]).ravel(), len(M)
     A = N @ strip.moved(strip.spread(N))[on]
     none = np.zeros((n, 0))
-    return float(active_set.solve(active_set.Problem(A, M @ np.full(n, -0.05), none, none.T, np.zeros(0))).p.max())
+    return float(active_set.solve(equations.Problem(A, M @ np.full(n, -0.05), none, none.T, np.zeros(0))).p.max())
 
 
 class Plate(NamedTuple):
@@ -249,7 +249,7 @@ def _winkler(mu: float) -> tuple[WearInterface, Floats]:
     )
     turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
     closing = coupling.N @ turned
-    problem = active_set.Problem(
+    problem = equations.Problem(
         coupling.M / K, coupling.M @ (2e-6 * np.cos(3 * phi)), -closing[:, None],
         (mu * (coupling.T @ turned) - closing)[None], np.array([MOMENT]),
     )  # fmt: skip

@@ -51,7 +51,7 @@ def _with_peers() -> list[Method]:
     ]
     found += [
         Method("GetFEM", f"refined, quad2, {n} elements", {"kind": "quad2", "elements": n, "layers": layers})
-        for n, layers in ((42, 5), (62, 6), (81, 7), (135, 8))  # half, a tenth and a hundredth of a percent
+        for n, layers in ((42, 5), (62, 6), (81, 7), (144, 9))  # half, a tenth and a hundredth of a percent
     ]
     found += [
         Method("GetFEM", f"even, quad2, {n} elements", {"kind": "quad2", "elements": n, "even": True})

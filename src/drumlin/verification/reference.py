@@ -79,7 +79,6 @@ class Trio(NamedTuple):
 def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
     """The fine responses of a brake. Raises BadInput where finite elements do not apply or a mesh is given by a file,
     NoAnswer where there is no equilibrium."""
-    brake.check_hinged("reference")
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(f"shoe {shoe.name!r} has a mesh file, which is not refined: no reference values")

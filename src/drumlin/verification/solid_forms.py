@@ -11,6 +11,7 @@ from scipy.sparse.linalg import splu
 from drumlin.arrays import Floats
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
+from drumlin.contact.equations import Problem
 from drumlin.fem.body import condense, stiffness
 from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, radial
 from drumlin.fem.mesh.grading import half_geometric
@@ -126,9 +127,7 @@ def point_contact(per_radius: int, nu: float = 0.3, size: float = 6.0, growth: f
     half = body.half(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
     load, area = 4 / 3 / (1 - nu**2), coupling.area
-    problem = active_set.Problem(
-        A=half.T @ half, q=coupling.M @ (r**2 / 2), B=-area[:, None], C=area[None], h=np.array([load])
-    )
+    problem = Problem(A=half.T @ half, q=coupling.M @ (r**2 / 2), B=-area[:, None], C=area[None], h=np.array([load]))
     p = active_set.solve(problem, r < 1.05).p
     exact = 1.5 * load / math.pi * np.sqrt(np.maximum(1 - r**2, 0.0))
     off, size_ = p - exact, exact @ coupling.M @ exact

@@ -21,7 +21,8 @@ from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.hp.levels import steps
 from drumlin.fem.model import respond
-from drumlin.response.response import EDGE_ZONE, Response
+from drumlin.response.response import EDGE_ZONE, Response, edge_zone
+from drumlin.response.resultants import edge_left_out
 from drumlin.verification import triangles
 
 QUANTITIES = ("pressure", "torque", "peak", "reaction")
@@ -38,16 +39,20 @@ class Pressed(Protocol):
     def theta(self) -> Floats:
         """Angles [rad] of its nodes."""
 
+    @property
+    def pressure(self) -> Floats:
+        """Pressure [Pa] there."""
+
+    @property
+    def order(self) -> int:
+        """Degree of the pieces of its pressure."""
+
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at angles [rad]."""
 
 
 class Solved(Pressed, Protocol):
     """A shoe that is taken as true."""
-
-    @property
-    def order(self) -> int:
-        """Degree of the pieces of its pressure."""
 
     @property
     def torque(self) -> float:
@@ -120,10 +125,10 @@ def errors(brake: Brake, found: Sequence[Any], true: Sequence[Solved]) -> dict[s
 
 
 def pressure_error(found: Pressed, true: Solved) -> float:
-    """L2 norm over theta of the error of p, relative to that of p, outside EDGE_ZONE at the lining's ends."""
-    first, last = true.theta[0] + EDGE_ZONE, true.theta[-1] - EDGE_ZONE
-    if first >= last:
-        return math.nan
+    """L2 norm over theta of the error of p, relative to that of p, outside EDGE_ZONE at the lining's ends, unless half
+    of the force is there."""
+    zone = edge_left_out(true.theta, true.pressure, true.order, EDGE_ZONE)
+    first, last = true.theta[0] + zone, true.theta[-1] - zone
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
     knots = knots[(knots >= first) & (knots <= last)]
     half = 0.5 * np.diff(knots)[:, None]
@@ -134,17 +139,15 @@ def pressure_error(found: Pressed, true: Solved) -> float:
 
 
 def peak(shoe: Shoe, R: float, found: Pressed) -> float:
-    """Largest pressure [Pa] more than half a lining thickness from the lining's ends; of all where there is nothing."""
-    zone = shoe.lining.thickness / (2 * R)
+    """Largest pressure [Pa] outside the `edge_zone` at the lining's ends, unless half of the force is there."""
+    zone = edge_left_out(found.theta, found.pressure, found.order, edge_zone(shoe, R))
     start, end = shoe.lining.start + zone, shoe.lining.end - zone
-    if start >= end:
-        return math.nan
     inside = found.theta[(found.theta > start) & (found.theta < end)]
     return float(found.pressure_at(np.concatenate([inside, np.linspace(start, end, SAMPLES)])).max())
 
 
 def _peak_error(shoe: Shoe, R: float, found: Any, true: Solved) -> float:
-    """Relative error of the peak that a response states, or of a solution's own; nan where all p is at the ends."""
+    """Relative error of the peak that a response states, or of a solution's own; nan where nothing presses."""
     most = peak(shoe, R, true)
     own = float(found.peak_pressure) if hasattr(found, "peak_pressure") else peak(shoe, R, found)
     return abs(own / most - 1) if most else math.nan

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.brake.drum_brake import Brake
-from drumlin.contact import active_set
+from drumlin.contact.equations import condition
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Scene, prepare
 from drumlin.fem.group import ShoeGroup, groups_of
@@ -126,7 +126,7 @@ def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
     p = np.concatenate([r.pressure[:: s.frame.sense] for r, s in zip(shoes, group.shoes, strict=True)]) / size
     active = p > 0
     row: dict[str, Any] = {
-        "condition": active_set.condition(group.problem, active),
+        "condition": condition(group.problem, active),
         "digits": None,
         "whole": "",
     }

@@ -14,6 +14,7 @@ import skfem
 from drumlin.arrays import Bools, Floats
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
+from drumlin.contact.equations import Problem
 from drumlin.fem.body import Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, radial
 from drumlin.fem.ring import closed_mesh, couple_ring
@@ -104,12 +105,10 @@ class Pair:
             np.array([moves[m].ravel() for m in motions]).reshape(-1, 2 * len(x)).T,
         )
 
-    def normal(self, gap: Floats, loads: Sequence[float] = ()) -> active_set.Problem:
+    def normal(self, gap: Floats, loads: Sequence[float] = ()) -> Problem:
         """Frictionless problem; `loads`: force on the inner body's holder along each motion."""
         B = -self.coupling.N @ self.motions
-        return active_set.Problem(
-            self.pressed.T @ self.pressed, self.coupling.M @ gap, B, B.T.copy(), -np.asarray(loads, float)
-        )
+        return Problem(self.pressed.T @ self.pressed, self.coupling.M @ gap, B, B.T.copy(), -np.asarray(loads, float))
 
     def frictional(self, gap: Floats, loads: Sequence[float], penalty_compliance: float = 0.0) -> stick_slip.Problem:
         """Stick-slip problem; slip is that of the outer body against the inner one, along e_phi."""
@@ -136,12 +135,12 @@ class Pair:
         return self.inner.line.phi
 
 
-def nested_start(problem: active_set.Problem, share: int = 6) -> Bools:
+def nested_start(problem: Problem, share: int = 6) -> Bools:
     """A starting contact set from the same problem with every `share`-th node, p linear between them."""
     n = len(problem.q)
     kept = np.unique(np.round(np.linspace(0, n - 1, max(3, n // share))).astype(int))
     P = np.array([np.interp(np.arange(n), kept, row) for row in np.eye(len(kept))]).T
-    coarse = active_set.Problem(P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h)
+    coarse = Problem(P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h)
     start = nested_start(coarse) if len(kept) > 40 else None
     return np.asarray(P @ active_set.solve(coarse, start).p > 0)
 

@@ -25,6 +25,7 @@ import scipy.linalg
 
 from drumlin.arrays import Bools, Floats
 from drumlin.contact import active_set
+from drumlin.contact.equations import Problem
 from drumlin.errors import BadInput, NoAnswer
 
 GAMMA = 1 - 1 / math.sqrt(2)
@@ -43,7 +44,7 @@ class WearInterface(NamedTuple):
     `area` (n,) [m^2]: volume per depth, and normal force per pressure; `torque` (n,) [m^3]: torque per pressure.
     """
 
-    problem: active_set.Problem
+    problem: Problem
     loaded: Floats
     weight: Floats
     pressure: Floats
@@ -175,7 +176,7 @@ def together(interfaces: WearInterfaces) -> WearInterface:
     """WearInterfaces as one: block by block."""
     problems = [interface.problem for interface in interfaces]
     return WearInterface(
-        problem=active_set.Problem(
+        problem=Problem(
             A=scipy.linalg.block_diag(*(p.A for p in problems)),
             q=np.concatenate([p.q for p in problems]),
             B=scipy.linalg.block_diag(*(p.B for p in problems)),
@@ -190,7 +191,7 @@ def together(interfaces: WearInterfaces) -> WearInterface:
     )
 
 
-def at_torque(interface: WearInterface, torque: float) -> active_set.Problem:
+def at_torque(interface: WearInterface, torque: float) -> Problem:
     """The contact problem with the torque [N m] given in place of the size f of the actuation.
 
     With q + (f - 1) loaded and C x = f h the first row of C gives f = (C x)_0 / h_0: put into the others, f becomes
@@ -203,7 +204,7 @@ def at_torque(interface: WearInterface, torque: float) -> active_set.Problem:
     rows[main] = math.copysign(1.0, h[main]) * interface.torque * interface.pressure
     right = np.zeros(len(h))
     right[main] = math.copysign(torque, h[main])
-    return active_set.Problem(A + np.outer(interface.loaded, factor), q - interface.loaded, B, rows, right)
+    return Problem(A + np.outer(interface.loaded, factor), q - interface.loaded, B, rows, right)
 
 
 class _Machine:
@@ -298,7 +299,7 @@ class _Machine:
             rate, slope = self.law.rate(p, rounded)
             softer = A + ds * interface.weight * (slope * interface.pressure)
             shift = ds * (interface.weight @ (rate - slope * p))
-            solved = active_set.solve(active_set.Problem(softer, q + shift, B, C, h), self.sets[i])
+            solved = active_set.solve(Problem(softer, q + shift, B, C, h), self.sets[i])
             if not solved.regular and self.held is None:
                 raise NoAnswer("self-locking, no stable equilibrium")
             self.sets[i] = solved.active
@@ -312,7 +313,7 @@ class _Machine:
         """A pressure to begin Newton's method with; any, where the rate is linear."""
         if self.law.exponent == 1:
             return np.zeros(len(q))
-        found = active_set.solve(active_set.Problem(A, q, B, C, h), self.sets[i])
+        found = active_set.solve(Problem(A, q, B, C, h), self.sets[i])
         self.sets[i] = found.active
         return self.interfaces[i].pressure * found.p
 

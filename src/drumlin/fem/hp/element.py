@@ -9,13 +9,13 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-import skfem
 from numpy.polynomial.legendre import leggauss
 from scipy.linalg.blas import dtrsm
 from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Floats, Ints
 from drumlin.errors import NoAnswer
+from drumlin.fem.shapes import elements
 from drumlin.response.resultants import lobatto
 
 CHUNK = 16_000  # slopes that are worked on at once: they stay in the processor's cache
@@ -48,7 +48,7 @@ def element(p: int, *, precise: bool = False) -> Element:
 
 def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
     """Values (a, q) and slopes (a, 2, q) of the nodal functions, nodes by rows, at points x (2, q) of [0, 1]^2."""
-    hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
+    hierarchical = elements().ElementQuadP(p) if p > 2 else elements().ElementQuad2()
     count = (p + 1) ** 2
 
     def of(points: Floats) -> tuple[Floats, Floats]:

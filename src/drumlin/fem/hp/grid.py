@@ -10,12 +10,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
-from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.fields import Material
 from drumlin.fem.hp.element import element, shape_functions, stiffness
+from drumlin.fem.shapes import plane_stress
 from drumlin.response.resultants import lobatto
 
 
@@ -94,6 +93,8 @@ class Grid:
 
     def stiffness(self, materials: Mapping[str, tuple[Material, float]], *, precise: bool = False) -> Any:
         """Plane-stress stiffness (2 N, 2 N), unknown 2 i + c for component c of node i [N/m]; precise: long double."""
+        import scipy.sparse as sp  # noqa: PLC0415  (only where the whole system is put together)
+
         p, order = self.degree, element(self.degree).order
         dofs = self.element_dofs[order].T
         xy = self.doflocs.astype(np.longdouble if precise else float)[:, dofs].transpose(1, 0, 2)

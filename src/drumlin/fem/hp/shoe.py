@@ -5,7 +5,6 @@ from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
-from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.beam_axis import axis_of
@@ -16,6 +15,7 @@ from drumlin.fem.body import FRAME
 from drumlin.fem.hp.columns import columns, merge, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.element import condensed_elements, element, eliminate
+from drumlin.fem.shapes import plane_stress
 from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape
 
 LOADS, HELD, EXTRA = slice(FRAME), slice(FRAME, 2 * FRAME), 2 * FRAME  # unknowns of a piece before its own

@@ -7,7 +7,6 @@ Named groups: subdomains "shoe", "table" of a T-section, "backing", "lining"; bo
 from typing import Any, NamedTuple
 
 import numpy as np
-import skfem
 
 from drumlin.arrays import Floats
 from drumlin.brake.components import Beam
@@ -18,19 +17,35 @@ from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, Division, divide, l
 
 
 class Kind(NamedTuple):
-    """A kind of mesh: skfem's mesh and element, meshio's names of its cells and of their edges."""
+    """A kind of mesh: the names of skfem's mesh and element, meshio's of its cells and of their edges."""
 
-    mesh: Any
-    element: Any
+    mesh_name: str
+    element_name: str
     cell: str
     edge: str
 
+    @property
+    def mesh(self) -> Any:
+        """skfem's class of meshes."""
+        return _skfem(self.mesh_name)
+
+    @property
+    def element(self) -> Any:
+        """skfem's class of elements."""
+        return _skfem(self.element_name)
+
+
+def _skfem(name: str) -> Any:
+    import skfem  # noqa: PLC0415  (meshes alone load it)
+
+    return getattr(skfem, name)
+
 
 KINDS = {
-    "quad2": Kind(skfem.MeshQuad2, skfem.ElementQuad2, "quad9", "line3"),
-    "quad1": Kind(skfem.MeshQuad1, skfem.ElementQuad1, "quad", "line"),
-    "tri2": Kind(skfem.MeshTri2, skfem.ElementTriP2, "triangle6", "line3"),
-    "tri1": Kind(skfem.MeshTri1, skfem.ElementTriP1, "triangle", "line"),
+    "quad2": Kind("MeshQuad2", "ElementQuad2", "quad9", "line3"),
+    "quad1": Kind("MeshQuad1", "ElementQuad1", "quad", "line"),
+    "tri2": Kind("MeshTri2", "ElementTriP2", "triangle6", "line3"),
+    "tri1": Kind("MeshTri1", "ElementTriP1", "triangle", "line"),
 }
 DEFAULT_KIND = "quad2"
 
@@ -83,7 +98,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         parts = layers_behind(thickness, division, division.step * radius, most)
         depths.append(depths[-1][-1] + parts * thickness)
     bounds = np.array([part[-1] for part in depths])
-    grid = skfem.MeshQuad.init_tensor(np.concatenate(depths), angles)
+    grid = _skfem("MeshQuad").init_tensor(np.concatenate(depths), angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > lining_depth) | ((phi > phi_1) & (phi < phi_2))))
     if kind.startswith("tri"):

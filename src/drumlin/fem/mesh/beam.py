@@ -8,7 +8,6 @@ import math
 from typing import Any
 
 import numpy as np
-import skfem
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import Axis, axis_of
@@ -52,6 +51,8 @@ def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
 
     "hinge" and "actuation" are the beam's end faces.
     """
+    import skfem  # noqa: PLC0415  (meshes alone load it)
+
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
     axis, section, thickness = axis_of(shoe.pin.xy, shoe.actuation.point.xy), shoe.body.section, shoe.lining.thickness
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))

@@ -1,13 +1,14 @@
 """Contact node by node: each node of a face is open, or carries a force with Coulomb's friction at full slip."""
 
 import math
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import NamedTuple
 
 import numpy as np
 
 from drumlin.arrays import Bools, Floats, Ints
 from drumlin.brake import Brake, Shoe
+from drumlin.brake.support import moved
 from drumlin.errors import NoAnswer
 from drumlin.verification.triangles.face import Face
 
@@ -25,10 +26,10 @@ class Rim(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Nodal forces (n,) [N] along the normals and the turn of each shoe about its pin [rad], and what is active."""
+    """Nodal forces (n,) [N] along the normals, the free motions (k,) of the shoes, and what is active."""
 
     force: Floats
-    turn: Floats
+    motions: Floats
     active: Bools
 
 
@@ -73,36 +74,80 @@ def settle(A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats
     raise NoAnswer(f"no contact set settles: wrong by {least:.1e}")
 
 
-def contact(brake: Brake, faces: list[Face], shoes: list[Shoe], rim: Rim | None, first: list[Bools]) -> list[Found]:
-    """The forces on the nodes of the faces of shoes that meet the drum together."""
+def contact(
+    brake: Brake,
+    faces: list[Face],
+    shoes: list[Shoe],
+    rim: Rim | None,
+    first: list[Bools],
+    senses: tuple[int, ...] | None = None,
+) -> list[Found]:
+    """The forces on the nodes of the faces of shoes that meet the drum together.
+
+    senses: of the friction at their abutments, by default those that stand. Raises NoAnswer also where a foot would
+    leave its abutment, and where its friction neither opposes its slide nor holds it.
+    """
+    failure: NoAnswer | None = None
+    for chosen in product(*(shoe.senses for shoe in shoes)) if senses is None else [senses]:
+        try:
+            found = _contact(brake, faces, shoes, rim, first, chosen)
+        except NoAnswer as error:
+            failure = failure or error
+            continue
+        if all(_stands(brake, *of) for of in zip(faces, shoes, found, chosen, strict=True)):
+            return found
+    raise failure or NoAnswer("a foot leaves its abutment")
+
+
+def _stands(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> bool:
+    drum = brake.friction * brake.spin * one.tangent - one.normal
+    reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.vector
+    return shoe.stands(reaction, sense, float(found.motions[-1]))
+
+
+def _contact(
+    brake: Brake, faces: list[Face], shoes: list[Shoe], rim: Rim | None, first: list[Bools], senses: tuple[int, ...]
+) -> list[Found]:
     drag = brake.friction * brake.spin
-    counts = [len(face.theta) for face in faces]
-    begin = np.concatenate([[0], np.cumsum(counts)])
-    n, k = int(begin[-1]), len(faces)
+    free = [shoe.freedoms(sense) for shoe, sense in zip(shoes, senses, strict=True)]
+    begin = np.concatenate([[0], np.cumsum([len(face.theta) for face in faces])])
+    rows = np.concatenate([[0], np.cumsum([len(own.work) for own in free])])
+    n, k = int(begin[-1]), int(rows[-1])
     A, B, C = np.zeros((n, n)), np.zeros((n, k)), np.zeros((k, n))
     q, h, weight = np.zeros(n), np.zeros(k), np.zeros(n)
     spread = []
-    for i, (one, shoe) in enumerate(zip(faces, shoes, strict=True)):
-        part = slice(begin[i], begin[i + 1])
-        m = counts[i]
+    for i, (one, own) in enumerate(zip(faces, free, strict=True)):
+        part, row = slice(begin[i], begin[i + 1]), slice(rows[i], rows[i + 1])
+        m = len(one.theta)
         normal, pull = np.zeros((m, 2 * m)), np.zeros((2 * m, m))
         for c in range(2):
             normal[np.arange(m), 2 * np.arange(m) + c] = one.normal[:, c]
             pull[2 * np.arange(m) + c, np.arange(m)] = -one.normal[:, c] + drag * one.tangent[:, c]
+        by_motion, tested = (
+            moved(motions, one.xy.T).transpose(1, 0, 2).reshape(2 * m, -1) for motions in (own.motions, own.tests)
+        )
         A[part, part] = -normal @ one.compliance @ pull
-        B[part, i] = -normal @ one.turned
-        C[i, part] = one.turned @ pull
+        B[part, row] = -normal @ by_motion
+        C[row, part] = tested.T @ pull
         q[part] = one.gap - normal @ one.loaded
-        h[i] = -shoe.actuation.moment_about(shoe.pin)
+        h[row] = -own.work
         weight[part] = one.mass.sum(axis=1)
         spread.append((normal, pull))
     if rim is not None:
-        for i, j in np.ndindex(k, k):
-            rows, columns = ((2 * rim.of[x][:, None] + np.arange(2)).ravel() for x in (i, j))
+        for i, j in np.ndindex(len(faces), len(faces)):
+            on, under = ((2 * rim.of[x][:, None] + np.arange(2)).ravel() for x in (i, j))
             A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= (
-                spread[i][0] @ rim.compliance[np.ix_(rows, columns)] @ spread[j][1]
+                spread[i][0] @ rim.compliance[np.ix_(on, under)] @ spread[j][1]
             )
     found = settle(A, q, B, C, h, weight, np.concatenate(first))
     return [
-        Found(found.force[a:b], found.turn[i : i + 1], found.active[a:b]) for i, (a, b) in enumerate(pairwise(begin))
+        Found(found.force[a:b], found.motions[c:d], found.active[a:b])
+        for (a, b), (c, d) in zip(pairwise(begin), pairwise(rows), strict=True)
     ]
+
+
+def tip(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> float:
+    """How far the actuation's point goes along its force F > 0 [m], by the work that F does."""
+    drum = brake.friction * brake.spin * one.tangent - one.normal
+    elastic = float(one.loaded @ (found.force[:, None] * drum).ravel()) + one.yields
+    return elastic / shoe.actuation.force + float(shoe.freedoms(sense).tip @ found.motions)

@@ -39,7 +39,7 @@ def shaped(shape: Outline, mesh: Triangles, degree: int) -> Shaped:
 class Face:
     """A lining's face: angles `theta` (n,) [rad] of its nodes, growing, normals and tangents (n, 2), `mass` (n, n) =
     b Int psi_i psi_j ds [m^2]; forces on its nodes move it by `compliance` (2n, 2n), its actuation by `loaded` (2n,),
-    a turn about the pin by `turned` (2n,)."""
+    which works `yields` [N m] on itself."""
 
     theta: Floats
     xy: Floats
@@ -48,7 +48,7 @@ class Face:
     mass: Floats
     compliance: Floats
     loaded: Floats
-    turned: Floats
+    yields: float
     gap: Floats
     degree: int
     unknowns: int
@@ -84,7 +84,7 @@ def _end_load(body: Shaped, force: Floats, point: Floats) -> Floats:
     a couple that grows linearly from its centre."""
     at = body.mesh.at
     assert body.shape.loaded is not None
-    on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (at[..., 1] >= len(body.shape.layers) - 1 - 1e-12)
+    on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (at[..., 1] >= body.shape.front - 1e-12)
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
     of = edge_nodes(body.nodes, tri, edge, body.degree)
     psi, x, ds = along(body.nodes.xy[of], body.degree)
@@ -104,9 +104,12 @@ def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
     shape, nodes, kept = body.shape, body.nodes, body.surface
     if shape.held is None:
         fixed = nodes.at[:, 1] > len(shape.layers) - 1e-12
+        if shape.grip is not None:
+            first, last = shape.grip
+            fixed &= (nodes.at[:, 0] > first - 1e-12) & (nodes.at[:, 0] < last + 1e-12)
         loads = np.zeros((2 * len(nodes.xy), 1))
     else:
-        fixed = (np.abs(nodes.at[:, 0] - shape.held) < 1e-12) & (nodes.at[:, 1] > len(shape.layers) - 1 - 1e-12)
+        fixed = (np.abs(nodes.at[:, 0] - shape.held) < 1e-12) & (nodes.at[:, 1] > shape.front - 1e-12)
         loads = _end_load(body, shoe.actuation.vector, shoe.actuation.point.xy)[:, None]
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
@@ -118,7 +121,6 @@ def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
     psi, _, ds = along(nodes.xy[kept][of], body.degree)
     mass = np.zeros((len(kept), len(kept)))
     np.add.at(mass, (of[:, :, None], of[:, None, :]), shoe.lining.width * np.einsum("aq,bq,kq->kab", psi, psi, ds))
-    arm = nodes.xy[kept] - shoe.pin.xy
     return Face(
         theta=theta,
         xy=nodes.xy[kept],
@@ -127,7 +129,7 @@ def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
         mass=mass,
         compliance=compliance.of,
         loaded=compliance.loaded[:, 0],
-        turned=np.stack([-arm[:, 1], arm[:, 0]], axis=1).ravel(),
+        yields=float(compliance.work[0, 0]),
         gap=clearance.gap(brake, shoe, theta),
         degree=body.degree,
         unknowns=2 * len(nodes.xy),

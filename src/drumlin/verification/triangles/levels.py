@@ -7,11 +7,12 @@ import numpy as np
 
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe, clearance
-from drumlin.errors import NoAnswer
+from drumlin.errors import BadInput, NoAnswer
 from drumlin.verification.triangles.contact import contact
 from drumlin.verification.triangles.face import Face, face, shaped
 from drumlin.verification.triangles.outline import Level, Outline, Sharp, draft, outline
 from drumlin.verification.triangles.ring import rim, with_ring
+from drumlin.verification.triangles.shared import shared
 from drumlin.verification.triangles.solution import ShoeSolution, solution
 
 ENDS = 13  # halvings at most towards an end of the contact, where p is small, and a kink of the gap
@@ -25,9 +26,12 @@ LEVELS = (Level(3, 10, 1.2, 1.0), Level(4, 13, 0.7, 0.8), Level(5, 15, 0.7, 0.8)
 
 
 def pressed(brake: Brake) -> list[int]:
-    """Shoes that their actuation turns towards the drum."""
+    """Shoes that their actuation turns towards the drum, and those that do not turn about a hinge."""
     found = []
     for i, shoe in enumerate(brake.shoes):
+        if shoe.held_by != "hinge" or brake.shares:
+            found.append(i)
+            continue
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 41)
         e = np.stack([np.cos(theta), np.sin(theta)], axis=1)
         arm = brake.drum.radius * e - shoe.pin.xy
@@ -59,11 +63,15 @@ def solve(brake: Brake, level: Level, before: Sequence[ShoeSolution] | None = No
     if brake.drum.ring is not None:
         meshes, opposite = with_ring(brake, drafts, level)
     faces = [
-        face(brake, shoe, shaped(one.shape, mesh, level.degree))
+        face(brake, shoe.under(1.0) if brake.shares else shoe, shaped(one.shape, mesh, level.degree))
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
     firsts = [_touching(one, its) for one, its in zip(faces, earlier, strict=True)]
-    if opposite is not None:
+    if brake.shares:
+        if opposite is not None:
+            raise BadInput(f"{brake.shares}, on an elastic ring")
+        shoes, found = shared(brake, faces, firsts)
+    elif opposite is not None:
         found = contact(brake, faces, shoes, rim(brake, opposite, faces), firsts)
     else:
         found = [contact(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[0] for i in range(len(shoes))]

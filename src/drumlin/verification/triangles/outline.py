@@ -37,8 +37,9 @@ class Sharp(NamedTuple):
 @dataclass(frozen=True)
 class Outline:
     """A layered body in the coordinates s, d: `place` maps them; `s` are the ends of its parts, `thickness` (layers,)
-    [m]; `corners` (k, 2) the s, d of the points to which triangles are graded; `held` s, or None where the back is;
-    `loaded` s or None; `turn`: theta = origin + turn s; `length` [m] per s."""
+    [m]; `corners` (k, 2) the s, d of the points to which triangles are graded; `held` s of the end face that is, or
+    None where the back is, all of it or its `grip`; `loaded` s or None; `turn`: theta = origin + turn s; `length` [m]
+    per s."""
 
     place: Map
     layers: list[Layer]
@@ -50,6 +51,13 @@ class Outline:
     origin: float
     turn: int
     length: float
+    grip: tuple[float, float] | None = None
+    plates: int = 1
+
+    @property
+    def front(self) -> int:
+        """d where the body begins, which has so many `plates`."""
+        return len(self.layers) - self.plates
 
     @property
     def least(self) -> float:
@@ -63,14 +71,12 @@ def outline(shoe: Shoe, R: float) -> Outline:
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
-    if shoe.grip(R) is not None:
-        raise BadInput(f"shoe {shoe.name!r} is held by the back of its body")
     if isinstance(body, Beam):
         return _post(shoe, R)
     parts = [(lining.thickness, lining.material)] + ([(backing.thickness, backing.material)] if backing else [])
     layers = [Layer(lining.start, lining.end, m.E, m.nu, lining.width) for _, m in parts]
     thickness = [t for t, _ in parts]
-    held = loaded = None
+    held = loaded = grip = None
     s = [lining.start, lining.end]
     corners = [(end, float(d)) for end in s for d in range(len(parts) + 1)]
     if body is not None:
@@ -79,16 +85,22 @@ def outline(shoe: Shoe, R: float) -> Outline:
             thickness.append(plate.thickness)
         s += [body.start, body.end]
         corners += [(end, float(d)) for end in (body.start, body.end) for d in range(len(parts), len(layers) + 1)]
-        held, loaded = sorted((body.start, body.end), key=lambda end: abs(float(shoe.frame.phi(np.array(end)))))
+        of = shoe.grip(R)
+        if of is None:
+            held, loaded = sorted((body.start, body.end), key=lambda end: abs(float(shoe.frame.phi(np.array(end)))))
+        else:  # the force acts on what holds the back
+            first, last = sorted(shoe.frame.theta(np.array(of)).tolist())
+            grip = first, last
+            s += grip
+            corners += [(end, float(len(layers))) for end in grip]
     depths = np.concatenate([[0.0], np.cumsum(thickness)])
 
     def place(s: Floats, d: Floats) -> Floats:
         r = R - shoe.sign * np.interp(d, np.arange(len(depths)), depths)
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
-    return Outline(
-        place, layers, np.array(thickness), _distinct(s), np.unique(corners, axis=0), held, loaded, 0.0, 1, R
-    )
+    ends, points, plates = _distinct(s), np.unique(corners, axis=0), len(layers) - len(parts)
+    return Outline(place, layers, np.array(thickness), ends, points, held, loaded, 0.0, 1, R, grip, plates)
 
 
 def _post(shoe: Shoe, R: float) -> Outline:
@@ -141,7 +153,7 @@ def grid(shape: Outline, size: float, wavelength: float, points: Sequence[float]
     of the face, slender ones elsewhere; wavelength [m] of what the gap does."""
     face = shape.layers[0]
     arc = (face.end - face.start) * shape.length
-    thinnest = float(shape.thickness[: len(shape.layers) - (shape.held is not None)].min())
+    thinnest = float(shape.thickness[: len(shape.layers) - (shape.held is not None or shape.grip is not None)].min())
     least = min(thinnest, arc / 4) * size
     most = max(least, min(SLENDER * float(shape.thickness.min()), arc / 8, wavelength / 4) * size)
     dense = np.concatenate([shape.s, points])

@@ -1,0 +1,290 @@
+"""Random brakes of every way to hold and push shoes, drawn from a seed; and brakes moved and scaled.
+
+Drawn about the x axis, then turned and mirrored at random. Linings, bodies and forces are of the sizes that brakes
+have: drums of 60 mm to 1.2 m, linings of R/60 to R/8, moduli over a decade.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from drumlin.brake.file import brake_from, validated, vary
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.solve import solve
+from drumlin.laws import law
+
+ATTEMPTS = 200
+MARGIN = 1.2  # of its friction, up to which law and finite elements must have an answer
+TRIED = 10  # elements of the mesh that shows it
+POINTS = ("hinge", "pivot")
+Rng = np.random.Generator
+Draw = Callable[[Rng], dict[str, Any]]
+
+
+def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> AnyBrake:
+    """The brake of a seed; `kind`: one of KINDS, by default seed modulo their number; rigid: without bodies, with thin
+    linings that are alike. All shoes press, up to MARGIN of its friction."""
+    names = list(KINDS)
+    kind = names[seed % len(names)] if kind is None else kind
+    for attempt in range(ATTEMPTS):
+        rng = np.random.default_rng([seed, names.index(kind), attempt])
+        data = KINDS[kind](rng) | {"title": f"random {kind} {seed}"}
+        data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
+        turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
+        try:
+            brake = _read(_rigid(data) if rigid else data)
+            brake = placed(brake, turn=0.0 if isinstance(brake, FlatBrake) else turn, mirrored=mirrored)
+            for friction in (brake.friction, MARGIN * brake.friction):
+                other = vary(brake, {"friction": friction})
+                if not all(shoe.contact_arcs for shoe in (*law(other).shoes, *solve(other, elements=TRIED).shoes)):
+                    raise NoAnswer("a shoe does not press")
+            return brake
+        except (BadInput, NoAnswer):
+            continue
+    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {ATTEMPTS} attempts")
+
+
+def _read(data: dict[str, Any]) -> AnyBrake:
+    return validated(FlatBrake, data) if "plane" in data else brake_from(data)
+
+
+def _rigid(data: dict[str, Any]) -> dict[str, Any]:
+    size = data.get("drum", {"radius": 0.1})["radius"]
+    alike = {"thickness": size / 300, "material": data["shoe"][0]["lining"]["material"]}  # a cam's law asks for it
+    shoes = [
+        {key: part for key, part in shoe.items() if key != "body"} | {"lining": shoe["lining"] | alike}
+        for shoe in data["shoe"]
+    ]
+    return data | {"shoe": shoes}
+
+
+def _log(rng: Rng, low: float, high: float) -> float:
+    """Between low and high, on a logarithmic scale."""
+    return float(f"{math.exp(rng.uniform(math.log(low), math.log(high))):.4g}")
+
+
+def _drum(rng: Rng, shoes: Callable[[Rng, float], list[dict[str, Any]]], **more: Any) -> dict[str, Any]:
+    R = _log(rng, 0.06, 1.2)
+    rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
+    return {"rotation": rotation, "drum": {"radius": R}, "shoe": shoes(rng, R)} | more
+
+
+def _lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
+    """A shoe about the x axis without what holds and pushes it, now with an elastic body, now rigid."""
+    u = rng.uniform
+    half, middle, width = u(0.45, 1.0), u(-0.1, 0.1), R * u(0.2, 0.6)
+    thickness = R * _log(rng, 1 / 60, 1 / 8)
+    material = {"E": _log(rng, 1e8, 1e9), "nu": round(float(u(0.1, 0.4)), 3)}
+    shoe: dict[str, Any] = {
+        "name": "first",
+        "side": "internal" if inside else "external",
+        "lining": {
+            "start": middle - half, "end": middle + half, "thickness": thickness, "width": width, "material": material,
+        },
+    }  # fmt: skip
+    if rng.random() < 0.7:
+        shoe["body"] = {
+            "thickness": R * u(0.06, 0.2), "width": width, "start": middle - half - u(0.03, 0.2),
+            "end": middle + half + u(0.03, 0.2), "material": {"E": _log(rng, 7e10, 2.1e11), "nu": 0.3},
+        }  # fmt: skip
+    return shoe
+
+
+def _push(rng: Rng, shoe: dict[str, Any], R: float, direction: float, at: tuple[float, float]) -> dict[str, Any]:
+    """Its actuation: a force that presses the lining by a thousandth or so of its modulus."""
+    lining = shoe["lining"]
+    area = R * (lining["end"] - lining["start"]) * lining["width"]
+    force = float(f"{lining['material']['E'] * area * _log(rng, 1e-4, 3e-3):.4g}")
+    return {"force": force, "direction": direction, "point": {"x": R * at[0], "y": R * at[1]}}
+
+
+def _point(R: float, x: float, y: float) -> dict[str, float]:
+    return {"x": R * x, "y": R * y}
+
+
+def _abutted(rng: Rng, R: float, *, rough: bool) -> dict[str, Any]:
+    u, shoe = rng.uniform, _lining(rng, R)
+    face = {"point": _point(R, u(0.1, 0.4), -u(0.65, 0.85)), "direction": u(-0.3, 0.3)}
+    face |= {"friction": round(float(u(0.05, 0.4)), 3)} if rough else {}
+    push = _push(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
+    return shoe | {"abutment": face, "actuation": push}
+
+
+def _hinged(rng: Rng, R: float) -> dict[str, Any]:
+    u, shoe = rng.uniform, _lining(rng, R)
+    push = _push(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
+    return shoe | {"hinge": _point(R, u(0.05, 0.3), -u(0.65, 0.85)), "actuation": push}
+
+
+def _pivoted(rng: Rng, R: float) -> dict[str, Any]:
+    u, inside = rng.uniform, bool(rng.random() < 0.3)
+    shoe = _lining(rng, R, inside=inside)
+    if inside:
+        lever, pivot = _point(R, u(-0.3, 0.3), -u(0.6, 0.9)), _point(R, u(0.55, 0.85), u(-0.1, 0.1))
+        push = _push(rng, shoe, R, u(-0.2, 0.2), (u(0.0, 0.3), u(0.6, 0.85)))
+    else:
+        lever, pivot = _point(R, u(1.1, 1.3), -u(1.1, 1.5)), _point(R, u(1.1, 1.3), u(-0.1, 0.1))
+        push = _push(rng, shoe, R, math.pi + u(-0.2, 0.2), (u(1.1, 1.4), u(1.2, 1.7)))
+    return shoe | {"hinge": lever, "pivot": pivot, "actuation": push}
+
+
+def _guided(rng: Rng, R: float) -> dict[str, Any]:
+    u, inside = rng.uniform, bool(rng.random() < 0.5)
+    shoe = _lining(rng, R, inside=inside)
+    way = (0.0 if inside else math.pi) + u(-0.3, 0.3)
+    push = _push(rng, shoe, R, way + u(-0.2, 0.2), (u(0.7, 0.9) if inside else u(1.1, 1.3), u(-0.15, 0.15)))
+    return shoe | {"guide": {"direction": way}, "actuation": push}
+
+
+def _unforced(shoe: dict[str, Any]) -> dict[str, Any]:
+    actuation = {key: value for key, value in shoe["actuation"].items() if key != "force"}
+    return shoe | {"actuation": actuation}
+
+
+def _facing(shoe: dict[str, Any]) -> dict[str, Any]:
+    """A shoe of data as drawn here, mirrored to the other side of the drum."""
+    return _shoe_placed(shoe | {"name": "second"}, math.pi, mirrored=True)
+
+
+def _cam(rng: Rng) -> dict[str, Any]:
+    make = _hinged if rng.random() < 0.6 else lambda rng, R: _abutted(rng, R, rough=bool(rng.random() < 0.5))
+    data = _drum(rng, lambda rng, R: [make(rng, R), _facing(make(rng, R))])
+    force = 2 * min(shoe["actuation"]["force"] for shoe in data["shoe"])
+    return data | {"shoe": [_unforced(shoe) for shoe in data["shoe"]], "actuation": {"force": force}}
+
+
+def _cylinder(rng: Rng) -> dict[str, Any]:
+    data = _drum(rng, lambda rng, R: [_abutted(rng, R, rough=True), _facing(_hinged(rng, R))])
+    force, bore = min(shoe["actuation"]["force"] for shoe in data["shoe"]), data["drum"]["radius"] / 5
+    drive = {"pressure": force / (math.pi * bore**2 / 4) / 0.95, "diameter": bore, "efficiency": 0.95}
+    return data | {"shoe": [_unforced(shoe) for shoe in data["shoe"]], "actuation": drive}
+
+
+def _strut(rng: Rng) -> dict[str, Any]:
+    def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
+        u, second = rng.uniform, _lining(rng, R)
+        second |= {"hinge": _point(R, u(0.05, 0.3), u(0.65, 0.85)), "actuation": _push(rng, second, R, 0.0, (0.0, 0.0))}
+        facing = _facing(second)
+        del facing["actuation"]
+        return [_abutted(rng, R, rough=False), facing]
+
+    return _drum(rng, shoes, link=[{"from": "first", "to": "second"}])
+
+
+def _pad(rng: Rng, held: str) -> dict[str, Any]:
+    u = rng.uniform
+    long, start = _log(rng, 0.04, 0.3), float(u(-0.3, 0.3))
+    middle, width, t = start + long / 2, long * u(0.2, 0.8), long * _log(rng, 1 / 40, 1 / 8)
+    material = {"E": _log(rng, 1e8, 1e10), "nu": round(float(u(0.1, 0.4)), 3)}
+    lining = {"start": start, "end": start + long, "thickness": t, "width": width, "material": material}
+    shoe: dict[str, Any] = {"name": "pad", "lining": lining}
+    if rng.random() < 0.7:
+        shoe["body"] = {
+            "thickness": long * u(0.1, 0.3), "width": width, "start": start - long * u(0.02, 0.1),
+            "end": start + long * u(1.02, 1.1), "material": {"E": 2.1e11, "nu": 0.3},
+        }  # fmt: skip
+    away, high = long * u(0.8, 1.5), long * u(0.1, 0.5)
+    pin, at = {"x": middle - away, "y": high}, {"x": middle + away, "y": high}
+    down = -math.pi / 2
+    if held == "pivot":
+        shoe |= {"hinge": pin, "pivot": {"x": middle + long * u(-0.1, 0.1), "y": long * u(0.05, 0.3)}}
+    elif held == "hinge":
+        shoe |= {"hinge": pin}
+    else:
+        at, down = {"x": middle + long * u(-0.1, 0.1), "y": high}, down + u(-0.1, 0.1)
+        face = {"point": {"x": start - 0.1 * long, "y": long * u(0.05, 0.2)}, "direction": u(-0.2, 0.2)}
+        face["friction"] = round(float(u(0.0, 0.3)), 3)
+        shoe |= {"guide": {"direction": -math.pi / 2 + u(-0.2, 0.2)}} if held == "guide" else {"abutment": face}
+    force = float(f"{material['E'] * long * width * _log(rng, 1e-4, 3e-3):.4g}")
+    shoe["actuation"] = {"force": force, "direction": down, "point": at}
+    return {"plane": {"sliding": str(rng.choice(["+x", "-x"]))}, "shoe": [shoe]}
+
+
+KINDS: dict[str, Draw] = {
+    "hinge": lambda rng: _drum(rng, lambda rng, R: [_hinged(rng, R)]),
+    "abutment": lambda rng: _drum(rng, lambda rng, R: [_abutted(rng, R, rough=False)]),
+    "rough abutment": lambda rng: _drum(rng, lambda rng, R: [_abutted(rng, R, rough=True)]),
+    "pivot": lambda rng: _drum(rng, lambda rng, R: [_pivoted(rng, R)]),
+    "guide": lambda rng: _drum(rng, lambda rng, R: [_guided(rng, R)]),
+    "cylinder": _cylinder,
+    "cam": _cam,
+    "strut": _strut,
+    "pad on a hinge": lambda rng: _pad(rng, "hinge"),
+    "pad on a pivot": lambda rng: _pad(rng, "pivot"),
+    "pad on a guide": lambda rng: _pad(rng, "guide"),
+    "pad on an abutment": lambda rng: _pad(rng, "abutment"),
+}
+
+
+def _shoe_placed(shoe: dict[str, Any], turn: float, *, mirrored: bool, shift: float = 0.0) -> dict[str, Any]:
+    """A shoe's data, mirrored about the x axis or not, then turned by an angle [rad] and shifted along x [m]."""
+    sign = -1 if mirrored else 1
+    c, s = math.cos(turn), math.sin(turn)
+
+    def place(point: dict[str, float]) -> dict[str, float]:
+        x, y = point["x"], sign * point["y"]
+        return {"x": c * x - s * y + shift, "y": s * x + c * y}
+
+    def angled(part: dict[str, Any]) -> dict[str, Any]:
+        found = part | {"direction": turn + sign * part["direction"]}
+        return found | ({"point": place(part["point"])} if "point" in part else {})
+
+    def reach(part: dict[str, Any]) -> dict[str, Any]:
+        if "side" in shoe:
+            ends = sorted(turn + sign * part[key] for key in ("start", "end"))
+        else:  # on a plane, where a mirror image is one about y: mirrored and turned by 180 deg
+            ends = sorted(c * part[key] + shift for key in ("start", "end"))
+        return part | dict(zip(("start", "end"), ends, strict=True))
+
+    moved = dict(shoe)
+    moves = {"hinge": place, "pivot": place, "abutment": angled, "guide": angled, "actuation": angled, "lining": reach,
+             "body": reach}  # fmt: skip
+    for key, move in moves.items():
+        if moved.get(key) is not None:
+            moved[key] = move(moved[key])
+    return moved
+
+
+def placed(brake: AnyBrake, *, turn: float = 0.0, mirrored: bool = False, shift: float = 0.0) -> AnyBrake:
+    """The brake turned by an angle [rad], mirrored before about the x axis; on a plane shifted [m], mirrored about y.
+
+    Of the linings' clearances only even ones; no misfit. The struts' and cam's forces are as they were.
+    """
+    data = brake.model_dump(by_alias=True)
+    if isinstance(brake, FlatBrake):
+        turn = math.pi if mirrored else 0.0
+        data["plane"]["sliding"] = "-x" if (brake.spin > 0) == mirrored else "+x"
+    elif mirrored:
+        data["rotation"] = "clockwise" if brake.spin > 0 else "counter-clockwise"
+    data["shoe"] = [_shoe_placed(shoe, turn, mirrored=mirrored, shift=shift) for shoe in data["shoe"]]
+    return validated(type(brake), data)
+
+
+LENGTHS = {"x", "y", "radius", "thickness", "width", "grip", "clearance", "diameter"}
+FORCES = {"force"}
+
+
+def scaled(brake: AnyBrake, length: float, modulus: float) -> AnyBrake:
+    """The brake with all lengths and all moduli times a factor, and forces so that strains stay as they are."""
+    flat = isinstance(brake, FlatBrake)
+
+    def part(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: of(key, each) for key, each in value.items()}
+        return [part(each) for each in value] if isinstance(value, list | tuple) else value
+
+    def of(key: str, value: Any) -> Any:
+        if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):
+            return part(value)
+        if key in LENGTHS or (flat and key in {"start", "end"}):
+            return value * length
+        if key in {"E", "pressure"}:
+            return value * modulus
+        return (
+            value * modulus * length**2 if key in FORCES else value * modulus * length**3 if key == "torque" else value
+        )
+
+    return validated(type(brake), part(brake.model_dump(by_alias=True)))

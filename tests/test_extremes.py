@@ -1,0 +1,46 @@
+"""Stiffnesses, sizes and arcs far apart, solved by columns: within what is stated of a graded mesh, or refused."""
+
+import pytest
+
+from drumlin.errors import NoAnswer
+from drumlin.fem.solve import solve
+from drumlin.response.norms import pressure_distance
+from drumlin.verification.extreme_cases import Case
+from drumlin.verification.trial import said
+
+QUICK = [Case(thickness=1 / 3), Case(arc=170.0)]
+SLOW = [
+    *(Case(shoe=ratio) for ratio in (1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6)),
+    *(Case(thickness=share) for share in (1e-3, 1e-2, 0.1)),
+    *(Case(arc=arc, force=force) for arc, force in ((1.0, 20.0), (5.0, 100.0), (60.0, 2000.0))),
+    Case(nu=0.0), Case(nu=0.49), Case(friction=1.0), Case(clearance=1e-3), Case(clearance="split"),
+    *(Case(shoes=2, ring=ring, support="free") for ring in (10.0, 1e3, 1e5)),
+    Case(shoe=1e-3, thickness=1e-3), Case(shoe=1e4, arc=5.0, force=100.0), Case(shoe=1e6, thickness=0.2, nu=0.49),
+]  # fmt: skip
+
+
+def judged(case):
+    """Whether a brake is answered; then its errors must be within what is stated, as far as a mesh can tell."""
+    brake = case.brake()
+    try:
+        found = solve(brake)
+    except NoAnswer:
+        return False
+    coarse, fine = (solve(brake, elements=elements) for elements in (60, 120))
+    assert found.torque > 0
+    off, unsure = (abs(one.torque / fine.torque - 1) for one in (found, coarse))
+    assert off <= found.error["torque"] + unsure
+    for a, b, c in zip(found.shoes, fine.shoes, coarse.shoes, strict=True):
+        assert pressure_distance(a, b) <= found.error["pressure"] + pressure_distance(c, b)
+    return True
+
+
+@pytest.mark.parametrize("case", QUICK, ids=said)
+def test_far_apart(case):
+    assert judged(case)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", SLOW, ids=said)
+def test_farther_apart(case):
+    assert judged(case)

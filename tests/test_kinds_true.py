@@ -1,0 +1,57 @@
+"""Shoes of every kind against curved triangles, which share nothing with the finite elements but the brake."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import drumlin
+from drumlin.brake import Brake
+from drumlin.verification import triangles
+from drumlin.verification.random_kinds import KINDS, random_kind
+from drumlin.verification.stated_true import QUANTITIES, Truth, errors, limit, ratio, row
+
+ON_DRUM = [kind for kind in KINDS if not kind.startswith("pad")]
+QUICK = triangles.LEVELS[:1]
+
+
+def brake_of(seed: int, kind: str) -> Brake:
+    brake = random_kind(seed, kind)
+    assert isinstance(brake, Brake)
+    return brake
+
+
+@pytest.mark.parametrize("kind", ["rough abutment", "cam"])
+def test_another_solver_answers_alike(kind: str) -> None:
+    brake = brake_of(3, kind)
+    (true,) = triangles.sequence(brake, QUICK)
+    found = drumlin.solve(brake)
+    assert found.torque == pytest.approx(math.fsum(shoe.torque for shoe in true), rel=1e-4)
+    for a, b in zip(found.shoes, true, strict=True):
+        assert a.hinge_reaction == pytest.approx(b.hinge_reaction, abs=1e-3 * np.linalg.norm(b.hinge_reaction))
+        theta = np.linspace(*b.theta[[0, -1]], 31)[3:-3]
+        p, q = a.pressure_at(theta), b.pressure_at(theta)
+        assert np.linalg.norm(p - q) < 5e-3 * np.linalg.norm(q)
+
+
+def rows_of(kind: str, seeds: range, tolerance: float) -> list[dict[str, Any]]:
+    rows = []
+    for seed in seeds:
+        brake = brake_of(seed, kind)
+        before, last = triangles.sequence(brake, triangles.LEVELS[:2])
+        moved = errors(brake, before, last)
+        true = Truth(last, {name: limit(2 * moved[name], moved[name]) for name in QUANTITIES}, 0.0)
+        rows.append(row(brake, tolerance, drumlin.solve, true))
+    return rows
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ON_DRUM)
+def test_what_a_solve_states_is_what_it_has(kind: str) -> None:
+    """The true error is below the tolerance and not above twice what is stated, but for what the truth is unsure of."""
+    for one in rows_of(kind, range(4), 1e-3):
+        assert one["outcome"] == "reached", one
+        for name in ("pressure", "torque"):
+            assert one[f"true_{name}"] - one[f"unsure_{name}"] < 1e-3, one
+            assert ratio(one, name) > 0.5, one

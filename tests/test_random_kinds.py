@@ -1,0 +1,226 @@
+"""Random brakes of every way to hold and push shoes: what physics demands of laws and finite elements alike."""
+
+import math
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import drumlin
+from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
+from drumlin.brake.unrolled import on_drum
+from drumlin.brake.writing import brake_text
+from drumlin.errors import NoAnswer
+from drumlin.fem.self_locking import limits
+from drumlin.fem.solve import scene_of
+from drumlin.laws import law
+from drumlin.response.balance import contact_resultant, loaded
+from drumlin.response.merit import effect
+from drumlin.response.response import Response
+from drumlin.response.resultants import cross
+from drumlin.verification.random_kinds import KINDS, placed, random_kind, scaled
+
+ELEMENTS = 10
+SEEDS, NAMES = st.integers(0, 10**6), st.sampled_from(list(KINDS))
+
+
+def fem(brake: AnyBrake) -> Response:
+    return drumlin.solve(brake, elements=ELEMENTS)
+
+
+MODELS = (law, fem)
+
+
+def whole_balance(brake: AnyBrake, found: Response) -> None:
+    """Forces and moments from outside, and each force that one shoe passes to another."""
+    under = loaded(brake, found)
+    shoes = {shoe.name: (shoe, own) for shoe, own in zip(under.shoes, found.shoes, strict=True)}
+    for link in brake.links:
+        source, to = shoes[link.source][1], shoes[link.to][0]
+        assert source.hinge_reaction == pytest.approx(-to.actuation.vector, rel=1e-8, abs=1e-8 * to.actuation.force)
+        assert to.actuation.force == pytest.approx(np.linalg.norm(source.hinge_reaction), rel=1e-9)
+    if brake.actuation is not None and brake.actuation.is_cam:
+        assert sum(own.force or 0.0 for own in found.shoes) == pytest.approx(brake.actuation.total, rel=1e-9)
+    for shoe, own in shoes.values():
+        reaction = own.hinge_reaction
+        if shoe.abutment is not None and own.contact_arcs:
+            bearing, along = reaction @ shoe.bearing, abs(cross(shoe.bearing, reaction))
+            assert bearing > 0
+            assert along <= shoe.abutment.friction * bearing + 1e-8 * bearing
+        if shoe.guide is not None:
+            way = np.array([math.cos(shoe.guide.direction), math.sin(shoe.guide.direction)])
+            assert abs(reaction @ way) < 1e-8 * max(np.linalg.norm(reaction), shoe.actuation.force)
+    if isinstance(brake, FlatBrake):
+        return
+    forces, moments = [], []
+    for i, (shoe, own) in enumerate(shoes.values()):
+        drum = contact_resultant(under, i, own)
+        foot = shoe.pin.xy
+        forces += [drum.force, shoe.actuation.vector, own.hinge_reaction]
+        moments += [
+            drum.moment,
+            float(cross(shoe.actuation.point.xy, shoe.actuation.vector)),
+            float(cross(foot, own.hinge_reaction)) + own.reaction_moment,
+        ]
+    size = max(np.linalg.norm(force) for force in forces)
+    assert np.linalg.norm(np.sum(forces, axis=0)) < 1e-9 * size
+    assert abs(sum(moments)) < 1e-9 * size * brake.drum.radius
+
+
+def judge(seed: int, kind: str) -> None:
+    brake = random_kind(seed, kind)
+    for solve in (law, drumlin.solve):
+        found = solve(brake)
+        assert max(found.balance.force, found.balance.moment) < 1e-9
+        assert effect(found) > 0
+        whole_balance(brake, found)
+
+
+def same(a: Response, b: Response, *, size: float = 1.0, force: float = 1.0, rel: float = 1e-7) -> None:
+    assert effect(b) == pytest.approx(size * effect(a), rel=rel)
+    for x, y in zip(a.shoes, b.shoes, strict=True):
+        assert y.normal_force == pytest.approx(force * x.normal_force, rel=rel)
+        assert np.linalg.norm(y.hinge_reaction) == pytest.approx(force * np.linalg.norm(x.hinge_reaction), rel=rel)
+        if x.force is not None:
+            assert y.force == pytest.approx(force * x.force, rel=rel)
+
+
+def moved(seed: int, kind: str, turn: float, length: float, modulus: float) -> None:
+    """Turned, mirrored, shifted; larger and stiffer; under twice the forces; as a file with its units."""
+    brake = random_kind(seed, kind)
+    flat = isinstance(brake, FlatBrake)
+    for solve in MODELS:
+        a = solve(brake)
+        for mirrored in (False, True):
+            place: dict[str, Any] = {"shift": turn} if flat else {"turn": turn}
+            same(a, solve(placed(brake, mirrored=mirrored, **place)))
+        force = modulus * length**2
+        same(a, solve(scaled(brake, length, modulus)), size=force * (1 if flat else length), force=force)
+        twice = {"shoe.actuation.force": 2 * brake.shoes[0].actuation.force} if len(brake.shoes) == 1 else {}
+        if twice:
+            same(a, solve(vary(brake, twice)), size=2, force=2)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "brake.toml"
+            path.write_text(brake_text(brake))
+            same(a, solve(read_any(path)))
+
+
+@settings(max_examples=4, suppress_health_check=list(HealthCheck))
+@given(SEEDS, NAMES)
+def test_every_shoe_and_the_whole_brake_balance(seed: int, kind: str) -> None:
+    judge(seed, kind)
+
+
+@pytest.mark.slow
+@settings(max_examples=100, suppress_health_check=list(HealthCheck))
+@given(SEEDS, NAMES)
+def test_every_shoe_and_the_whole_brake_balance_many_times(seed: int, kind: str) -> None:
+    judge(seed, kind)
+
+
+LENGTH, MODULUS = st.floats(0.2, 5.0), st.floats(0.1, 10.0)
+
+
+@settings(max_examples=3, suppress_health_check=list(HealthCheck))
+@given(SEEDS, NAMES, st.floats(-3, 3), LENGTH, MODULUS)
+def test_places_sizes_and_units_change_nothing(
+    seed: int, kind: str, turn: float, length: float, modulus: float
+) -> None:
+    moved(seed, kind, turn, length, modulus)
+
+
+@pytest.mark.slow
+@settings(max_examples=100, suppress_health_check=list(HealthCheck))
+@given(SEEDS, NAMES, st.floats(-3, 3), LENGTH, MODULUS)
+def test_places_sizes_and_units_change_nothing_many_times(
+    seed: int, kind: str, turn: float, length: float, modulus: float
+) -> None:
+    moved(seed, kind, turn, length, modulus)
+
+
+def both_ways(brake: AnyBrake) -> list[AnyBrake]:
+    if isinstance(brake, FlatBrake):
+        return [vary(brake, {"plane.sliding": sliding}) for sliding in ("+x", "-x")]
+    return [vary(brake, {"rotation": rotation}) for rotation in ("clockwise", "counter-clockwise")]
+
+
+def rigid_limit(seed: int, kind: str) -> int:
+    """How many of both senses have an answer; without one by the law there is none by finite elements."""
+    answers = 0
+    for brake in both_ways(random_kind(seed, kind, rigid=True)):
+        try:
+            by_law = law(brake)
+        except NoAnswer:
+            with pytest.raises(NoAnswer):
+                drumlin.solve(brake)
+            continue
+        assert effect(drumlin.solve(brake)) == pytest.approx(effect(by_law), rel=3e-3)
+        answers += 1
+    return answers
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_rigid_shoes_with_thin_linings_answer_as_the_law_both_ways(kind: str) -> None:
+    assert rigid_limit(9, kind) >= 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_rigid_shoes_with_thin_linings_answer_as_the_law_many_times(kind: str) -> None:
+    assert sum(rigid_limit(seed, kind) for seed in range(12)) >= 12
+
+
+def end_by_law(brake: AnyBrake, most: float) -> float | None:
+    """The friction up to which the law has an answer; None where that is beyond `most`."""
+    low, high = brake.friction, most
+    for friction in (most, *(math.nan for _ in range(30))):
+        middle = 0.5 * (low + high) if math.isnan(friction) else friction
+        try:
+            law(vary(brake, {"friction": middle}))
+        except NoAnswer:
+            high = middle
+            continue
+        if middle == most:
+            return None
+        low = middle
+    return low
+
+
+def locked(seed: int, kind: str, most: float = 1.2) -> int:
+    """Judge a brake in both senses; in how many of them its law ends below `most`."""
+    ends = 0
+    for brake in both_ways(random_kind(seed, kind, rigid=True)):
+        try:
+            law(brake)
+        except NoAnswer:
+            continue
+        end = end_by_law(brake, most)
+        if end is None:
+            continue
+        own = on_drum(vary(brake, {"friction": 0.97 * end}))
+        found = limits(scene_of(own, elements=24), own, 2.0, 1e6)
+        assert min(limit.friction for limit in found.values()) == pytest.approx(end, rel=1e-2), (brake, end)
+        assert effect(drumlin.solve(vary(brake, {"friction": 0.97 * end}))) > 0
+        with pytest.raises(NoAnswer):
+            drumlin.solve(vary(brake, {"friction": 1.03 * end}))
+        ends += 1
+    return ends
+
+
+LINKED = ["hinge", "abutment", "pivot", "strut", "cam"]
+
+
+def test_a_strut_ends_where_the_law_does() -> None:
+    assert locked(7, "strut", most=0.6) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", LINKED)
+def test_finite_elements_end_where_the_law_does(kind: str) -> None:
+    """At self-locking, where a shoe tips, its foot leaves the abutment, or a cam would have to pull."""
+    assert sum(locked(seed, kind) for seed in range(12)) >= 6
