@@ -269,7 +269,7 @@ REFUSALS = [
     Refusal(set(USES) - {"compare", "view", "foundation", "solid"}, unmeshed,
             "its lining has no thickness and material to mesh"),
     Refusal({"export"}, unhinged, f"a peer {HINGED}"),
-    Refusal({"solid"}, lambda b: flat(b) or unhinged(b), "does not apply to this brake: "),
+    Refusal({"solid"}, flat, "does not apply to this brake: "),
     Refusal({"foundation"}, lambda b: True, "does not apply to this brake: "),
 ]  # fmt: skip
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import drumlin
+from conftest import ROOT
 from drumlin.brake.file import values_of, vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.brake.unrolled import unrolled
@@ -31,6 +32,7 @@ BRAKES: dict[str, Callable[[], AnyBrake]] = {
     "cam": lambda: cam_brake(body=0.012, thickness=0.006),
     "cam on a ring": lambda: vary(cam_brake(body=0.012, thickness=0.006), RING),
     "strut": lambda: vary(servo(body=0.02), THICK),
+    "chain of struts": lambda: drumlin.read_brake(ROOT / "studies" / "brakes" / "band.toml"),
     "pad on a hinge": lambda: vary(pad("hinge", body=BODY_OF_PAD), PADS),
     "pad on a pivot": lambda: vary(pad("pivot", body=BODY_OF_PAD), PADS),
     "pad on an abutment": lambda: vary(pad("abutment", "-x", body=BODY_OF_PAD), PADS),

@@ -88,6 +88,7 @@ class Sensitivity:
             vars(shoe)
             | {key: getattr(shoe, key).tolist() for key in ("theta", "density")}
             | {"held": {key: value.tolist() for key, value in shoe.held.items()}}
+            | {"hinge": shoe.held["hinge"].tolist() if "hinge" in shoe.held else None}
             for shoe in self.shoes
         ]
         return vars(self) | {"shoes": shoes, "law": None if self.law is None else list(self.law)}
@@ -279,7 +280,9 @@ def _add_line(found: dict[str, Floats], every: Adjoints, k: int) -> None:
 
     moved = [worth(np.zeros(2), float(cross(step, direction))) for step in np.eye(2)]
     found["abutment.point"] = found["abutment.point"] + moved
-    found["abutment.direction"] = found["abutment.direction"] + worth(turned, float(cross(point, turned)))
+    passed = [every.of[to].c * at.F * float(shoe.bearing @ turned) for source, to in group.links if source == k]
+    line = worth(turned, float(cross(point, turned))) - sum(passed)  # of a chain: what the shoe passes on itself
+    found["abutment.direction"] = found["abutment.direction"] + line
 
 
 def _moduli(

@@ -45,7 +45,10 @@ def shared(brake: Brake, faces: list[Face], first: list[Bools]) -> tuple[list[Sh
     else:
         for i in free:
             under(i, shoes[i].actuation.force)
-    for link in brake.links:
+    left = list(brake.links)
+    while left:  # those first whose shoe is solved: a chain goes from one to the next
+        link = next(one for one in left if names.index(one.source) in found)
+        left.remove(link)
         i = names.index(link.source)
         drum = brake.friction * brake.spin * faces[i].tangent - faces[i].normal
         reaction = -(found[i].force[:, None] * drum).sum(axis=0) - shoes[i].actuation.vector
