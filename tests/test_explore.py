@@ -139,8 +139,9 @@ def test_self_locking_is_said_and_its_distance(explorer):
 
 
 def test_a_picture_shows_the_pressure_it_is_of(explorer):
-    answer = explorer.answer(start_of(explorer.brake))
+    answer = explorer.answer(turned(explorer, force=6.0))
     picture = picture_of(answer, explorer.brake)
+    assert picture.scale == 5
     for shoe, curve in zip(answer.found.shoes, picture.fem, strict=True):
         area = integrate(shoe.theta, np.maximum(shoe.pressure, 0), shoe.order)
         assert np.trapezoid(curve.p * 1e6, np.radians(curve.at)) == pytest.approx(area, rel=5e-3)

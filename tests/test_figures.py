@@ -11,6 +11,7 @@ from drumlin.models import solve
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
 from drumlin.report.palette import CATEGORIES, GRADES, LOOKS
+from drumlin.report.render import _round_up
 
 # Dichromats by Machado, Oliveira & Fernandes (2009), severity 1, on linear RGB
 SIGHT = {
@@ -128,6 +129,14 @@ def test_a_strut_reaches_from_a_foot_to_the_shoe_that_it_pushes(root):
     np.testing.assert_allclose(strut[0], [25, -112])
     assert strut[1][1] == pytest.approx(-112)
     assert np.hypot(*strut[1]) < 139.7 and strut[1][0] < 0
+
+
+def test_the_top_of_a_colour_bar_is_round_in_its_quarters_and_near():
+    for value in np.geomspace(0.013, 900, 300):
+        top = _round_up(float(value))
+        assert value <= top * (1 + 1e-9) and top <= 1.51 * value
+        assert len(f"{top / 4:.6g}".replace("0.", "").strip("0.").replace(".", "")) <= 2
+    assert _round_up(10.6) == pytest.approx(12)
 
 
 def test_panels_of_other_angles_say_their_own(root, brake):

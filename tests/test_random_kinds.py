@@ -216,7 +216,7 @@ LINKED = ["hinge", "abutment", "pivot", "strut", "cam"]
 
 
 def test_a_strut_ends_where_the_law_does() -> None:
-    assert locked(7, "strut", most=0.6) == 1
+    assert locked(0, "strut", most=0.85) == 2
 
 
 @pytest.mark.slow

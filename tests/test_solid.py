@@ -3,6 +3,7 @@
 import json
 import resource
 import time
+from functools import partial
 
 import meshio
 import numpy as np
@@ -69,12 +70,70 @@ def test_with_lateral_contraction_it_is_not(flexible):
     assert 1e-4 < max(abs(relative(a.torque, b.torque)) for a, b in zip(solid.shoes, plane.shoes, strict=True)) < 0.05
 
 
+KINDS = ("crane", "duplex", "duo_servo", "s_cam", "block_on_lever")
+
+
+def of_kind(root, name):
+    return read_brake(root / "studies" / "brakes" / f"{name}.toml")
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, name):
+    """Pivots, abutments, struts, a cam: the rigid line across the width stands for the point of the plane."""
+    given = of_kind(root, name)
+    changes = {f"shoe.{part}.material.nu": 0.0 for part in ("lining", "body")}
+    brake = vary(given, changes | {"shoe.body.width": given.shoes[0].lining.width})
+    solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
+    for mine, other in zip(solid.shoes, plane.shoes, strict=True):
+        assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
+        np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
+        size = np.abs(other.hinge_reaction).max()
+        np.testing.assert_allclose(mine.hinge_reaction, other.hinge_reaction, atol=1e-7 * size)
+        assert mine.force == (None if other.force is None else pytest.approx(other.force, rel=1e-9))
+        np.testing.assert_allclose(mine.motion or 0, other.motion or 0, rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
+    from drumlin.fem.solid.fields import recover
+
+    brake = of_kind(root, name)
+    scene = model.prepare(brake, elements=8)
+    response = respond(scene, brake)
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    for i in range(len(brake.shoes)):
+        found = recover(scene, brake, response, i)
+        r = found.points[:, :2] / np.hypot(*found.points[:, :2].T)[:, None]
+        on = found.pressure > 0
+        moved = np.einsum("nc,nc->n", r, found.displacement[:, :2])[on]
+        assert np.abs(moved).mean() < 0.05 * np.abs(found.displacement).max()
+
+
 @pytest.mark.slow
 def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(brake):
     narrow = one_width(brake, brake.shoes[0].lining.thickness / 10)
-    solid, plane = respond(model.prepare(narrow, elements=72, across=1), narrow), solve(narrow)
-    assert abs(relative(solid.torque, plane.torque)) < 1e-4
-    assert max(pressure_distance(a, b) for a, b in zip(solid.shoes, plane.shoes, strict=True)) < 3e-3
+    solid, plane = respond(model.prepare(narrow, elements=96, across=1), narrow), solve(narrow)
+    for mine, other in zip(solid.shoes, plane.shoes, strict=True):
+        assert abs(relative(mine.torque, other.torque)) < 1e-4
+        assert pressure_distance(mine, other) < 3e-3
+    assert max(solid.balance.force, solid.balance.moment) < 1e-9
+
+
+def test_what_is_left_of_a_narrow_shoe_is_its_mesh(brake):
+    """Lining and shoe contract differently across the width, and a solid joins them over a layer of elements: what that
+    costs goes with their size, not with the width."""
+
+    def off(elements, part):
+        narrow = one_width(brake, brake.shoes[0].lining.thickness / part)
+        both = (
+            respond(make(narrow), narrow)
+            for make in (partial(model.prepare, elements=elements, across=1), partial(prepare, elements=elements))
+        )
+        return np.array([relative(a.torque, b.torque) for a, b in zip(*(each.shoes for each in both), strict=True)])
+
+    coarse, fine, narrower = off(24, 10), off(48, 10), off(24, 20)
+    np.testing.assert_allclose(coarse, narrower, rtol=0.05)
+    assert (np.abs(fine) < 0.65 * np.abs(coarse)).all() and (np.abs(fine) < 5e-4).all()
 
 
 @pytest.mark.parametrize("rotation", ["clockwise", "counter-clockwise"])
@@ -211,7 +270,7 @@ def test_what_it_does_not_cover_it_refuses(flexible, said):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--kind", "tri2"], "--kind and --tolerance belong to --model fem"),
+        (["--kind", "tri2"], "--kind, --tolerance and --finite-width belong to --model fem"),
         (["--elements", "500"], "--elements = 500: must be from 1 to"),
         (["--across", "0"], "--across = 0: must be from 1 to"),
         (["--sections", "9"], "belong to --model foundation"),

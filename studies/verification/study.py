@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
 from drumlin.errors import NoAnswer
@@ -20,6 +21,8 @@ from drumlin.report.stated_true_figure import cloud
 from drumlin.verification import ladder
 from drumlin.verification.orders import distance, estimate_row, level_rows, line, order_rows
 from drumlin.verification.random_brake import random_brake
+from drumlin.verification.random_kinds import KINDS as KINDS_OF_HOLDING
+from drumlin.verification.random_kinds import random_kind
 from drumlin.verification.stated_true import TOLERANCES, by_columns, by_triangles, row, summary
 
 HERE = Path(__file__).parent
@@ -31,8 +34,7 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 JUDGED, BRAKES, FEW = 77, 500, 3  # first seed of those on which the factors of the estimate were not found; how many
-EVERY_TENTH = 10  # brake: truth by triangles
-EVERY_THIRD = 3  # brake: to the last tolerance, too
+TENTH, THIRD = 10, 3  # of the seeds: with triangles as truth, to the last tolerance too
 
 
 class Result(NamedTuple):
@@ -81,14 +83,22 @@ def study(
 
 def judged_rows(seed: int, journal: Journal, *, short: bool = False) -> list[dict[str, Any]]:
     """Stated against true errors of a random brake, one row a tolerance; a case of the journal."""
-    some = TOLERANCES[:1] if short else TOLERANCES if seed % EVERY_THIRD == 0 else TOLERANCES[:-1]
+    some = TOLERANCES[:1] if short else TOLERANCES if seed % THIRD == 0 else TOLERANCES[:-1]
     rows: list[dict[str, Any]] = journal.once({"seed": seed}, partial(_judged, seed, some))["rows"]
     return rows
 
 
+def _drawn(seed: int) -> Brake:
+    """A hinged brake of any shape, or, of odd seeds, one of any way to hold and push shoes on a drum."""
+    ways = [way for way in KINDS_OF_HOLDING if not way.startswith("pad")]
+    brake = random_kind(seed, ways[seed // 2 % len(ways)]) if seed % 2 else random_brake(seed)
+    assert isinstance(brake, Brake)
+    return brake
+
+
 def _judged(seed: int, tolerances: Sequence[float]) -> dict[str, Any]:
-    brake, failure, true = random_brake(seed), "", None
-    triangular = seed % EVERY_TENTH == 0
+    brake, failure, true = _drawn(seed), "", None
+    triangular = seed // 2 % TENTH == 0
     try:
         true = by_triangles(brake) if triangular else by_columns(brake, tolerances[-1])
     except NoAnswer as error:

@@ -125,8 +125,7 @@ def _shared(still: ShoeGroup, problem: Problem, dragged: list[Pushed]) -> Proble
         )
         part = np.concatenate([nodes, n + nodes])
         pushed.append(one._replace(part=part, opened=opened, tip=tip, bearing=bearing))
-    own = np.array([shoe.actuation.force for shoe in still.shoes]) / still.unit_force
-    A, q, B, C, h = share(whole, pushed, own, still.links, still.cam, still.total).problem
+    A, q, B, C, h = share(whole, pushed, still.own_forces, still.links, still.cam, still.total).problem
     return Problem(
         A_wp=A[:n, :n], A_wt=A[:n, n:], A_sp=A[n:, :n], A_st=A[n:, n:], B_w=B[:n], B_s=B[n:], C_p=C[:, :n],
         C_t=C[:, n:], q_w=q[:n], q_s=q[n:], h=h, Q=problem.Q,

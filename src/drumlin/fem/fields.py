@@ -46,9 +46,10 @@ def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields
     """Recover the fields of shoe `index` from the contact pressure of its response, and the force it has there."""
     shoe, body, answer = loaded(brake, response).shoes[index], scene.bodies[index], response.shoes[index]
     materials = {name: material for name, (material, _) in materials_of(shoe).items()}
-    u = _displacement(body, brake, shoe, answer)
+    p = answer.pressure[:: shoe.frame.sense]
+    u = displaced(body, brake, shoe, answer, p).reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
-    pressure[body.line.nodes] = answer.pressure[:: shoe.frame.sense]
+    pressure[body.line.nodes] = p
     return _fields(body.mesh, body.basis, u, materials, pressure, shoe.frame, shoe.sign)
 
 
@@ -94,15 +95,12 @@ def _fields(
     )
 
 
-def _displacement(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse) -> Floats:
-    """Displacements of all nodes (2, nodes) [m] in the shoe's frame."""
-    frame = shoe.frame
+def displaced(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats) -> Floats:
+    """Displacements (d nodes,) [m] of all nodes in the shoe's frame, under the pressure p (n,) [Pa] on its lining."""
     load = abs(shoe.actuation.force) * actuation(body, shoe)[0]
-    p = answer.pressure[:: frame.sense]
-    drag = brake.drag_on(shoe)
-    nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
-    motion = answer.motion or (0.0, 0.0, frame.sense * (answer.turn or 0.0))
-    return body.condensed.displacement(nodal, np.array(motion), load)
+    nodal = brake.drag_on(shoe) * (body.coupling.T.T @ p) - body.coupling.N.T @ p
+    motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))
+    return body.condensed.displacements(nodal[:, None], motion[:, None], load[:, None])[:, 0]
 
 
 def _part(mesh: Any, u: Floats, name: str, material: Material) -> tuple[Ints, Ints, Floats]:

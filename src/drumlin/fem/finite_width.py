@@ -7,7 +7,6 @@ Foundation): its sides press less, and the whole lining is softer in the mean.
 """
 
 import numpy as np
-from skfem.models.elasticity import lame_parameters, plane_stress
 
 from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake, Shoe
@@ -15,6 +14,7 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
+from drumlin.fem.shapes import plane_stress
 
 HELD = 0.5
 """The share of plane strain in a wide lining, by solid shoes: the shoe behind it contracts as well."""
@@ -27,10 +27,11 @@ def between(material: Material, share: float) -> Material:
 
     E' = (lambda + 2 mu) (1 - nu^2), lambda that share of the way from plane stress to plane strain.
     """
-    stress, mu = plane_stress(material.E, material.nu)
-    strain, _ = lame_parameters(material.E, material.nu)
+    E, nu = material.E, material.nu
+    stress, mu = plane_stress(E, nu)
+    strain = E * nu / ((1 + nu) * (1 - 2 * nu))
     stiff = stress + share * (strain - stress) + 2 * mu
-    return material.model_copy(update={"E": float(stiff * (1 - material.nu**2))})
+    return material.model_copy(update={"E": float(stiff * (1 - nu**2))})
 
 
 def held_share(width: float, thickness: float) -> float:

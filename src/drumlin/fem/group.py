@@ -8,7 +8,6 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise, product
-from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -16,48 +15,15 @@ import scipy.linalg
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.support import moved
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
+from drumlin.fem.motions import Motions, motions_of
 from drumlin.fem.sharing import Pushed, Sharing, share
 from drumlin.laws import rigid
 
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
-
-
-class Motions(NamedTuple):
-    """The free motions of a shoe, of a unit each, in its own frame: contact displacements `moved` (2n, k), those that
-    its equilibria are tested on, `tested` (2n, k), and the `work` (k,) of the actuation on these per newton. `tip`
-    (k,): how far the actuation's point goes along its force; `of` (3, k): dx, dy at its pin and turn."""
-
-    moved: Floats
-    tested: Floats
-    work: Floats
-    tip: Floats
-    of: Floats
-
-
-def motions_of(body: Body, shoe: Shoe, sense: int = 1) -> Motions:
-    """The free motions of a shoe; sense: of an abutment's friction, see `Held.freedoms`."""
-    free, frame = (shoe if shoe.actuation.force else shoe.under(1.0)).freedoms(sense), shoe.frame
-    tip = free.tip * math.copysign(1.0, shoe.actuation.force)
-    xy, pin = shoe.points(body.line.xy), shoe.pin.xy[:, None]
-
-    def own(motions: Floats, at: Floats) -> Floats:
-        u = frame.to_shoe(np.moveaxis(moved(motions, at), 0, -1))  # (n, k, 2)
-        return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
-
-    work = free.work / (abs(shoe.actuation.force) or 1.0)
-    found = own(free.motions, xy), own(free.tests, xy), work
-    of = np.vstack([own(free.motions, pin), frame.sense * free.motions[:, 2]])
-    if free.names[0] == "turn":  # about the pin: free of the round-off of a turn about the drum's centre
-        for part in found[:2]:
-            part[:, 0] = body.turned
-        work[0] = tip[0] = actuation(body, shoe)[1]
-        of[:, 0] = 0.0, 0.0, 1.0
-    return Motions(*found, tip, of)
 
 
 @dataclass(frozen=True)
@@ -188,8 +154,7 @@ class ShoeGroup:
     def _sharing_at(self, friction: float) -> Sharing | None:
         if not self.links and not self.cam:
             return None
-        own = np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
-        return share(self.blocks(friction), self.pushed(friction), own, self.links, self.cam, self.total)
+        return share(self.blocks(friction), self.pushed(friction), self.own_forces, self.links, self.cam, self.total)
 
     def _pushed_shoe(self, k: int, friction: float) -> Pushed:
         body, shoe, motions = self.bodies[k], self.shoes[k], self.motions[k]
@@ -205,10 +170,14 @@ class ShoeGroup:
             direct=direct,
         )  # fmt: skip
 
+    @cached_property
+    def own_forces(self) -> Floats:
+        """Their own actuation forces (shoes,), per newton."""
+        return np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
+
     def forces(self, p: Floats) -> Floats:
         """The actuation forces (shoes,) under the pressures p (n,), both per newton."""
-        own = np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
-        return own if self.sharing is None else self.sharing.forces(p)
+        return self.own_forces if self.sharing is None else self.sharing.forces(p)
 
     def amounts(self, found: active_set.Contact) -> list[Floats]:
         """The free motions of each shoe in an answer, per newton."""

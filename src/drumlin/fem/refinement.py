@@ -31,7 +31,8 @@ from drumlin.contact.active_set import SLACK
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, actuation, materials_of
 from drumlin.fem.body import FRAME, stiffness
-from drumlin.fem.group import Motions, ShoeGroup
+from drumlin.fem.group import ShoeGroup
+from drumlin.fem.motions import Motions
 
 LONG = np.longdouble
 EPSILON = float(np.finfo(float).eps)

@@ -22,6 +22,7 @@ from drumlin.texts import one_line
 
 TIMEOUT = 120  # s
 SCALAR = "von Mises stress [MPa]"
+TOPS = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10  # of the colour bar, whose quarters are round, too
 
 
 class NoPicture(Exception):
@@ -161,9 +162,9 @@ def _round_down(value: float) -> float:
 
 
 def _round_up(value: float) -> float:
-    """The smallest 1, 2, 4 or 8 times a power of ten that is not below `value`: quarters of it are round, too."""
+    """The smallest of TOPS times a power of ten that is not below `value`."""
     power = 10.0 ** math.floor(math.log10(value)) if value > 0 else 1.0
-    return next(step * power for step in (1, 2, 4, 8, 10) if step * power >= value * (1 - 1e-9))
+    return next(step * power for step in TOPS if step * power >= value * (1 - 1e-9))
 
 
 def main() -> int:

@@ -1,7 +1,7 @@
 """Equilibrium of what a model returns: sums of forces and moments, relative to their largest members."""
 
 import math
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -36,7 +36,7 @@ def loaded(brake: B, response: Response) -> B:
     if all(force is None for force in forces):
         return brake
     shoes = tuple(shoe if force is None else shoe.under(force) for shoe, force in zip(brake.shoes, forces, strict=True))
-    return brake.model_copy(update={"shoes": shoes})
+    return cast("B", brake.model_copy(update={"shoes": shoes}))
 
 
 def balance_of(brake: AnyBrake, index: int, response: ShoeResponse) -> Balance:

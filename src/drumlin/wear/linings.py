@@ -14,7 +14,8 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Body, Scene
-from drumlin.fem.group import Motions, groups_of
+from drumlin.fem.group import groups_of
+from drumlin.fem.motions import Motions
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment

@@ -96,7 +96,7 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
 
 def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[Floats, Floats]:
     """Unit actuations (unknowns, 3) on the reduced unknowns, and the point (2,) they act at."""
-    if "actuation" not in solid.section.boundaries:  # the force acts on the rigid shoe itself
+    if "actuation" not in solid.section.boundaries or shoe.gripped:  # it acts on the rigid shoe, or on what holds it
         loads = np.zeros((ties.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)
         return loads, shoe.own_pin

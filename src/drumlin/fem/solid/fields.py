@@ -9,9 +9,10 @@ from skfem.models.elasticity import lame_parameters
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Material
-from drumlin.fem.assembly import Scene, actuation
-from drumlin.fem.fields import mean_stress
+from drumlin.fem.assembly import Scene
+from drumlin.fem.fields import displaced, mean_stress
 from drumlin.fem.solid.body import materials
+from drumlin.response.balance import loaded
 from drumlin.response.response import Response
 
 _BOTTOM = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
@@ -53,16 +54,14 @@ class SolidFields(NamedTuple):
 
 def recover(scene: Scene, brake: Brake, response: Response, index: int) -> SolidFields:
     """Recover the fields of shoe `index` from the contact pressure of its response."""
+    brake = loaded(brake, response)
     shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]
     frame = shoe.frame
     p = np.zeros(len(body.line.nodes))
     if answer.surface is not None:
         m = len(answer.surface.z) // 2
         p = np.ascontiguousarray(answer.surface.pressure[:: frame.sense, m:]).ravel()
-    nodal = brake.drag_on(shoe) * (body.coupling.T.T @ p) - body.coupling.N.T @ p
-    turn = np.array([0.0, 0.0, frame.sense * (answer.turn or 0.0)])
-    load = abs(shoe.actuation.force) * actuation(body, shoe)[0]
-    u = body.condensed.displacements(nodal[:, None], turn[:, None], load[:, None]).reshape(-1, 3).T
+    u = displaced(body, brake, shoe, answer, p).reshape(-1, 3).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
     parts = [

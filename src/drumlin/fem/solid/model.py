@@ -20,8 +20,6 @@ SOFTEST = 0.499  # Poisson's ratio up to which displacements alone describe a so
 
 def why_not(brake: Brake) -> str | None:
     """Why the solid model does not apply to a brake (None: it does)."""
-    if brake.shares is not None:
-        return f"{brake.shares}; solid shoes have a force each"
     if brake.drum.ring is not None:
         return "its drum is an elastic ring; solid shoes are pressed on a rigid drum"
     for shoe in brake.shoes:
@@ -32,8 +30,6 @@ def why_not(brake: Brake) -> str | None:
 
 
 def _shoe_why_not(shoe: Shoe) -> str | None:
-    if shoe.held_by != "hinge":
-        return f"is held by its {shoe.held_by}; solid shoes turn about a hinge"
     if shoe.mesh is not None:
         return "a mesh of its own is a section without widths"
     if shoe.body is not None and shoe.body.bending_stiffness is not None:

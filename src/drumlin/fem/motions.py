@@ -1,0 +1,44 @@
+"""The free motions of a shoe as its contact feels them."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.arrays import Floats
+from drumlin.brake.drum_brake import Shoe
+from drumlin.brake.support import moved
+from drumlin.fem.assembly import Body, actuation
+
+
+class Motions(NamedTuple):
+    """The free motions of a shoe, of a unit each, in its own frame: contact displacements `moved` (2n, k), those that
+    its equilibria are tested on, `tested` (2n, k), and the `work` (k,) of the actuation on these per newton. `tip`
+    (k,): how far the actuation's point goes along its force; `of` (3, k): dx, dy at its pin and turn."""
+
+    moved: Floats
+    tested: Floats
+    work: Floats
+    tip: Floats
+    of: Floats
+
+
+def motions_of(body: Body, shoe: Shoe, sense: int = 1) -> Motions:
+    """The free motions of a shoe; sense: of an abutment's friction, see `Held.freedoms`."""
+    free, frame = (shoe if shoe.actuation.force else shoe.under(1.0)).freedoms(sense), shoe.frame
+    tip = free.tip * math.copysign(1.0, shoe.actuation.force)
+    xy, pin = shoe.points(body.line.xy), shoe.pin.xy[:, None]
+
+    def own(motions: Floats, at: Floats) -> Floats:
+        u = frame.to_shoe(np.moveaxis(moved(motions, at), 0, -1))  # (n, k, 2)
+        return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
+
+    work = free.work / (abs(shoe.actuation.force) or 1.0)
+    found = own(free.motions, xy), own(free.tests, xy), work
+    of = np.vstack([own(free.motions, pin), frame.sense * free.motions[:, 2]])
+    if free.names[0] == "turn":  # about the pin: free of the round-off of a turn about the drum's centre
+        for part in found[:2]:
+            part[:, 0] = body.turned
+        work[0] = tip[0] = actuation(body, shoe)[1]
+        of[:, 0] = 0.0, 0.0, 1.0
+    return Motions(*found, tip, of)
