@@ -9,9 +9,13 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.contact.active_set import settle
-from drumlin.contact.self_locking import CLOSE, LARGEST, Limit, limit
+from drumlin.contact.self_locking import CLOSE, LARGEST, STEP, Limit, limit
+from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene
 from drumlin.fem.group import ShoeGroup, groups_of
+
+NOTHING = 1e-9  # of the largest force: what a shoe is pushed by that is not pushed
+FINE = STEP / 4  # of mu, between frictions at which it is asked what pushes: an answer that comes back is not reached
 
 
 def limits(
@@ -29,17 +33,24 @@ def limits(
 
 def _pushing(group: ShoeGroup, end: Limit, most: float) -> Limit:
     """The limit, or where before it something that can only push would have to pull."""
-    smooth = [k for k, shoe in enumerate(group.shoes) if shoe.abutment is not None and shoe.abutment.friction == 0]
-    if not smooth and group.sharing is None:
+    if group.sharing is None and all(shoe.abutment is None for shoe in group.shoes):
         return end
 
     def pushes(mu: float) -> bool:
-        at = replace(group, brake=group.brake.model_copy(update={"friction": mu}))
-        found = settle(sliding.at(mu), end.last.active)
-        return all(at.consistent(found, k) for k in smooth) and bool((at.forces(found.p) > 0).all())
+        try:
+            at, found = replace(group, brake=group.brake.model_copy(update={"friction": mu})).settled()
+        except NoAnswer:
+            return False
+        forces = at.forces(found.p)
+        return bool((forces > NOTHING * forces.max()).all())
 
-    sliding, low, high = group.sliding, 0.0, min(end.reached, most)
-    if pushes(high):
+    low, last = 0.0, min(end.reached, most)
+    while low < last:  # up to the first friction at which it does not: further on it may again
+        high = min(low + FINE * max(1.0, low), last)
+        if not pushes(high):
+            break
+        low = high
+    else:
         return end
     while high - low > CLOSE * high:
         middle = 0.5 * (low + high)
