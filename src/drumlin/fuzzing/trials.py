@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from drumlin.fuzzing import faults
 from drumlin.fuzzing.broken_sweeps import broken_sweep, damaged_journal
-from drumlin.fuzzing.endings import fault_of, in_process, in_subprocess
+from drumlin.fuzzing.endings import can_be_given, fault_of, in_process, in_subprocess
 from drumlin.journal import Journal
 
 CHUNK = 50
@@ -46,9 +46,7 @@ def made(generator: str, number: int) -> faults.Input:
 def tried(generator: str, number: int, apart: bool = False) -> Verdict:
     """Run an input in this process or (`apart`) in one of its own, and judge how it ends."""
     given = made(generator, number)
-    if apart and any("\0" in word for word in given.words):
-        apart = False  # no process can be given such a word
-    end = in_subprocess(given) if apart else in_process(given)
+    end = in_subprocess(given) if apart and all(map(can_be_given, given.words)) else in_process(given)
     fault = fault_of(given, end)
     return Verdict(number, end.status, end.seconds, f"{faults.shown(given)}: {fault}" if fault else "")
 
