@@ -112,9 +112,11 @@ def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
 
 
 @pytest.mark.slow
-def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(brake):
+@pytest.mark.parametrize(("name", "elements"), [("brake", 96), ("flexible", 144)])
+def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(root, name, elements):
+    brake = read_brake(root / "studies" / "double_shoe" / f"{name}.toml")
     narrow = one_width(brake, brake.shoes[0].lining.thickness / 10)
-    solid, plane = respond(model.prepare(narrow, elements=96, across=1), narrow), solve(narrow)
+    solid, plane = respond(model.prepare(narrow, elements=elements, across=1), narrow), solve(narrow)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert abs(relative(mine.torque, other.torque)) < 1e-4
         assert pressure_distance(mine, other) < 3e-3
