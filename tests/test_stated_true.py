@@ -7,6 +7,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
+from conftest import partly
 from drumlin.errors import NoAnswer
 from drumlin.fem.hp.adapt import RULES, estimate
 from drumlin.fem.solve import solve
@@ -23,7 +24,7 @@ def truth(brake):
     return Truth(last, MappingProxyType(errors(brake, before, last)), 0.0)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", partly(KINDS, {"linings on ring", "post on ring"}))
 def test_a_brake_of_each_kind_is_drawn_again_by_its_seed(kind):
     brake = random_brake(5, kind)
     assert brake == random_brake(5, kind)

@@ -23,6 +23,7 @@ from drumlin.fem.assembly import (
     shape_of,
 )
 from drumlin.fem.group import ShoeGroup, groups_of
+from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
@@ -71,7 +72,12 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         iterations=max(answer.steps for answer in answers.values()),
         seconds=seconds,
         left_out=scene.left_out,
-        notes=(*_overlaps(scene, brake), *(answers[i].note for i in sorted(answers)), *_grips(brake)),
+        notes=(
+            *_overlaps(scene, brake),
+            *(answers[i].note for i in sorted(answers)),
+            *_grips(brake),
+            *cam_notes(brake),
+        ),
     )
 
 

@@ -188,10 +188,7 @@ def _models(given: Mapping[str, Mapping[str, Any]], brake: AnyBrake) -> dict[str
     for name, options in given.items():
         if name not in MODELS:
             raise BadInput(f"model.{name}: unknown model; allowed: {', '.join(MODELS)}")
-        try:
-            models[name] = validated(OPTIONS.get(name, Part), options).model_dump(exclude_none=True)
-        except BadInput as error:
-            raise BadInput(f"model.{name}.{error}") from error
+        models[name] = _part(f"model.{name}", OPTIONS.get(name, Part), options).model_dump(exclude_none=True)
         if "lift" in models[name] and isinstance(brake, Brake):
             lifted(brake, models[name]["lift"])
     return models
