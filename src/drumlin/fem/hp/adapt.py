@@ -35,8 +35,8 @@ SLOWEST = 1.3  # factor by which errors fall from level to level at least, where
 class Rule(NamedTuple):
     """How an error is estimated, see above: least parts of the `first` step and of `later` ones that it may be,
     `corner` of the first where a block stands on a beam or a grip holds a back, as their corners slow forces down;
-    `fastest`; `share_first` and `share` of the error of p that it is at least, on two levels and on more; `yielding`: times the
-    softness that it is at least, 0 where the softness is that of p."""
+    `fastest`; `share_first` and `share` of the error of p that it is at least, on two levels and on more; `yielding`:
+    times the softness that it is at least, 0 where the softness is that of p."""
 
     first: float
     corner: float
