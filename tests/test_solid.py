@@ -112,11 +112,14 @@ def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
 
 
 @pytest.mark.slow
-def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(brake):
+@pytest.mark.parametrize(("name", "within"), [("brake", 1e-4), ("flexible", 1.3e-4)])
+def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(root, name, within):
+    """Between flexible shoes 1.17e-4 are left on this mesh, 1.03e-4 on one of 144 elements."""
+    brake = read_brake(root / "studies" / "double_shoe" / f"{name}.toml")
     narrow = one_width(brake, brake.shoes[0].lining.thickness / 10)
     solid, plane = respond(model.prepare(narrow, elements=96, across=1), narrow), solve(narrow)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
-        assert abs(relative(mine.torque, other.torque)) < 1e-4
+        assert abs(relative(mine.torque, other.torque)) < within
         assert pressure_distance(mine, other) < 3e-3
     assert max(solid.balance.force, solid.balance.moment) < 1e-9
 
