@@ -21,7 +21,7 @@ from drumlin.models import MODELS, applicable
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.response import Response, ShoeResponse
 
-many = settings(max_examples=30, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+many = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 SIGNS = st.sampled_from([1, -1])
 LINING = {"thickness": 0.005, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 R, F, C, A, OFF = 0.11, 1000.0, 0.08, 0.08, 0.025  # of the closed form's example

@@ -280,6 +280,11 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     at = int(np.flatnonzero(div.angles == 1.0)[0])
     assert np.diff(div.angles)[at - 1 : at + 1].max() < 0.1 * shoe.lining.thickness / brake.drum.radius
     assert div.depths[-1] == pytest.approx(shoe.lining.thickness + shoe.body.thickness)
+    end = shoe.arc[1]
+    borne = np.diff(divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False), (end, 0.5, False)]).angles)
+    everywhere = np.diff(divide(shoe, brake.drum.radius, LEVELS[2]).angles)
+    assert borne[-1] == pytest.approx(everywhere[-1])
+    assert borne[0] > 3 * everywhere[0], "no pressure there: not graded to its spike"
     values, which = distinct(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
     assert which.tolist() == [0, 1, 0] and values == pytest.approx([0.1, 0.2])
 

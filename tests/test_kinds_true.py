@@ -22,7 +22,7 @@ def brake_of(seed: int, kind: str) -> Brake:
     return brake
 
 
-@pytest.mark.parametrize("kind", ["rough abutment", "cam"])
+@pytest.mark.parametrize("kind", ["rough abutment", pytest.param("cam", marks=pytest.mark.slow)])
 def test_another_solver_answers_alike(kind: str) -> None:
     brake = brake_of(3, kind)
     (true,) = triangles.sequence(brake, QUICK)

@@ -361,6 +361,7 @@ def torques(brake, elements, setting=None):
     return np.array([a.torque / b.torque - 1 for a, b in zip(other.shoes, own.shoes, strict=True)])
 
 
+@pytest.mark.slow
 @needs_calculix
 def test_calculix_has_drumlins_torque_where_nothing_strains_across():
     """Its elements have a real thickness, which swells under pressure unless nu = 0."""

@@ -52,7 +52,7 @@ def reference(
         Path | None, typer.Option(metavar="FILE", help="where to write; default: NAME.reference.json")
     ] = None,
 ) -> None:
-    """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two fine meshes."""
+    """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two codes."""
     from drumlin.brake.file import toml_text
     from drumlin.brake.plane_brake import FlatBrake, read_any
     from drumlin.files import check_output
@@ -63,7 +63,7 @@ def reference(
     brake = read_any(brake_file, text)
     path = output or Path(f"{brake_file.stem}.reference.json")
     check_output(path)
-    with busy("two fine meshes"):
+    with busy("columns of high degree, then triangles"):
         found = make(brake, text, typed(["drumlin", "reference", str(brake_file)]))
     write_values(as_dict(found), path)
     effect, unit = ("braking force", "N") if isinstance(brake, FlatBrake) else ("torque", "N m")
@@ -107,7 +107,7 @@ def check(
     values = Path("reports") / "reference" / "values"
     path = known or stored(text, brake_file.parent, values, REPOSITORY / values)
     if path is None:
-        with busy("no stored reference: two fine meshes"):
+        with busy("no stored reference: columns of high degree, then triangles"):
             found, said = make(brake, text, typed(["drumlin", "reference", str(brake_file)])), "made anew"
     else:
         found, said = read_reference(path), str(path)

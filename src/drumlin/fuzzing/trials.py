@@ -1,5 +1,6 @@
 """Thousands of broken inputs, generator by generator: what became of each, kept in a journal as it goes."""
 
+import os
 import random
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -46,11 +47,18 @@ def made(generator: str, number: int) -> faults.Input:
 def tried(generator: str, number: int, apart: bool = False) -> Verdict:
     """Run an input in this process or (`apart`) in one of its own, and judge how it ends."""
     given = made(generator, number)
-    if apart and any("\0" in word for word in given.words):
-        apart = False  # no process can be given such a word
+    apart = apart and all(map(passes, given.words))
     end = in_subprocess(given) if apart else in_process(given)
     fault = fault_of(given, end)
     return Verdict(number, end.status, end.seconds, f"{faults.shown(given)}: {fault}" if fault else "")
+
+
+def passes(word: str) -> bool:
+    """Whether a process can be given the word: without NUL, and of letters that have bytes."""
+    try:
+        return b"\0" not in os.fsencode(word)
+    except UnicodeEncodeError:
+        return False
 
 
 def _chunk(case: dict[str, Any]) -> dict[str, Any]:

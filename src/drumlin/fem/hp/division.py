@@ -136,14 +136,20 @@ def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
 
 
 def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float, float, bool]] = ()) -> Division:
-    """The division of a shoe. `places`, growing: (phi, length, kink) [rad], where the pressure is not smooth within the
-    lining, the length over which it changes there, and whether the gap has a kink: it may be unbounded there."""
+    """The division of a shoe. `places`, growing: (phi, length, kink) [rad], where the pressure is not smooth, the
+    length over which it changes there, and whether the gap has a kink: it may be unbounded there. An end of the lining
+    that is known to bear nothing is graded as the ends of other layers."""
     start, end = shoe.arc
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
+    contact = [x for x, _, kink in places if not kink] or [start, end]
+    beyond = contact[0] - start, end - contact[-1]
+    left, right = (scale if x < scale else max(scale, level.back * min(t, x)) for x in beyond)
     marks = _marks(
-        start, end, scale, [_mark(level.end ** (1 + kink) * min(t, size), x, kink) for x, size, kink in places]
+        (start, left),
+        (end, right),
+        [_mark(level.end ** (1 + kink) * min(t, size), x, kink) for x, size, kink in places],
     )
     grip = shoe.grip(radius)
     if grip is not None:
@@ -157,13 +163,13 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     near, far = _beyond(shoe, radius, start, end)
     before, after = np.array([start]), np.array([end])
     if layers[-1].part == "shoe":
-        body, edge = layers[-1].thickness / radius, scale
+        body = layers[-1].thickness / radius
         held = level.hinge * body
         if start - near > 1e-9:
-            sizes = graded(start - near, edge, held, level.ratio, max(body, level.largest))
+            sizes = graded(start - near, left, held, level.ratio, max(body, level.largest))
             before = start - ends_of(sizes, 0.0, start - near)
         if far - end > 1e-9:
-            sizes = graded(far - end, edge, far - end, level.ratio, max(body, level.largest))
+            sizes = graded(far - end, right, far - end, level.ratio, max(body, level.largest))
             after = end + ends_of(sizes, 0.0, far - end)
     depths, part = _depths(
         layers,
@@ -181,15 +187,20 @@ def _mark(size: float, x: float, kink: bool) -> tuple[float, float]:
     return (x if kink else round(2 * x / size) * size / 2), size
 
 
-def _marks(start: float, end: float, edge: float, places: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Ends and places (phi, size) without places that lie in the column at an end or at the place before."""
-    marks = [(start, edge)]
+Mark = tuple[float, float]  # phi and the size of columns there [rad]
+
+
+def _marks(start: Mark, end: Mark, places: Sequence[Mark]) -> list[Mark]:
+    """Ends and places without those that lie in the column at an end or at the place before."""
+    marks = [start]
     for x, size in places:
-        if x - marks[-1][0] > max(marks[-1][1], size) and end - x > max(edge, size):
+        if end[0] - x <= max(end[1], size):
+            break
+        if x - marks[-1][0] > max(marks[-1][1], size):
             marks.append((x, size))
         elif len(marks) > 1 and size < marks[-1][1]:
             marks[-1] = (marks[-1][0], size)
-    return [*marks, (end, edge)]
+    return [*marks, end]
 
 
 def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float, float]:

@@ -33,13 +33,13 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     start, end = shoe.arc
     arcs = [] if response is None else [sorted(shoe.frame.phi(np.array(arc)).tolist()) for arc in response.contact_arcs]
     kinks = shoe.frame.phi(np.array(clearance.kinks(shoe.lining))).tolist()
-    found = [(float(x), end - start, True) for x in (kinks if len(kinks) <= MOST_KINKS else ())]
+    found = [(float(x), end - start, True) for x in (kinks if len(kinks) <= MOST_KINKS else ()) if start < x < end]
     for one, other in arcs:
-        first, last = (_rounded(x, other - one) for x in (one, other))
+        first, last = (min(max(_rounded(x, other - one), start), end) for x in (one, other))
         found += [(first, last - first, False), (last, last - first, False)]
     if response is not None:
         found += [(_rounded(x, length), length, False) for x, length in _hidden(shoe, response, arcs)]
-    return sorted(place for place in found if start < place[0] < end)
+    return found
 
 
 def _hidden(shoe: Shoe, response: ShoeResponse, arcs: list[list[float]]) -> list[tuple[float, float]]:
