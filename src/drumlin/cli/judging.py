@@ -82,7 +82,10 @@ def check(
     brake_file: BrakeFile,
     result: Annotated[
         Path,
-        typer.Argument(metavar="RESULT.csv", help=r"columns 'shoe', 'theta \[deg]', 'p \[MPa]'; other units as well"),
+        typer.Argument(
+            metavar="RESULT.csv",
+            help=r"columns 'shoe', 'theta \[deg]' (on a plane 'x \[mm]'), 'p \[MPa]'; other units as well",
+        ),
     ],
     known: Annotated[
         Path | None,
