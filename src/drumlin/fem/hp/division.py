@@ -19,6 +19,9 @@ from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
 from drumlin.response.response import EDGE_ZONE
 
+FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: smaller ones lose too many digits
+SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
+
 
 @dataclass(frozen=True)
 class Level:
@@ -142,8 +145,13 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
+    reached = _reached(start, end, places)
+    least = FINEST * t
+    edges = [min(scale, max(level.edge * length, least)) for length in reached]
     marks = _marks(
-        start, end, scale, [_mark(level.end ** (1 + kink) * min(t, size), x, kink) for x, size, kink in places]
+        (start, edges[0]),
+        [_mark(max(level.end ** (1 + kink) * min(t, size), least), x, kink) for x, size, kink in places],
+        (end, edges[1]),
     )
     grip = shoe.grip(radius)
     if grip is not None:
@@ -157,18 +165,18 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     near, far = _beyond(shoe, radius, start, end)
     before, after = np.array([start]), np.array([end])
     if layers[-1].part == "shoe":
-        body, edge = layers[-1].thickness / radius, scale
+        body = layers[-1].thickness / radius
         held = level.hinge * body
         if start - near > 1e-9:
-            sizes = graded(start - near, edge, held, level.ratio, max(body, level.largest))
+            sizes = graded(start - near, edges[0], held, level.ratio, max(body, level.largest))
             before = start - ends_of(sizes, 0.0, start - near)
         if far - end > 1e-9:
-            sizes = graded(far - end, edge, far - end, level.ratio, max(body, level.largest))
+            sizes = graded(far - end, edges[1], far - end, level.ratio, max(body, level.largest))
             after = end + ends_of(sizes, 0.0, far - end)
     depths, part = _depths(
         layers,
         level,
-        min(level.face * layers[0].thickness, level.zone * EDGE_ZONE * radius),
+        radius * min(max(level.face * min(t, *reached), least), level.zone * EDGE_ZONE),
         straight=isinstance(shoe.body, Beam),
     )
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
@@ -181,15 +189,24 @@ def _mark(size: float, x: float, kink: bool) -> tuple[float, float]:
     return (x if kink else round(2 * x / size) * size / 2), size
 
 
-def _marks(start: float, end: float, edge: float, places: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+def _reached(start: float, end: float, places: Sequence[tuple[float, float, bool]]) -> tuple[float, float]:
+    """The length of the contact that reaches either end of the lining, of the arc where none does."""
+    near = [size for x, size, kink in places if not kink and abs(x - size - start) < SAME * size]
+    far = [size for x, size, kink in places if not kink and abs(x + size - end) < SAME * size]
+    return min(near, default=end - start), min(far, default=end - start)
+
+
+def _marks(
+    start: tuple[float, float], places: Sequence[tuple[float, float]], end: tuple[float, float]
+) -> list[tuple[float, float]]:
     """Ends and places (phi, size) without places that lie in the column at an end or at the place before."""
-    marks = [(start, edge)]
+    marks = [start]
     for x, size in places:
-        if x - marks[-1][0] > max(marks[-1][1], size) and end - x > max(edge, size):
+        if x - marks[-1][0] > max(marks[-1][1], size) and end[0] - x > max(end[1], size):
             marks.append((x, size))
         elif len(marks) > 1 and size < marks[-1][1]:
             marks[-1] = (marks[-1][0], size)
-    return [*marks, (end, edge)]
+    return [*marks, end]
 
 
 def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float, float]:
