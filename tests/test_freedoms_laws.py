@@ -145,6 +145,22 @@ def test_a_cam_that_moves_both_tips_equally_has_the_closed_form(mu: float, spin:
     assert by_torque.torque == approx(response.torque, rel=1e-12)
 
 
+def test_a_cam_on_linings_of_unlike_stiffness_says_how_it_shares_its_force() -> None:
+    """New, F1 B1 t1/E1 = F2 B2 t2/E2; worn in, F1 B1 = F2 B2: what a rigid shoe's tip goes by is p t/E, then wear."""
+    brake = vary(cam_brake(0.3, -1), {"shoe.lining.thickness": 3e-4})
+    unlike = vary(brake, {"shoe[1].lining.material.E": 1e8})
+    B = [law(vary(brake, {"actuation": None, "shoe.actuation.force": F})).shoes[i].torque for i in (0, 1)]
+    for one, stiff in ((brake, 1.0), (unlike, 3.0)):
+        for model, ratio in (("rigid", 1.0), ("fem", stiff)):
+            found = MODELS[model].solve(one)
+            first, second = (shoe.force or 0.0 for shoe in found.shoes)
+            assert first * B[0] == approx(ratio * second * B[1], rel=1e-9 if model == "rigid" else 1e-2)
+            said = [
+                note for note in found.notes if note.startswith("cam: linings of unlike E/t, 1e+12 and 3.33e+11 Pa")
+            ]
+            assert len(said) == (one is unlike)
+
+
 def test_a_cylinder_pushes_both_shoes_with_its_pressure() -> None:
     brake = cam_brake(0.3, 1, pressure=5e6, diameter=0.02, efficiency=0.96)
     assert [shoe.actuation.force for shoe in brake.shoes] == approx([0.96 * 5e6 * pi * 0.02**2 / 4] * 2)

@@ -163,9 +163,12 @@ def test_what_proves_larger_afterwards_than_predicted_is_put_back(monkeypatch):
     brake = alone(vary(BRAKE, ringed("fixed", E=1e9)))
     nothing = change(*[solve(BRAKE, elements=8)] * 2)
     monkeypatch.setattr(omission, "_chosen", lambda *_: (("ring",), nothing))
+    solved = []
+    monkeypatch.setattr(omission, "adapt", lambda own, *args, **more: solved.append(own) or adapt(own, *args, **more))
     response = solve(brake, tolerance=2e-2)
     assert not any("predicted" in line for line in response.left_out)
     assert response.torque == pytest.approx(solve(brake, elements=60).torque, rel=1e-3)
+    assert solved == [brake], "seen on the first level, before the simpler brake is refined"
 
 
 def test_omissions_compose_and_their_words_are_checked():

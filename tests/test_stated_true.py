@@ -128,3 +128,12 @@ def test_columns_are_a_truth_that_triangles_share(brake, truth):
     coarse = solve(brake, elements=12)
     one, other = (errors(brake, coarse.shoes, true.shoes)["pressure"] for true in (finer, truth))
     assert one == pytest.approx(other, rel=0.1)
+
+
+def test_a_peak_at_an_end_of_the_lining_is_unbounded_and_so_is_its_error():
+    """A lining that bears at its ends alone: finer columns raise the peak there without end."""
+    brake = random_brake(1)
+    response = solve(brake)
+    (shoe,) = response.shoes
+    assert shoe.peak_pressure == pytest.approx(max(shoe.pressure[0], shoe.pressure[-1]), rel=1e-9)
+    assert shoe.error["peak"] == 1.0 and shoe.error["pressure"] < 5e-3

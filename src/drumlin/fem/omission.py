@@ -18,7 +18,7 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import assembly
 from drumlin.fem.assembly import Scene
 from drumlin.fem.hp.adapt import Tolerance, adapt, check_tolerance
-from drumlin.fem.hp.levels import Respond
+from drumlin.fem.hp.levels import Respond, steps
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.reduced import sketcher, with_closed_forms
 from drumlin.response.norms import pressure_distance
@@ -199,11 +199,17 @@ def adapt_without(
     names, predicted = _chosen(brake, SHARE * tolerance, respond)
     if not names:
         return adapt(brake, whole, respond, soft=soft, cache=cache).response
-    simple = simplified(brake, names)
+    simple, cache = simplified(brake, names), cache or assembly.Cache()
+
+    def seen_on(scene: Scene, found: Response) -> Change:
+        return change(found, respond(with_closed_forms(scene, brake), brake, start=found))
+
     try:
+        if _size(seen_on(*next(steps(simple, respond, cache)))) > tolerance:  # the sketch did not resolve the contact
+            return adapt(brake, whole, respond, soft=soft, cache=cache).response
         left = Tolerance(*[tolerance - _size(predicted)] * 2)
         scene, found = adapt(simple, left, respond, soft=soft, cache=cache)
-        seen = change(found, respond(with_closed_forms(scene, brake), brake, start=found))
+        seen = seen_on(scene, found)
     except NoAnswer:  # of the simpler brake, or of the whole one: then it says so itself
         return adapt(brake, whole, respond, soft=soft, cache=cache).response
     largest = Change(*map(max, predicted, seen))

@@ -139,19 +139,24 @@ def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
 
 
 def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float, float, bool]] = ()) -> Division:
-    """The division of a shoe. `places`, growing: (phi, length, kink) [rad], where the pressure is not smooth within the
-    lining, the length over which it changes there, and whether the gap has a kink: it may be unbounded there."""
+    """The division of a shoe. `places`, growing: (phi, length, kink) [rad], where the pressure is not smooth, the
+    length over which it changes there, and whether the gap has a kink: it may be unbounded there. An end of the lining
+    that is known to bear nothing is graded as the ends of other layers."""
     start, end = shoe.arc
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
-    reached = _reached(start, end, places)
-    least = FINEST * t
-    edges = [min(scale, max(level.edge * length, least)) for length in reached]
+    contact = [x for x, _, kink in places if not kink] or [start, end]
+    beyond = contact[0] - start, end - contact[-1]
+    least, reached = FINEST * t, _reached(start, end, places)
+    left, right = (
+        min(scale, max(level.edge * length, least)) if x < scale else max(scale, level.back * min(t, x))
+        for x, length in zip(beyond, reached, strict=True)
+    )
     marks = _marks(
-        (start, edges[0]),
+        (start, left),
+        (end, right),
         [_mark(max(level.end ** (1 + kink) * min(t, size), least), x, kink) for x, size, kink in places],
-        (end, edges[1]),
     )
     grip = shoe.grip(radius)
     if grip is not None:
@@ -168,10 +173,10 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
         body = layers[-1].thickness / radius
         held = level.hinge * body
         if start - near > 1e-9:
-            sizes = graded(start - near, edges[0], held, level.ratio, max(body, level.largest))
+            sizes = graded(start - near, left, held, level.ratio, max(body, level.largest))
             before = start - ends_of(sizes, 0.0, start - near)
         if far - end > 1e-9:
-            sizes = graded(far - end, edges[1], far - end, level.ratio, max(body, level.largest))
+            sizes = graded(far - end, right, far - end, level.ratio, max(body, level.largest))
             after = end + ends_of(sizes, 0.0, far - end)
     depths, part = _depths(
         layers,
@@ -191,18 +196,21 @@ def _mark(size: float, x: float, kink: bool) -> tuple[float, float]:
 
 def _reached(start: float, end: float, places: Sequence[tuple[float, float, bool]]) -> tuple[float, float]:
     """The length of the contact that reaches either end of the lining, of the arc where none does."""
-    near = [size for x, size, kink in places if not kink and abs(x - size - start) < SAME * size]
-    far = [size for x, size, kink in places if not kink and abs(x + size - end) < SAME * size]
+    near = [size for x, size, kink in places if not kink and x - start < SAME * size]
+    far = [size for x, size, kink in places if not kink and end - x < SAME * size]
     return min(near, default=end - start), min(far, default=end - start)
 
 
-def _marks(
-    start: tuple[float, float], places: Sequence[tuple[float, float]], end: tuple[float, float]
-) -> list[tuple[float, float]]:
-    """Ends and places (phi, size) without places that lie in the column at an end or at the place before."""
+Mark = tuple[float, float]  # phi and the size of columns there [rad]
+
+
+def _marks(start: Mark, end: Mark, places: Sequence[Mark]) -> list[Mark]:
+    """Ends and places without those that lie in the column at an end or at the place before."""
     marks = [start]
     for x, size in places:
-        if x - marks[-1][0] > max(marks[-1][1], size) and end[0] - x > max(end[1], size):
+        if end[0] - x <= max(end[1], size):
+            break
+        if x - marks[-1][0] > max(marks[-1][1], size):
             marks.append((x, size))
         elif len(marks) > 1 and size < marks[-1][1]:
             marks[-1] = (marks[-1][0], size)

@@ -64,19 +64,21 @@ def steps(
                 if refused == 2:
                     raise
                 break
-            first, last = last is None, found
-            if not _moved(brake, places, found, new=first):
+            last = found
+            if not _moved(brake, places, found):
                 yield Step(made, found)
                 break
         else:
             yield Step(made, found)
 
 
-def _moved(brake: Brake, places: Places, found: Response, *, new: bool) -> bool:
-    """Whether an end of the contact is away from where the columns end, over the length that it bounds."""
-    for key, ends in places_of(brake, found).items():
-        meant = [place[0] for place in places.get(key, ())]
-        for x, length, kink in ends:
-            if not kink and min((abs(x - y) for y in meant), default=math.inf) > SETTLED * length:
+def _moved(brake: Brake, places: Places, found: Response) -> bool:
+    """Whether an end of the contact is away from where columns end, over the length that it bounds."""
+    now = places_of(brake, found)
+    for shoe in brake.shoes:
+        key = assembly.shape_of(brake, shoe)
+        meant = [*shoe.arc, *(place[0] for place in places.get(key, ()))]
+        for x, length, kink in now[key]:
+            if not kink and min(abs(x - y) for y in meant) > SETTLED * length:
                 return True
     return False
