@@ -107,7 +107,7 @@ NORMAL = {"distribution": "normal", "deviation": 0.03}
         ({"drum.ring.thickness": ["5 mm"]}, {}, ["no such part"]),
         ({"friction": [0.3]}, {"combine": "all"}, ["combine = 'all'", "'grid'"]),
         ({"friction": [0.3]}, {"model": {"spline": {}}}, ["model.spline: unknown model", "sine"]),
-        ({"friction": [0.3]}, {"model": {"sine": {"elements": 8}}}, ["model.sine.unknown key 'elements'"]),
+        ({"friction": [0.3]}, {"model": {"sine": {"elements": 8}}}, ["model.sine: unknown key 'elements'"]),
         ({"friction": [0.3]}, {"model": {"fem": {"elements": 0}}}, ["model.fem: elements = 0"]),
         ({"friction": [0.3]}, {"model": {"foundation": {}}}, ["model.foundation: does not apply", "straight beam"]),
         ({"friction": MANY, "drum.radius": MANY | {"from": "1 m", "to": "2 m"}}, {}, ["4000000 cases", "1000000"]),

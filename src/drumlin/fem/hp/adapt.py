@@ -25,6 +25,7 @@ from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Cache
+from drumlin.fem.hp.division import FINEST
 from drumlin.fem.hp.levels import Respond, Step, steps
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import EDGE_ZONE, Response, ShoeResponse
@@ -56,6 +57,7 @@ RULES = {
 """Of 77 random brakes of 11 kinds: no more than 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often."""
 LEAST_REACTION = 1.7  # times the error of the shoe's torque: the reaction of a guide falls less at first than it shows
+SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 ROUND_OFF = 10.0  # times what the elimination has lost of a unit force: what that may be in p
 
 
@@ -94,9 +96,12 @@ def adapt(
             unknowns = max(body.unknowns for body in scene.bodies)
             if len(responses) > 1:
                 lost = max(body.condensed.lost for body in scene.bodies)
-                error = estimate(responses, ROUND_OFF * lost, soft, corner=corner)
+                error, unseen = _seen(estimate(responses, ROUND_OFF * lost, soft, corner=corner), brake, found)
                 if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
                     return Step(scene, _final(responses, error, unknowns, ""))
+                if unseen:
+                    missed += f": {unseen}"
+                    break
     except NoAnswer as refusal:  # of finer levels
         if not error.brake:
             raise
@@ -146,6 +151,21 @@ def estimate(responses: Sequence[Response], lost: float = 0.0, soft: float = 0.0
     shoes = tuple(dict(zip(QUANTITIES, row.tolist(), strict=True)) for row in by_shoe)
     worst = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
     return Errors(worst | {"torque": float(found[0])}, shoes)
+
+
+def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
+    """The errors, and in words where a contact is so short that its pressure and peak are not known at all."""
+    shoes, said = list(error.shoes), ""
+    for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
+        length = min((end - start for start, end in found.contact_arcs), default=math.inf) * brake.drum.radius
+        if length < SHORTEST * shoe.lining.thickness:
+            said = (
+                f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know its pressure; "
+                "torque and forces do not need it"
+            )
+            shoes[i] = {name: max(e, float(name in {"pressure", "peak"})) for name, e in shoes[i].items()}
+    worst = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
+    return Errors(worst | {"torque": error.brake["torque"]}, tuple(shoes)), said
 
 
 QUANTITIES = ("pressure", "torque", "peak", "reaction")
