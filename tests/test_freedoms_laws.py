@@ -27,11 +27,13 @@ LINING = {"thickness": 0.005, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 R, F, C, A, OFF = 0.11, 1000.0, 0.08, 0.08, 0.025  # of the closed form's example
 
 
-def abutted(mu: float, spin: int, m: float, friction: float = 0.0, arc: float = radians(110), at: float = 0.05) -> Any:
+def abutted(
+    mu: float, spin: int, m: float, friction: float = 0.0, arc: float = radians(110), at: float = 0.05, off: float = OFF
+) -> Any:
     return {
         "name": "first",
         "side": "internal",
-        "abutment": {"point": {"x": OFF, "y": -A}, "direction": atan(m), "friction": friction},
+        "abutment": {"point": {"x": off, "y": -A}, "direction": atan(m), "friction": friction},
         "lining": LINING | {"start": at - arc / 2, "end": at + arc / 2},
         "actuation": {"force": F, "direction": 0.0, "point": {"x": 0.02, "y": C}},
     }
@@ -43,11 +45,11 @@ def brake_of(*shoes: dict[str, Any], mu: float = 0.3, spin: int = -1, **more: An
     return brake_from(data | more)
 
 
-def limpert(mu: float, lead: int, m: float, arc: float = radians(110), be: float = 0.05) -> float:
+def limpert(mu: float, lead: int, m: float, arc: float = radians(110), be: float = 0.05, off: float = OFF) -> float:
     """Brake factor T/(r F) of a shoe on an abutment (Limpert, Brake Design and Safety), upper signs leading."""
-    D = (C + A + m * OFF) / R * cos(be) + m * C / R * sin(be)
-    E = m * C / R * cos(be) - (C + A + m * OFF) / R * sin(be)
-    f = (arc + sin(arc)) / (4 * sin(arc / 2)) * (A + m * OFF) / R
+    D = (C + A + m * off) / R * cos(be) + m * C / R * sin(be)
+    E = m * C / R * cos(be) - (C + A + m * off) / R * sin(be)
+    f = (arc + sin(arc)) / (4 * sin(arc / 2)) * (A + m * off) / R
     G, H = cos(be) + m * sin(be), f - (m * cos(be) - sin(be))
     return (mu * D + lead * mu**2 * E) / (f - lead * mu * G + mu**2 * H)
 
@@ -113,6 +115,23 @@ def test_duo_servo_is_the_closed_form() -> None:
         assert response.shoes[1].force == approx(strut * F * math.hypot(1, m), rel=1e-9)
         as_it_is = rigid.solve(brake)
         assert max(as_it_is.balance.force, as_it_is.balance.moment) < 1e-9
+
+
+def test_duo_servo_by_the_short_formula() -> None:
+    """B = B1 + B2 (c + B1 r)/a leaves out that a slope m lifts the foot at o: exact without slope, and with o = 0."""
+    B2 = hinged_factor(0.3, 2 * A, A, radians(50), radians(160))
+
+    def short(m: float, off: float) -> float:
+        B1 = limpert(0.3, 1, m, off=off)
+        return B1 + B2 * (C + B1 * R) / A
+
+    assert short(0.2, OFF) == approx(4.7856859083271, rel=1e-12)
+    for m, off in ((0.0, OFF), (0.2, 0.0)):
+        first = abutted(0.3, -1, m, off=off)
+        brake = brake_of(first, secondary(0.0, A), link=[{"from": "first", "to": "second"}])
+        assert rigid.solve(brake, whole=True).torque / (R * F) == approx(short(m, off), rel=1e-9)
+    inclined = brake_of(abutted(0.3, -1, 0.2), secondary(0.0, A), link=[{"from": "first", "to": "second"}])
+    assert rigid.solve(inclined, whole=True).torque / (R * F) == approx(short(0.2, OFF), rel=0.05)
 
 
 def cam_brake(mu: float, spin: int, **actuation: Any) -> Brake:

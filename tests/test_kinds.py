@@ -13,7 +13,7 @@ import drumlin
 from conftest import ROOT, partly
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any, read_drum
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
 from drumlin.brake.unrolled import on_drum
 from drumlin.cli.commands import app
 from drumlin.errors import DrumlinError
@@ -27,8 +27,9 @@ from drumlin.models import pick
 from drumlin.response.balance import loaded
 from drumlin.response.merit import effect
 from drumlin.verification import triangles
+from drumlin.verification.check import check, read_curves, within
 from drumlin.verification.reference import Refinement, reference, responses
-from drumlin.verification.reference_file import as_dict, write_values
+from drumlin.verification.reference_file import as_dict, read_reference, write_values
 from drumlin.wear.archard import WearLaw
 from drumlin.wear.linings import fem_setup
 from drumlin.wear.run_in import COEFFICIENT, checks, run_in, unit_distance
@@ -174,12 +175,11 @@ ROUGHLY = Refinement(2, LEVELS[1:3], triangles.LEVELS[:1])
 
 
 def referred(at: Posed) -> None:
-    """Reference values, of rougher meshes than those that are cited; their other solver covers the brake."""
-    brake = read_drum(at.file, "reference")
-    trio = responses(brake, ROUGHLY)
-    assert trio.other is not None
-    found = reference(brake, at.file.read_text(), "made here", trio)
-    assert found.torque.value == pytest.approx(effect(drumlin.solve(brake)), rel=1e-3)
+    """Reference values, of rougher meshes than those that are cited; on a drum their other solver covers the brake."""
+    trio = responses(on_drum(at.brake), ROUGHLY)
+    assert (trio.other is None) == flat(at.brake)
+    found = reference(at.brake, at.file.read_text(), "made here", trio)
+    assert found.torque.value == pytest.approx(effect(drumlin.solve(at.brake)), rel=1e-3)
     assert found.torque.uncertainty < 1e-3 * found.torque.value
     write_values(as_dict(found), at.folder / "r.json")
 
@@ -191,6 +191,13 @@ def checked(at: Posed) -> None:
     with pytest.raises(SystemExit) as end:
         app(["check", str(at.file), str(curves), "--reference", str(at.folder / "r.json")])
     assert end.value.code == 0
+    known = read_reference(at.folder / "r.json")
+    assert known.flat == flat(at.brake)
+    verdicts = check(at.brake, known, read_curves(curves, at.brake))
+    assert within(verdicts, 5e-3)
+    for verdict, shoe in zip(verdicts, drumlin.solve(at.brake).shoes, strict=True):
+        own = shoe.torque or effect(drumlin.solve(at.brake))
+        assert verdict.torque == pytest.approx(own, rel=2e-2)
 
 
 def compared(at: Posed) -> None:
@@ -263,12 +270,12 @@ def unhinged(brake: AnyBrake) -> bool:
 
 HINGED = "takes shoes on hinges under forces of their own only: "
 REFUSALS = [
-    Refusal({"export", "check", "cost"}, flat, "is a brake on a plane; .* takes brakes on a drum"),
+    Refusal({"export"}, flat, "is a brake on a plane; .* takes brakes on a drum"),
     Refusal({"misfit", "ring"}, flat, "unknown key 'drum'"),
     Refusal({"own mesh"}, lambda b: flat(b) and not unmeshed(b), "unknown key 'mesh'"),
     Refusal(set(USES) - {"compare", "view", "foundation", "solid"}, unmeshed,
             "its lining has no thickness and material to mesh"),
-    Refusal({"export"}, unhinged, f"a peer {HINGED}"),
+    Refusal({"export"}, unhinged, f"CalculiX {HINGED}"),
     Refusal({"solid"}, flat, "does not apply to this brake: "),
     Refusal({"foundation"}, lambda b: True, "does not apply to this brake: "),
 ]  # fmt: skip

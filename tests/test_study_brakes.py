@@ -9,7 +9,7 @@ import pytest
 from drumlin.brake import Brake, read_any, vary
 from drumlin.laws import law
 from drumlin.response.merit import brake_factor
-from drumlin.verification.brake_kinds import both_ways, cam_factor, case, row_of, verdict
+from drumlin.verification.brake_kinds import both_ways, cam_factor, case, others_of, row_of, verdict
 
 FILES = sorted((Path(__file__).parents[1] / "studies/brakes").glob("*.toml"))
 KINDS = {"hinge", "abutment", "pivot"}
@@ -48,6 +48,15 @@ def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:
     assert row["balance"] < 1e-9
     assert abs(row["worn"]) < 1e-3 < abs(row["new"])
     assert abs(row["p_worn"]) < 1e-2 < abs(row["p"])
+
+
+@pytest.mark.slow
+def test_a_case_takes_solid_shoes_where_they_apply() -> None:
+    paths = {path.stem: path for path in FILES}
+    found = case("simplex_hinged", read_any(paths["simplex_hinged"]), 12, solid=True)
+    (row,) = [row for row in others_of(found) if row["model"] == "solid"]
+    assert 1e-3 < abs(row["new"]) < 0.05
+    assert "solid" not in case("rail_clamp", read_any(paths["rail_clamp"]), 12, solid=True).others
 
 
 def under(brake: Brake, index: int) -> Brake:

@@ -15,7 +15,7 @@ from drumlin.fuzzing.faults import Input, brake_text
 from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
-from drumlin.response.resultants import edge_left_out
+from drumlin.response.resultants import cross, edge_left_out
 from drumlin.verification.textbook_brakes import hinged
 
 
@@ -50,6 +50,55 @@ def test_a_contact_within_the_lining_s_end_has_a_peak_pressure():
     )
     assert response.shoes[0].peak_pressure == response.shoes[0].pressure.max() > 1e7
     assert any("the lining is strained" in note for note in response.notes)
+
+
+def corner(gap, force):
+    """The main brake whose right shoe presses at its lining's end alone, this far off .2 deg before; and mu N R."""
+    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
+    table = [["-70 deg", "1 mm"], ["54.8 deg", gap], ["55 deg", "0 mm"]]
+    brake = vary(brake, {"shoe[0].lining.clearance": table, "shoe[0].actuation.force": force})
+    shoe, R = brake.shoes[0], brake.drum.radius
+    out = np.array([math.cos(shoe.lining.end), math.sin(shoe.lining.end)])
+    per_normal = cross(R * out - shoe.pin.xy, brake.friction * np.array([-out[1], out[0]]) - out)
+    normal = -cross(shoe.actuation.point.xy - shoe.pin.xy, shoe.actuation.vector) / per_normal
+    return brake, brake.friction * float(normal) * R
+
+
+SHORT = pytest.mark.parametrize(("gap", "force", "length"), [("20 um", "5 N", 0.02), ("100 um", "50 N", 0.04)])
+
+
+@SHORT
+def test_a_contact_within_some_hundredths_of_a_degree_of_the_end_is_known(gap, force, length):
+    """Strained by 2 and 8 %; its errors were 10 and 4 %. The moment about the pin gives the torque."""
+    brake, torque = corner(gap, force)
+    response = drumlin.solve(brake)
+    ((start, end),) = np.degrees(response.shoes[0].contact_arcs)
+    assert 0.5 * length < end - start < length
+    assert response.shoes[0].torque == pytest.approx(torque, rel=math.radians(length))
+    assert not any("not reached" in note for note in response.notes)
+    assert response.shoes[0].error["pressure"] < 5e-3 and response.shoes[0].error["peak"] < 5e-3
+
+
+@pytest.mark.slow
+@SHORT
+def test_such_a_contact_is_known_as_well_as_it_says(gap, force, length):
+    brake, _ = corner(gap, force)
+    one, finer = (drumlin.solve(brake, tolerance=tolerance).shoes[0] for tolerance in (5e-3, 1e-3))
+    assert pressure_distance(one, finer) < one.error["pressure"] < 5e-3
+    assert abs(one.peak_pressure / finer.peak_pressure - 1) < one.error["peak"]
+
+
+def test_of_a_contact_too_short_to_be_seen_the_torque_is_known_and_the_pressure_is_not():
+    """A tenth of a micrometre: its error is all of it, whatever two meshes agree on."""
+    brake, torque = corner("10 mm", "5 N")
+    response = drumlin.solve(brake)
+    assert response.shoes[0].torque == pytest.approx(torque, rel=1e-5)
+    error = response.shoes[0].error
+    assert error["torque"] < 1e-3 and error["reaction"] < 1e-2
+    assert min(error["pressure"], error["peak"]) >= 1
+    assert any("shoe 'right': its contact is 0.1 um long, too short to know its pressure" in n for n in response.notes)
+    with pytest.raises(NoAnswer, match="too short to know its pressure"):
+        drumlin.solve(brake, tolerance=1e-2)
 
 
 def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():

@@ -42,7 +42,8 @@ class Result(NamedTuple):
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """All files by law and finite elements; `short`: three of them, coarser worn-in linings, no limits of locking."""
+    """All files by law and finite elements; `short`: three of them, coarser worn-in linings, no solid shoes, no limits
+    of locking."""
     cases: list[Case] = []
     rows: list[dict[str, Any]] = []
     verdicts, cams = {}, {}
@@ -52,7 +53,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         own = []
         for brake in both_ways(read_any(path)):
             say(f"{path.stem}: {motion_of(brake)}")
-            found = case(path.stem, brake, 24 if short else 60)
+            found = case(path.stem, brake, 24 if short else 60, solid=not short)
             cases.append(found)
             own.append(row_of(found, None if short else mu_lock(brake)))
         rows += own

@@ -21,14 +21,16 @@ def cost(
     model: Annotated[str, typer.Option(metavar="fem|solid", help="solid: its table, up to 100 000 unknowns")] = "fem",
 ) -> None:
     """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
-    from drumlin.brake.plane_brake import read_drum
+    from drumlin.brake.plane_brake import read_any
+    from drumlin.brake.unrolled import on_drum
     from drumlin.models import pick
     from drumlin.verification.cost import measure, solid_table, table
 
-    brake = read_drum(brake_file, "cost")
+    given = read_any(brake_file)
     if model not in {"fem", "solid"}:
         raise BadInput(f"--model = {model!r}: has no cost to print; allowed: fem, solid")
-    pick(model, brake)
+    pick(model, given)
+    brake = on_drum(given)
     options = fem_options(elements, penalty=penalty)
     if by_size and options:
         raise BadInput("--table chooses the elements itself; leave out --elements and --penalty")
@@ -52,23 +54,25 @@ def reference(
 ) -> None:
     """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two codes."""
     from drumlin.brake.file import toml_text
-    from drumlin.brake.plane_brake import read_drum
+    from drumlin.brake.plane_brake import FlatBrake, read_any
     from drumlin.files import check_output
     from drumlin.verification.reference import reference as make
     from drumlin.verification.reference_file import as_dict, write_values
 
     text = toml_text(brake_file)
-    brake = read_drum(brake_file, "reference", text)
+    brake = read_any(brake_file, text)
     path = output or Path(f"{brake_file.stem}.reference.json")
     check_output(path)
     with busy("columns of high degree, then triangles"):
         found = make(brake, text, typed(["drumlin", "reference", str(brake_file)]))
     write_values(as_dict(found), path)
-    tell(f"torque {found.torque.value:.10g} N m, uncertainty {found.torque.uncertainty:.1e}")
+    effect, unit = ("braking force", "N") if isinstance(brake, FlatBrake) else ("torque", "N m")
+    tell(f"{effect} {found.torque.value:.10g} {unit}, uncertainty {found.torque.uncertainty:.1e}")
     for shoe in found.shoes:
         tell(
-            f"  shoe {shoe.name!r}: torque {shoe.torque.value:.10g} N m, uncertainty {shoe.torque.uncertainty:.1e}; "
-            f"p uncertain by {shoe.pressure_uncertainty:.1e} of its peak away from the edges, "
+            f"  shoe {shoe.name!r}: {effect} {shoe.torque.value:.10g} {unit}, "
+            f"uncertainty {shoe.torque.uncertainty:.1e}; p uncertain by "
+            f"{shoe.pressure_uncertainty:.1e} of its peak away from the edges, "
             f"{shoe.distance:.1e} in L2"
         )
     tell(f"reference: {path}")
@@ -78,7 +82,10 @@ def check(
     brake_file: BrakeFile,
     result: Annotated[
         Path,
-        typer.Argument(metavar="RESULT.csv", help=r"columns 'shoe', 'theta \[deg]', 'p \[MPa]'; other units as well"),
+        typer.Argument(
+            metavar="RESULT.csv",
+            help=r"columns 'shoe', 'theta \[deg]' (on a plane 'x \[mm]'), 'p \[MPa]'; other units as well",
+        ),
     ],
     known: Annotated[
         Path | None,
@@ -88,7 +95,7 @@ def check(
 ) -> None:
     """Compare anybody's p(theta) with reference values. The last line is the verdict; exit status 0 either way."""
     from drumlin.brake.file import toml_text
-    from drumlin.brake.plane_brake import read_drum
+    from drumlin.brake.plane_brake import FlatBrake, read_any
     from drumlin.studies import REPOSITORY
     from drumlin.verification.check import check as compare_with
     from drumlin.verification.check import lines, read_curves
@@ -98,7 +105,7 @@ def check(
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
     text = toml_text(brake_file)
-    brake = read_drum(brake_file, "check", text)
+    brake = read_any(brake_file, text)
     curves = read_curves(result, brake)
     values = Path("reports") / "reference" / "values"
     path = known or stored(text, brake_file.parent, values, REPOSITORY / values)
@@ -109,5 +116,5 @@ def check(
         found, said = read_reference(path), str(path)
     verdicts = compare_with(brake, found, curves)
     tell(f"reference: {said}")
-    for line in lines(verdicts, tolerance):
+    for line in lines(verdicts, tolerance, flat=isinstance(brake, FlatBrake)):
         tell(line)

@@ -163,7 +163,9 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small and not solid else LARGEST_IMBALANCE):
         return answers
     if solid or (not small and max(body.line.order for body in group.bodies) > 2):  # the factors fill: minutes
-        raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
+        balance = f"it balances only to {_imbalance(answers):.1e}"
+        why = f"its stiffness is certain only to {lost:.1e}" if lost >= LARGEST_LOSS else balance
+        raise NoAnswer(f"{group.names}: lost digits, {why}; {TOO_FAR}")
     try:
         refined = refined_group(group, found.active)
     except NoAnswer as error:

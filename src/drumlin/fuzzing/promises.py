@@ -55,6 +55,8 @@ PROMISES = [
          "test_trust.py::test_a_shoe_is_not_taken_as_rigid_where_that_cannot_be_judged"),
         ("A peak pressure is said even of a contact at the lining's very end.",
          "test_trust.py::test_a_contact_within_the_lining_s_end_has_a_peak_pressure"),
+        ("A contact too short to be seen has a torque; its pressure is said to be unknown.",
+         "test_trust.py::test_of_a_contact_too_short_to_be_seen_the_torque_is_known_and_the_pressure_is_not"),
         ("What is in a mesh file tells cases of a sweep apart, not its name.",
          "test_sweep_attempts.py::test_what_is_in_a_mesh_file_tells_cases_apart_not_its_name"),
         ("A sweep keeps only answers and refusals of physics and input.",

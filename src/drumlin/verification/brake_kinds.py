@@ -17,7 +17,7 @@ from drumlin.fem.assembly import prepare
 from drumlin.fem.self_locking import limits
 from drumlin.fem.solve import solve
 from drumlin.laws import law
-from drumlin.models import applicable
+from drumlin.models import MODELS, applicable
 from drumlin.response.merit import brake_factor, effect
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response
@@ -45,10 +45,14 @@ def both_ways(brake: AnyBrake) -> tuple[AnyBrake, AnyBrake]:
     return brake, vary(brake, {"rotation": "clockwise" if brake.spin > 0 else "counter-clockwise"})
 
 
-def case(file: str, brake: AnyBrake, elements: int) -> Case:
-    """A brake by law and finite elements; elements: along the worn-in linings. Raises NoAnswer."""
+def case(file: str, brake: AnyBrake, elements: int, *, solid: bool = False) -> Case:
+    """A brake by law and finite elements; elements: along the worn-in linings; solid: also with solid shoes, where
+    these apply. Raises NoAnswer.
+    """
     by_law = law(brake)
     others = [model for model in applicable(brake) if model.name not in {"fem", by_law.model}]
+    if solid and MODELS["solid"].why_not(brake) is None:
+        others.append(MODELS["solid"])
     return Case(
         file,
         brake,

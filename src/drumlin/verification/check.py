@@ -3,7 +3,7 @@
 import csv
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,7 +11,8 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.file import differing, read_brake
+from drumlin.brake.file import differing
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe, read_any
 from drumlin.brake.units import LARGEST, to_si
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
@@ -21,7 +22,12 @@ from drumlin.verification.reference import Reference, ShoeReference
 from drumlin.verification.reference_file import LARGEST_FILE
 
 QUANTITIES = {"theta": "rad", "p": "Pa"}
-ALLOWED = "columns 'shoe', 'theta [deg]' and 'p [MPa]', or other units"
+FLAT_QUANTITIES = {"x": "m", "p": "Pa"}
+
+
+def _allowed(wanted: Mapping[str, str]) -> str:
+    place = "x [mm]" if "x" in wanted else "theta [deg]"
+    return f"columns 'shoe', {place!r} and 'p [MPa]', or other units"
 
 
 class Curve(NamedTuple):
@@ -35,15 +41,16 @@ class Verdict(NamedTuple):
     """How far a shoe's curve is from its reference.
 
     `distance`: relative L2 distance of p outside the edge zones, at the reference's angles; `largest`: largest
-    difference there over the peak pressure, at the angle `at` [rad]; `torque_error`: what these differences of p change
-    of the torque, relative; `torque` [N m]: by trapezia of the curve's own points, held even to the lining's ends,
-    where a sharp edge may need finer ones; `floor`, `torque_floor`: relative uncertainties of the reference.
+    difference there over the peak pressure, and its place `at`, in words; `torque_error`: what these differences of p
+    change of the torque, relative; `torque` [N m], on a plane the braking force [N]: by trapezia of the curve's own
+    points, held even to the lining's ends, where a sharp edge may need finer ones; `floor`,
+    `torque_floor`: relative uncertainties of the reference.
     """
 
     shoe: str
     distance: float
     largest: float
-    at: float
+    at: str
     torque: float
     torque_error: float
     floor: float
@@ -68,16 +75,20 @@ def curve_of(shoe: ShoeResponse, per_unit: float) -> tuple[Floats, Floats]:
     return theta * per_unit, p * 1e-6
 
 
-def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:
-    """The curve of each shoe from a CSV file. Raises BadInput with one line: file, line, what is allowed."""
+def read_curves(path: Path, brake: AnyBrake) -> dict[str, Curve]:
+    """The curve of each shoe from a CSV file, on a plane over x [m].
+
+    Raises BadInput with one line: file, line, what is allowed.
+    """
     text = read_text(path, LARGEST_FILE, "a table of p(theta)")
     try:
         lines = list(csv.reader(io.StringIO(text, newline="")))
     except csv.Error as error:
         raise BadInput(f"{path}: is not a CSV file ({error})") from error
+    wanted = FLAT_QUANTITIES if isinstance(brake, FlatBrake) else QUANTITIES
     if not lines:
-        raise BadInput(f"{path}: is empty; must have {ALLOWED}")
-    columns = _columns(path, lines[0])
+        raise BadInput(f"{path}: is empty; must have {_allowed(wanted)}")
+    columns = _columns(path, lines[0], wanted)
     names = [shoe.name for shoe in brake.shoes]
     if "shoe" not in columns and len(names) > 1:
         raise BadInput(f"{path}: line 1: no column 'shoe'; the brake has {', '.join(names)}")
@@ -90,12 +101,12 @@ def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:
         name = line[columns["shoe"][0]].strip() if "shoe" in columns else names[0]
         if name not in points:
             raise BadInput(f"{path}: line {number}: shoe = {name!r}: unknown; allowed: {', '.join(names)}")
-        theta, p = (_number(path, number, line, key, *columns[key]) for key in QUANTITIES)
+        theta, p = (_number(path, number, line, key, *columns[key]) for key in wanted)
         points[name].append((theta, p))
     return {shoe.name: _curve(path, shoe, points[shoe.name]) for shoe in brake.shoes}
 
 
-def _columns(path: Path, heading: Sequence[str]) -> dict[str, tuple[int, float]]:
+def _columns(path: Path, heading: Sequence[str], wanted: Mapping[str, str]) -> dict[str, tuple[int, float]]:
     """Place and factor to SI of each column, from headings such as 'theta [deg]'."""
     columns: dict[str, tuple[int, float]] = {}
     for place, cell in enumerate(heading):
@@ -103,14 +114,14 @@ def _columns(path: Path, heading: Sequence[str]) -> dict[str, tuple[int, float]]
         name = name.strip()
         if name == "shoe":
             columns[name] = (place, 1.0)
-        if name in QUANTITIES:
+        if name in wanted:
             try:
-                columns[name] = (place, to_si(f"1 {unit.strip()}", QUANTITIES[name], unit_required=True))
+                columns[name] = (place, to_si(f"1 {unit.strip()}", wanted[name], unit_required=True))
             except ValueError as error:
                 raise BadInput(f"{path}: line 1: {cell.strip()!r}: {error}") from error
-    for name in QUANTITIES:
+    for name in wanted:
         if name not in columns:
-            raise BadInput(f"{path}: line 1: no column {name!r} with its unit; must have {ALLOWED}")
+            raise BadInput(f"{path}: line 1: no column {name!r} with its unit; must have {_allowed(wanted)}")
     return columns
 
 
@@ -126,56 +137,57 @@ def _number(path: Path, number: int, line: Sequence[str], key: str, place: int, 
     return value
 
 
-def _curve(path: Path, shoe: Shoe, points: list[tuple[float, float]]) -> Curve:
+def _curve(path: Path, shoe: Shoe | FlatShoe, points: list[tuple[float, float]]) -> Curve:
     if len(points) < 2:
         raise BadInput(f"{path}: shoe {shoe.name!r}: {len(points)} points; must be 2 or more")
     theta, p = np.array(points).T
-    middle = 0.5 * (shoe.lining.start + shoe.lining.end)
-    theta = middle + (theta - middle + math.pi) % (2 * math.pi) - math.pi  # whole turns do not matter
+    if isinstance(shoe, Shoe):  # whole turns do not matter
+        theta = shoe.lining.middle + (theta - shoe.lining.middle + math.pi) % (2 * math.pi) - math.pi
     order = np.argsort(theta, kind="stable")
     theta, p = theta[order], p[order]
     same = np.diff(theta) <= 0
     if same.any():
-        raise BadInput(f"{path}: shoe {shoe.name!r}: theta = {_deg(theta[:-1][same][0])} stands twice")
+        raise BadInput(f"{path}: shoe {shoe.name!r}: {_place(shoe, theta[:-1][same][0])} stands twice")
     return Curve(theta, p)
 
 
-def _deg(angle: float) -> str:
-    return f"{math.degrees(angle):.6g} deg"
+def _place(shoe: Shoe | FlatShoe, at: float) -> str:
+    return f"x = {1e3 * at:.6g} mm" if isinstance(shoe, FlatShoe) else f"theta = {math.degrees(at):.6g} deg"
 
 
-def check(brake: Brake, known: Reference, curves: dict[str, Curve]) -> list[Verdict]:
+def check(brake: AnyBrake, known: Reference, curves: dict[str, Curve]) -> list[Verdict]:
     """The verdict on each shoe. Raises BadInput where the reference is of another brake, or a curve does not reach
     over its lining up to the edge zones."""
     if [shoe.name for shoe in known.shoes] != [shoe.name for shoe in brake.shoes]:
         said = ", ".join(shoe.name for shoe in known.shoes)
         raise BadInput(f"the reference is of another brake, with the shoes {said}")
-    key = differing(brake, read_brake(Path("brake_file"), known.text))
+    key = differing(brake, read_any(Path("brake_file"), known.text))
     if key is not None:
         raise BadInput(f"the reference is of another brake: {key} is not the same")
-    return [_verdict(brake, spec, shoe, curves[shoe.name]) for spec, shoe in zip(brake.shoes, known.shoes, strict=True)]
+    specs: Sequence[Shoe | FlatShoe] = brake.shoes
+    return [_verdict(brake, spec, shoe, curves[shoe.name]) for spec, shoe in zip(specs, known.shoes, strict=True)]
 
 
-def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Verdict:
+def _verdict(brake: AnyBrake, spec: Shoe | FlatShoe, known: ShoeReference, curve: Curve) -> Verdict:
     inside = known.inside
     theta, p = known.theta[inside], known.pressure[inside]
     if not len(theta):
         raise BadInput(f"shoe {known.name!r}: its lining is shorter than its edge zones; nothing to compare")
     if curve.theta[0] > theta[0] + 1e-9 or curve.theta[-1] < theta[-1] - 1e-9:
         raise BadInput(
-            f"shoe {known.name!r}: theta from {_deg(curve.theta[0])} to {_deg(curve.theta[-1])}: must reach "
-            f"from {_deg(theta[0])} to {_deg(theta[-1])}"
+            f"shoe {known.name!r}: from {_place(spec, curve.theta[0])} to {_place(spec, curve.theta[-1])}: must reach "
+            f"from {_place(spec, theta[0])} to {_place(spec, theta[-1])}"
         )
     off = np.interp(theta, *curve) - p
     size = math.sqrt(float(p @ p))
     worst = int(np.abs(off).argmax())
     peak = known.peak_pressure.value
-    lever = brake.friction * spec.lining.width * brake.drum.radius**2
+    lever = brake.friction * spec.lining.width * (brake.drum.radius**2 if isinstance(brake, Brake) else 1.0)
     return Verdict(
         shoe=known.name,
         distance=math.sqrt(float(off @ off)) / size if size else math.inf if off.any() else 0.0,
         largest=abs(float(off[worst])) / peak if peak else math.inf if off.any() else 0.0,
-        at=float(theta[worst]),
+        at=_place(spec, float(theta[worst])),
         torque=lever * _area(spec, curve),
         torque_error=abs(lever * float(np.trapezoid(off, theta))) / known.torque.value if known.torque.value else 0.0,
         floor=known.distance,
@@ -183,7 +195,7 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Ve
     )
 
 
-def _area(shoe: Shoe, curve: Curve) -> float:
+def _area(shoe: Shoe | FlatShoe, curve: Curve) -> float:
     """Int p dtheta over the lining, by trapezia of the curve's own points."""
     start, end = shoe.lining.start, shoe.lining.end
     theta = np.concatenate([[start], curve.theta[(curve.theta > start) & (curve.theta < end)], [end]])
@@ -195,12 +207,13 @@ def within(verdicts: Sequence[Verdict], tolerance: float) -> bool:
     return all(max(v.distance, v.torque_error) <= tolerance for v in verdicts)
 
 
-def lines(verdicts: Sequence[Verdict], tolerance: float) -> list[str]:
-    """The verdicts for people, the last line the verdict on all."""
+def lines(verdicts: Sequence[Verdict], tolerance: float, *, flat: bool = False) -> list[str]:
+    """The verdicts for people, the last line the verdict on all; flat: on a plane, of a braking force."""
+    effect, unit = ("braking force", "N") if flat else ("torque", "N m")
     said = [
         f"shoe {v.shoe!r}: p off by {v.distance:.2%} in L2 (reference known to {v.floor:.1e}), at most by "
-        f"{v.largest:.2%} of the peak, at {_deg(v.at)}; that is {v.torque_error:.2%} of the torque (known to "
-        f"{v.torque_floor:.1e}); torque of its points {v.torque:.7g} N m"
+        f"{v.largest:.2%} of the peak, at {v.at}; that is {v.torque_error:.2%} of the {effect} (known to "
+        f"{v.torque_floor:.1e}); {effect} of its points {v.torque:.7g} {unit}"
         for v in verdicts
     ]
     return [*said, f"{'within' if within(verdicts, tolerance) else 'NOT within'} {tolerance:.3g} of the reference"]

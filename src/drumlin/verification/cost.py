@@ -16,7 +16,6 @@ import numpy as np
 from scipy.sparse.linalg import splu
 
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.file import vary
 from drumlin.fem.assembly import Mesher, materials_of, prepare
 from drumlin.fem.body import scalar_basis, stiffness
 from drumlin.fem.mesh.arc import shoe_mesh
@@ -74,7 +73,7 @@ def cost(
     respond(scene, brake, penalty=penalty)
     first = time.perf_counter() - first
     memory = peak_memory()
-    other = vary(brake, {"friction": 0.9 * brake.friction})
+    other = brake.model_copy(update={"friction": 0.9 * brake.friction})
     bodies = {id(body): (body, shoe) for body, shoe in zip(scene.bodies, brake.shoes, strict=True)}
     phases = np.zeros(3)
     for body, shoe in bodies.values():
@@ -155,7 +154,7 @@ def _solid_cost(brake: Brake, elements: int) -> tuple[int, int, int, float, floa
     respond(scene, brake)
     first = time.process_time() - start
     memory, start = peak_memory(), time.process_time()
-    respond(scene, vary(brake, {"friction": 0.9 * brake.friction}))
+    respond(scene, brake.model_copy(update={"friction": 0.9 * brake.friction}))
     bodies = {id(body): body for body in scene.bodies}.values()
     unknowns, nodes = sum(body.unknowns for body in bodies), sum(len(body.line.nodes) for body in bodies)
     return unknowns, nodes, memory, first, time.process_time() - start

@@ -5,7 +5,8 @@ have: drums of 60 mm to 1.2 m, linings of R/60 to R/8, moduli over a decade.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -174,6 +175,57 @@ def _strut(rng: Rng) -> dict[str, Any]:
     return _drum(rng, shoes, link=[{"from": "first", "to": "second"}])
 
 
+def _elastic(rng: Rng, R: float, makes: Sequence[Callable[[Rng, float], dict[str, Any]]]) -> dict[str, Any]:
+    """A shoe by one of the makes that has a body."""
+    make = makes[int(rng.integers(len(makes)))]
+    while "body" not in (shoe := make(rng, R)):
+        pass
+    return shoe
+
+
+def _sloped(rng: Rng, R: float) -> dict[str, Any]:
+    return _abutted(rng, R, rough=True)
+
+
+def _tee(rng: Rng, R: float) -> dict[str, Any]:
+    """A shoe whose body is a table with a web."""
+    shoe, u = _elastic(rng, R, (_hinged, _sloped, _pivoted, _guided)), rng.uniform
+    body, width = shoe["body"], shoe["lining"]["width"]
+    table = {"thickness": u(0.1, 0.5) * body["thickness"], "width": u(1.0, 1.3) * width}
+    return shoe | {"body": body | {"width": u(0.1, 0.6) * width, "table": table}}
+
+
+def _gripped(rng: Rng, R: float) -> dict[str, Any]:
+    """A shoe of which a length of its body's back is held."""
+    shoe = _elastic(rng, R, (_hinged, _pivoted, _guided))
+    return shoe | {"body": shoe["body"] | {"grip": R * rng.uniform(0.05, 0.4)}}
+
+
+def _chain(rng: Rng) -> dict[str, Any]:
+    """Blocks outside, each hanging on the next by a strap."""
+    names = ("first", "second", "third", "fourth")[: int(rng.integers(2, 5))]
+
+    def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
+        u, strap, at = rng.uniform, rng.uniform(1.05, 1.15), float(rng.uniform(-1.5, -0.5))
+        found: list[dict[str, Any]] = []
+        for name in names:
+            shoe, half, pulled = _lining(rng, R, inside=False), u(0.15, 0.35), at
+            ends = {"start": at + 0.05, "end": at + 0.05 + 2 * half}
+            shoe |= {"name": name, "lining": shoe["lining"] | ends}
+            if "body" in shoe:
+                shoe["body"] |= {"start": ends["start"] - 0.03, "end": ends["end"] + 0.03}
+            at = ends["end"] + 0.05
+            face = {"point": _point(R, strap * math.cos(at), strap * math.sin(at)), "direction": at + math.pi / 2}
+            shoe["abutment"] = face
+            if not found:
+                point = strap * math.cos(pulled), strap * math.sin(pulled)
+                shoe["actuation"] = _push(rng, shoe, R, pulled - math.pi / 2, point)
+            found.append(shoe)
+        return found
+
+    return _drum(rng, shoes, link=[{"from": a, "to": b} for a, b in pairwise(names)])
+
+
 def _pad(rng: Rng, held: str) -> dict[str, Any]:
     u = rng.uniform
     long, start = _log(rng, 0.04, 0.3), float(u(-0.3, 0.3))
@@ -216,6 +268,9 @@ KINDS: dict[str, Draw] = {
     "pad on a pivot": lambda rng: _pad(rng, "pivot"),
     "pad on a guide": lambda rng: _pad(rng, "guide"),
     "pad on an abutment": lambda rng: _pad(rng, "abutment"),
+    "table": lambda rng: _drum(rng, lambda rng, R: [_tee(rng, R)]),
+    "grip": lambda rng: _drum(rng, lambda rng, R: [_gripped(rng, R)]),
+    "chain": _chain,
 }
 
 

@@ -17,6 +17,8 @@ import numpy as np
 import drumlin
 from drumlin.arrays import Bools, Floats
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput
 from drumlin.fem.hp.division import Level
 from drumlin.fem.hp.levels import steps
@@ -93,7 +95,9 @@ def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
 
 
 def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Response | None:
-    """The finest solution by triangles in the form of `like`; None where they do not cover the brake."""
+    """The finest solution by triangles in the form of `like`; None where they do not cover the brake, as on a plane."""
+    if any(shoe.flat for shoe in brake.shoes):
+        return None
     try:
         *_, solutions = triangles.sequence(brake, refinement.triangles)
     except BadInput:
@@ -140,7 +144,8 @@ class ShoeReference:
     """What is known of one shoe.
 
     `contact_force` (2,) [N]: of the drum on the lining, friction included. `peak_pressure` [Pa]: outside the zones of
-    `edge` [rad] at the lining's ends. `contact_arcs` (k, 2) [rad]. `theta` (n,) [rad], whole degrees, `pressure` and
+    `edge` [rad] at the lining's ends. `contact_arcs` (k, 2) [rad]. `theta` (n,) [rad], whole degrees; on a plane x [m]
+    in place of angles, whole millimetres, and the braking force [N] in place of the torque. `pressure` and
     `uncertainty` (n,) [Pa]. `distance`: relative L2 distance of both pressures outside EDGE_ZONE at the ends.
     """
 
@@ -171,7 +176,10 @@ class ShoeReference:
 
 @dataclass(frozen=True)
 class Reference:
-    """Reference values of a brake: `text` is its file, `command` makes them again."""
+    """Reference values of a brake: `text` is its file, `command` makes them again.
+
+    `flat`: on a plane. There the braking force [N] stands for torques, and places x [m] for angles.
+    """
 
     title: str
     text: str
@@ -180,16 +188,32 @@ class Reference:
     versions: dict[str, str]
     torque: Sure
     shoes: tuple[ShoeReference, ...]
+    flat: bool = False
 
 
-def reference(brake: Brake, text: str, command: str, trio: Trio | None = None) -> Reference:
+def reference(given: AnyBrake, text: str, command: str, trio: Trio | None = None) -> Reference:
     """The reference values of a brake; `trio`: its fine responses, already there. Raises as responses."""
+    brake, flat = on_drum(given), isinstance(given, FlatBrake)
     trio = trio or responses(brake)
     versions = {"drumlin": drumlin.__version__, **{name: importlib.metadata.version(name) for name in PACKAGES}}
     shoes = tuple(_shoe(brake, i, trio) for i in range(len(brake.shoes)))
+    if flat:
+        shoes = tuple(_in_lengths(shoe, brake.drum.radius) for shoe in shoes)
     torque = Sure(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))  # shoes do not cancel
     method = ALONE if trio.other is None else METHOD
-    return Reference(brake.title, text, command, method, versions, torque, shoes)
+    return Reference(brake.title, text, command, method, versions, torque, shoes, flat)
+
+
+def _in_lengths(shoe: ShoeReference, unit: float) -> ShoeReference:
+    """A shoe on a plane with its places x [m]; they counted in lengths of a unit [m]."""
+    arcs, (start, end) = shoe.contact_arcs, shoe.ends
+    return replace(
+        shoe,
+        theta=unit * shoe.theta,
+        edge=unit * shoe.edge,
+        ends=(unit * start, unit * end),
+        contact_arcs=Sure((unit * np.array(arcs.value)).tolist(), unit * arcs.uncertainty),
+    )
 
 
 def _sure(value: Any, *others: Any) -> Sure:
@@ -202,19 +226,27 @@ def _sure(value: Any, *others: Any) -> Sure:
     return Sure(value.tolist(), apart)
 
 
+def _contact_force(brake: Brake, index: int, found: ShoeResponse) -> Floats:
+    """The force (2,) [N] on the lining; on a plane that which its reaction and its actuation leave."""
+    shoe = brake.shoes[index]
+    if not shoe.flat:
+        return contact_resultant(brake, index, found).force
+    return -found.hinge_reaction - (shoe if found.force is None else shoe.under(found.force)).actuation.vector
+
+
 def _shoe(brake: Brake, index: int, trio: Trio) -> ShoeReference:
     spec = brake.shoes[index]
     own = [response.shoes[index] for response in (trio.value, *trio.others)]
     a = own[0]
     edge = edge_zone(spec, brake.drum.radius)
     first, last = spec.lining.start, spec.lining.end
-    degrees = np.arange(math.ceil(math.degrees(first) + 1e-6), math.degrees(last) - 1e-6)
-    theta = np.radians(degrees)
+    step = 1e-3 / brake.drum.radius if spec.flat else DEG  # whole millimetres, whole degrees
+    theta = np.arange(math.ceil(first / step + 1e-6), last / step - 1e-6) * step
     pressure = a.pressure_at(theta)
     return ShoeReference(
         name=spec.name,
         torque=_sure(*(x.torque for x in own)),
-        contact_force=_sure(*(contact_resultant(brake, index, x).force for x in own)),
+        contact_force=_sure(*(_contact_force(brake, index, x) for x in own)),
         hinge_reaction=_sure(*(x.hinge_reaction for x in own)),
         peak_pressure=_sure(*(peak_away(x, edge) for x in own)),
         contact_arcs=_sure(*(np.reshape(x.contact_arcs, (-1, 2)) for x in own)),

@@ -34,6 +34,9 @@ UNITS = {
 }
 
 
+FLAT_UNITS = {"torque": "N", "contact_arcs": "m", "edge": "m", "theta": "m"}  # a braking force, places x
+
+
 def _rounded(value: Any, digits: int = DIGITS) -> Any:
     """Numbers, also in lists, to so many significant digits."""
     if isinstance(value, list):
@@ -68,7 +71,7 @@ def as_dict(found: Reference) -> dict[str, Any]:
         "format": FORMAT,
         "title": found.title,
         "method": found.method,
-        "units": UNITS,
+        "units": UNITS | FLAT_UNITS if found.flat else UNITS,
         "command": found.command,
         "versions": found.versions,
         "torque": _sure_data(found.torque),
@@ -99,6 +102,7 @@ def read_reference(path: Path) -> Reference:
             {_text(name): _text(version) for name, version in data["versions"].items()},
             _sure_from(data["torque"]),
             tuple(_shoe_from(shoe) for shoe in data["shoes"]),
+            flat=data["units"]["theta"] == FLAT_UNITS["theta"],
         )
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError, OverflowError) as error:
         raise BadInput(f"{path}: holds no reference values in the form of `drumlin reference`") from error

@@ -25,6 +25,7 @@ from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Cache
+from drumlin.fem.hp.division import FINEST
 from drumlin.fem.hp.levels import Respond, Step, steps
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import EDGE_ZONE, Response, ShoeResponse
@@ -34,9 +35,9 @@ SLOWEST = 1.3  # factor by which errors fall from level to level at least, where
 
 class Rule(NamedTuple):
     """How an error is estimated, see above: least parts of the `first` step and of `later` ones that it may be,
-    `corner` of the first where a block stands on a beam, whose re-entrant corners slow forces down; `fastest`;
-    `share_first` and `share` of the error of p that it is at least, on two levels and on more; `yielding`: times the
-    softness that it is at least, 0 where the softness is that of p."""
+    `corner` of the first where a block stands on a beam or a grip holds a back, as their corners slow forces down;
+    `fastest`; `share_first` and `share` of the error of p that it is at least, on two levels and on more; `yielding`:
+    times the softness that it is at least, 0 where the softness is that of p."""
 
     first: float
     corner: float
@@ -55,6 +56,8 @@ RULES = {
 }
 """Of 77 random brakes of 11 kinds: no more than 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often."""
+LEAST_REACTION = 1.7  # times the error of the shoe's torque: the reaction of a guide falls less at first than it shows
+SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 ROUND_OFF = 10.0  # times what the elimination has lost of a unit force: what that may be in p
 
 
@@ -86,16 +89,19 @@ def adapt(
     error = Errors({}, ())
     unknowns = 0
     missed = f"tolerance {tolerance.pressure:g} not reached"
-    corner = any(isinstance(shoe.body, Beam) for shoe in brake.shoes)
+    corner = any(isinstance(shoe.body, Beam) or shoe.grip(brake.drum.radius) is not None for shoe in brake.shoes)
     try:
         for scene, found in steps(brake, respond, cache):
             responses.append(found)
             unknowns = max(body.unknowns for body in scene.bodies)
             if len(responses) > 1:
                 lost = max(body.condensed.lost for body in scene.bodies)
-                error = estimate(responses, ROUND_OFF * lost, soft, corner=corner)
+                error, unseen = _seen(estimate(responses, ROUND_OFF * lost, soft, corner=corner), brake, found)
                 if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
                     return Step(scene, _final(responses, error, unknowns, ""))
+                if unseen:
+                    missed += f": {unseen}"
+                    break
     except NoAnswer as refusal:  # of finer levels
         if not error.brake:
             raise
@@ -136,12 +142,30 @@ def estimate(responses: Sequence[Response], lost: float = 0.0, soft: float = 0.0
     floor = lost + np.where(yielding > 0, yielding * softness, soft)
     found = np.where(found > 0, np.maximum(found, least) + floor, found)
     count = len(responses[-1].shoes)
-    for shoe, own in zip(responses[-1].shoes, found[1:].reshape(count, -1), strict=True):
+    by_shoe = found[1:].reshape(count, -1)
+    torque, reaction = (QUANTITIES.index(name) for name in ("torque", "reaction"))
+    by_shoe[:, reaction] = np.maximum(by_shoe[:, reaction], LEAST_REACTION * by_shoe[:, torque])
+    for shoe, own in zip(responses[-1].shoes, by_shoe, strict=True):
         if shoe.pressure.any() and math.isclose(shoe.peak_pressure, max(shoe.pressure[0], shoe.pressure[-1])):
             own[QUANTITIES.index("peak")] = 1.0  # at an end of the lining, where p is unbounded
-    shoes = tuple(dict(zip(QUANTITIES, row.tolist(), strict=True)) for row in found[1:].reshape(count, -1))
+    shoes = tuple(dict(zip(QUANTITIES, row.tolist(), strict=True)) for row in by_shoe)
     worst = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
     return Errors(worst | {"torque": float(found[0])}, shoes)
+
+
+def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
+    """The errors, and in words where a contact is so short that its pressure and peak are not known at all."""
+    shoes, said = list(error.shoes), ""
+    for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
+        length = min((end - start for start, end in found.contact_arcs), default=math.inf) * brake.drum.radius
+        if length < SHORTEST * shoe.lining.thickness:
+            said = (
+                f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know its pressure; "
+                "torque and forces do not need it"
+            )
+            shoes[i] = {name: max(e, float(name in {"pressure", "peak"})) for name, e in shoes[i].items()}
+    worst = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
+    return Errors(worst | {"torque": error.brake["torque"]}, tuple(shoes)), said
 
 
 QUANTITIES = ("pressure", "torque", "peak", "reaction")

@@ -19,6 +19,9 @@ from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
 from drumlin.response.response import EDGE_ZONE
 
+FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: smaller ones lose too many digits
+SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
+
 
 @dataclass(frozen=True)
 class Level:
@@ -145,11 +148,15 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
     contact = [x for x, _, kink in places if not kink] or [start, end]
     beyond = contact[0] - start, end - contact[-1]
-    left, right = (scale if x < scale else max(scale, level.back * min(t, x)) for x in beyond)
+    least, reached = FINEST * t, _reached(start, end, places)
+    left, right = (
+        min(scale, max(level.edge * length, least)) if x < scale else max(scale, level.back * min(t, x))
+        for x, length in zip(beyond, reached, strict=True)
+    )
     marks = _marks(
         (start, left),
         (end, right),
-        [_mark(level.end ** (1 + kink) * min(t, size), x, kink) for x, size, kink in places],
+        [_mark(max(level.end ** (1 + kink) * min(t, size), least), x, kink) for x, size, kink in places],
     )
     grip = shoe.grip(radius)
     if grip is not None:
@@ -174,7 +181,7 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     depths, part = _depths(
         layers,
         level,
-        min(level.face * layers[0].thickness, level.zone * EDGE_ZONE * radius),
+        radius * min(max(level.face * min(t, *reached), least), level.zone * EDGE_ZONE),
         straight=isinstance(shoe.body, Beam),
     )
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
@@ -185,6 +192,13 @@ def _mark(size: float, x: float, kink: bool) -> tuple[float, float]:
     differ by less are one and the same."""
     size = 2.0 ** math.floor(math.log2(size))
     return (x if kink else round(2 * x / size) * size / 2), size
+
+
+def _reached(start: float, end: float, places: Sequence[tuple[float, float, bool]]) -> tuple[float, float]:
+    """The length of the contact that reaches either end of the lining, of the arc where none does."""
+    near = [size for x, size, kink in places if not kink and x - start < SAME * size]
+    far = [size for x, size, kink in places if not kink and end - x < SAME * size]
+    return min(near, default=end - start), min(far, default=end - start)
 
 
 Mark = tuple[float, float]  # phi and the size of columns there [rad]

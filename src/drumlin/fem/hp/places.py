@@ -33,7 +33,10 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     start, end = shoe.arc
     arcs = [] if response is None else [sorted(shoe.frame.phi(np.array(arc)).tolist()) for arc in response.contact_arcs]
     kinks = shoe.frame.phi(np.array(clearance.kinks(shoe.lining))).tolist()
-    found = [(float(x), end - start, True) for x in (kinks if len(kinks) <= MOST_KINKS else ()) if start < x < end]
+    kinks = [x for x in kinks if start < x < end] if len(kinks) <= MOST_KINKS else []
+    if response is not None:  # where nothing presses, or nearly, a kink is nothing
+        kinks = [x for x in kinks if any(2 * a - b < x < 2 * b - a for a, b in arcs)]
+    found = [(x, end - start, True) for x in kinks]
     for one, other in arcs:
         first, last = (min(max(_rounded(x, other - one), start), end) for x in (one, other))
         found += [(first, last - first, False), (last, last - first, False)]
