@@ -39,9 +39,10 @@ def _without_folder(word: str) -> str:
 
 
 def formatted(value: float, form: str) -> str:
-    """A number for people, as format() has it; what rounds to nothing has no sign."""
+    """A number for people, as format() has it, with a space before %; what rounds to nothing has no sign."""
     text = format(value, form)
-    return text.lstrip("+-") if _NOTHING.fullmatch(text) else text
+    text = text.lstrip("+-") if _NOTHING.fullmatch(text) else text
+    return f"{text[:-1]} %" if text.endswith("%") else text
 
 
 def nearest(name: str, names: Iterable[str]) -> str:

@@ -17,6 +17,7 @@ from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
 from drumlin.files import read_text
 from drumlin.response.response import Response, ShoeResponse
+from drumlin.texts import formatted
 from drumlin.verification.reference import Reference, ShoeReference
 from drumlin.verification.reference_file import LARGEST_FILE
 
@@ -198,9 +199,10 @@ def within(verdicts: Sequence[Verdict], tolerance: float) -> bool:
 def lines(verdicts: Sequence[Verdict], tolerance: float) -> list[str]:
     """The verdicts for people, the last line the verdict on all."""
     said = [
-        f"shoe {v.shoe!r}: p off by {v.distance:.2%} in L2 (reference known to {v.floor:.1e}), at most by "
-        f"{v.largest:.2%} of the peak, at {_deg(v.at)}; that is {v.torque_error:.2%} of the torque (known to "
-        f"{v.torque_floor:.1e}); torque of its points {v.torque:.7g} N m"
+        f"shoe {v.shoe!r}: p off by {formatted(v.distance, '.2%')} in L2 (reference known to {v.floor:.1e}), at most "
+        f"by {formatted(v.largest, '.2%')} of the peak, at {_deg(v.at)}; that is "
+        f"{formatted(v.torque_error, '.2%')} of the torque (known to {v.torque_floor:.1e}); torque of its "
+        f"points {v.torque:.7g} N m"
         for v in verdicts
     ]
     return [*said, f"{'within' if within(verdicts, tolerance) else 'NOT within'} {tolerance:.3g} of the reference"]
