@@ -13,19 +13,24 @@ TESTS = -n 2 --dist loadscope --no-skips  # or --skipped for --no-skips: what ma
 SHORT = tests/test_brake.py tests/test_files.py tests/test_fem.py tests/test_laws_examples.py tests/test_page.py
 TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
-.PHONY: study manual test test-all oldest newest packages constraints setup clean
+.PHONY: study manual test types passes test-all oldest newest packages constraints setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
 manual: .venv/ready
 	$(BIN)/drumlin study manual
 
-# loadscope: a module, and what its tests share, stays in one process
 test: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(MAKE) --jobs=2 types passes
+
+types:
+	$(BIN)/mypy
+
+# loadscope: a module, and what its tests share, stays in one process
+passes:
 	$(BIN)/pytest -n 2 --dist loadscope
 
 test-all: packages

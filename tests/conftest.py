@@ -1,7 +1,7 @@
 """The brakes that the tests share, and what becomes of tests that are skipped."""
 
 import os
-from collections.abc import Generator
+from collections.abc import Container, Generator, Iterable
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is loaded: the dense systems are many and small
 
@@ -18,8 +18,16 @@ ROOT = Path(__file__).resolve().parents[1]
 STUDY = ROOT / "studies" / "double_shoe"
 
 # Timings vary on shared machines; examples are derandomised so that a red run can be repeated.
-settings.register_profile("drumlin", deadline=None, derandomize=True, max_examples=25)
-settings.load_profile("drumlin")
+settings.register_profile("all", deadline=None, derandomize=True, max_examples=25)
+settings.register_profile("quick", settings.get_profile("all"), max_examples=8)
+
+
+def partly(cases: Iterable[Any], quick: Container[Any]) -> list[Any]:
+    """Cases to parametrise a test by; those that are not quick are slow."""
+    return [
+        pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=() if case in quick else pytest.mark.slow)
+        for case in cases
+    ]
 
 
 @pytest.fixture(scope="session")
@@ -46,7 +54,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.pluginmanager.register(Skips(config))
+    skips = Skips(config)
+    config.pluginmanager.register(skips)
+    settings.load_profile("all" if skips.failed else "quick")  # before a test module is read
 
 
 class Skips:

@@ -11,7 +11,7 @@ SOUND = load("stability")[0].sound()
 
 
 @pytest.mark.parametrize("maker", bad_input.MAKERS, ids=lambda maker: maker.__name__)
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(rng=st.randoms(use_true_random=False))
 def test_no_input_is_a_fault(maker, rng):
     verdict = bad_input.judge(maker(rng, SOUND))

@@ -117,9 +117,7 @@ def test_every_refusal_is_one_line_and_its_status(tmp_path, case):
     ("words", "status", "said"),
     [
         (["solve", STUDY / "brake.toml", "--model", "sine"], 0, "torque 435.216 N m"),
-        (["solve", STUDY / "brake.toml", "--penalty", "soft"], 2, "drumlin: --penalty = 'soft'"),
         (["compare"], 2, "Missing argument"),
-        (["sweep", "none.toml"], 2, "drumlin: none.toml"),
         (["locked.toml"], 3, "self-locking"),
     ],
 )
@@ -162,9 +160,8 @@ def test_a_terminal_without_greek_letters_is_no_fault(tmp_path):
     text = (STUDY / "brake.toml").read_text().replace('name = "left"', 'name = "λ"')
     (tmp_path / "b.toml").write_text(text, encoding="utf-8")
     plain = {**os.environ, "PYTHONIOENCODING": "ascii"}
-    for command in (["solve", "-v", "--elements", "6"], ["sensitivity", "--elements", "6"]):
-        done = process(*command, tmp_path / "b.toml", env=plain)
-        assert done.returncode == 0 and "shoe '?'" in done.stdout and not done.stderr
+    done = process("solve", "-v", "--elements", "6", tmp_path / "b.toml", env=plain)
+    assert done.returncode == 0 and "shoe '?'" in done.stdout and not done.stderr
     missing = process("solve", tmp_path / "µ.toml", env=plain)
     assert missing.returncode == 2 and missing.stderr.count("\n") == 1
 
@@ -180,23 +177,17 @@ def test_help_answers_in_some_half_a_second():
 
     process("--help")  # compiles what has changed
     seconds = []
-    for _ in range(4):
+    for _ in range(2):
         start = spent()  # processor time: other programs on the machine do not count
         assert process("--help").returncode == 0
         seconds.append(spent() - start)
     assert min(seconds) < 1.5  # .4 where nothing shares the caches
 
 
-BESIDE = {
-    "skfem",
-    "scipy.sparse",
-    "scipy.optimize",
-    "scipy.linalg",
-    "numpy.ma",
-    "importlib.metadata",
-    "drumlin.foundation",
-}
-HEAVY = {"pyvista", "matplotlib", "vtk", "vtkmodules", "pint", "meshio"}
+BESIDE = {  # of what a solve by columns needs
+    "skfem", "scipy.sparse", "scipy.optimize", "scipy.linalg", "numpy.ma", "importlib.metadata", "drumlin.foundation",
+}  # fmt: skip
+HEAVY = {"pyvista", "matplotlib", "vtk", "pint", "meshio", "rich", "jinja2", "scipy.stats", "drumlin.verification"}
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ import pytest
 from drumlin.errors import BadInput
 from drumlin.fem.mesh import vtu
 from drumlin.fem.mesh.abaqus import read_inp
-from drumlin.fuzzing import endings
-from drumlin.fuzzing.endings import Ending, can_be_given, fault_of, in_process, in_subprocess
+from drumlin.fuzzing import endings, trials
+from drumlin.fuzzing.endings import Ending, fault_of, in_process, in_subprocess
 from drumlin.fuzzing.faults import MAKERS, Input, brake_text, make, mesh_files, reference_text, result_text, shown
 
 SECONDS = 15.0
@@ -38,13 +38,19 @@ def test_each_generator_repeats_itself_and_varies():
 
 
 def test_a_process_of_its_own_ends_alike():
-    assert [can_be_given(word) for word in ("x", "λ", "\udcff", "a\0b", "\ud800")] == [True, True, True, False, False]
     for number in (0, 3):
         given = make(number)
-        if not all(map(can_be_given, given.words)):
+        if not all(map(trials.passes, given.words)):
             continue
         one, other = in_process(given), in_subprocess(given)
         assert (one.status, one.err) == (other.status, other.err)
+
+
+def test_words_that_no_process_can_be_given_are_tried_in_this_one():
+    """A NUL, half of a surrogate pair: both are among the words."""
+    numbers = [n for n in range(60) if not all(map(trials.passes, trials.made("words", n).words))]
+    assert {True, False} == {any("\0" in word for word in trials.made("words", n).words) for n in numbers}
+    assert [trials.tried("words", n, apart=True).status for n in numbers[:6]] == [2] * len(numbers[:6])
 
 
 GIVEN = Input("x", {"b.toml": b"title"}, ["solve", "b.toml"])

@@ -128,7 +128,7 @@ def test_every_kind_of_mesh_converges_to_one_answer(kind, brake, fine):
 
 @pytest.fixture(scope="module")
 def fine(brake):
-    return solve(brake, elements=240, penalty=math.inf)
+    return solve(brake, elements=160, penalty=math.inf)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -153,7 +153,7 @@ def test_the_fields_of_every_kind_agree(kind, brake, tmp_path):
 def open_heels(brake, flexible):
     """Brakes whose heels a clearance holds off, and their contact arcs on a fine mesh."""
     specs = [vary(spec, {"shoe.lining.clearance": 1e-4}) for spec in (brake, flexible)]
-    return [(spec, [shoe.contact_arcs for shoe in solve(spec, elements=320).shoes]) for spec in specs]
+    return [(spec, [shoe.contact_arcs for shoe in solve(spec, elements=200).shoes]) for spec in specs]
 
 
 @pytest.mark.parametrize("kind", ["quad2", "tri2"])

@@ -14,6 +14,8 @@ from drumlin.errors import BadInput
 from drumlin.fem import finite_width
 from drumlin.fem.solid import model
 from drumlin.fem.solve import solve
+from drumlin.sweeps.cases import solved
+from drumlin.sweeps.file import sweep_from
 from test_cli import drumlin
 from test_solid import t_section
 
@@ -104,4 +106,36 @@ def test_what_the_correction_does_not_cover_it_refuses(root, file, changes, said
 
 def test_the_option_belongs_to_the_finite_elements(root):
     done = drumlin("solve", root / "studies" / "double_shoe" / "brake.toml", "--model", "sine", "--finite-width")
-    assert done.returncode == 2 and "--finite-width belong to --model fem" in done.stderr
+    assert done.returncode == 2 and "--finite-width belong to --model fem" in " ".join(done.stderr.split())
+
+
+def test_what_else_is_done_with_a_brake_takes_the_corrected_one(root, flexible, tmp_path):
+    """Wear, the holding brake and a comparison start where the solve of the corrected brake does."""
+    file, torque = root / "studies" / "double_shoe" / "flexible.toml", {}
+    wide = finite_width.finite_width(flexible)
+    options = ("--elements", "8", "--finite-width", "--json", tmp_path / "a.json")
+    done = drumlin("wear", file, "--distance", "0.01", *options)
+    assert done.returncode == 0 and done.stdout.startswith("corrected for the finite width: modulus")
+    torque["wear"] = json.loads((tmp_path / "a.json").read_text())["states"][0]["torque"]
+    done = drumlin("compare", file, *options[:-2], "--output", tmp_path / "report")
+    assert done.returncode == 0 and "fem: corrected for the finite width" in " ".join(done.stdout.split())
+    (case,) = json.loads((tmp_path / "report" / "results.json").read_text())["cases"]
+    torque["compare"] = next(model["torque"] for model in case["models"] if model["model"] == "fem")
+    want = solve(wide, elements=8).torque
+    assert want != pytest.approx(solve(flexible, elements=8).torque, rel=1e-4)
+    assert torque == pytest.approx(dict.fromkeys(torque, want), rel=1e-4)
+    done = drumlin("hold", file, "--steps", "1", *options)
+    assert done.returncode == 0 and done.stdout.startswith("corrected for the finite width: modulus")
+    slopes = drumlin("sensitivity", file, "--finite-width")
+    assert slopes.returncode == 2 and "--finite-width" in slopes.stderr and slopes.stderr.count("\n") == 1
+    done = drumlin("wear", file, "--model", "foundation", "--finite-width")
+    assert done.returncode == 2 and "--finite-width belong to --model fem" in " ".join(done.stderr.split())
+
+
+def test_a_sweep_takes_the_option(root, flexible):
+    file = str(root / "studies" / "double_shoe" / "flexible.toml")
+    options = {"elements": 8, "finite_width": True}
+    cases = sweep_from({"brake": file, "model": {"fem": options}, "vary": {"friction": [0.2, 0.3]}}).cases
+    for case, friction in zip(cases, (0.2, 0.3), strict=True):
+        wide = finite_width.finite_width(vary(flexible, {"friction": friction}))
+        assert solved(case)["torque"] == solve(wide, elements=8).torque

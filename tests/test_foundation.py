@@ -178,7 +178,7 @@ def test_a_stiff_beam_on_a_rigid_drum_turns_as_a_rigid_body(spin):
 
 
 @pytest.mark.parametrize("lift", [(), ("all",)])
-@pytest.mark.parametrize("spin", [1, -1])
+@pytest.mark.parametrize("spin", [1, pytest.param(-1, marks=pytest.mark.slow)])
 def test_second_order_where_the_contact_set_is_fixed(lift, spin):
     brake = soft(spin=spin, **{"drum.ring": {"bending_stiffness": 5e8}, "shoe.lining.end": 0.6})
     lift = tuple(name for name in foundation.LIFTS if name not in {"thick-ring", "wedge"}) if lift else ()

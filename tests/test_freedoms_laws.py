@@ -21,7 +21,7 @@ from drumlin.models import MODELS, applicable
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.response import Response, ShoeResponse
 
-many = settings(max_examples=30, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+many = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 SIGNS = st.sampled_from([1, -1])
 LINING = {"thickness": 0.005, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 R, F, C, A, OFF = 0.11, 1000.0, 0.08, 0.08, 0.025  # of the closed form's example
@@ -143,6 +143,22 @@ def test_a_cam_that_moves_both_tips_equally_has_the_closed_form(mu: float, spin:
     assert response.torque / (R * 1000.0) == approx(4 * B[0] * B[1] / (B[0] + B[1]), rel=1e-9)
     by_torque = law(cam_brake(mu, spin, torque=50.0, radius=0.02, efficiency=0.8))
     assert by_torque.torque == approx(response.torque, rel=1e-12)
+
+
+def test_a_cam_on_linings_of_unlike_stiffness_says_how_it_shares_its_force() -> None:
+    """New, F1 B1 t1/E1 = F2 B2 t2/E2; worn in, F1 B1 = F2 B2: what a rigid shoe's tip goes by is p t/E, then wear."""
+    brake = vary(cam_brake(0.3, -1), {"shoe.lining.thickness": 3e-4})
+    unlike = vary(brake, {"shoe[1].lining.material.E": 1e8})
+    B = [law(vary(brake, {"actuation": None, "shoe.actuation.force": F})).shoes[i].torque for i in (0, 1)]
+    for one, stiff in ((brake, 1.0), (unlike, 3.0)):
+        for model, ratio in (("rigid", 1.0), ("fem", stiff)):
+            found = MODELS[model].solve(one)
+            first, second = (shoe.force or 0.0 for shoe in found.shoes)
+            assert first * B[0] == approx(ratio * second * B[1], rel=1e-9 if model == "rigid" else 1e-2)
+            said = [
+                note for note in found.notes if note.startswith("cam: linings of unlike E/t, 1e+12 and 3.33e+11 Pa")
+            ]
+            assert len(said) == (one is unlike)
 
 
 def test_a_cylinder_pushes_both_shoes_with_its_pressure() -> None:

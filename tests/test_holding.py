@@ -104,7 +104,7 @@ def test_every_increment_obeys_contact_and_friction():
 @pytest.mark.parametrize("left", [("_newton",), ("_newton", "_followed")])
 def test_both_paths_lead_to_the_answer_of_newtons_method(monkeypatch, left):
     """From the states at hand, and from wide gaps."""
-    for seed in range(4):
+    for seed in range(2):
         brake, scene = any_brake(seed)
         rotations = full_slip_rotation(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
         expected = hold(scene, brake, rotations)

@@ -1,6 +1,7 @@
 """Elements of high degree: stiffness, columns, rings and contact against skfem's own, closed forms and each other."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -308,6 +309,19 @@ def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     theta = solve(kinked).shoes[0].theta
     for angle in (-0.5, 0.1, 0.6):
         assert np.abs(theta - angle).min() < 1e-12
+
+
+def test_an_open_node_between_two_that_press_is_a_place(brake):
+    response = solve(brake, elements=40)
+    shoe = response.shoes[0]
+    i = len(shoe.theta) // 2
+    opened = shoe.pressure.copy()
+    opened[i] = 0.0
+    places = places_of(brake, replace(response, shoes=(replace(shoe, pressure=opened), *response.shoes[1:])))
+    before = places_of(brake, response)
+    (found,) = {place for own in places.values() for place in own} - {place for own in before.values() for place in own}
+    assert found[:2] == pytest.approx((brake.shoes[0].frame.phi(shoe.theta[i]), shoe.theta[i + 1] - shoe.theta[i - 1]),
+                                      rel=1e-5)  # fmt: skip
 
 
 def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():

@@ -24,7 +24,7 @@ from drumlin.response.merit import barecki_shoe_factor, double_delta, sensitivit
 from drumlin.response.response import ShoeResponse
 from drumlin.verification.textbook_brakes import hinged, pad
 
-many = settings(max_examples=50, suppress_health_check=[HealthCheck.too_slow])
+many = settings(max_examples=2 * settings.default.max_examples, suppress_health_check=[HealthCheck.too_slow])
 
 LAW_NAMES = st.sampled_from(sorted(LAWS))
 SPREAD = [name for name, law in LAWS.items() if not law.lumped]

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from conftest import partly
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
@@ -108,7 +109,7 @@ def test_torque_has_a_simple_pole_at_the_limit(brake):
 
 
 @pytest.mark.parametrize("way", ["locking", "opposed"])
-@pytest.mark.parametrize("seed", range(1, 7))
+@pytest.mark.parametrize("seed", partly(range(1, 7), range(1, 3)))
 def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(seed, way):
     brake = random_brake(seed, way)
     scene = prepare(brake, elements=10)

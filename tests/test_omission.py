@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import STUDY
+from conftest import STUDY, partly
 from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput
@@ -101,7 +101,9 @@ LADDER = {
 }
 
 
-@pytest.mark.parametrize("case", LADDER)
+@pytest.mark.parametrize(
+    "case", partly(LADDER, {"shoe stiff", "ring fixed", "ring free", "backing", "drag, stiff shoe"})
+)
 def test_predictions_are_within_a_factor_two_of_the_truth(case):
     """p and the shoes' torques, between 1e-4 and 0.3; what adapt_without uses is never 1.5 times too small."""
     brake, part = LADDER[case]
@@ -141,7 +143,7 @@ OMITTED = {  # what is left out for 1e-1, 1e-2, 1e-3
 }
 
 
-@pytest.mark.parametrize("case", WITHIN)
+@pytest.mark.parametrize("case", partly(WITHIN, {"ring fixed", "shoe", "shoe stiffest, ring"}))
 def test_the_true_error_stays_within_the_tolerance_with_what_is_left_out_for_it(case):
     brake = WITHIN[case]
     truth = adapt(brake, Tolerance(2e-4, 5e-6), respond).response
@@ -201,7 +203,7 @@ def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
 def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining():
     """Under a load that keeps all of it in contact; half as much on twice as many elements."""
     brake = alone(vary(BRAKE, RIGID | {"shoe.actuation.force": 1e5}))
-    rows = [omissions(brake, "b", elements=n, repeats=0)[1:] for n in (48, 96)]
+    rows = [omissions(brake, "b", elements=n, repeats=0)[1:] for n in (36, 72)]
     coarse, fine = (next(row for row in found if row["part"] == "curvature") for found in rows)
     for row in (coarse, fine):
         assert row["pressure"] < 0.3
@@ -210,8 +212,8 @@ def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining(
 
 
 def test_rows_are_summed_up_and_a_case_without_answer_stays():
-    rows = omissions(vary(BRAKE, RIGID), "b", elements=12, repeats=1)
-    locked = omissions(vary(BRAKE, {"friction": 1.1}), "locked when rigid", elements=12, repeats=0)
+    rows = omissions(vary(BRAKE, RIGID), "b", elements=8, repeats=1)
+    locked = omissions(vary(BRAKE, {"friction": 1.1}), "locked when rigid", elements=8, repeats=0)
     failed = [row for row in locked if row["status"].startswith("failed: shoe 'left': self-locking")]
     assert {row["part"] for row in failed} >= {"shoe"}
     every = [*rows, *locked]

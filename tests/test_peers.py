@@ -8,12 +8,17 @@ import pytest
 
 from drumlin import peers
 from drumlin.brake.file import read_brake, vary
+from drumlin.brake.plane_brake import read_any
+from drumlin.comparison import edge_of
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
 from drumlin.peers.deck import BEARING, Setting, deck, drum_angles
 from drumlin.peers.peer import loaded_shoes
+from drumlin.response.merit import shoe_effect
 from drumlin.response.norms import pressure_distance
+from drumlin.verification.brake_kinds import both_ways
+from drumlin.verification.random_kinds import KINDS, random_kind
 
 STUDIES = Path(__file__).parents[1] / "studies"
 MAIN = read_brake(STUDIES / "double_shoe" / "brake.toml")
@@ -282,6 +287,47 @@ def test_getfem_agrees(formulation, close):
     assert peer.further_seconds < peer.process_seconds > peer.seconds > 0
 
 
+def agree(brake, elements=16, close=2e-4, **options):
+    peer, own = peers.solve("getfem", brake, elements=elements, **options).response, solve(brake, elements=elements)
+    assert max(peer.balance.force, peer.balance.moment) < 1e-9
+    for shoe, a, b in zip(brake.shoes, peer.shoes, own.shoes, strict=True):
+        size = np.linalg.norm(b.hinge_reaction)
+        assert shoe_effect(peer, own.shoes.index(b)) == pytest.approx(shoe_effect(own, own.shoes.index(b)), rel=close)
+        assert a.hinge_reaction == pytest.approx(b.hinge_reaction, abs=close * size)
+        assert pressure_distance(a, b, edge_of(brake)) < 0.02
+        assert a.self_energising == b.self_energising
+        if shoe.guide is not None:
+            assert a.reaction_moment == pytest.approx(b.reaction_moment, rel=close)
+
+
+@needs_getfem
+def test_getfem_takes_a_pivot_and_a_rough_abutment():
+    """The edge that is held moves by the free motions; what it is tested on leans with an abutment's friction."""
+    agree(vary(read_any(STUDIES / "brakes" / "crane.toml"), {"shoe.body": None}), 10)
+    agree(vary(read_any(STUDIES / "brakes" / "simplex_abutted.toml"), {"shoe.body": None}), 10)
+
+
+@needs_getfem
+@pytest.mark.slow
+@pytest.mark.parametrize("file", sorted(path.stem for path in (STUDIES / "brakes").glob("*.toml")))
+def test_getfem_takes_shoes_however_they_are_held(file):
+    """But for a cam, whose forces follow from how far both shoes yield."""
+    for brake in both_ways(read_any(STUDIES / "brakes" / f"{file}.toml")):
+        if file == "s_cam":
+            with pytest.raises(BadInput, match="actuation: a cam shares its force"):
+                agree(brake)
+            continue
+        agree(brake)
+
+
+@needs_getfem
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "cam"])
+def test_getfem_on_random_brakes_of_every_kind(kind):
+    for seed in range(2):
+        agree(random_kind(seed, kind), close=1e-3)
+
+
 @needs_getfem
 @pytest.mark.slow
 def test_getfem_on_other_brakes():
@@ -315,6 +361,7 @@ def torques(brake, elements, setting=None):
     return np.array([a.torque / b.torque - 1 for a, b in zip(other.shoes, own.shoes, strict=True)])
 
 
+@pytest.mark.slow
 @needs_calculix
 def test_calculix_has_drumlins_torque_where_nothing_strains_across():
     """Its elements have a real thickness, which swells under pressure unless nu = 0."""

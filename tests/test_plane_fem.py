@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import drumlin
+from conftest import partly
 from drumlin.brake.fields import Material
 from drumlin.brake.file import validated
 from drumlin.brake.plane_brake import FlatBrake
@@ -70,7 +71,7 @@ def test_a_thin_lining_gives_way_as_a_bonded_layer() -> None:
     assert off[1] == pytest.approx(off[0] / 2, rel=0.1)
 
 
-@pytest.mark.parametrize(("mu", "exponent"), [(0.1, 0.887), (0.3, 0.7095), (0.5, 0.564)])
+@pytest.mark.parametrize(("mu", "exponent"), partly([(0.1, 0.887), (0.3, 0.7095), (0.5, 0.564)], {(0.3, 0.7095)}))
 def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(mu: float, exponent: float) -> None:
     """p ~ r^(lambda - 1) where the plane runs onto a square edge of nu 0.3 (plane stress, sliding on a rigid plane).
 
@@ -85,7 +86,7 @@ def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(mu: float,
     assert slope == pytest.approx(exponent - 1, abs=0.02)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", partly(KINDS, {"pivot", "abutment"}))
 def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) -> None:
     """The abutted pad slides on a face that bears its friction."""
     one = "-x" if kind == "abutment" else "+x"
@@ -112,7 +113,7 @@ def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) ->
 
 def test_a_pad_answers_alike_wherever_it_stands() -> None:
     """Moved along the plane by 1.3 m, pins, point of the force and all."""
-    for kind in KINDS:
+    for kind in ("pivot", "abutment"):
         brake = pad(kind, "-x", body=BODY)
         data = brake.model_dump(by_alias=True)
         (shoe,) = data["shoe"]

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from conftest import STUDY
@@ -25,11 +25,10 @@ RING = {"drum.ring": {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9
     "changes", [RING, {"rotation": "clockwise", "shoe.lining.clearance": 1e-5}], ids=["ring", "gap"]
 )
 def test_every_slope_agrees_with_differences_of_solves_from_the_mesh_up(brake, changes):
-    for row in against_differences(vary(brake, changes), 1, elements=12)[1]:
+    for row in against_differences(vary(brake, changes), 1, elements=8)[1]:
         assert row["difference"] < 2e-6, row
 
 
-@settings(max_examples=20)
 @given(st.integers(0, 10**6), st.sampled_from(["locking", "opposed"]), st.floats(0.05, 0.5))
 def test_the_slope_over_friction_is_that_of_differences_where_no_set_changes(seed, way, friction):
     brake = vary(random_brake(seed, way), {"friction": friction})

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import drumlin
-from conftest import ROOT
+from conftest import ROOT, partly
 from drumlin.brake.file import values_of, vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.brake.unrolled import unrolled
@@ -130,7 +130,10 @@ def check(brake: AnyBrake, row: Row, size: float) -> None:
     assert row.exact == pytest.approx(row.near(brake), rel=2e-5, abs=2e-7 * size * unit), row.what
 
 
-@pytest.mark.parametrize("name", BRAKES)
+QUICK = {"rough abutment", "guide on a ring", "cam", "chain of struts", "pad on a pivot"}
+
+
+@pytest.mark.parametrize("name", partly(BRAKES, QUICK))
 def test_the_slope_over_friction_is_that_of_differences(name: str) -> None:
     brake = BRAKES[name]()
     found = slopes(brake)

@@ -122,7 +122,10 @@ def test_the_command_runs_a_brake_in_and_writes_all_states(tmp_path):
         (["--coefficient", "3 kg"], r"--coefficient = '3 kg': must be a wear coefficient such as '1e-5 mm\^3/\(N m\)'"),
         (["--distance", "-2"], "distance = .*: must be greater than 0"),
         (["--model", "sine"], "--model = 'sine': does not wear; allowed: fem, foundation"),
-        (["--model", "foundation", "--elements", "4"], "--elements, --kind and --guided belong to --model fem"),
+        (
+            ["--model", "foundation", "--elements", "4"],
+            "--elements, --kind, --guided and --finite-width belong to --model fem",
+        ),
         (["--torque", "5"], "--torque = '5': must be a torque: a number and its unit"),
     ],
 )

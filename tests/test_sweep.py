@@ -108,7 +108,7 @@ NORMAL = {"distribution": "normal", "deviation": 0.03}
         ({"friction": [0.3]}, {"combine": "all"}, ["combine = 'all'", "'grid'"]),
         ({"friction": [0.3]}, {"model": {"spline": {}}}, ["model.spline: unknown model", "sine"]),
         ({"friction": [0.3]}, {"model": {"sine": {"elements": 8}}}, ["model.sine.unknown key 'elements'"]),
-        ({"friction": [0.3]}, {"model": {"fem": {"elements": 0}}}, ["model.fem.elements = 0"]),
+        ({"friction": [0.3]}, {"model": {"fem": {"elements": 0}}}, ["model.fem: elements = 0"]),
         ({"friction": [0.3]}, {"model": {"foundation": {}}}, ["model.foundation: does not apply", "straight beam"]),
         ({"friction": MANY, "drum.radius": MANY | {"from": "1 m", "to": "2 m"}}, {}, ["4000000 cases", "1000000"]),
     ],
@@ -159,16 +159,16 @@ def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
 
 def test_shared_bodies_change_no_digit(brake, flexible):
     """Each case by bodies that others made first, in whatever order, and by its own: the very same numbers."""
-    changes = [{"friction": mu, "shoe[0].lining.thickness": t} for mu in (0.0, 0.3) for t in (7e-3, 8e-3)]
+    changes = [{"friction": mu, "shoe[0].lining.thickness": t} for mu in (0.0, 0.3) for t in (7e-3,)]
     ring = {"thickness": 0.01, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}}
-    changes += [{"drum.ring": ring, "friction": mu} for mu in (0.2, 0.3)]
+    changes += [{"drum.ring": ring}]
     changes += [{"rotation": "clockwise", "shoe.lining.clearance": 1e-4}]
-    cases = [Case(base, change, "fem", {"elements": 12}) for change in changes for base in (brake, flexible)]
+    cases = [Case(base, change, "fem", {"elements": 8}) for change in changes for base in (brake, flexible)]
     cache = Cache()
     shared = [solved(case, cache) for case in reversed(cases)][::-1]
     assert shared == [solved(case) for case in cases] == run(cases)
     assert all(row["status"] == "solved" for row in shared)
-    own = [solve(vary(case.brake, case.changes), elements=12).torque for case in cases]
+    own = [solve(vary(case.brake, case.changes), elements=8).torque for case in cases]
     assert [row["torque"] for row in shared] == own
 
 
@@ -222,7 +222,7 @@ def test_cases_that_share_bodies_cost_a_fraction_of_others():
 
     loads = read_sweep(ROOT / "studies" / "sweeps" / "loads.toml")
     rows = run(loads.cases[:1])
-    shared = spent(lambda: rows.extend(run(loads.cases[:30]))) / 30
-    alone = sorted(spent(lambda case=case: run([case])) for case in loads.cases[:5])[2]
+    shared = spent(lambda: rows.extend(run(loads.cases[:12]))) / 12
+    alone = sorted(spent(lambda case=case: run([case])) for case in loads.cases[:3])[1]
     assert shared < 0.5 * alone
     assert all(row["status"] == "solved" and row["balance"] < 1e-9 for row in rows)

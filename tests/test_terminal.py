@@ -13,7 +13,7 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.models import solve
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Place, edge_zone, peak_place
-from test_cli import drumlin, process
+from test_cli import drumlin
 
 BRAKE = STUDY / "brake.toml"
 
@@ -130,15 +130,3 @@ def test_no_more_is_worn_off_than_the_lining_has():
     assert done.returncode == 3 and not done.stdout
     gone = float(re.search(r"lining of 8 mm is worn through after ([\d.]+) km", done.stderr).group(1))
     assert drumlin(*words, "--distance", f"{0.99 * gone} km").returncode == 0
-
-
-def test_a_solve_loads_no_more_than_solving_takes():
-    heavy = "scipy.stats scipy.optimize pint rich meshio jinja2 matplotlib vtk drumlin.verification"
-    code = (
-        "import sys\nfrom drumlin.cli import main\n"
-        "try: main()\n"
-        "except SystemExit as end: assert not end.code\n"
-        f"print('loaded:', sorted(set('{heavy}'.split()) & set(sys.modules)))"
-    )
-    done = process("solve", BRAKE, code=code)
-    assert done.stdout.splitlines()[-1] == "loaded: []", done.stderr

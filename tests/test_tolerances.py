@@ -19,6 +19,7 @@ TOLERANCES = (
 )
 
 
+@pytest.mark.slow
 def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
     """Small tolerances: S_i = (dT/dx_i s_i)^2 / sum; the law knows no modulus: 0. First and total agree."""
     n = 128

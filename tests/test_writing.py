@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, partly
 from drumlin.brake import read_any, vary
 from drumlin.brake.writing import brake_text, quantity_text
 from drumlin.verification.random_brake import random_brake
@@ -22,7 +22,7 @@ def test_every_example_reads_as_it_was_written(path):
     assert len(text) < 6000
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", partly(range(40), range(10)))
 def test_a_random_brake_reads_as_it_was_written(seed, tmp_path):
     brake = random_brake(seed)
     assert read_any(tmp_path / "b.toml", brake_text(brake)) == brake

@@ -7,16 +7,8 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Part, Point
 from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatShoe, Plane
 from drumlin.brake.support import Abutment, Guide
-from drumlin.sweeps.file import (
-    FemOptions,
-    FoundationOptions,
-    Normal,
-    Range,
-    SweepFile,
-    Triangular,
-    TruncatedNormal,
-    Uniform,
-)
+from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform
+from drumlin.sweeps.options import FemOptions, FoundationOptions, SolidOptions
 
 Table = tuple[str, type[Part], dict[str, str]]  # heading, the class that reads it, key -> meaning
 
@@ -142,6 +134,9 @@ SWEEP: tuple[Table, ...] = (
         "elements": "along each lining", "kind": "of the elements", "penalty": "contact stiffness over E/t",
         "tolerance": "of p and torque, in place of `elements`",
         "finite_width": "whether the lining's modulus is corrected for the widths"}),
+    ("`[model.solid]`", SolidOptions, {
+        "elements": "along each lining", "across": "over half a lining's width",
+        "penalty": "contact stiffness over E/t"}),
     ("`[model.foundation]`", FoundationOptions, {
         "sections": "of each beam", "lift": "simplifications to lift, by name"}),
 )  # fmt: skip

@@ -50,7 +50,7 @@ def reference(
         Path | None, typer.Option(metavar="FILE", help="where to write; default: NAME.reference.json")
     ] = None,
 ) -> None:
-    """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two fine meshes."""
+    """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two codes."""
     from drumlin.brake.file import toml_text
     from drumlin.brake.plane_brake import read_drum
     from drumlin.files import check_output
@@ -61,7 +61,7 @@ def reference(
     brake = read_drum(brake_file, "reference", text)
     path = output or Path(f"{brake_file.stem}.reference.json")
     check_output(path)
-    with busy("two fine meshes"):
+    with busy("columns of high degree, then triangles"):
         found = make(brake, text, typed(["drumlin", "reference", str(brake_file)]))
     write_values(as_dict(found), path)
     tell(f"torque {found.torque.value:.10g} N m, uncertainty {found.torque.uncertainty:.1e}")
@@ -103,7 +103,7 @@ def check(
     values = Path("reports") / "reference" / "values"
     path = known or stored(text, brake_file.parent, values, REPOSITORY / values)
     if path is None:
-        with busy("no stored reference: two fine meshes"):
+        with busy("no stored reference: columns of high degree, then triangles"):
             found, said = make(brake, text, typed(["drumlin", "reference", str(brake_file)])), "made anew"
     else:
         found, said = read_reference(path), str(path)

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from drumlin.cli.answer import print_response
-from drumlin.cli.options import BrakeFile, BrakeFiles, Elements, Kind, Penalty, fem_options
+from drumlin.cli.options import BrakeFile, BrakeFiles, Elements, FiniteWidth, Kind, Penalty, fem_options, for_width
 from drumlin.cli.terminal import busy, note, print_table, tell
 from drumlin.errors import BadInput, NoAnswer
 
@@ -37,9 +37,7 @@ def solve(
     lift: Annotated[
         list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
     ] = None,
-    finite_width: Annotated[
-        bool, typer.Option("--finite-width", help="correct plane stress for the width; torque within 1.5 % of a solid")
-    ] = False,
+    finite_width: FiniteWidth = False,
     across: Annotated[int | None, typer.Option(help="elements over half the width of a solid lining")] = None,
     fields: Annotated[
         Path | None, typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes")
@@ -103,6 +101,7 @@ def compare(
     elements: Elements = None,
     kind: Kind = None,
     penalty: Penalty = None,
+    finite_width: FiniteWidth = False,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.brake.file import toml_text
@@ -115,7 +114,8 @@ def compare(
     folder = output or Path("reports") / brake_file.stem
     check_folder(folder)
     with busy("comparing the models"):
-        result = write_comparison(brake, text, folder, fem_options(elements, kind=kind, penalty=penalty))
+        options = fem_options(elements, kind=kind, penalty=penalty)
+        result = write_comparison(brake, text, folder, options | ({"finite_width": True} if finite_width else {}))
     tell(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
     print_table(result.table, result.columns)
     for line in result.notes:
@@ -137,6 +137,7 @@ def hold(
     elements: Elements = None,
     kind: Kind = None,
     penalty: Penalty = None,
+    finite_width: FiniteWidth = False,
 ) -> None:
     """Hold the drum: from rest through partial slip to full slip, as it is turned against the shoes."""
     import numpy as np
@@ -149,7 +150,7 @@ def hold(
     from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
 
-    given = read_any(brake_file)
+    given, wide = for_width(read_any(brake_file), finite_width)
     flat, brake = isinstance(given, FlatBrake), on_drum(given)
     check_outputs(json_file)
     if not 1 <= steps <= 10_000:
@@ -163,6 +164,8 @@ def hold(
         states = on_plane(states, brake.drum.radius) if flat else states
     if json_file is not None:
         write_json(json_file, as_dict(states))
+    for line in wide:
+        tell(line)
     way, moment = ("slide [mm]", "force [N]") if flat else ("rotation [deg]", "moment [N m]")
     tell(f"{way:>15}{moment:>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
     for at in states:
@@ -221,6 +224,7 @@ def wear(
     lift: Annotated[
         list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
     ] = None,
+    finite_width: FiniteWidth = False,
 ) -> None:
     """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe law."""
     from drumlin.brake.file import vary
@@ -233,7 +237,7 @@ def wear(
     from drumlin.wear.run_in import COEFFICIENT, as_dict, check_depth, report_lines, run_in, target
     from drumlin.wear.run_in import unit_distance as unit_of
 
-    given = read_any(brake_file)
+    given, wide = for_width(read_any(brake_file), finite_width and model == "fem")
     flat, brake = isinstance(given, FlatBrake), on_drum(given)
     check_outputs(json_file)
     if model not in {"fem", "foundation"}:
@@ -242,8 +246,10 @@ def wear(
     solving: dict[str, Any] = {
         name: value for name, value in (("sections", sections), ("lift", lift)) if value is not None
     }
-    if solving if model == "fem" else (meshing or guided):
-        raise BadInput("--elements, --kind and --guided belong to --model fem, --sections and --lift to foundation")
+    if solving if model == "fem" else (meshing or guided or finite_width):
+        raise BadInput(
+            "--elements, --kind, --guided and --finite-width belong to --model fem, --sections and --lift to foundation"
+        )
     law = WearLaw(COEFFICIENT if coefficient is None else quantity("--coefficient", coefficient, "1/Pa"), exponent)
     options: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
     if torque is not None:
@@ -290,5 +296,5 @@ def wear(
     goal = target(setup, law, options.get("torque"))
     if json_file is not None:
         write_json(json_file, as_dict(setup, states, goal, law))
-    for line in report_lines(setup, states, goal, law):
+    for line in (*wide, *report_lines(setup, states, goal, law)):
         tell(line)

@@ -177,6 +177,12 @@ def coarse_start(problem: Problem) -> Bools:
         coarse = settle(halved(problem)).p > 0
     except NoAnswer:
         return active
+    return beside(coarse, count)
+
+
+def beside(coarse: Bools, count: int) -> Bools:
+    """The nodes (count,) of a set of every other node, and those next to them."""
+    active = np.empty(count, dtype=bool)
     between = count // 2
     active[::2] = coarse
     active[1::2] = coarse[:between]
@@ -187,7 +193,7 @@ def coarse_start(problem: Problem) -> Bools:
 def halved(problem: Problem) -> Problem:
     """The problem on every other node, p linear in between."""
     A, q, B, C, h = problem
-    return Problem(_halved(_halved(A).T).T, _halved(q), _halved(B), _halved(C.T).T, h)
+    return Problem(_halved(_halved(A, 1)), _halved(q), _halved(B), _halved(C, 1), h)
 
 
 def between(coarse: Floats, count: int) -> Floats:
@@ -199,11 +205,12 @@ def between(coarse: Floats, count: int) -> Floats:
     return p
 
 
-def _halved(rows: Floats) -> Floats:
-    """P^T rows: every other row with half of each neighbour (n, ...) -> ((n + 1) // 2, ...)."""
-    half, between = rows[::2].copy(), 0.5 * rows[1::2]
-    half[: len(between)] += between
-    half[1:] += between[: len(half) - 1]
+def _halved(rows: Floats, axis: int = 0) -> Floats:
+    """P^T rows: every other row with half of each neighbour (n, ...) -> ((n + 1) // 2, ...); axis 1: of columns."""
+    at = (slice(None),) * axis
+    half, between = rows[*at, ::2].copy(), 0.5 * rows[*at, 1::2]
+    half[*at, : between.shape[axis]] += between
+    half[*at, 1:] += between[*at, : half.shape[axis] - 1]
     return half
 
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
-from drumlin.contact.active_set import Contact, between, halved, settle, solve
+from drumlin.contact.active_set import Contact, beside, between, halved, settle, solve
 from drumlin.contact.equations import Problem, equilibrated, matrix_on
 from drumlin.errors import NoAnswer
 
@@ -28,7 +28,7 @@ STEP = 0.05  # largest step of mu; above mu = 1 relative to it
 CLOSE = 1e-8  # relative distance from an eigenvalue at which the contact set must hold
 QUIET = 0.5  # growth of pressure with the second half of friction; up to half of the limit there is no more
 LARGE = 600  # nodes above which the answer is followed on every other one
-LIKE = 0.3  # of the pressures in L2: two meshes of one answer differ by less, two answers by more
+LIKE = 0.1  # of the pressures in the norm of their work: of two meshes of one answer 0.004, of two answers 0.7
 RESOLUTION = 1e-12  # relative, of a limit where the answer turns back
 
 
@@ -40,9 +40,9 @@ class Sliding(NamedTuple):
     C1: Floats
 
     @classmethod
-    def through(cls, still: Problem, unit: Problem) -> "Sliding":
-        """From the problems at mu = 0 and mu = 1."""
-        return cls(still, unit.A - still.A, unit.C - still.C)
+    def through(cls, still: Problem, other: Problem, friction: float = 1.0) -> "Sliding":
+        """From the problems at mu = 0 and at another friction coefficient."""
+        return cls(still, (other.A - still.A) / friction, (other.C - still.C) / friction)
 
     def at(self, friction: float) -> Problem:
         """The problem at a friction coefficient."""
@@ -114,15 +114,16 @@ def answer(
     the contact grows fast, and beyond it some stand apart, reached by no friction that grows from 0.
 
     problem_at: the problem at a friction coefficient, linear in it; law: mu_lock of the rigid shoe; brake: what
-    there is an equilibrium of, in words. Of a LARGE problem the one that settles at once is taken where it is LIKE the
-    answer on every other node, which is followed at a fraction of the cost. Raises NoAnswer with both limits where the
-    answer ends before that friction, and with another reason where friction is not to blame.
+    there is an equilibrium of, in words. Of a LARGE problem the answer on every other node is followed, at a fraction
+    of the cost; the one that settles at once from its contact set is taken where the two are LIKE each other. Raises
+    NoAnswer with both limits where the answer ends before that friction, and with another reason where friction is not
+    to blame.
     """
     if friction == 0:
         return _without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
     if len(problem.q) > LARGE:
-        like = _as_coarser(problem, Sliding.through(problem_at(0.0), problem_at(1.0)), friction, start, law)
+        like = _as_coarser(problem, problem_at(0.0), friction, start, law)
         if like is not None:
             return like
     try:
@@ -147,15 +148,21 @@ def answer(
     )
 
 
-def _as_coarser(problem: Problem, sliding: Sliding, friction: float, start: Bools | None, law: float) -> Contact | None:
-    """The stable answer that settles at once, where it is like the `answer` on every other node; or None."""
-    coarse = Sliding.through(halved(sliding.still), halved(sliding.at(1.0)))
+def _as_coarser(problem: Problem, still: Problem, friction: float, start: Bools | None, law: float) -> Contact | None:
+    """The stable answer that settles at once, where it is like the `answer` on every other node; or None.
+
+    problem, still: at the friction coefficient and at 0; start: the contact set to settle from, by default the coarse
+    answer's.
+    """
+    coarse = Sliding.through(halved(still), halved(problem), friction)
     try:
-        found, like = settle(problem, start), answer(coarse.at, friction, law=law, brake="")
+        like = answer(coarse.at, friction, law=law, brake="")
+        found = settle(problem, beside(like.p > 0, len(problem.q)) if start is None else start)
     except NoAnswer:
         return None
-    off = np.linalg.norm(between(like.p, len(found.p)) - found.p) / np.linalg.norm(found.p)
-    return found if found.regular and off < LIKE else None
+    off = between(like.p, len(found.p)) - found.p
+    same = float(off @ (problem.A @ off)) < LIKE**2 * float(found.p @ (problem.A @ found.p))
+    return found if found.regular and same else None
 
 
 def _quiet(found: Contact, half: Contact) -> bool:

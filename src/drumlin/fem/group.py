@@ -23,6 +23,7 @@ from drumlin.fem.sharing import Pushed, Sharing, share
 from drumlin.lapack import block_diag
 from drumlin.laws import rigid
 
+ROWS = 64  # of a matrix that are made at a time: of a large one no more stay near the processor
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
 
 
@@ -92,6 +93,15 @@ class ShoeGroup:
     def stiffnesses(self) -> tuple[float, ...]:
         """Contact stiffness of each shoe per area [Pa/m]."""
         return tuple(contact_stiffness(shoe, self.penalty) for shoe in self.shoes)
+
+    @cached_property
+    def closings(self) -> tuple[tuple[Floats, Floats, Floats], ...]:
+        """Of each shoe what its motions take from the weighted gap, N u (n_i, k), and of those that its equilibria are
+        tested on N u and T u (n_i, k): they hang on no friction coefficient."""
+        return tuple(
+            (body.coupling.N @ at.moved, body.coupling.N @ at.tested, body.coupling.T @ at.tested)
+            for body, at in zip(self.bodies, self.motions, strict=True)
+        )
 
     @cached_property
     def levers(self) -> Floats:
@@ -210,17 +220,12 @@ class ShoeGroup:
         load, _ = self.loads[k]
         motions = self.motions[k]
         own = abs(shoe.actuation.force) / self.unit_force
-        N, T, M = body.coupling.N, body.coupling.T, body.coupling.M
-        A, C = -body.closing_pressed, -(N @ motions.tested)
-        if body.closing_dragged is not None:
-            A -= drag * body.closing_dragged
-            C += drag * (T @ motions.tested)
-        A += M / self.stiffnesses[k]
+        moved, pressed, dragged = self.closings[k]
         return Problem(
-            A=A,
-            q=M @ (self.gaps[k] / self.unit_force) - own * (body.closing_loaded @ load),
-            B=-(N @ motions.moved),
-            C=C.T,
+            A=_yielding(body, drag, self.stiffnesses[k]),
+            q=body.coupling.M @ (self.gaps[k] / self.unit_force) - own * (body.closing_loaded @ load),
+            B=-moved,
+            C=np.ascontiguousarray((drag * dragged - pressed).T),
             h=-own * motions.work,
         )
 
@@ -274,6 +279,19 @@ class ShoeGroup:
         push = self.forces(found.p)[k] * shoe.actuation.direction_vector
         reaction = -shoe.frame.to_brake(nodal.sum(axis=0)) - push
         return shoe.stands(reaction, self.senses[k] if self.senses else 1, float(self.amounts(found)[k][-1]))
+
+
+def _yielding(body: Body, drag: float, stiffness: float) -> Floats:
+    """A (n, n): what pressures take from the weighted gaps, the penalty's compliance included."""
+    pressed, dragged, M = body.closing_pressed, body.closing_dragged, body.coupling.M
+    A = np.empty(M.shape)
+    for first in range(0, len(A), ROWS):
+        rows = slice(first, first + ROWS)
+        part = np.divide(M[rows], stiffness, out=A[rows])
+        part -= pressed[rows]
+        if dragged is not None:
+            part -= drag * dragged[rows]
+    return A
 
 
 def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:

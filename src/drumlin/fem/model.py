@@ -23,6 +23,7 @@ from drumlin.fem.assembly import (
     shape_of,
 )
 from drumlin.fem.group import ShoeGroup, groups_of
+from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
@@ -71,7 +72,12 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
         iterations=max(answer.steps for answer in answers.values()),
         seconds=seconds,
         left_out=scene.left_out,
-        notes=(*_overlaps(scene, brake), *(answers[i].note for i in sorted(answers)), *_grips(brake)),
+        notes=(
+            *_overlaps(scene, brake),
+            *(answers[i].note for i in sorted(answers)),
+            *_grips(brake),
+            *cam_notes(brake),
+        ),
     )
 
 
@@ -142,7 +148,7 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     group, found = group.settled(first)
     size = group.unit_force
     soft = zip(group.bodies, group.stiffnesses, group.parts, strict=True)
-    opened = np.concatenate([body.coupling.M / stiffness @ found.p[part] for body, stiffness, part in soft])
+    opened = np.concatenate([(body.coupling.M @ found.p[part]) / stiffness for body, stiffness, part in soft])
     change = size * found.tangent(opened)  # by the penalty's compliance
     answers, amounts, forces = {}, group.amounts(found), size * group.forces(found.p)
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
@@ -217,7 +223,8 @@ def _answer(
         raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, what pushes it would have to pull")
     load, moment = abs(force) * load, abs(force) * moment
     drag = brake.drag_on(shoe)
-    nodal = (drag * (coupling.T.T @ p) - coupling.N.T @ p).reshape(-1, 2)  # on the lining [N]
+    normal = (coupling.N.T @ p).reshape(-1, 2)
+    nodal = drag * (coupling.T.T @ p).reshape(-1, 2) - normal  # on the lining [N]
     refined = reaction is not None
     if reaction is None:
         reaction = held(body, p, drag, load)
@@ -251,7 +258,7 @@ def _answer(
         mean,
         order=line.order,
         torque=abs(drag) * pressed,
-        normal_force=float(np.linalg.norm((coupling.N.T @ p).reshape(-1, 2).sum(axis=0))),
+        normal_force=float(np.linalg.norm(normal.sum(axis=0))),
         self_energising=drag * float((coupling.T @ motions.tested[:, 0]) @ p) * float(work[0]) > 0,
         hinge_reaction=frame.to_brake(reaction),
         turn=frame.sense * float(motions.of[2] @ y),

@@ -23,19 +23,25 @@ class Motions(NamedTuple):
     of: Floats
 
 
+def at_pin(shoe: Shoe, motions: Floats) -> Floats:
+    """Rigid motions (k, 3) of the brake's frame in the shoe's own, (3, k): dx, dy of its pin and turn."""
+    u = shoe.frame.to_shoe(np.moveaxis(moved(motions, shoe.pin.xy[:, None]), 0, -1))[0]  # (k, 2)
+    return np.vstack([u.T, shoe.frame.sense * motions[:, 2]])
+
+
 def motions_of(body: Body, shoe: Shoe, sense: int = 1) -> Motions:
     """The free motions of a shoe; sense: of an abutment's friction, see `Held.freedoms`."""
     free, frame = (shoe if shoe.actuation.force else shoe.under(1.0)).freedoms(sense), shoe.frame
     tip = free.tip * math.copysign(1.0, shoe.actuation.force)
-    xy, pin = shoe.points(body.line.xy), shoe.pin.xy[:, None]
+    xy = shoe.points(body.line.xy)
 
-    def own(motions: Floats, at: Floats) -> Floats:
-        u = frame.to_shoe(np.moveaxis(moved(motions, at), 0, -1))  # (n, k, 2)
+    def own(motions: Floats) -> Floats:
+        u = frame.to_shoe(np.moveaxis(moved(motions, xy), 0, -1))  # (n, k, 2)
         return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
 
     work = free.work / (abs(shoe.actuation.force) or 1.0)
-    found = own(free.motions, xy), own(free.tests, xy), work
-    of = np.vstack([own(free.motions, pin), frame.sense * free.motions[:, 2]])
+    found = own(free.motions), own(free.tests), work
+    of = at_pin(shoe, free.motions)
     if free.names[0] == "turn":  # about the pin: free of the round-off of a turn about the drum's centre
         for part in found[:2]:
             part[:, 0] = body.turned

@@ -113,14 +113,6 @@ def _limited() -> Iterator[None]:
             signal.signal(sign, handler)
 
 
-def can_be_given(word: str) -> bool:
-    """Whether a process can be given a word: not with NUL, nor with half of a surrogate pair."""
-    try:
-        return b"\0" not in os.fsencode(word)
-    except UnicodeEncodeError:
-        return False
-
-
 def in_subprocess(given: Input, **more: Any) -> Ending:
     """Run an input as a process of its own; `more` goes to subprocess.run."""
     command = [sys.executable, "-c", "from drumlin.cli import main; main()"]

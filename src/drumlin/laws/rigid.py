@@ -252,9 +252,30 @@ def solve(brake: AnyBrake, name: str = "rigid", *, whole: bool = False) -> Respo
         shoes=shoes,
         balance=worst([balance_of(under, i, shoe) for i, shoe in enumerate(shoes)]),
         left_out=("elasticity: rigid by assumption",) if flat else LEFT_OUT,
-        notes=tuple(no_contact(shoe.name, "plane" if flat else "drum") for shoe in shoes if not shoe.contact_arcs),
+        notes=(
+            *(no_contact(shoe.name, "plane" if flat else "drum") for shoe in shoes if not shoe.contact_arcs),
+            *cam_notes(brake),
+        ),
     )
     return with_merits(brake, response)
+
+
+def cam_notes(brake: AnyBrake) -> tuple[str, ...]:
+    """How a cam shares its force between linings of unlike E/t, in a line; none where they are alike.
+
+    Both tips go the same way. A new lining under a rigid shoe gives way by p t/E, a worn-in one wears by p.
+    """
+    if brake.actuation is None or not brake.actuation.is_cam:
+        return ()
+    behind = {link.to for link in brake.links}
+    linings = [shoe.lining for shoe in brake.shoes if shoe.name not in behind]
+    moduli = [own.material.E / own.thickness for own in linings if own.material is not None and own.thickness]
+    if len(moduli) < 2 or math.isclose(*moduli[:2], rel_tol=1e-6):
+        return ()
+    return (
+        f"cam: linings of unlike E/t, {moduli[0]:.3g} and {moduli[1]:.3g} Pa/m: where rigid shoes are mirror images "
+        "its forces are such that F1 B1 t1/E1 = F2 B2 t2/E2 new, F1 B1 = F2 B2 worn in, both wearing alike",
+    )
 
 
 def no_contact(name: str, body: str = "drum") -> str:

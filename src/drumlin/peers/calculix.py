@@ -8,6 +8,7 @@ known to end normally on states that are none.
 """
 
 import functools
+import math
 import re
 import shutil
 import subprocess
@@ -274,5 +275,8 @@ def response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
     )
     torque = abs(float(xy[0] @ forces[:, 1] - xy[1] @ forces[:, 0]))
     on = slice(2 * BEYOND_ELEMENTS, len(phi) - 2 * BEYOND_ELEMENTS)
-    found = Forces(normal, along, state.pin, torque)
-    return shoe_response(loaded, phi[on], pressure[on], 2, found, frame.sense * state.turn)
+    held = np.array([*state.pin, 0.0])
+    if not loaded.on_body:  # which the springs bear too
+        held += [*loaded.force, loaded.couple]
+    found = Forces(normal, along, math.copysign(torque, loaded.drag), held, torque)
+    return shoe_response(loaded, phi[on], pressure[on], 2, found, np.array([state.turn]))

@@ -10,16 +10,17 @@ import math
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import ELEMENTS, Mesher, materials_of
+from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, materials_of
 from drumlin.fem.group import gap_at
 from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.arc import DEFAULT_KIND
@@ -30,9 +31,10 @@ from drumlin.peers.peer import (
     Peer,
     PeerMissing,
     brake_response,
-    loaded_shoes,
+    meshed_shoes,
     run_process,
     shoe_response,
+    under_force,
     untouched_response,
 )
 from drumlin.response.response import Balance, ShoeResponse
@@ -73,21 +75,80 @@ def solve(
     if formulation not in FORMULATIONS:
         raise BadInput(f"formulation = {formulation!r}: unknown; allowed: {', '.join(FORMULATIONS)}")
     interpreter = python()
-    shoes = loaded_shoes(brake, elements, kind, mesher)
-    touching = [loaded for loaded in shoes if loaded.approaches]
-    result, spent = _run(interpreter, _problem(brake, touching, formulation, repeats))
-    found = iter(result["answers"][0])
-    answers = [_answer(brake, loaded, next(found)) if loaded.approaches else untouched_response(loaded)
-               for loaded in shoes]  # fmt: skip
-    steps = max((answer["steps"] for answer in result["answers"][0]), default=0)
-    cold, warm = (median(run[k] for run in result["seconds"]) for k in (0, 1))
-    once = spent - sum(map(sum, result["seconds"])) + cold  # the process of one solve, without the others in it
-    response = brake_response("getfem", answers, steps, {"getfem": cold})
+    if brake.actuation is not None and brake.actuation.is_cam:
+        raise BadInput("actuation: a cam shares its force by how far both shoes yield; the peers get known forces")
+    meshed = meshed_shoes(brake, elements, kind, mesher)
+    runs: list[_Run] = []
+
+    def run(shoes: list[Loaded]) -> list[dict[str, Any]]:
+        runs.append(_run(interpreter, _problem(brake, shoes, formulation, repeats)))
+        return list(runs[-1].result["answers"][0])
+
+    pushed = {link.to: link.source for link in brake.links}
+    answers: dict[str, tuple[ShoeResponse, Balance]] = {}
+    while len(answers) < len(brake.shoes):  # along chains of struts, shoe by shoe
+        ready = {}
+        for i, shoe in enumerate(brake.shoes):
+            if shoe.name in answers or pushed.get(shoe.name, shoe.name) not in {*answers, shoe.name}:
+                continue
+            strut = pushed.get(shoe.name)
+            force = None if strut is None else float(np.hypot(*answers[strut][0].hinge_reaction))
+            ready[i] = shoe if force is None else shoe.under(force)
+        answers |= _standing(brake, ready, meshed, run)
+    each = [answers[shoe.name] for shoe in brake.shoes]
+    steps = max((answer["steps"] for ran in runs for answer in ran.result["answers"][0]), default=0)
+    cold, warm = (math.fsum(median(times[k] for times in ran.result["seconds"]) for ran in runs) for k in (0, 1))
+    spent = math.fsum(ran.seconds - sum(map(sum, ran.result["seconds"])) for ran in runs)
+    once = spent + cold  # the process of one solve, without the others in it
+    response = brake_response("getfem", each, steps, {"getfem": cold})
     if not max(response.balance.force, response.balance.moment) < LARGEST_IMBALANCE:
         raise NoAnswer(f"GetFEM: forces balance only to {response.balance.force:.1e}, "
                        f"moments to {response.balance.moment:.1e}")  # fmt: skip
-    notes = (f"GetFEM {result['version']}, {formulation}, {steps} Newton steps, MUMPS",)
-    return Peer("getfem", result["version"], response, cold, once, warm, result["unknowns"], notes)
+    version = runs[-1].result["version"] if runs else ""
+    notes = (f"GetFEM {version}, {formulation}, {steps} Newton steps, MUMPS",)
+    unknowns = max((ran.result["unknowns"] for ran in runs), default=0)
+    return Peer("getfem", version, response, cold, once, warm, unknowns, notes)
+
+
+class _Run(NamedTuple):
+    """The script's result, and the seconds of its whole process."""
+
+    result: dict[str, Any]
+    seconds: float
+
+
+def _standing(
+    brake: Brake,
+    shoes: Mapping[int, Shoe],
+    meshed: list[tuple[int, Assembled]],
+    run: Callable[[list[Loaded]], list[dict[str, Any]]],
+) -> dict[str, tuple[ShoeResponse, Balance]]:
+    """The shoes' answers by name, with the friction of abutments in the sense in which it stands. Raises NoAnswer."""
+    answers = {}
+    left = dict(shoes)
+    for attempt in range(max(len(shoe.senses) for shoe in shoes.values())):
+        tried = [under_force(brake, shoe, *meshed[i], shoe.senses[attempt]) for i, shoe in left.items()]
+        touching = [loaded for loaded in tried if loaded.approaches]
+        found = iter(run(touching) if touching else ())
+        for i, loaded in zip(list(left), tried, strict=True):
+            if not loaded.approaches:
+                answers[loaded.shoe.name] = untouched_response(loaded)
+                del left[i]
+                continue
+            own, last = next(found), attempt == len(loaded.shoe.senses) - 1
+            try:
+                answer = _answer(brake, loaded, own)
+            except NoAnswer:
+                if last:
+                    raise
+                continue
+            slide = own["amounts"][-1]
+            if loaded.shoe.stands(answer[0].hinge_reaction, loaded.shoe.senses[attempt], slide):
+                answers[loaded.shoe.name] = answer
+                del left[i]
+            elif last:
+                raise NoAnswer(f"shoe {loaded.shoe.name!r}: GetFEM: its foot leaves the abutment")
+    return answers
 
 
 def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) -> dict[str, Any]:
@@ -108,8 +169,11 @@ def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) 
         arrays |= {f"points{k}": basis.doflocs.T / R, f"cells{k}": basis.element_dofs.T, f"lame{k}": lame}
         arrays |= {f"{name}{k}": nodes[name] for name in ("contact", "hinge", "actuation") if name in nodes}
         force, couple = loaded.force / (E * R * lining.width), loaded.couple / (E * R**2 * lining.width)
+        motions, tests, sizes = _in_radii(loaded, R)
+        work = loaded.work * (not loaded.on_body) / sizes / (E * R**2 * lining.width)
         listed.append({
-            "body": k, "side": shoe.sign, "pin": (shoe.own_pin / R).tolist(),
+            "body": k, "side": shoe.sign, "flat": shoe.flat, "pin": (shoe.own_pin / R).tolist(),
+            "motions": motions.tolist(), "tests": tests.tolist(), "work": work.tolist(), "on_body": loaded.on_body,
             "force": force.tolist(), "couple": couple, "centre": (parts.load_centre / R).tolist(),
             "drag_sense": math.copysign(1.0, loaded.drag), "middle": sum(shoe.arc) / 2,
             "phi": parts.line.phi.tolist(),
@@ -122,8 +186,15 @@ def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) 
     return arrays | {"data": json.dumps(data)}
 
 
-def _run(interpreter: str, problem: dict[str, Any]) -> tuple[dict[str, Any], float]:
-    """The script's result, and the seconds of its whole process."""
+def _in_radii(loaded: Loaded, R: float) -> tuple[Floats, Floats, Floats]:
+    """Motions and tests (k, 3) of a shoe, in drum radii and of size 1, and the sizes (k,) of the tests."""
+    unit = np.array([R, R, 1.0])
+    sizes = [np.linalg.norm(of / unit, axis=1) for of in (loaded.motions, loaded.tests)]
+    return loaded.motions / unit / sizes[0][:, None], loaded.tests / unit / sizes[1][:, None], sizes[1]
+
+
+def _run(interpreter: str, problem: dict[str, Any]) -> _Run:
+    """Run the script."""
     with tempfile.TemporaryDirectory(prefix="drumlin-getfem-") as folder:
         source, target = Path(folder) / "problem.npz", Path(folder) / "result.json"
         np.savez(source, **problem)
@@ -132,7 +203,7 @@ def _run(interpreter: str, problem: dict[str, Any]) -> tuple[dict[str, Any], flo
         if ended.status or not target.is_file():
             said = (ended.output.strip() or "nothing").splitlines()[-1]
             raise NoAnswer(f"GetFEM: its process ended with status {ended.status}: {said[:200]}")
-        return json.loads(target.read_text()), ended.seconds
+        return _Run(json.loads(target.read_text()), ended.seconds)
 
 
 def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> tuple[ShoeResponse, Balance]:
@@ -143,17 +214,19 @@ def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> tuple[ShoeRe
     if not abs(found["slipping"] - 1) < 1 - SLIPPING:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM: it sticks, its shear is {found['slipping']:.3g} times mu p")
     E, b = shoe.lining.material.E, shoe.lining.width
-    x, y = np.array(found["xy"])
-    middle = sum(shoe.arc) / 2
-    phi = angle_near(middle, np.array([x, y]))
+    xy = np.array(found["xy"])
+    phi = xy[0] if shoe.flat else angle_near(sum(shoe.arc) / 2, xy)
     order = np.argsort(phi)
     size = E * R * b
-
-    def force(name: str) -> Floats:
-        return size * np.array(found[name])
-
-    held = force("hold") - (0 if "actuation" in loaded.parts.mesh.boundaries else loaded.force)
-    torque = abs(found["torque"]) * size * R
-    forces = Forces(force("normal"), force("tangential"), held, torque)
+    torque = abs(found["torque"]) * size * (1 if shoe.flat else R)
+    forces = Forces(
+        size * np.array(found["normal"]),
+        size * np.array(found["tangential"]),
+        size * R * found["moment"],
+        size * np.array(found["hold"]) * [1, 1, R],
+        torque,
+    )
+    unit = np.linalg.norm(loaded.motions / [R, R, 1.0], axis=1)
     pressure = E * np.array(found["pressure"])[order]
-    return shoe_response(loaded, phi[order], pressure, loaded.parts.line.order, forces, found["turn"])
+    amounts = np.array(found["amounts"]) / unit
+    return shoe_response(loaded, phi[order], pressure, loaded.parts.line.order, forces, amounts)

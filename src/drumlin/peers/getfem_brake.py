@@ -30,7 +30,7 @@ import numpy as np
 CONTACT, HINGE, ACTUATION = 1, 2, 3
 GROUPS = {CONTACT: "contact", HINGE: "hinge", ACTUATION: "actuation"}
 SLIDE = 1e-2  # drum radii, the obstacle's way in the "coulomb" form; far more than the lining moves
-UNKNOWNS = ("u", "hold", "turn", "p")
+UNKNOWNS = ("u", "hold", "p")  # and the amounts of the free motions
 
 
 class Kind(NamedTuple):
@@ -68,7 +68,7 @@ class Body:
         numbers = self.mesh.add_convex(
             gf.GeoTrans(self.kind.geometry), points[cells[:, self.kind.order]].transpose(2, 1, 0)
         )
-        self.loaded = f"actuation{number}" in problem
+        self.loaded, self.amounts = shoe["on_body"], [f"amount{k}" for k in range(len(shoe["motions"]))]
         for region, name in GROUPS.items():
             if region != ACTUATION or self.loaded:
                 nodes = problem[f"{name}{number}"]
@@ -79,7 +79,7 @@ class Body:
         self.surface = gf.MeshIm(self.mesh, gf.Integ(self.kind.surface))
         self.model = gf.Model("real")
         self._elasticity(problem[f"lame{number}"], numbers)
-        self._rigid_line(shoe)
+        self._held(shoe)
         self._load(shoe)
         self.nodes = self.scalar.basic_dof_on_region(CONTACT)
         self.xy = self.scalar.basic_dof_nodes(self.nodes)
@@ -100,19 +100,27 @@ class Body:
         self.model.add_initialized_fem_data("shear", constant, lame[1][place])
         self.model.add_isotropic_linearized_elasticity_brick(self.inside, "u", "lam", "shear")
 
-    def _rigid_line(self, shoe: dict[str, Any]) -> None:
-        """The hinge's line turns about the pin: u = turn k x (x - pin), by the traction `hold` that holds it."""
+    def _held(self, shoe: dict[str, Any]) -> None:
+        """The edge that is held moves by the sum of the shoe's free motions, by the traction `hold` that holds it. That
+        works on the tests what the loads on the holder do."""
         held = gf.MeshFem("partial", self.displacement, self.displacement.basic_dof_on_region(HINGE))
         self.model.add_fem_variable("hold", held)
-        self.model.add_variable("turn", 1)
         self.model.add_initialized_data("pin", shoe["pin"])
-        self.model.add_macro("rigid", "[pin(2) - X(2); X(1) - pin(1)]")
-        self.model.add_linear_term(
-            self.inside, "-hold.Test_u - (u - turn*rigid).Test_hold + (hold.rigid)*Test_turn", HINGE
-        )
+        self.model.add_macro("moved(m)", "[m(1) + m(3)*(pin(2) - X(2)); m(2) + m(3)*(X(1) - pin(1))]")
+        self.model.add_linear_term(self.inside, "-hold.Test_u - u.Test_hold", HINGE)
+        length = self.integral("1", HINGE)
+        for k, amount in enumerate(self.amounts):
+            self.model.add_variable(amount, 1)
+            for name, size in (("motion", 3), ("test", 3), ("work", 1)):
+                self.model.add_initialized_data(f"{name}{k}", np.zeros(size))
+            self.model.add_linear_term(
+                self.inside,
+                f"{amount}*(moved(motion{k}).Test_hold) + (hold.moved(test{k}) - work{k}/{length!r})*Test_{amount}",
+                HINGE,
+            )
 
     def _load(self, shoe: dict[str, Any]) -> None:
-        """A force and a couple about `centre`, as tractions on the loaded end, or on the rigid shoe itself."""
+        """A force and a couple about `centre`, as tractions on the loaded end; else what holds the shoe takes them."""
         for name, size in (("force", 2), ("couple", 1), ("drag", 1)):
             self.model.add_initialized_data(name, np.zeros(size))
         self.model.add_initialized_data("centre", shoe["centre"])
@@ -120,15 +128,15 @@ class Body:
         if self.loaded:
             length, polar = self.integral("1", ACTUATION), self.integral("arm.arm", ACTUATION)
             self.model.add_linear_term(self.inside, f"-(force/{length!r} + couple/{polar!r}*arm).Test_u", ACTUATION)
-        else:  # the pin takes the force
-            self.model.add_linear_term(self.inside, f"-(couple/{self.integral('1', HINGE)!r})*Test_turn", HINGE)
 
     def _contact(self, shoe: dict[str, Any]) -> None:
         md = self.model
         md.add_initialized_data("side", [float(shoe["side"])])
         md.add_initialized_data("augment", [shoe["augment"]])
-        md.add_macro("normal", "side*Normalized(X)")
-        md.add_macro("along", "[-X(2); X(1)]/Norm(X)")
+        md.add_macro("normal", "[0; -1]" if shoe["flat"] else "side*Normalized(X)")
+        md.add_macro("along", "[1; 0]" if shoe["flat"] else "[-X(2); X(1)]/Norm(X)")
+        md.add_macro("lever", "1" if shoe["flat"] else "Norm(X)")
+        self.normals = normals(self.xy, shoe)
         if self.formulation == "full slip":
             pressure = gf.MeshFem("partial", self.scalar, self.nodes)
             md.add_fem_variable("p", pressure)
@@ -149,8 +157,8 @@ class Body:
         md.add_integral_contact_with_rigid_obstacle_brick(
             self.surface, "u", "p", "obstacle", "augment", "mu", CONTACT, 1, "alpha", "slid"
         )
-        x = self.displacement.basic_dof_nodes()[:, ::2]
-        self.sliding = np.array([-x[1], x[0]]) / np.hypot(*x)
+        x, y = normals(self.displacement.basic_dof_nodes()[:, ::2], shoe) * shoe["side"]
+        self.sliding = np.array([-y, x])
 
     def integral(self, expression: str, region: int) -> float:
         """The integral of an expression of the model over a region."""
@@ -163,12 +171,12 @@ class Body:
 
     def start(self, shoe: dict[str, Any]) -> dict[str, Any]:
         """At rest, with a pressure under which all of the lining counts as touching."""
-        values = {name: np.zeros(len(self.model.variable(name))) for name in UNKNOWNS}
+        values = {name: np.zeros(len(self.model.variable(name))) for name in (*UNKNOWNS, *self.amounts)}
         pressure = shoe["augment"] * max(shoe["gap"]) + float(np.hypot(*shoe["force"]))
         if self.formulation == "full slip":
             values["p"] += pressure
         else:
-            values["p"] -= pressure * shoe["side"] * (self.xy / np.hypot(*self.xy)).ravel(order="F")
+            values["p"] -= pressure * self.normals.ravel(order="F")
         return values
 
     def solve(self, shoe: dict[str, Any], friction: float) -> dict[str, Any]:
@@ -179,12 +187,16 @@ class Body:
         md, drag = self.model, friction * shoe["drag_sense"]
         for name, value in (("force", shoe["force"]), ("couple", [shoe["couple"]]), ("drag", [drag])):
             md.set_variable(name, np.array(value))
+        for k, held in enumerate(zip(shoe["motions"], shoe["tests"], shoe["work"], strict=True)):
+            for name, given in zip(("motion", "test", "work"), held, strict=True):
+                md.set_variable(f"{name}{k}", np.atleast_1d(given))
         if self.formulation == "full slip":
             md.set_variable("gap", np.interp(angles(self.xy, shoe), shoe["phi"], shoe["gap"]))
         else:
             x = self.obstacle.basic_dof_nodes()
             clearance = np.interp(angles(x, shoe), shoe["phi"], shoe["clearance"])
-            md.set_variable("obstacle", shoe["side"] * (1 - np.hypot(*x)) + clearance)
+            off = x[1] if shoe["flat"] else shoe["side"] * (1 - np.hypot(*x))
+            md.set_variable("obstacle", off + clearance)
             md.set_variable("slid", (SLIDE * np.sign(drag) * self.sliding).ravel(order="F"))
             md.set_variable("mu", np.array([abs(drag)]))
         for name, value in (shoe.get("state") or self.start(shoe)).items():
@@ -192,45 +204,56 @@ class Body:
         steps, converged = md.solve(
             "max_iter", 60, "max_res", 1e-11, "lsolver", "mumps", "lsearch", "simplest", "alpha min", 1.0
         )
-        shoe["state"] = {name: md.variable(name) for name in UNKNOWNS}
+        shoe["state"] = {name: md.variable(name) for name in (*UNKNOWNS, *self.amounts)}
         p = shoe["state"]["p"]
         pressed, shear = "p", "drag*p"
         if self.formulation == "coulomb":
             pressed, shear = "(-p.normal)", "(p.along)"
-            p = -shoe["side"] * (p[::2] * self.xy[0] + p[1::2] * self.xy[1]) / np.hypot(*self.xy)
-        torque, full = (self.integral(f"{of}*Norm(X)", CONTACT) for of in (shear, f"drag*{pressed}"))
+            p = -(p[::2] * self.normals[0] + p[1::2] * self.normals[1])
+        torque, full = (self.integral(f"{of}*lever", CONTACT) for of in (shear, f"drag*{pressed}"))
+        traction = f"({shear}*along - {pressed}*normal)"
         return {
             "converged": bool(converged) and bool(np.isfinite(p).all()),
             "steps": int(steps),
             "slipping": torque / full if full else 0.0,
             "xy": self.xy.tolist(),
             "pressure": p.tolist(),
-            "turn": float(md.variable("turn")[0]),
+            "amounts": [float(md.variable(name)[0]) for name in self.amounts],
             "torque": torque,
             "normal": self.integrals(f"-{pressed}*normal", CONTACT),
             "tangential": self.integrals(f"{shear}*along", CONTACT),
-            "hold": self.integrals("hold", HINGE),
+            "moment": self.integral(f"X(1)*{traction}(2) - X(2)*{traction}(1)", CONTACT),
+            "hold": [*self.integrals("hold", HINGE), self.integral("hold.[pin(2) - X(2); X(1) - pin(1)]", HINGE)],
         }
 
 
+def normals(x: Any, shoe: dict[str, Any]) -> Any:
+    """Normals (2, n) of the lining at the points x (2, n)."""
+    if shoe["flat"]:
+        return np.array([np.zeros(x.shape[1]), -np.ones(x.shape[1])])
+    return shoe["side"] * x / np.hypot(*x)
+
+
 def angles(x: Any, shoe: dict[str, Any]) -> Any:
-    """Polar angles of the points x (2, n), within pi of the lining's middle."""
+    """Polar angles of the points x (2, n), within pi of the lining's middle; on a plane their places along it."""
+    if shoe["flat"]:
+        return x[0]
     return shoe["middle"] + np.angle(np.exp(-1j * shoe["middle"]) * (x[0] + 1j * x[1]))
 
 
 def brake(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
     """All shoes at each friction coefficient in turn, bodies made once: answers and seconds (of processor) of each."""
-    bodies: dict[int, Body] = {}
+    bodies: dict[tuple[int, bool, int], Body] = {}
     shoes = [dict(shoe) for shoe in data["shoes"]]
     answers, seconds = [], []
     for friction in data["friction"]:
         start = time.process_time()
         found = []
         for shoe in shoes:
-            number = shoe["body"]
-            if number not in bodies:
-                bodies[number] = Body(problem, number, shoe, data["formulation"])
-            found.append(bodies[number].solve(shoe, friction))
+            key = (shoe["body"], shoe["on_body"], len(shoe["motions"]))
+            if key not in bodies:
+                bodies[key] = Body(problem, shoe["body"], shoe, data["formulation"])
+            found.append(bodies[key].solve(shoe, friction))
         seconds.append(time.process_time() - start)
         answers.append(found)
     unknowns = sum(int(body.model.nbdof()) for body in bodies.values())

@@ -17,6 +17,8 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, actuation, assemble, shape_of
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.motions import at_pin
+from drumlin.laws import rigid
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import contact_arcs, cross
@@ -51,7 +53,8 @@ class Loaded:
     """A meshed shoe under its force, in its own frame: `force` (2,) [N] and `couple` [N m] about `parts.load_centre`.
 
     `drag`: mu times the sense in which the drum drags the lining, positive towards growing phi. `approaches`: whether
-    the force turns the shoe towards the drum anywhere; else it does not touch.
+    the force presses the shoe on the drum anywhere; else it does not touch. What holds it moves by a sum of `motions`
+    (k, 3), (dx, dy [m], turn) at the pin; on the `tests` (k, 3) the force works `work` (k,), see `Held.freedoms`.
     """
 
     shoe: Shoe
@@ -61,78 +64,128 @@ class Loaded:
     couple: float
     drag: float
     approaches: bool
+    motions: Floats
+    tests: Floats
+    work: Floats
+
+    @property
+    def on_body(self) -> bool:
+        """Whether the force acts on the body's loaded end, not on what holds it."""
+        return "actuation" in self.parts.mesh.boundaries and not self.shoe.gripped
+
+    @property
+    def radius(self) -> float:
+        """The mean one of its lining's face [m]; on a plane what a length along it makes an angle by."""
+        line = self.parts.line
+        return float(np.ptp(line.xy[0]) / np.ptp(line.phi) if self.shoe.flat else np.hypot(*line.xy).mean())
 
 
-def loaded_shoes(
+def meshed_shoes(
     brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
-) -> list[Loaded]:
-    """The shoes of a brake, meshed as drumlin meshes them; `body` numbers the distinct shapes.
+) -> list[tuple[int, Assembled]]:
+    """The shoes of a brake as drumlin meshes them, with a number for each distinct shape.
 
-    Raises BadInput for a brake with an elastic ring: both peers get a rigid drum.
+    Raises BadInput for a brake with an elastic ring and without friction: peers get a rigid drum that slips.
     """
-    brake.check_hinged("a peer")
     if brake.drum.ring is not None:
         raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
     if brake.friction == 0:
         raise BadInput("friction = 0: the peers are given a drum that slips; must be greater than 0")
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
     made: dict[tuple[object, ...], tuple[int, Assembled]] = {}
-    shoes = []
+    found = []
     for shoe in brake.shoes:
         key = shape_of(brake, shoe)
         if key not in made:
             made[key] = (len(made), assemble(brake, shoe, mesher, {}))
-        number, parts = made[key]
-        load, moment = actuation(parts, shoe)
-        size = abs(shoe.actuation.force)
-        drag = brake.drag_on(shoe)
+        found.append(made[key])
+    return found
+
+
+def under_force(brake: Brake, shoe: Shoe, body: int, parts: Assembled, sense: int = 1) -> Loaded:
+    """A meshed shoe under its actuation; sense: of an abutment's friction, see `Held.freedoms`."""
+    load, moment = actuation(parts, shoe)
+    size, free = abs(shoe.actuation.force), shoe.freedoms(sense)
+    if shoe.held_by == "hinge" and not shoe.flat:
         # The lining at (x, y) closes by -sign a y/r per turn about the pin at (a, 0).
         approaches = size > 0 and bool((-moment * shoe.sign * parts.line.xy[1] > 0).any())
-        shoes.append(Loaded(shoe, parts, number, size * load[:2], size * float(load[2]), drag, approaches))
-    return shoes
+    else:
+        approaches = size > 0 and rigid.bears(brake, shoe) >= 0
+    return Loaded(
+        shoe, parts, body, size * load[:2], size * float(load[2]), brake.drag_on(shoe), approaches,
+        at_pin(shoe, free.motions).T, at_pin(shoe, free.tests).T, free.work,
+    )  # fmt: skip
+
+
+def loaded_shoes(
+    brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
+) -> list[Loaded]:
+    """The shoes of a brake, meshed as drumlin meshes them, under forces of their own on hinges.
+
+    Raises BadInput for others, and as `meshed_shoes`.
+    """
+    if any(shoe.flat for shoe in brake.shoes):
+        raise BadInput("CalculiX takes brakes on a drum: its shoes press on a plane")
+    brake.check_hinged("CalculiX")
+    meshed = meshed_shoes(brake, elements, kind, mesher)
+    return [under_force(brake, shoe, *own) for shoe, own in zip(brake.shoes, meshed, strict=True)]
 
 
 class Forces(NamedTuple):
-    """What a peer found on one shoe, in the shoe's frame: forces of pressure, of friction and of the pin (2,) [N], and
-    the torque on the drum [N m], positive."""
+    """What a peer found on one shoe, in the shoe's frame: forces of pressure and of friction (2,) [N] and the moment of
+    both about the origin [N m]; `held` (3,): force and moment about the pin of what holds the shoe, on the shoe; the
+    `torque` on the drum [N m], positive, on a plane the braking force [N]."""
 
     normal: Floats
     friction: Floats
-    reaction: Floats
+    moment: float
+    held: Floats
     torque: float
 
 
 def shoe_response(
-    loaded: Loaded, phi: Floats, pressure: Floats, order: int, forces: Forces, turn: float | None
+    loaded: Loaded, phi: Floats, pressure: Floats, order: int, forces: Forces, amounts: Floats
 ) -> tuple[ShoeResponse, Balance]:
     """A shoe's response from a peer's pressure [Pa] at growing angles phi [rad], piecewise of degree `order`.
 
-    The balance is that of the peer's own forces: their sum, and their moment about the drum's centre.
+    amounts (k,): of its free motions. The balance is that of the peer's own forces on the shoe, their sum and their
+    moment about the origin, and of those on what holds it, whose work on the free motions is that of its loads.
     """
-    shoe, frame = loaded.shoe, loaded.shoe.frame
-    pin, centre = shoe.own_pin, loaded.parts.load_centre
-    sense = math.copysign(1.0, loaded.drag)
-    moments = [sense * forces.torque, float(cross(pin, forces.reaction)), loaded.couple,
-               float(cross(centre, loaded.force))]  # fmt: skip
-    balance = relative_balance([forces.normal, forces.friction, forces.reaction, loaded.force], moments)
-    friction_about_pin = sense * forces.torque - float(cross(pin, forces.friction))
-    actuation_about_pin = loaded.couple + float(cross(centre - pin, loaded.force))
+    shoe, frame, pin, tests = loaded.shoe, loaded.shoe.frame, loaded.shoe.own_pin, loaded.tests
+    arm = loaded.parts.load_centre - pin
+    load = np.array([*loaded.force, loaded.couple + float(cross(arm, loaded.force))])  # about the pin
+    push, reaction = (load, forces.held) if loaded.on_body else (np.zeros(3), forces.held - load)
+    normal_force = float(np.linalg.norm(forces.normal))
+    about = [float(cross(pin, of[:2])) for of in (forces.held, push)] + [float(forces.held[2]), float(push[2])]
+    size = loaded.radius * normal_force
+    balance = relative_balance(
+        [forces.normal, forces.friction, forces.held[:2], push[:2]], [forces.moment, *about, size, -size]
+    )
+    work = loaded.work * (not loaded.on_body)
+    left = np.abs(tests @ forces.held - work) / (np.hypot(*tests.T[:2]) + loaded.radius * np.abs(tests[:, 2]))
+    drag = np.array([*forces.friction, -float(cross(pin, forces.friction))])
+    if not shoe.flat:
+        drag[2] += math.copysign(forces.torque, loaded.drag)
     response = pressed_shoe(
         shoe,
-        float(np.hypot(*loaded.parts.line.xy).mean()),
+        loaded.radius,
         frame.theta(phi),
         pressure,
         order=order,
         torque=forces.torque,
-        normal_force=float(np.linalg.norm(forces.normal)),
-        self_energising=friction_about_pin * actuation_about_pin > 0,
-        hinge_reaction=frame.to_brake(forces.reaction),
-        turn=None if turn is None else frame.sense * turn,
+        normal_force=normal_force,
+        self_energising=float(tests[0] @ drag) * float(loaded.work[0]) > 0,
+        hinge_reaction=frame.to_brake(reaction[:2]),
+        turn=frame.sense * float(amounts @ loaded.motions[:, 2]),
+        pivot_reaction=frame.to_brake(forces.held[:2]) if shoe.pivot is not None else None,
+        reaction_moment=frame.sense * float(reaction[2]) if shoe.guide is not None else 0.0,
         located=False,  # what a peer leaves beside the contact has no ends to find
     )
     p = response.pressure
     arcs = contact_arcs(response.theta, np.where(p > NOTHING * p.max(), p, 0.0), order)
-    return replace(response, contact_arcs=arcs), balance
+    return replace(response, contact_arcs=arcs), Balance(
+        balance.force, max(balance.moment, float(left.max()) / normal_force)
+    )
 
 
 def untouched_response(loaded: Loaded) -> tuple[ShoeResponse, Balance]:

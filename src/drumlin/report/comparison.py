@@ -9,6 +9,7 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.comparison import Column, Comparison, as_csv, columns_of, compare, motion_of
 from drumlin.errors import NoAnswer
+from drumlin.fem.finite_width import finite_width
 from drumlin.files import write_text
 from drumlin.models import refusals
 from drumlin.report import figures
@@ -94,7 +95,8 @@ def write_comparison(brake: AnyBrake, source: str, folder: Path, options: dict[s
     if isinstance(brake, Brake) and fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         drawn = True
         chosen = {k: v for k, v in options.items() if k in {"elements", "kind"}}
-        not_drawn = draw_fields(brake, fem, folder, "fields", **chosen)
+        drawn_as = finite_width(brake) if options.get("finite_width") else brake
+        not_drawn = draw_fields(drawn_as, fem, folder, "fields", **chosen)
     notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]
     notes += [f"{name}: does not apply: {reason}" for name, reason in refusals(brake).items()]
     left = [f"{o.model} left out {line}" for o in comparison.outcomes if o.response for line in o.response.left_out]

@@ -49,13 +49,13 @@ class Case(NamedTuple):
 
 
 def respond(case: Case, cache: Cache | None = None) -> Response:
-    """The response of a case; finite elements take bodies from the cache and put theirs there.
+    """The response of a case; finite elements and solids take bodies from the cache and put theirs there.
 
     Raises BadInput, NoAnswer.
     """
     brake = vary(case.brake, case.changes) if case.changes else case.brake
     options = dict(case.options)
-    if case.model == "fem":
+    if case.model in {"fem", "solid"}:
         options["cache"] = cache
     return pick(case.model, brake).solve(brake, **options)
 

@@ -22,11 +22,11 @@ from drumlin.brake.file import brake_from, read_toml, unit_of, validated, values
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
 from drumlin.brake.units import to_si
 from drumlin.errors import BadInput
-from drumlin.fem.assembly import MOST_ELEMENTS
 from drumlin.files import content_digest
 from drumlin.foundation.model import lifted
 from drumlin.models import MODELS
 from drumlin.sweeps.cases import Case, mesh_files, names_mesh
+from drumlin.sweeps.options import OPTIONS
 
 DEEPEST = 50  # tables and lists in one another; a sweep file has some six
 MOST_CASES = 1_000_000  # a million rows fill some 2 GB
@@ -82,28 +82,6 @@ DISTRIBUTIONS: Mapping[str, type[Distribution]] = {
     "triangular": Triangular,
     "truncated-normal": TruncatedNormal,
 }
-
-
-class FemOptions(Part):
-    """Options of the finite elements, as on the command line."""
-
-    model_config = Part.model_config | {"allow_inf_nan": True}
-
-    elements: Annotated[int, Field(ge=1, le=MOST_ELEMENTS)] | None = None
-    kind: Literal["quad2", "quad1", "tri2", "tri1"] | None = None
-    penalty: Annotated[float, Field(gt=0)] | None = None
-    tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
-    finite_width: bool | None = None
-
-
-class FoundationOptions(Part):
-    """Options of the foundation model, as on the command line."""
-
-    sections: Annotated[int, Field(ge=2)] | None = None
-    lift: list[str] | None = None
-
-
-OPTIONS: Mapping[str, type[Part]] = {"fem": FemOptions, "foundation": FoundationOptions}
 
 
 class SweepFile(Part):
@@ -210,10 +188,7 @@ def _models(given: Mapping[str, Mapping[str, Any]], brake: AnyBrake) -> dict[str
     for name, options in given.items():
         if name not in MODELS:
             raise BadInput(f"model.{name}: unknown model; allowed: {', '.join(MODELS)}")
-        try:
-            models[name] = validated(OPTIONS.get(name, Part), options).model_dump(exclude_none=True)
-        except BadInput as error:
-            raise BadInput(f"model.{name}.{error}") from error
+        models[name] = _part(f"model.{name}", OPTIONS.get(name, Part), options).model_dump(exclude_none=True)
         if "lift" in models[name] and isinstance(brake, Brake):
             lifted(brake, models[name]["lift"])
     return models

@@ -6,7 +6,8 @@ from pydantic import TypeAdapter
 
 from drumlin.brake.schema import DIALECT, UnitSchema, written
 from drumlin.models import MODELS
-from drumlin.sweeps.file import DISTRIBUTIONS, OPTIONS, Range, SweepFile
+from drumlin.sweeps.file import DISTRIBUTIONS, Range, SweepFile
+from drumlin.sweeps.options import OPTIONS
 
 
 def sweep_schema() -> dict[str, Any]:

@@ -1,4 +1,9 @@
-"""Where the pressure of a lining is not smooth: the ends of its contact and the kinks of its gap."""
+"""Where the pressure of a lining is not smooth: the ends of its contact and the kinks of its gap.
+
+One open node between two that press is an opening that the columns there are too wide to show: its ends are anywhere
+between, and the error that it makes does not fall from level to level until it is seen.
+Its node is a place as ends are.
+"""
 
 import math
 
@@ -32,7 +37,19 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     for one, other in arcs:
         first, last = (min(max(_rounded(x, other - one), start), end) for x in (one, other))
         found += [(first, last - first, False), (last, last - first, False)]
+    if response is not None:
+        found += [(_rounded(x, length), length, False) for x, length in _hidden(shoe, response, arcs)]
     return found
+
+
+def _hidden(shoe: Shoe, response: ShoeResponse, arcs: list[list[float]]) -> list[tuple[float, float]]:
+    """Open nodes between two that press, and how far apart these are [rad]; not at the ends of the contact, which are
+    known."""
+    press, phi = response.pressure > 0, shoe.frame.phi(response.theta)
+    at = 1 + np.flatnonzero(press[:-2] & ~press[1:-1] & press[2:])
+    ends = np.array(arcs).ravel()
+    found = [(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1]))) for i in at]
+    return [(x, length) for x, length in found if np.abs(ends - x).min() > length]
 
 
 def _rounded(x: float, length: float) -> float:

@@ -2,3 +2,6 @@
 
 Beyond meshing and condensing it knows nothing of its own: contact, response and self-locking are those of the plane.
 """
+
+MOST_ELEMENTS = 200  # along a lining
+MOST_ACROSS = 24  # over half its width

@@ -1,20 +1,21 @@
 """The solid model: brake -> scene of solid bodies -> response, by the contact of the plane model."""
 
+from functools import partial
 from pathlib import Path
 
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput
-from drumlin.fem.assembly import Body, Scene, Seconds, lacking, shape_of
+from drumlin.fem.assembly import Body, Cache, Scene, Seconds, bare_shoe, lacking, shape_of, size_of
 from drumlin.fem.assembly import why_not as plane_why_not
 from drumlin.fem.model import PENALTY, check_penalty, respond
+from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import solid_body
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
 ELEMENTS = 48
 """Default number along a lining."""
-MOST_ELEMENTS = 200  # along a lining
-MOST_ACROSS = 24  # over half its width
+STIFFNESS = 2500  # bytes of a row
 SOFTEST = 0.499  # Poisson's ratio up to which displacements alone describe a solid
 
 
@@ -48,10 +49,11 @@ def across_of(shoe: Shoe, elements: int) -> int:
     return max(2, round(elements / ELEMENTS * min(2 + slender, 6)))
 
 
-def prepare(brake: Brake, *, elements: int = ELEMENTS, across: int | None = None) -> Scene:
+def prepare(brake: Brake, *, elements: int = ELEMENTS, across: int | None = None, cache: Cache | None = None) -> Scene:
     """Mesh and condense the solid shoes of a brake; shoes of one shape share one body.
 
-    elements: number along each lining; across: over half its width. Raises BadInput.
+    elements: number along each lining; across: over half its width; cache: bodies of earlier scenes, taken from there
+    and put there. Raises BadInput.
     """
     reason = why_not(brake)
     if reason is not None:
@@ -61,15 +63,23 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS, across: int | None = None
             raise BadInput(f"--{name} = {value}: must be from 1 to {most}")
     seconds: Seconds = {}
     made: dict[tuple[object, ...], Body] = {}
+    cache = Cache() if cache is None else cache
     keys = [shape_of(brake, shoe) for shoe in brake.shoes]
     for key, shoe in zip(keys, brake.shoes, strict=True):
         if key not in made:
-            made[key] = solid_body(brake, shoe, elements, across or across_of(shoe, elements), seconds)
+            counts = elements, across or across_of(shoe, elements)
+            same = ("solid", bare_shoe(shoe), brake.drum.radius, brake.friction > 0, *counts)
+            made[key] = cache.get(same, partial(solid_body, brake, shoe, *counts, seconds), _size_of)
     left_out = ["interior fields: recovered only for a picture", "the other half of each shoe: symmetric"]
     if len(made) < len(keys):
         left_out.append(f"{len(keys) - len(made)} of {len(keys)} shoes: same shape as another, condensed once")
     bodies = tuple(made[key] for key in keys)
     return Scene(brake, bodies, None, seconds, (*left_out, *lacking(brake)), model="solid")
+
+
+def _size_of(body: Body) -> int:
+    """What a condensed body keeps, about: its matrices, and the stiffness that fields are recovered with."""
+    return size_of(body) + STIFFNESS * body.unknowns
 
 
 def solve(
@@ -79,11 +89,12 @@ def solve(
     across: int | None = None,
     penalty: float = PENALTY,
     fields: Path | None = None,
+    cache: Cache | None = None,
 ) -> Response:
     """The response of a brake's solid shoes; options as of `prepare`. fields: a .vtu file to write what is inside
-    them to. Raises BadInput, NoAnswer."""
+    them to; cache: bodies of earlier solves. Raises BadInput, NoAnswer."""
     check_penalty(penalty)
-    scene = prepare(brake, elements=elements, across=across)
+    scene = prepare(brake, elements=elements, across=across, cache=cache)
     response = with_merits(brake, respond(scene, brake, penalty=penalty))
     if fields is not None:
         from drumlin.fem.fields import write_vtu  # noqa: PLC0415  (only where it is asked for)

@@ -1,0 +1,42 @@
+"""The options that a sweep file gives a model: those of the command line, by the same names."""
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from drumlin.brake.fields import Part
+from drumlin.fem import solid
+from drumlin.fem.assembly import MOST_ELEMENTS
+
+
+class FemOptions(Part):
+    """Options of the finite elements, as on the command line."""
+
+    model_config = Part.model_config | {"allow_inf_nan": True}
+
+    elements: Annotated[int, Field(ge=1, le=MOST_ELEMENTS)] | None = None
+    kind: Literal["quad2", "quad1", "tri2", "tri1"] | None = None
+    penalty: Annotated[float, Field(gt=0)] | None = None
+    tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
+    finite_width: bool | None = None
+
+
+class SolidOptions(Part):
+    """Options of solid shoes, as on the command line."""
+
+    model_config = Part.model_config | {"allow_inf_nan": True}
+
+    elements: Annotated[int, Field(ge=1, le=solid.MOST_ELEMENTS)] | None = None
+    across: Annotated[int, Field(ge=1, le=solid.MOST_ACROSS)] | None = None
+    penalty: Annotated[float, Field(gt=0)] | None = None
+
+
+class FoundationOptions(Part):
+    """Options of the foundation model, as on the command line."""
+
+    sections: Annotated[int, Field(ge=2)] | None = None
+    lift: list[str] | None = None
+
+
+OPTIONS: Mapping[str, type[Part]] = {"fem": FemOptions, "solid": SolidOptions, "foundation": FoundationOptions}
