@@ -62,6 +62,13 @@ def test_what_is_not_given_is_an_error_and_leaves_no_page(page, tmp_path):
     assert not (tmp_path / "index.html").exists()
 
 
+def test_a_large_number_has_no_exponent_and_keeps_its_digits():
+    """In a column of torques some would have one and some not."""
+    given = (238918.3, ".5g"), (85245.2, ".5g"), (2318.0, ".3g"), (-119290.0, "+.4g"), (2e9, ".3g"), (3e-7, ".2g")
+    assert [formatted(*one) for one in given] == ["238920", "85245", "2320", "-119300", "2e+09", "3e-07"]
+    assert formatted(238918.3, ".1e") == "2.4e+05"
+
+
 def test_every_percentage_is_written_alike():
     """A space before the sign; formats of Python's own would leave it out."""
     assert [formatted(x, form) for x, form in ((0.18, ".0%"), (-0.0123, "+.1%"), (-1e-9, "+.1%"), (0.5, ".1f"))] == [
