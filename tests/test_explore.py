@@ -182,7 +182,7 @@ def test_a_brake_on_a_plane_is_explored_too():
         assert np.trapezoid(curve.p, curve.at * 1e-3) * 1e6 == pytest.approx(
             integrate(shoe.theta, shoe.pressure, shoe.order), rel=5e-3
         )
-    assert f"braking force <b>{effect(answer.found):.6g} N</b>" in picture.head and "-0.0%" not in picture.head
+    assert f"braking force <b>{effect(answer.found):.6g} N</b>" in picture.head and "-0.0 %" not in picture.head
     for address in ("/", "/picture", "/locking", "/brake.toml?friction=0.2"):
         assert reply(explorer, address, "b").status == 200
     assert read_any(path, reply(explorer, "/brake.toml?friction=0.2", "b").text).friction == 0.2

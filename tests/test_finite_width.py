@@ -82,7 +82,7 @@ def test_the_option_solves_the_corrected_brake_and_says_how_far_it_is_to_be_trus
     assert found.torque == solve(finite_width.finite_width(brake), elements=12).torque != plain.torque
     (note,) = set(found.notes) - set(solve(finite_width.finite_width(brake), elements=12).notes)
     factor = finite_width.corrected(brake.shoes[0]).E / brake.shoes[0].lining.material.E
-    assert f"modulus of the lining times {factor:.3f};" in note and "within 1.5%" in note
+    assert f"modulus of the lining times {factor:.3f};" in note and "within 1.5 %" in note
     file, answers = root / "studies" / "plane_stress" / "brake.toml", []
     for options in ((), ("--finite-width",)):
         done = drumlin("solve", file, "--elements", "12", *options, "--json", tmp_path / "a.json")

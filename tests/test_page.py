@@ -1,11 +1,14 @@
 """A page filled from a template: what is escaped, embedded and left out, and what is refused."""
 
 import base64
+import re
 
 import jinja2
 import pytest
 
+from conftest import ROOT
 from drumlin.report.page import fill
+from drumlin.texts import formatted
 
 TEMPLATE = """{% extends "base.html" %}
 {% from "blocks.html" import figure, table, fields %}
@@ -37,7 +40,7 @@ def test_values_are_escaped_and_prose_is_not(page):
     assert "<title>&lt;x&gt; &amp; y</title>" in text and "<h1>&lt;x&gt; &amp; y</h1>" in text
     assert "<figcaption><b>Figure 1.</b> a <b>dot</b> of &lt;x&gt; &amp; y</figcaption>" in text
     assert 'alt="a dot of &lt;x&gt; &amp; y"' in text
-    assert "off by +1.2%" in text and "<p>no screen</p>" in text
+    assert "off by +1.2\N{NO-BREAK SPACE}%" in text and "<p>no screen</p>" in text
 
 
 def test_a_figure_beside_the_page_is_embedded(page):
@@ -57,3 +60,20 @@ def test_what_is_not_given_is_an_error_and_leaves_no_page(page, tmp_path):
     with pytest.raises(jinja2.UndefinedError, match="nmae"):
         page()
     assert not (tmp_path / "index.html").exists()
+
+
+def test_a_large_number_has_no_exponent_and_keeps_its_digits():
+    """In a column of torques some would have one and some not."""
+    given = (238918.3, ".5g"), (85245.2, ".5g"), (2318.0, ".3g"), (-119290.0, "+.4g"), (2e9, ".3g"), (3e-7, ".2g")
+    assert [formatted(*one) for one in given] == ["238920", "85245", "2320", "-119300", "2e+09", "3e-07"]
+    assert formatted(238918.3, ".1e") == "2.4e+05"
+
+
+def test_every_percentage_is_written_alike():
+    """A space before the sign; formats of Python's own would leave it out."""
+    assert [formatted(x, form) for x, form in ((0.18, ".0%"), (-0.0123, "+.1%"), (-1e-9, "+.1%"), (0.5, ".1f"))] == [
+        "18 %", "-1.2 %", "0.0 %", "0.5",
+    ]  # fmt: skip
+    sources = [*ROOT.glob("src/drumlin/**/*.py"), *ROOT.glob("studies/**/*.py")]
+    bare = {path.name for path in sources if re.search(r"\{[^{}\n]+:[-+,.0-9]*%\}", path.read_text())}
+    assert not bare, "formatted(x, '.1%') writes it with its space"

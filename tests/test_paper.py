@@ -7,6 +7,7 @@ import pytest
 from conftest import ROOT
 from drumlin.errors import BadInput
 from drumlin.studies import load
+from drumlin.texts import formatted
 from test_readme import rows
 
 study = load("paper")[0]
@@ -39,7 +40,7 @@ def test_every_source_that_is_named_is_listed_and_no_other(page, text):
 
 
 def percent(value, form):
-    return format(float(value), form)
+    return formatted(float(value), form)
 
 
 def test_its_numbers_are_those_of_the_kept_reports(text):
@@ -49,7 +50,7 @@ def test_its_numbers_are_those_of_the_kept_reports(text):
     assert f"With flexible shoes the total is off by {percent(total['flexible shoes'], '+.0%')}" in text
     law = rows("error_vs_runtime/results.csv", model="sine", status="converged")
     errors = sorted(float(row["torque_error"]) for row in law)
-    assert f"of the sine law is wrong by {errors[0]:.1%} to {errors[-1]:.0%}" in text
+    assert f"of the sine law is wrong by {percent(errors[0], '.1%')} to {percent(errors[-1], '.0%')}" in text
     assert f"Over these {len(law)} brakes" in text
     best = rows("error_vs_runtime/recommended.csv", family="law")
     for words, quantity, target in (

@@ -8,7 +8,6 @@ from drumlin.brake import unrolled
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
-from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
 from drumlin.response.response import Response
 from drumlin.texts import nearest
@@ -43,6 +42,18 @@ def _fem_why_not(brake: AnyBrake) -> str | None:
     if isinstance(brake, FlatBrake):
         return unrolled.why_not(brake)
     return assembly.why_not(brake)
+
+
+def _foundation(brake: Brake, **options: Any) -> Response:
+    from drumlin.foundation import solve as on_springs
+
+    return on_springs(brake, **options)
+
+
+def _foundation_why_not(brake: AnyBrake) -> str | None:
+    from drumlin.foundation import why_not
+
+    return why_not(brake)
 
 
 def _solid(brake: Brake, **options: Any) -> Response:
@@ -82,7 +93,7 @@ MODELS: Mapping[str, Model] = {
     for model in (
         Model("fem", "2D plane stress, unilateral contact, full-slip Coulomb friction", _fem_why_not, _fem),
         _hinged("sine"),
-        Model("foundation", "beam on springs against an elastic ring", foundation.why_not, foundation.solve),
+        Model("foundation", "beam on springs against an elastic ring", _foundation_why_not, _foundation),
         _hinged("cosine"),
         _hinged("block"),
         _hinged("uniform"),

@@ -11,6 +11,7 @@ LONGEST_QUANTITY = 100  # characters of a number and its unit
 MOST_DIGITS = 400  # in a row: what lies beyond 1e308 is no quantity, and long ones take their square in time
 MOST_PARTS = 16  # of a key a.b.c: each key below it takes as many steps again
 
+_THOUSANDS = re.compile(r"e\+0[0-6]$")
 _NOTHING = re.compile(r"[-+]0(\.0*)?%?")
 _DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
@@ -39,9 +40,13 @@ def _without_folder(word: str) -> str:
 
 
 def formatted(value: float, form: str) -> str:
-    """A number for people, as format() has it; what rounds to nothing has no sign."""
+    """A number for people, as format() has it, with a space before %; what rounds to nothing has no sign, and a number
+    below ten millions no exponent where a general form ("g") is asked for."""
     text = format(value, form)
-    return text.lstrip("+-") if _NOTHING.fullmatch(text) else text
+    if form.endswith("g") and _THOUSANDS.search(text):
+        text = format(float(text), "+.0f" if text.startswith("+") else ".0f")
+    text = text.lstrip("+-") if _NOTHING.fullmatch(text) else text
+    return f"{text[:-1]} %" if text.endswith("%") else text
 
 
 def nearest(name: str, names: Iterable[str]) -> str:

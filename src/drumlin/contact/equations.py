@@ -6,10 +6,10 @@ On the nodes that touch w = q + A p + B y = 0, off them p = 0, and C p = h: one 
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg
 
 from drumlin.arrays import Bools, Floats, Ints
 from drumlin.errors import NoAnswer
+from drumlin.lapack import dgecon, dgetrf, dgetrs
 
 
 class Problem(NamedTuple):
@@ -60,8 +60,8 @@ def condition(problem: Problem, active: Bools) -> float:
     matrix = matrix_on(equilibrated(problem)[0], active)
     if not matrix.size:
         return 1.0
-    lu, _, _ = scipy.linalg.lapack.dgetrf(matrix)
-    reciprocal, _ = scipy.linalg.lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max())
+    lu, _, _ = dgetrf(matrix)
+    reciprocal, _ = dgecon(lu, np.abs(matrix).sum(axis=0).max())
     return float(1 / reciprocal) if reciprocal else np.inf
 
 
@@ -142,7 +142,7 @@ def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
     """LU factors and pivots, in the place of the matrix where LAPACK can; raises NoAnswer for a singular one."""
     if not matrix.size:
         return matrix, np.zeros(0, dtype=np.int32)
-    lu, pivots, info = scipy.linalg.lapack.dgetrf(matrix, overwrite_a=True)
+    lu, pivots, info = dgetrf(matrix, overwrite_a=True)
     if info or not np.isfinite(np.diagonal(lu)).all():
         raise NoAnswer("no equilibrium: the contact cannot balance the actuation")
     return lu, pivots
@@ -150,7 +150,7 @@ def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
 
 def _back(factors: tuple[Floats, Ints], right: Floats) -> Floats:
     """Back-substitution; LAPACK directly, since scipy's checks cost more than these small systems."""
-    return scipy.linalg.lapack.dgetrs(*factors, right)[0] if len(right) else right
+    return dgetrs(*factors, right)[0] if len(right) else right
 
 
 def _determinant_sign(factors: tuple[Floats, Ints]) -> int:

@@ -28,10 +28,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg
 
 from drumlin.arrays import Bools, Floats, Ints
 from drumlin.errors import NoAnswer
+from drumlin.lapack import dgetrf, dgetrs
 
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
 MOST_STEPS = 60  # of Newton's method; an increment of a brake needs some five
@@ -299,7 +299,7 @@ def _factorised(matrix: Floats) -> tuple[Floats, Ints, Floats, Floats]:
     tiny = np.finfo(float).tiny
     row = 1 / np.maximum(np.abs(matrix).max(axis=1), tiny)
     column = 1 / np.maximum(np.abs(row[:, None] * matrix).max(axis=0), tiny)
-    lu, pivots, info = scipy.linalg.lapack.dgetrf(row[:, None] * matrix * column)
+    lu, pivots, info = dgetrf(row[:, None] * matrix * column)
     if info or not np.isfinite(np.diagonal(lu)).all():
         raise NoAnswer("no equilibrium: contact and friction cannot balance the actuation")
     return lu, pivots, row, column
@@ -309,7 +309,7 @@ def _back(factors: tuple[Floats, Ints, Floats, Floats], right: Floats) -> Floats
     lu, pivots, row, column = factors
     if not right.size:
         return right
-    solution, _ = scipy.linalg.lapack.dgetrs(lu, pivots, row * right)
+    solution, _ = dgetrs(lu, pivots, row * right)
     return column * solution
 
 

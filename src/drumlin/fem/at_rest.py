@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
@@ -20,6 +19,7 @@ from drumlin.fem.assembly import actuation, contact_stiffness
 from drumlin.fem.group import ShoeGroup
 from drumlin.fem.model import PENALTY
 from drumlin.fem.sharing import Pushed, share
+from drumlin.lapack import block_diag
 
 
 def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
@@ -33,7 +33,7 @@ def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
     still = replace(group, brake=feet.smooth(0.0), senses=feet.senses)
     normal = still.blocks(0.0)
     shoes = [_tangential(still, k) for k in range(len(group.members))]
-    A_wt, A_sp, A_st, B_s, C_t, Q = (scipy.linalg.block_diag(*(shoe[k] for shoe in shoes)) for k in range(6))
+    A_wt, A_sp, A_st, B_s, C_t, Q = (block_diag(*(shoe[k] for shoe in shoes)) for k in range(6))
     q_s, lever = (np.concatenate([shoe[k] for shoe in shoes]) for k in (6, 7))
     if group.ring is not None:
         pressed, dragged = group.ring
@@ -93,7 +93,7 @@ class Feet(NamedTuple):
             slid[row, still.rows[k].start + names.index("slide")] = 1.0
         soft, none = np.diag(self.yielding), np.zeros((len(self.on),) * 2)
         no = np.zeros(len(self.on))
-        joined = scipy.linalg.block_diag
+        joined = block_diag
         return problem._replace(
             A_wp=joined(problem.A_wp, soft), A_wt=joined(problem.A_wt, none), A_sp=joined(problem.A_sp, none),
             A_st=joined(problem.A_st, none), Q=joined(problem.Q, soft),

@@ -12,14 +12,13 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg
-from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.fields import Material
 from drumlin.errors import NoAnswer
 from drumlin.fem.elimination import SINGULAR, dissection, eliminate
 from drumlin.fem.mesh.arc import kind_of
+from drumlin.lapack import dpotrf, solve_lower
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 
@@ -69,7 +68,7 @@ class Condensed:
 
     def half(self, forces: Floats) -> Floats:
         """Y = L_cc^-1 forces, for nodal forces (2n, m) on the contact nodes."""
-        return scipy.linalg.solve_triangular(self.L_cc, forces, lower=True, check_finite=False)
+        return solve_lower(self.L_cc, forces)
 
     def displacement(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacement of all nodes (2, nodes) [m], by one sparse factorisation that nothing else needs.
@@ -192,5 +191,5 @@ def condense(K: Any, ties: Ties, loads: Floats, contact: int) -> Condensed:
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
         raise NoAnswer(SINGULAR)
-    L_fc = scipy.linalg.solve_triangular(L_cc, S[:contact, contact:], lower=True, check_finite=False).T
+    L_fc = solve_lower(L_cc, S[:contact, contact:]).T
     return Condensed(L_cc, L_fc, left[:contact], left[contact:], work, partial(Inside, A, ties, loads))

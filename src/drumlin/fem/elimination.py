@@ -10,11 +10,10 @@ products, the kept unknowns come last whatever the sparsity, nothing of the fact
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg.blas import dtrsm
-from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Floats, Ints
 from drumlin.errors import NoAnswer
+from drumlin.lapack import dpotrf, dtrsm
 
 LEAF = 5  # halvings that a smallest region goes without: it has up to 32 elements
 

@@ -15,6 +15,7 @@ from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
 from drumlin.fem.shapes import plane_stress
+from drumlin.texts import formatted
 
 HELD = 0.5
 """The share of plane strain in a wide lining, by solid shoes: the shoe behind it contracts as well."""
@@ -97,8 +98,9 @@ def said(brake: AnyBrake, other: Brake) -> str:
     factors = [after.lining.material.E / shoe.lining.material.E for shoe, after in pairs]
     times = ", ".join(f"{factor:.3f}" for factor in dict.fromkeys(np.round(factors, 3)))
     return (
-        f"corrected for the finite width: modulus of the lining times {times}; torque within {TORQUE:.1%}, p averaged "
-        f"over the width within {PRESSURE:.0%} (L2) of the solid shoes in the study plane_stress"
+        f"corrected for the finite width: modulus of the lining times {times}; torque within "
+        f"{formatted(TORQUE, '.1%')}, p averaged over the width within {formatted(PRESSURE, '.0%')} (L2) of the solid "
+        "shoes in the study plane_stress"
     )
 
 

@@ -10,7 +10,6 @@ from functools import cached_property
 from itertools import pairwise, product
 
 import numpy as np
-import scipy.linalg
 
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import clearance
@@ -21,6 +20,7 @@ from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
 from drumlin.fem.motions import Motions, motions_of
 from drumlin.fem.sharing import Pushed, Sharing, share
+from drumlin.lapack import block_diag
 from drumlin.laws import rigid
 
 ROWS = 64  # of a matrix that are made at a time: of a large one no more stay near the processor
@@ -106,12 +106,12 @@ class ShoeGroup:
     @cached_property
     def levers(self) -> Floats:
         """(n, shoes) [m^3]: friction times this by the pressures is the torque of each shoe."""
-        return np.asarray(scipy.linalg.block_diag(*(body.coupling.lever for body in self.bodies)).T)
+        return np.asarray(block_diag(*(body.coupling.lever for body in self.bodies)).T)
 
     @cached_property
     def masses(self) -> Floats:
         """(n, n) [m^2]: what weighs a gap on the linings."""
-        return np.asarray(scipy.linalg.block_diag(*(body.coupling.M for body in self.bodies)))
+        return np.asarray(block_diag(*(body.coupling.M for body in self.bodies)))
 
     @cached_property
     def ring(self) -> tuple[Floats, Floats] | None:
@@ -202,15 +202,15 @@ class ShoeGroup:
         parts = [self._shoe_problem(k, friction) for k in range(len(self.members))]
         if self.ring is None and len(parts) == 1:
             return parts[0]
-        A = scipy.linalg.block_diag(*(part.A for part in parts))
+        A = block_diag(*(part.A for part in parts))
         if self.ring is not None:
             pressed, dragged = self.ring
             A += pressed.T @ (pressed + friction * self.brake.spin * dragged)
         return Problem(
             A=A,
             q=np.concatenate([part.q for part in parts]),
-            B=scipy.linalg.block_diag(*(part.B for part in parts)),
-            C=scipy.linalg.block_diag(*(part.C for part in parts)),
+            B=block_diag(*(part.B for part in parts)),
+            C=block_diag(*(part.C for part in parts)),
             h=np.concatenate([part.h for part in parts]),
         )
 

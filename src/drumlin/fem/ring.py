@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.components import Ring, Section
@@ -268,7 +267,9 @@ class Free:
         rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
         rigid[:, 0, 2], rigid[:, 1, 2] = -y, x
         balance = np.linalg.solve(rigid.reshape(-1, FRAME).T @ rim, rigid[line.nodes].reshape(-1, FRAME).T)
-        root = scipy.linalg.sqrtm(condensed.load_work).real
+        from scipy.linalg import sqrtm  # noqa: PLC0415  (rings alone load it)
+
+        root = sqrtm(condensed.load_work).real
         return cls(
             rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), np.asarray(balance), condensed.half(condensed.load_c), root
         )

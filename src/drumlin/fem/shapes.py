@@ -9,21 +9,25 @@ import importlib
 import importlib.util
 import sys
 from functools import cache
-from types import ModuleType
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
-PLACE = "drumlin.fem._skfem"  # where they are known to Python: a package with scikit-fem's folder, and no __init__ run
+PLACE = "drumlin.fem._skfem"  # where they are known to Python: packages with scikit-fem's folders, and no __init__ run
+QUADS = "element.element_quad"  # the elements that are called; all of them are seventy modules
 
 
 @cache
 def elements() -> Any:
-    """The module `skfem.element`."""
+    """scikit-fem's ElementQuad2 and ElementQuadP."""
     spec = importlib.util.find_spec("skfem")
     assert spec is not None and spec.submodule_search_locations is not None  # drumlin requires it
-    bare = ModuleType(PLACE, "scikit-fem's folder")
-    bare.__path__ = list(spec.submodule_search_locations)
-    sys.modules[PLACE] = bare
-    return importlib.import_module(f"{PLACE}.element")
+    for package in ("", "element", QUADS):
+        bare = ModuleType(f"{PLACE}.{package}".rstrip("."), "scikit-fem's folder")
+        bare.__path__ = [str(Path(place, *package.split("."))) for place in spec.submodule_search_locations]
+        sys.modules[bare.__name__] = bare
+    second, high = (importlib.import_module(f"{PLACE}.{QUADS}.{name}") for name in ("element_quad2", "element_quadp"))
+    return SimpleNamespace(ElementQuad2=second.ElementQuad2, ElementQuadP=high.ElementQuadP)
 
 
 def plane_stress(E: float, nu: float) -> tuple[float, float]:

@@ -15,7 +15,6 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg
 
 from drumlin.arrays import Bools, Floats
 from drumlin.brake.components import Beam
@@ -26,6 +25,7 @@ from drumlin.contact.equations import Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.foundation.post import Post, post, shoe_angles, trapezoid
 from drumlin.foundation.ring import drag_flexibility, flexibility
+from drumlin.lapack import block_diag
 from drumlin.laws import locking_friction
 from drumlin.laws.hinged import pressing_moment
 from drumlin.laws.rigid import no_contact
@@ -118,10 +118,10 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
         C.append(-moments[:1])
         h.append(-p.loaded[:1])
     problem = Problem(
-        scipy.linalg.block_diag(*A) + ring,
+        block_diag(*A) + ring,
         np.concatenate(q),
-        scipy.linalg.block_diag(*B),
-        scipy.linalg.block_diag(*C),
+        block_diag(*B),
+        block_diag(*C),
         np.concatenate(h),
     )
     return System(posts, ring, problem)

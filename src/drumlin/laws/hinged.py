@@ -23,6 +23,7 @@ from drumlin.response.balance import contact_resultant, shoe_balance, worst
 from drumlin.response.merit import double_delta, with_merits
 from drumlin.response.response import Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
+from drumlin.texts import formatted
 
 SLACK = 1e-9  # rad
 
@@ -84,11 +85,11 @@ def _notes(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[s
     if response.lumped is None:
         return [f"{said} {law.remark}"] if law.remark else []
     spread = contact_resultant(brake, index, replace(response, lumped=None))
-    share = np.linalg.norm(spread.normal) / np.linalg.norm(response.lumped.normal)
+    share = float(np.linalg.norm(spread.normal) / np.linalg.norm(response.lumped.normal))
     ratio = float(law.friction(layout(brake, brake.shoes[index])))
     return [
         f"{said} contact lumped at the lining's middle; spread over its arc, the same pressure has "
-        f"{share:.1%} of that normal force and {share / ratio:.1%} of that friction force"
+        f"{formatted(share, '.1%')} of that normal force and {formatted(share / ratio, '.1%')} of that friction force"
     ]
 
 

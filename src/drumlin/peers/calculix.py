@@ -39,6 +39,7 @@ from drumlin.peers.peer import (
     untouched_response,
 )
 from drumlin.response.response import Balance, ShoeResponse
+from drumlin.texts import formatted
 
 INSTALL = "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"
 LARGEST_IMBALANCE = 1e-3  # relative: the two sides of the contact are apart by the drum's rotation
@@ -163,8 +164,8 @@ def slipping(brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None
             return state, setting.rotation
         setting = setting._replace(rotation=2 * setting.rotation)
     raise NoAnswer(
-        f"shoe {loaded.shoe.name!r}: CalculiX: {state.sticking:.0%} of the contact points do not slip, even where "
-        f"the drum turns by {setting.rotation / 2:g} rad"
+        f"shoe {loaded.shoe.name!r}: CalculiX: {formatted(state.sticking, '.0%')} of the contact points do not slip, "
+        f"even where the drum turns by {setting.rotation / 2:g} rad"
     )
 
 

@@ -53,13 +53,17 @@ def of_words(rows: Sequence[dict[str, Any]], column: Column) -> bool:
     return any(isinstance(row.get(column.key), str) for row in rows)
 
 
+_PERCENT = re.compile(r"(?<=[0-9]) %")
+
+
 def fill(template: Path, page: Path, **values: Any) -> Path:
     """Fill a jinja template with values and write the page whole or not at all; returns `page`.
 
     The template extends base.html (blocks title, lead, body) and imports what it needs of blocks.html: figure, table,
     source, fields; pictures are files beside the page and are embedded. In it `Column` makes a table's column, `pi` is
     there, the filter `form` writes a number: {{ error|form("+.1%") }}, and `tex` a formula: {{ tex("p_0") }}. Values
-    are escaped. Figures and tables are numbered; the sections (h2) get a list of links.
+    are escaped; a number and its % stay on one line. Figures and tables are numbered; the sections (h2) get a list
+    of links.
 
     Raises jinja2.UndefinedError where the template asks for what is not given.
     """
@@ -94,7 +98,7 @@ def fill(template: Path, page: Path, **values: Any) -> Path:
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
         command=typed(["drumlin", *sys.argv[1:]]),
     )
-    write_text(page, with_contents(text))
+    write_text(page, with_contents(_PERCENT.sub("\N{NO-BREAK SPACE}%", text)))
     return page
 
 

@@ -17,7 +17,8 @@ def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE)
     """
     edge = edge_left_out(b.theta, b.pressure, b.order, edge)
     start, end = b.theta[0] + edge, b.theta[-1] - edge
-    knots = np.unique(np.concatenate([[start, end], a.theta[:: a.order], b.theta[:: b.order]]))
+    # sorted alone: between two knots at one place lies nothing
+    knots = np.sort(np.concatenate([[start, end], a.theta[:: a.order], b.theta[:: b.order]]))
     knots = knots[(knots >= start) & (knots <= end)]
     half = 0.5 * np.diff(knots)[:, None]
     theta = (knots[:-1, None] + half * (1 + GAUSS)).ravel()

@@ -1,6 +1,5 @@
 """A response as a person sees it in a session: a short table as text or HTML, and its pressure as a plot."""
 
-import html
 import math
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -54,13 +53,14 @@ def as_text(response: "Response") -> str:
 
 def as_html(response: "Response") -> str:
     """The table as HTML."""
+    from html import escape  # noqa: PLC0415  (with a table of all entities, which a notebook alone needs)
 
     def row(cells: tuple[str, ...], tag: str) -> str:
-        return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+        return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
 
     head, *rest = rows_of(response)
     body = "".join(row(cells, "td") for cells in rest)
-    return f"<table><caption>{html.escape(_title(response))}</caption>{row(head, 'th')}{body}</table>"
+    return f"<table><caption>{escape(_title(response))}</caption>{row(head, 'th')}{body}</table>"
 
 
 def plot(response: "Response", axes: Any = None) -> Any:

@@ -18,6 +18,7 @@ from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
 from drumlin.files import read_text
 from drumlin.response.response import Response, ShoeResponse
+from drumlin.texts import formatted
 from drumlin.verification.reference import Reference, ShoeReference
 from drumlin.verification.reference_file import LARGEST_FILE
 
@@ -211,9 +212,9 @@ def lines(verdicts: Sequence[Verdict], tolerance: float, *, flat: bool = False) 
     """The verdicts for people, the last line the verdict on all; flat: on a plane, of a braking force."""
     effect, unit = ("braking force", "N") if flat else ("torque", "N m")
     said = [
-        f"shoe {v.shoe!r}: p off by {v.distance:.2%} in L2 (reference known to {v.floor:.1e}), at most by "
-        f"{v.largest:.2%} of the peak, at {v.at}; that is {v.torque_error:.2%} of the {effect} (known to "
-        f"{v.torque_floor:.1e}); {effect} of its points {v.torque:.7g} {unit}"
+        f"shoe {v.shoe!r}: p off by {formatted(v.distance, '.2%')} in L2 (reference known to {v.floor:.1e}), at most "
+        f"by {formatted(v.largest, '.2%')} of the peak, at {v.at}; that is {formatted(v.torque_error, '.2%')} of the "
+        f"{effect} (known to {v.torque_floor:.1e}); {effect} of its points {v.torque:.7g} {unit}"
         for v in verdicts
     ]
     return [*said, f"{'within' if within(verdicts, tolerance) else 'NOT within'} {tolerance:.3g} of the reference"]

@@ -25,6 +25,7 @@ from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, hinged, sine
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, ShoeResponse, Surface, edge_zone
+from drumlin.texts import formatted
 from drumlin.verification.uncertainty import Index, Validation, grid_convergence, validate
 from drumlin.wear.archard import WearLaw, run_on
 from drumlin.wear.linings import fem_setup
@@ -348,7 +349,9 @@ def along(curves: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
     lines = []
     for name, points in curves.items():
         most = {key: max(((abs(worst(table, key)), at) for at, table in points)) for key in ("torque", "pressure")}
-        off = " and ".join(f"{said} {most[key][0]:.1%} (at {most[key][1]:g})" for key, said in SAID.items())
+        off = " and ".join(
+            f"{said} {formatted(most[key][0], '.1%')} (at {most[key][1]:g})" for key, said in SAID.items()
+        )
         lines.append(f"T-section over {name} from {points[0][0]:g} to {points[-1][0]:g}: off by at most {off}")
     return lines
 
@@ -361,7 +364,7 @@ def sentence(charts: Sequence[Map]) -> list[str]:
         for key, said in SAID.items():
             found = [(limit, chart.where_within(limit, key)) for limit in KNOWN]
             last = next((k for k, (_, where) in enumerate(found) if where == "everywhere"), len(found) - 1)
-            parts = "; ".join(f"{limit:.0%}: {where}" for limit, where in found[: last + 1])
-            end = f" (at worst {worst_of:+.1%})" if key == "torque" else ""
+            parts = "; ".join(f"{formatted(limit, '.0%')}: {where}" for limit, where in found[: last + 1])
+            end = f" (at worst {formatted(worst_of, '+.1%')})" if key == "torque" else ""
             lines.append(f"{chart.name}: plane stress has {said}{end} within {parts}")
     return lines

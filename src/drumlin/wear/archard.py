@@ -21,12 +21,12 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg
 
 from drumlin.arrays import Bools, Floats
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.lapack import block_diag
 
 GAMMA = 1 - 1 / math.sqrt(2)
 TOLERANCE = 1e-3
@@ -177,13 +177,13 @@ def together(interfaces: WearInterfaces) -> WearInterface:
     problems = [interface.problem for interface in interfaces]
     return WearInterface(
         problem=Problem(
-            A=scipy.linalg.block_diag(*(p.A for p in problems)),
+            A=block_diag(*(p.A for p in problems)),
             q=np.concatenate([p.q for p in problems]),
-            B=scipy.linalg.block_diag(*(p.B for p in problems)),
-            C=scipy.linalg.block_diag(*(p.C for p in problems)),
+            B=block_diag(*(p.B for p in problems)),
+            C=block_diag(*(p.C for p in problems)),
             h=np.concatenate([p.h for p in problems]),
         ),
-        weight=scipy.linalg.block_diag(*(interface.weight for interface in interfaces)),
+        weight=block_diag(*(interface.weight for interface in interfaces)),
         loaded=np.concatenate([interface.loaded for interface in interfaces]),
         pressure=np.concatenate([interface.pressure for interface in interfaces]),
         area=np.concatenate([interface.area for interface in interfaces]),

@@ -21,6 +21,7 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
+from drumlin.texts import formatted
 from drumlin.wear import archard
 from drumlin.wear.archard import WearLaw, WearState
 from drumlin.wear.linings import Surface, WearSetup
@@ -320,8 +321,8 @@ def report_lines(
     if law.coefficient > 0:
         spent = life(setup, states, goal, law)
         said.append(
-            f"life: {spent.distance * 1e-3:.5g} km to {WORN_OUT:.0%} of the thickness; of it p is more than 1 % off "
-            f"the law for {_part(spent.pressure)}, the torque for {_part(spent.torque)}"
+            f"life: {spent.distance * 1e-3:.5g} km to {formatted(WORN_OUT, '.0%')} of the thickness; of it p is more "
+            f"than 1 % off the law for {_part(spent.pressure)}, the torque for {_part(spent.torque)}"
         )
     balance = checks(setup, states, law)
     energy = "" if balance.energy is None else f", energy {balance.energy:.1e}"
@@ -334,6 +335,6 @@ def report_lines(
 
 
 def _part(share: float) -> str:
-    return (
-        "all of this run" if math.isinf(share) else f"{share:.1%}" if share <= 1 else f"all of it ({share:.3g} lives)"
-    )
+    if math.isinf(share):
+        return "all of this run"
+    return formatted(share, ".1%") if share <= 1 else f"all of it ({share:.3g} lives)"

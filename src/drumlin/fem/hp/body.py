@@ -3,8 +3,6 @@
 from functools import partial
 
 import numpy as np
-import scipy.linalg
-from scipy.linalg.lapack import dpotrf
 
 from drumlin.brake.drum_brake import Shoe
 from drumlin.errors import NoAnswer
@@ -15,6 +13,7 @@ from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.grid import Block, Grid
 from drumlin.fem.hp.shoe import end_load, line_of
 from drumlin.fem.interface import ContactLine
+from drumlin.lapack import dpotrf, solve_lower
 
 
 def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
@@ -51,7 +50,7 @@ def condensed(shoe: Shoe, radius: float, div: Division, found: shoes.Condensed, 
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
         raise NoAnswer(SINGULAR)
-    L_fc = scipy.linalg.solve_triangular(L, S[FRAME:, :FRAME], lower=True, check_finite=False).T
+    L_fc = solve_lower(L, S[FRAME:, :FRAME]).T
     inside = partial(_inside, shoe, div, grid)
     return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, found.lost)
 

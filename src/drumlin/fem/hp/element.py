@@ -10,12 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from scipy.linalg.blas import dtrsm
-from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Floats, Ints
 from drumlin.errors import NoAnswer
 from drumlin.fem.shapes import elements
+from drumlin.lapack import dpotrf, dtrsm
 from drumlin.response.resultants import lobatto
 
 CHUNK = 16_000  # slopes that are worked on at once: they stay in the processor's cache

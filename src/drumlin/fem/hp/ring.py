@@ -6,7 +6,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf
 
 from drumlin.arrays import Bools, Floats, Ints
 from drumlin.brake.components import Section
@@ -21,6 +20,7 @@ from drumlin.fem.hp.grid import Block, Grid
 from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, nodes_of, within
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
+from drumlin.lapack import dpotrf
 from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape, slopes
 
 TURN = 2 * math.pi

@@ -128,8 +128,7 @@ def _columns(
     if not straight:
         sizes, which = distinct(np.concatenate([np.diff(ends) for ends in parts]))
         along = 0.5 * sizes[:, None] * lobatto(p)
-    under = np.unique(which[: counts[0]])
-    over = np.unique(which[counts[0] :])
+    under, over = (np.flatnonzero(np.bincount(part)) for part in np.split(which, counts[:1]))  # np.unique loads np.ma
     lame = lame_of(materials, div.part)
     xy = [nodes_of(place, div.depths, along[under], p)]
     if len(over):
