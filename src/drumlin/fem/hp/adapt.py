@@ -56,7 +56,7 @@ RULES = {
 }
 """Of 77 random brakes of 11 kinds: no more than 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often."""
-LEAST_REACTION = 1.7  # times the error of the shoe's torque: the reaction of a guide falls less at first than it shows
+LEAST_REACTION = 1.7  # with such a corner, times the error of the torque: a guide's reaction moves late
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 ROUND_OFF = 10.0  # times what the elimination has lost of a unit force: what that may be in p
 
@@ -144,7 +144,8 @@ def estimate(responses: Sequence[Response], lost: float = 0.0, soft: float = 0.0
     count = len(responses[-1].shoes)
     by_shoe = found[1:].reshape(count, -1)
     torque, reaction = (QUANTITIES.index(name) for name in ("torque", "reaction"))
-    by_shoe[:, reaction] = np.maximum(by_shoe[:, reaction], LEAST_REACTION * by_shoe[:, torque])
+    if corner:
+        by_shoe[:, reaction] = np.maximum(by_shoe[:, reaction], LEAST_REACTION * by_shoe[:, torque])
     for shoe, own in zip(responses[-1].shoes, by_shoe, strict=True):
         if shoe.pressure.any() and math.isclose(shoe.peak_pressure, max(shoe.pressure[0], shoe.pressure[-1])):
             own[QUANTITIES.index("peak")] = 1.0  # at an end of the lining, where p is unbounded
