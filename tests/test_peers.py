@@ -1,6 +1,7 @@
 """CalculiX and GetFEM: the decks, what is read back and refused, the answers where the peers are installed."""
 
 import shutil
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -287,9 +288,9 @@ def test_getfem_agrees(formulation, close):
     assert peer.further_seconds < peer.process_seconds > peer.seconds > 0
 
 
-def agree(brake, elements=16, close=2e-4, **options):
+def agree(brake, elements=16, close=2e-4, balanced=1e-9, **options):
     peer, own = peers.solve("getfem", brake, elements=elements, **options).response, solve(brake, elements=elements)
-    assert max(peer.balance.force, peer.balance.moment) < 1e-9
+    assert max(peer.balance.force, peer.balance.moment) < balanced
     for shoe, a, b in zip(brake.shoes, peer.shoes, own.shoes, strict=True):
         size = np.linalg.norm(b.hinge_reaction)
         assert shoe_effect(peer, own.shoes.index(b)) == pytest.approx(shoe_effect(own, own.shoes.index(b)), rel=close)
@@ -324,8 +325,15 @@ def test_getfem_takes_shoes_however_they_are_held(file):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "cam"])
 def test_getfem_on_random_brakes_of_every_kind(kind):
+    """On a mesh that is fine enough for the ends of their contacts: on 16 elements the two place them apart. GetFEM's
+    steps go round in circles on some meshes; then on another."""
     for seed in range(2):
-        agree(random_kind(seed, kind), close=1e-3)
+        for elements in (48, 40, 56):
+            with suppress(NoAnswer):
+                agree(random_kind(seed, kind), elements=elements, close=1e-3, balanced=1e-8)
+                break
+        else:
+            pytest.fail(f"seed {seed}: no mesh on which GetFEM converges")
 
 
 @needs_getfem
