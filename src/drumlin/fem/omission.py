@@ -7,6 +7,7 @@ it goes as the ratio of stiffnesses; but contact may also open or close, and not
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -199,16 +200,18 @@ def adapt_without(
     names, predicted = _chosen(brake, SHARE * tolerance, respond)
     if not names:
         return adapt(brake, whole, respond, soft=soft, cache=cache).response
-    simple, cache = simplified(brake, names), cache or assembly.Cache()
+    simple = simplified(brake, names)
+    along = steps(simple, respond, cache)
 
     def seen_on(scene: Scene, found: Response) -> Change:
         return change(found, respond(with_closed_forms(scene, brake), brake, start=found))
 
     try:
-        if _size(seen_on(*next(steps(simple, respond, cache)))) > tolerance:  # the sketch did not resolve the contact
+        first = next(along)
+        if _size(seen_on(*first)) > tolerance:  # the sketch did not resolve the contact
             return adapt(brake, whole, respond, soft=soft, cache=cache).response
         left = Tolerance(*[tolerance - _size(predicted)] * 2)
-        scene, found = adapt(simple, left, respond, soft=soft, cache=cache)
+        scene, found = adapt(simple, left, respond, soft=soft, cache=cache, along=chain([first], along))
         seen = seen_on(scene, found)
     except NoAnswer:  # of the simpler brake, or of the whole one: then it says so itself
         return adapt(brake, whole, respond, soft=soft, cache=cache).response

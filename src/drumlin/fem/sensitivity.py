@@ -31,6 +31,7 @@ from drumlin.fem.solve import solve
 from drumlin.laws import law as rigid_law
 from drumlin.laws import sine
 from drumlin.laws.naming import name_of
+from drumlin.response.merit import effect_words
 from drumlin.response.merit import sensitivity as by_differences
 from drumlin.response.resultants import cross
 
@@ -140,7 +141,7 @@ def as_text(found: Sensitivity, brake: AnyBrake) -> list[str]:
         return "none" if S is None else f"{S:.5g}"
 
     flat = isinstance(brake, FlatBrake)
-    what, unit, name = ("braking force", "N", "F") if flat else ("torque", "N m", "T")
+    (what, unit), name = effect_words(flat=flat), "F" if flat else "T"
     law, of = found.law or (None,) * (len(found.shoes) + 1), f"{name_of(brake)} law"
     lines = [
         f"{what} {found.torque:.6g} {unit}, d{name}/dmu {found.friction:.6g} {unit}, "

@@ -13,7 +13,7 @@ contact's penalty changes, p by `soft`, forces as its torque by `ShoeResponse.so
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -79,11 +79,13 @@ def adapt(
     must: bool = True,
     soft: float = 0.0,
     cache: Cache | None = None,
+    along: Iterable[Step] | None = None,
 ) -> Step:
     """The response whose estimated errors are within the tolerance, on its scene.
 
-    soft: the relative error of p that a finite penalty makes; cache: see `scene`. Raises NoAnswer, saying what was
-    reached, where the levels do not suffice, unless it need not be; BadInput for a brake with a mesh file.
+    soft: the relative error of p that a finite penalty makes; cache: see `scene`; along: the steps, where some are
+    there already. Raises NoAnswer, saying what was reached, where the levels do not suffice, unless it need not be;
+    BadInput for a brake with a mesh file.
     """
     responses: list[Response] = []
     error = Errors({}, ())
@@ -91,7 +93,7 @@ def adapt(
     missed = f"tolerance {tolerance.pressure:g} not reached"
     corner = any(isinstance(shoe.body, Beam) or shoe.grip(brake.drum.radius) is not None for shoe in brake.shoes)
     try:
-        for scene, found in steps(brake, respond, cache):
+        for scene, found in along or steps(brake, respond, cache):
             responses.append(found)
             unknowns = max(body.unknowns for body in scene.bodies)
             if len(responses) > 1:
@@ -149,9 +151,14 @@ def estimate(responses: Sequence[Response], lost: float = 0.0, soft: float = 0.0
     for shoe, own in zip(responses[-1].shoes, by_shoe, strict=True):
         if shoe.pressure.any() and math.isclose(shoe.peak_pressure, max(shoe.pressure[0], shoe.pressure[-1])):
             own[QUANTITIES.index("peak")] = 1.0  # at an end of the lining, where p is unbounded
-    shoes = tuple(dict(zip(QUANTITIES, row.tolist(), strict=True)) for row in by_shoe)
+    shoes = [dict(zip(QUANTITIES, row.tolist(), strict=True)) for row in by_shoe]
+    return _errors(float(found[0]), shoes)
+
+
+def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
+    """The worst shoe's errors and that of the brake's torque, with those of the shoes."""
     worst = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
-    return Errors(worst | {"torque": float(found[0])}, shoes)
+    return Errors(worst | {"torque": torque}, tuple(shoes))
 
 
 def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
@@ -165,8 +172,7 @@ def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]
                 "torque and forces do not need it"
             )
             shoes[i] = {name: max(e, float(name in {"pressure", "peak"})) for name, e in shoes[i].items()}
-    worst = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
-    return Errors(worst | {"torque": error.brake["torque"]}, tuple(shoes)), said
+    return _errors(error.brake["torque"], shoes), said
 
 
 QUANTITIES = ("pressure", "torque", "peak", "reaction")
