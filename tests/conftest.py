@@ -13,6 +13,9 @@ from hypothesis import settings
 
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import read_brake
+from drumlin.contact import self_locking
+from drumlin.contact.active_set import Contact
+from drumlin.contact.equations import Problem
 
 ROOT = Path(__file__).resolve().parents[1]
 STUDY = ROOT / "studies" / "double_shoe"
@@ -43,6 +46,19 @@ def flexible() -> Brake:
 @pytest.fixture(scope="session")
 def root() -> Path:
     return ROOT
+
+
+def settled_sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The nodes of each contact problem that self_locking settles from now on, as it goes."""
+    sizes: list[int] = []
+    settle = self_locking.settle
+
+    def counted(problem: Problem, *rest: Any) -> Contact:
+        sizes.append(len(problem.q))
+        return settle(problem, *rest)
+
+    monkeypatch.setattr(self_locking, "settle", counted)
+    return sizes
 
 
 # A test that is skipped for want of a program is noted, so that another run, which has the program, can make it up.

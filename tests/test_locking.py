@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from conftest import partly
+from conftest import partly, settled_sizes
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
@@ -161,13 +161,7 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
 def test_of_a_large_problem_the_fine_answer_is_solved_once(flexible, monkeypatch):
     (_, group) = groups_of(prepare(flexible, elements=24), flexible, 1e4)
     monkeypatch.setattr(self_locking, "LARGE", 30)
-    sizes, settle = [], self_locking.settle
-
-    def counted(problem, *rest):
-        sizes.append(len(problem.q))
-        return settle(problem, *rest)
-
-    monkeypatch.setattr(self_locking, "settle", counted)
+    sizes = settled_sizes(monkeypatch)
     self_locking.answer(group.problem_at, 0.4, law=1.0, brake="")
     assert sizes.count(len(group.problem.q)) == 1 and len(sizes) > 2
 

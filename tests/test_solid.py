@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from conftest import settled_sizes
 from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput
@@ -347,13 +348,7 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(fl
     scene = model.prepare(brake, elements=10, across=5)
     wanted = respond(scene, brake)
     monkeypatch.setattr(self_locking, "LARGE", 60)
-    sizes, settle = [], self_locking.settle
-
-    def counted(problem, *rest):
-        sizes.append(len(problem.q))
-        return settle(problem, *rest)
-
-    monkeypatch.setattr(self_locking, "settle", counted)
+    sizes = settled_sizes(monkeypatch)
     found = respond(scene, brake)
     nodes = [len(body.line.nodes) for body in scene.bodies]
     assert [sizes.count(count) for count in sorted(set(nodes))] == [len(nodes) / len(set(nodes))] * len(set(nodes))

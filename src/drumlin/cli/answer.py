@@ -18,7 +18,7 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
     verbose: figures of merit, how it was found, how long that took and what is left out, too.
     """
     from drumlin.brake.plane_brake import FlatBrake
-    from drumlin.response.merit import brake_factor, effect
+    from drumlin.response.merit import brake_factor, effect, effect_words
 
     flat = isinstance(brake, FlatBrake)
     tell(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
@@ -44,7 +44,7 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
     for line in warned:
         tell(line)
     if response.error is not None:
-        more = {"torque": "braking force" if flat else "torque", "peak": "peak pressure", "reaction": "hinge reaction"}
+        more = {"torque": effect_words(flat=flat)[0], "peak": "peak pressure", "reaction": "hinge reaction"}
         errors = [f", {name} {response.error[key]:.1e}" for key, name in more.items() if key in response.error]
         tell(f"estimated error: p {response.error['pressure']:.1e} (L2, worst shoe){''.join(errors)}")
     for line in held:

@@ -54,8 +54,9 @@ def reference(
 ) -> None:
     """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two codes."""
     from drumlin.brake.file import toml_text
-    from drumlin.brake.plane_brake import FlatBrake, read_any
+    from drumlin.brake.plane_brake import read_any
     from drumlin.files import check_output
+    from drumlin.response.merit import effect_words
     from drumlin.verification.reference import reference as make
     from drumlin.verification.reference_file import as_dict, write_values
 
@@ -66,7 +67,7 @@ def reference(
     with busy("columns of high degree, then triangles"):
         found = make(brake, text, typed(["drumlin", "reference", str(brake_file)]))
     write_values(as_dict(found), path)
-    effect, unit = ("braking force", "N") if isinstance(brake, FlatBrake) else ("torque", "N m")
+    effect, unit = effect_words(flat=found.flat)
     tell(f"{effect} {found.torque.value:.10g} {unit}, uncertainty {found.torque.uncertainty:.1e}")
     for shoe in found.shoes:
         tell(

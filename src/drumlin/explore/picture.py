@@ -16,7 +16,7 @@ from drumlin.explore.knobs import size_of
 from drumlin.report.figures import name_of, smooth
 from drumlin.response import Response
 from drumlin.response.balance import loaded
-from drumlin.response.merit import brake_factor, effect, shoe_effect
+from drumlin.response.merit import brake_factor, effect, effect_words, shoe_effect
 from drumlin.response.show import arcs_text
 from drumlin.texts import formatted
 
@@ -158,7 +158,7 @@ def head_of(answer: Answer) -> str:
     if answer.found is None or answer.brake is None:
         return "no answer"
     flat = isinstance(answer.brake, FlatBrake)
-    what, unit, name = ("braking force", "N", "B/F") if flat else ("torque", "N m", "T/(F R)")
+    (what, unit), name = effect_words(flat=flat), "B/F" if flat else "T/(F R)"
     found, factor = effect(answer.found), brake_factor(answer.brake, answer.found)
     said = [f"{what} <b>{found:.6g} {unit}</b>"]
     said += [] if factor is None else [f"brake factor {name} <b>{factor:.4g}</b>"]
@@ -199,12 +199,12 @@ def error_html(answer: Answer, stated: Stated | None, *, asked: bool) -> str:
         return ""
     said = "finite elements on a fixed division; their error is found out when the sliders rest"
     if stated is not None:
-        effect = "braking force" if isinstance(answer.brake, FlatBrake) else "torque"
+        what, _ = effect_words(flat=isinstance(answer.brake, FlatBrake))
         own = "which states no error of its own, as it is one mesh"
         if stated.own is not None:
             own = f"whose own errors are estimated as {stated.own['torque']:.1e} and {stated.own['pressure']:.1e}"
         said = (
-            f"error of the finite elements on this fixed division: {effect} {_small(stated.torque)}, "
+            f"error of the finite elements on this fixed division: {what} {_small(stated.torque)}, "
             f"p {_small(stated.pressure)} (L2, worst shoe) from drumlin solve, {own}"
         )
     worn = f"; wear in steps of {WEAR_TOLERANCE:g} of p" if answer.distance else ""

@@ -17,6 +17,7 @@ from drumlin.brake.units import LARGEST, to_si
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
 from drumlin.files import read_text
+from drumlin.response.merit import effect_words
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.texts import formatted
 from drumlin.verification.reference import Reference, ShoeReference
@@ -210,7 +211,7 @@ def within(verdicts: Sequence[Verdict], tolerance: float) -> bool:
 
 def lines(verdicts: Sequence[Verdict], tolerance: float, *, flat: bool = False) -> list[str]:
     """The verdicts for people, the last line the verdict on all; flat: on a plane, of a braking force."""
-    effect, unit = ("braking force", "N") if flat else ("torque", "N m")
+    effect, unit = effect_words(flat=flat)
     said = [
         f"shoe {v.shoe!r}: p off by {formatted(v.distance, '.2%')} in L2 (reference known to {v.floor:.1e}), at most "
         f"by {formatted(v.largest, '.2%')} of the peak, at {v.at}; that is {formatted(v.torque_error, '.2%')} of the "
