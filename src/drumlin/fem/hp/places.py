@@ -30,9 +30,9 @@ def places_of(brake: Brake, response: Response | None) -> dict[tuple[object, ...
 
 
 def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
-    start, end = shoe.arc
-    arcs = [] if response is None else [sorted(shoe.frame.phi(np.array(arc)).tolist()) for arc in response.contact_arcs]
-    kinks = shoe.frame.phi(np.array(clearance.kinks(shoe.lining))).tolist()
+    (start, end), frame = shoe.arc, shoe.frame
+    arcs = [] if response is None else [sorted(frame.phis(arc)) for arc in response.contact_arcs]
+    kinks = frame.phis(clearance.kinks(shoe.lining))
     kinks = [x for x in kinks if start < x < end] if len(kinks) <= MOST_KINKS else []
     if response is not None:  # where nothing presses, or nearly, a kink is nothing
         kinks = [x for x in kinks if any(2 * a - b < x < 2 * b - a for a, b in arcs)]
@@ -48,9 +48,11 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
 def _hidden(shoe: Shoe, response: ShoeResponse, arcs: list[list[float]]) -> list[tuple[float, float]]:
     """Open nodes between two that press, and how far apart these are [rad]; not at the ends of the contact, which are
     known."""
-    press, phi = response.pressure > 0, shoe.frame.phi(response.theta)
+    press = response.pressure > 0
     at = 1 + np.flatnonzero(press[:-2] & ~press[1:-1] & press[2:])
-    ends = np.array(arcs).ravel()
+    if not len(at):
+        return []
+    phi, ends = shoe.frame.phi(response.theta), np.array(arcs).ravel()
     found = [(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1]))) for i in at]
     return [(x, length) for x, length in found if np.abs(ends - x).min() > length]
 
