@@ -5,7 +5,7 @@ from drumlin.brake.components import Table as SectionTable
 from drumlin.brake.drive import Drive, Link
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Part, Point
-from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatShoe, Plane
+from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatMisfit, FlatShoe, Plane
 from drumlin.brake.support import Abutment, Guide
 from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform
 from drumlin.sweeps.options import FemOptions, FoundationOptions, SolidOptions
@@ -105,7 +105,14 @@ BRAKE: tuple[Table, ...] = (
     ("`[shoe.lining]` on a plane", FlatLining, {
         "start": "place x at which it begins", "end": "place x at which it ends", "width": "across the plane",
         "thickness": "for finite elements", "material": "for finite elements",
-        "clearance": "how far the unloaded lining stands off the plane"}),
+        "clearance": "how far the unloaded lining stands off the plane: one value, or rows of place x and clearance",
+        "misfit": "how its face is off the plane besides, below"}),
+    ("`misfit` of `[shoe.lining]` on a plane", FlatMisfit, {
+        "radius": "of a face that is ground to a circle and meets the plane in its middle: positive of a crowned "
+                  "face, negative of a hollow one; by default the face is flat",
+        "offset": "by which that circle is moved",
+        "taper": "how much farther the lining stands back at its end away from the hinge",
+        "blocks": "rows of place x and depth: from each place on the lining stands back by this depth"}),
     ("`[shoe.body]` on a plane", FlatBody, {
         "start": "place x at which it begins", "end": "place x at which it ends", **_BAR,
         "thickness": "of the bar, of a T-section's web"}),

@@ -6,7 +6,6 @@ numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surf
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, Self
 
@@ -19,7 +18,19 @@ from pydantic import (
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.components import STEP, AnyBody, Backing, Bar, Beam, Body, Drum, Friction, Lining, Ring, Table
+from drumlin.brake.components import (
+    LARGEST_MISFIT,
+    AnyBody,
+    Backing,
+    Bar,
+    Beam,
+    Body,
+    Drum,
+    Friction,
+    Lining,
+    Ring,
+    Table,
+)
 from drumlin.brake.drive import Drive, Link, driven, shares
 from drumlin.brake.fields import Part, Point, Title, check_names
 from drumlin.brake.support import MOVES, Held, check_motions
@@ -219,9 +230,6 @@ class Brake(Part):
         return self.model_copy(update={"shoes": shoes})
 
 
-LARGEST_MISFIT = 0.05  # of the drum's radius; beyond it normals along the drum's radii are no longer a model
-
-
 def _check_round(drum: Drum) -> None:
     off, most = sum(abs(lobes.amplitude) for lobes in drum.out_of_round), LARGEST_MISFIT * drum.radius
     if off > most:
@@ -234,17 +242,7 @@ def _check_misfit(key: str, lining: Lining, radius: float) -> None:
     allowed = f"{LARGEST_MISFIT:g} R = {mm(most)}"
     if misfit.radius is not None and abs(misfit.radius - radius) > most:
         raise ValueError(f"{key}.radius = {mm(misfit.radius)}: must be within {allowed} of drum.radius = {mm(radius)}")
-    depths = [depth for _, depth in misfit.blocks]
-    deepest = max(map(abs, depths), default=0.0)
-    for name, size in (("offset", misfit.offset.radius), ("taper", misfit.taper), ("blocks", deepest)):
-        if abs(size) > most:
-            raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
-    edges = [lining.start, *(angle for angle, _ in misfit.blocks), lining.end]
-    if misfit.blocks and min(b - a for a, b in pairwise(edges)) <= STEP:
-        raise ValueError(
-            f"{key}.blocks: must begin on the lining, {deg(lining.start)} to {deg(lining.end)}, "
-            f"more than {deg(STEP)} from its ends and from each other"
-        )
+    misfit.check(key, (lining.start, lining.end), lining.step, deg, most, allowed)
 
 
 THINNEST = 1e-9  # of the drum's radius: a thinner layer has no elements that arithmetic can tell from nothing

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Bar, Body, Drum, Lining, Misfit
+from drumlin.brake.components import STEP, Bar, Body, Drum, Lining
 from drumlin.brake.drum_brake import Brake, Frame, Shoe
-from drumlin.brake.fields import Point
+from drumlin.brake.fields import Point, Rows
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
 from drumlin.errors import BadInput
 
@@ -27,6 +27,15 @@ class StraightFrame(Frame):
     def to_shoe(self, vectors: Floats) -> Floats:
         """As of a shoe on a drum."""
         return np.asarray(vectors) * np.array([float(self.sense), 1.0])
+
+
+class StraightLining(Lining):
+    """A lining on a plane."""
+
+    @property
+    def step(self) -> float:
+        """As of a lining on a drum, in proportion to its length."""
+        return STEP * (self.end - self.start)
 
 
 class StraightShoe(Shoe):
@@ -103,6 +112,10 @@ def on_drum(brake: AnyBrake) -> Brake:
     return unrolled(brake)
 
 
+def _rolled(rows: Rows, unit: float) -> Rows:
+    return tuple((x / unit, value) for x, value in rows)
+
+
 def _straight(shoe: FlatShoe, unit: float) -> StraightShoe:
     lining, body = shoe.lining, shoe.body
     own: dict[str, Any] = {key: getattr(shoe, key) for key in ("name", "hinge", "pivot", "abutment", "guide")}
@@ -111,14 +124,14 @@ def _straight(shoe: FlatShoe, unit: float) -> StraightShoe:
         **own,
         actuation=shoe.actuation,
         side="internal",
-        lining=Lining.model_construct(
+        lining=StraightLining.model_construct(
             start=lining.start / unit,
             end=lining.end / unit,
             thickness=lining.thickness,
             width=lining.width,
             material=lining.material,
-            clearance=lining.clearance,
-            misfit=Misfit(),
+            clearance=_rolled(lining.clearance, unit) if isinstance(lining.clearance, tuple) else lining.clearance,
+            misfit=lining.misfit.model_copy(update={"blocks": _rolled(lining.misfit.blocks, unit)}),
         ),
         backing=shoe.backing,
         body=None
