@@ -30,6 +30,10 @@ _HELD = {
     "backing": "the table `[shoe.backing]`",
     "body": "the table `[shoe.body]`; without it the shoe is rigid",
     "actuation": "the table `[shoe.actuation]`; left out where a strut pushes the shoe",
+    "mesh": "a mesh file in place of the parametric mesh",
+    "mesh_unit": "of the mesh's coordinates",
+    "mesh_frame": "whose coordinates: the brake's or the shoe's own",
+    "mesh_interference": "says that a contact line deep in the drum or the plane is meant",
 }
 _SHARED = {
     "actuation": "the table `[actuation]`: one cylinder or cam for all shoes",
@@ -56,9 +60,7 @@ BRAKE: tuple[Table, ...] = (
         **_SECTION, "thickness": "radial, away from the shoes",
         "support": "its far edge: held, or only against rigid motion"}),
     ("`[[shoe]]`", Shoe, {
-        **_HELD, "side": "inside or outside of the drum", "mesh": "a mesh file in place of the parametric mesh",
-        "mesh_unit": "of the mesh's coordinates", "mesh_frame": "whose coordinates: the brake's or the shoe's own",
-        "mesh_interference": "says that a contact line deep in the drum is meant"}),
+        **_HELD, "side": "inside or outside of the drum"}),
     ("`[shoe.abutment]`", Abutment, {
         "point": "where its foot bears", "direction": "normal of the face: of the force on the foot without friction",
         "friction": "of the foot on the face, opposing the slide"}),

@@ -6,7 +6,6 @@ numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surf
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
@@ -33,7 +32,7 @@ from drumlin.brake.components import (
 )
 from drumlin.brake.drive import Drive, Link, driven, shares
 from drumlin.brake.fields import Part, Point, Title, check_names
-from drumlin.brake.support import MOVES, Held, check_motions
+from drumlin.brake.support import MOVES, Held, Meshed, check_motions
 from drumlin.brake.units import deg, mm
 from drumlin.errors import BadInput
 
@@ -66,22 +65,13 @@ class Frame(NamedTuple):
         return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
 
 
-class Shoe(Held):
-    """One shoe with its lining, held by a hinge or otherwise (`Held`); without `body` the shoe is rigid.
-
-    `mesh`: a mesh file in place of the parametric mesh. Its coordinates are the brake's or, so that a shoe and
-    its mirror image can share one file, those of the shoe's own `frame`. `mesh_interference` says that a contact line
-    deep in the drum is meant.
-    """
+class Shoe(Meshed):
+    """One shoe with its lining, held by a hinge or otherwise (`Held`); without `body` the shoe is rigid."""
 
     side: Literal["internal", "external"]
     lining: Lining
     backing: Backing | None = None
     body: AnyBody | None = None
-    mesh: Path | None = None
-    mesh_unit: Literal["m", "mm"] = "m"
-    mesh_frame: Literal["brake", "shoe"] = "brake"
-    mesh_interference: bool = False
 
     @property
     def sign(self) -> int:
@@ -117,6 +107,11 @@ class Shoe(Held):
         return False
 
     @property
+    def face(self) -> str:
+        """What it presses on, in a word."""
+        return "plane" if self.flat else "drum"
+
+    @property
     def own_pin(self) -> Floats:
         """The pin (2,) [m] in its frame."""
         return np.array([self.pin.radius, 0.0])
@@ -133,6 +128,10 @@ class Shoe(Held):
         """Points (2, ...) [m] of its frame, at a depth [m] behind the friction surface and angles phi [rad]."""
         r = radius - self.sign * depth
         return np.stack([r * np.cos(phi), r * np.sin(phi)])
+
+    def off(self, xy: Floats, radius: float) -> Floats:
+        """How far points (2, ...) [m] of its frame lie off the friction surface [m], positive = open."""
+        return self.sign * (radius - np.hypot(*xy))
 
     def end_face(self, radius: float, *, loaded: bool = False) -> Floats:
         """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds an arc, or of that

@@ -4,8 +4,9 @@ Conventions: the sliding surface is y = 0, the body lies below it, the shoes abo
 from x = start to x = end. It is the same kind of data as a drum brake, with lengths in place of angles.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
@@ -26,7 +27,7 @@ from drumlin.brake.fields import (
     table,
 )
 from drumlin.brake.file import brake_from, read_toml, toml_data, validated
-from drumlin.brake.support import Held, check_motions
+from drumlin.brake.support import Meshed, check_motions
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput
 
@@ -104,7 +105,7 @@ class FlatFrame(NamedTuple):
         return self.origin + self.sense * np.asarray(distance)
 
 
-class FlatShoe(Held):
+class FlatShoe(Meshed):
     """A shoe with a flat lining, held by a hinge or otherwise (`Held`); without `body` it is rigid."""
 
     lining: FlatLining
@@ -172,6 +173,13 @@ class FlatBrake(Part):
 AnyBrake = Brake | FlatBrake
 
 
+def any_from(data: Mapping[str, Any], base: Path) -> AnyBrake:
+    """The brake of the data of a file, every quantity with its unit; base: as of `brake_from`. Raises BadInput."""
+    if "plane" in data:
+        return validated(FlatBrake, data, unit_required=True, base=base)
+    return brake_from(data, unit_required=True, base=base)
+
+
 def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
     """The brake described by a TOML file: with [plane] one on a plane, else one on a drum.
 
@@ -192,9 +200,7 @@ def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
     path = Path(path)
     data = read_toml(path) if text is None else toml_data(text, path)
     try:
-        if "plane" in data:
-            return validated(FlatBrake, data, unit_required=True)
-        return brake_from(data, unit_required=True, base=path.parent)
+        return any_from(data, path.parent)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 

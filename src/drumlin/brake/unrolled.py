@@ -14,6 +14,7 @@ from drumlin.brake.components import STEP, Bar, Body, Drum, Lining
 from drumlin.brake.drum_brake import Brake, Frame, Shoe
 from drumlin.brake.fields import Point, Rows
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
+from drumlin.brake.support import Meshed
 from drumlin.errors import BadInput
 
 
@@ -71,6 +72,10 @@ class StraightShoe(Shoe):
         """As of a shoe on a drum."""
         return np.stack(np.broadcast_arrays(radius * phi, depth))
 
+    def off(self, xy: Floats, radius: float) -> Floats:
+        """As of a shoe on a drum: its height."""
+        return np.asarray(xy[1])
+
     def angle_of(self, point: Point) -> float:
         """The theta of a point."""
         return point.x / self.unit
@@ -118,11 +123,10 @@ def _rolled(rows: Rows, unit: float) -> Rows:
 
 def _straight(shoe: FlatShoe, unit: float) -> StraightShoe:
     lining, body = shoe.lining, shoe.body
-    own: dict[str, Any] = {key: getattr(shoe, key) for key in ("name", "hinge", "pivot", "abutment", "guide")}
+    own: dict[str, Any] = {key: getattr(shoe, key) for key in Meshed.model_fields}
     assert lining.thickness is not None and lining.material is not None  # why_not
     return StraightShoe.model_construct(
         **own,
-        actuation=shoe.actuation,
         side="internal",
         lining=StraightLining.model_construct(
             start=lining.start / unit,
@@ -142,9 +146,5 @@ def _straight(shoe: FlatShoe, unit: float) -> StraightShoe:
             start=body.start / unit,
             end=body.end / unit,
         ),
-        mesh=None,
-        mesh_unit="m",
-        mesh_frame="brake",
-        mesh_interference=False,
         unit=unit,
     )

@@ -108,10 +108,10 @@ class _Answer:
 def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
     """A warning for each shoe's own mesh that lies in the drum."""
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
-        deep = float((shoe.sign * (np.hypot(*body.line.xy) - brake.drum.radius)).max())
+        deep = -float(shoe.off(body.line.xy, brake.drum.radius).min())
         if shoe.mesh is not None and deep > OVERLAP * shoe.lining.thickness:
             yield (
-                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the drum; "
+                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the {shoe.face}; "
                 "its pressure is that of the lining squeezed out of there"
             )
 
