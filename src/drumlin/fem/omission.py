@@ -5,6 +5,7 @@ To first order it is the pressure's answer to the gap  F p  that the omitted fle
 it goes as the ratio of stiffnesses; but contact may also open or close, and nothing is calibrated.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -204,7 +205,8 @@ def adapt_without(
     along = steps(simple, respond, cache)
 
     def seen_on(scene: Scene, found: Response) -> Change:
-        return change(found, respond(with_closed_forms(scene, brake), brake, start=found))
+        shortest = min((b - a for shoe in found.shoes for a, b in shoe.contact_arcs), default=math.tau)
+        return change(found, respond(with_closed_forms(scene, brake, shortest), brake, start=found))
 
     try:
         first = next(along)

@@ -10,7 +10,7 @@ Materials II). With bending moment m, normal force n and shear force v of unit l
 
 Ring: plane stress in Fourier series around the drum, u_r = U(r) cos k theta, u_theta = V(r) sin k theta, polynomials
 of degree DEGREE through its thickness: exact for both supports, thick and thin (DEGREE is not seen in any digit that
-is used).
+is used). Waves much shorter than the thickness meet a half-plane (Johnson, Contact Mechanics, section 13.2): to 1 %.
 """
 
 import math
@@ -24,7 +24,7 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import Backing, Beam, Body, Lining, Ring, Section, bonded
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.errors import BadInput
+from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import assembly
 from drumlin.fem.interface import edge_points
 from drumlin.fem.mesh.arc import DEFAULT_KIND
@@ -33,8 +33,11 @@ from drumlin.response.resultants import angle_near
 
 ELEMENTS = 24  # along a lining
 SECTIONS = 96  # of a shoe
-MODES = 72  # of the ring: shorter waves than those of the sketched pressure bend it no more
+MODES = 72  # of the ring at least
+WAVES = 8  # on the shortest contact: those shorter than the pressure's press the ring in no more
+MOST_MODES = 4000
 DEGREE = 6  # of a ring's displacement through its thickness
+SHORT = 7.0  # radians of a wave through the ring's thickness from which on it meets a half-plane
 SHEAR = 6 / 5  # kappa of a rectangular section
 STIFF = 1e5  # a sketched straight beam is meshed so much stiffer than it is: rigid
 
@@ -53,13 +56,16 @@ def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], assembly.Scene]:
         bare = _rigid(brake)
         if bare not in meshed:
             meshed[bare] = assembly.prepare(bare, elements=elements, kind=DEFAULT_KIND)
-        return with_closed_forms(meshed[bare], brake)
+        return with_closed_forms(meshed[bare], brake, min(end - start for start, end in (s.arc for s in brake.shoes)))
 
     return sketch
 
 
-def with_closed_forms(scene: assembly.Scene, brake: Brake) -> assembly.Scene:
-    """A scene of rigid shoes or of a rigid drum with the flexibilities added that `brake` has and its own has not."""
+def with_closed_forms(scene: assembly.Scene, brake: Brake, shortest: float) -> assembly.Scene:
+    """A scene of rigid shoes or of a rigid drum with the flexibilities added that `brake` has and its own has not.
+
+    shortest [rad]: contact that the ring's waves are to resolve. Raises NoAnswer where that takes too many.
+    """
     made: dict[tuple[object, ...], assembly.Body] = {}
     bodies = []
     for body, shoe, bare in zip(scene.bodies, brake.shoes, scene.brake.shoes, strict=True):
@@ -69,7 +75,10 @@ def with_closed_forms(scene: assembly.Scene, brake: Brake) -> assembly.Scene:
         bodies.append(made[key])
     ring = scene.ring
     if ring is None and brake.drum.ring is not None:
-        ring = _ring(brake, brake.drum.ring, tuple(bodies))
+        count = max(MODES, math.ceil(2 * math.pi * WAVES / max(shortest, 1e-9)))
+        if count > MOST_MODES:
+            raise NoAnswer(f"a contact of {shortest:.1e} rad is too short for the waves of a ring")
+        ring = _ring(brake, brake.drum.ring, tuple(bodies), count)
     return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
 
 
@@ -181,11 +190,11 @@ def _layer(shoe: Shoe, layer: Lining | Backing) -> Section:
     return Section(layer.thickness, shoe.lining.width, layer.material)
 
 
-def _ring(brake: Brake, ring: Ring, bodies: tuple[assembly.Body, ...]) -> RingBody:
-    """The ring under the linings of all shoes: half flexibilities (2 MODES + 2, n) of each."""
+def _ring(brake: Brake, ring: Ring, bodies: tuple[assembly.Body, ...], count: int) -> RingBody:
+    """The ring under the linings of all shoes: half flexibilities (2 count + 2, n) of each."""
     sign, radius, section = brake.shoes[0].sign, brake.drum.radius, ring.section
     assert section is not None  # why_not
-    k = np.arange(MODES + 1)
+    k = np.arange(count + 1)
     radial, shear = ring_modes(ring, radius, sign, k)
     share = np.where(k == 0, 0.5, 1.0) / (math.pi * radius * section.width)
     root = np.sqrt(share * radial)
@@ -210,13 +219,20 @@ def _waves(body: assembly.Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
 
 
 def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Floats, Floats]:
-    """Radial displacement [m] of the friction surface per Pa of its traction, for the modes k (m,): two arrays (m,).
+    """Radial displacement [m] of the friction surface per Pa of its traction, for the modes k (m,), growing: two arrays
+    (m,).
 
     Of the traction cos k theta along the radius, and of sin k theta around the drum. The mean motion of a free rim
     is zero and the force that it takes is spread over it as a rigid motion.
     """
     section = ring.section
     assert section is not None  # why_not
+    E, nu = section.material.E, section.material.nu
+    long = modes * section.thickness <= SHORT * radius
+    if not long.all():
+        over = radius / (E * modes[~long])
+        found = ring_modes(ring, radius, sign, modes[long])
+        return np.append(found[0], 2 * over), np.append(found[1], (1 - nu) * over)
     x = -np.cos(math.pi * np.arange(DEGREE + 1) / DEGREE)
     V = np.linalg.inv(np.polynomial.legendre.legvander(x, DEGREE))
     xi, w = np.polynomial.legendre.leggauss(DEGREE + 2)
@@ -231,7 +247,6 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
     e_r = np.broadcast_to(np.hstack([d, zero]), (len(modes), len(xi), 2 * (DEGREE + 1)))
     e_t = np.concatenate([over + 0 * n, n * over], axis=2)
     g = np.concatenate([-n * over, d - over + 0 * n], axis=2)
-    E, nu = section.material.E, section.material.nu
     weight = (w * abs(half) * r)[:, None] * E / (1 - nu**2)
 
     def product(a: Floats, b: Floats) -> Floats:
