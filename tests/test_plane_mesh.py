@@ -17,6 +17,7 @@ from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.unrolled import on_drum
 from drumlin.brake.writing import brake_text
 from drumlin.cli.commands import app
+from drumlin.comparison import compare
 from drumlin.errors import BadInput, DrumlinError
 from drumlin.fem.assembly import prepare
 from drumlin.fem.mesh.arc import shoe_mesh
@@ -201,3 +202,14 @@ def test_a_damaged_mesh_is_solved_or_refused_in_one_line(tmp_path: Path) -> None
             assert "\n" not in str(refusal)
             endings[1] += 1
     assert min(endings) > 1
+
+
+def test_compare_takes_a_pad_with_misfit_and_a_mesh_of_its_own(tmp_path: Path) -> None:
+    """Errors of the laws, those of a lining that fits, against the finite elements of one that does not."""
+    own = vary(filed(pad("hinge", body=BODY), tmp_path / "pad.msh"), {"shoe.lining.misfit.taper": 2e-5})
+    found = compare(own)
+    assert set(found.responses) == {"fem", "short", "linear"}
+    errors = {row["model"]: row.get("torque_error") for row in found.rows if row["shoe"] == "all"}
+    fem, law = found.responses["fem"].merits[0], found.responses["linear"].merits[0]
+    assert errors["linear"] == pytest.approx(law.braking_force / fem.braking_force - 1, rel=1e-9)
+    assert errors["fem"] is None
