@@ -87,9 +87,13 @@ def radius(brake: AnyBrake) -> float:
 
 
 def with_misfit(at: Posed) -> None:
-    R = radius(at.brake)
-    brake = vary(at.brake, {"shoe.lining.misfit": {"radius": 0.999 * R}, "drum.out_of_round": [{"order": 2,
-        "amplitude": 1e-5, "phase": 0.3}]})  # fmt: skip
+    if flat(at.brake):  # whose guides take up every moment
+        crowned = drumlin.solve(vary(at.brake, {"shoe.lining.misfit": {"radius": 100.0, "taper": 1e-5}}))
+        balanced(crowned)
+        assert crowned.shoes[0].peak_pressure > 1.05 * drumlin.solve(at.brake).shoes[0].peak_pressure
+        return
+    brake = vary(at.brake, {"shoe.lining.misfit": {"radius": 0.999 * radius(at.brake)}, "drum.out_of_round": [
+        {"order": 2, "amplitude": 1e-5, "phase": 0.3}]})  # fmt: skip
     assert abs(balanced(drumlin.solve(brake, elements=ELEMENTS)) / effect(drumlin.solve(at.brake)) - 1) > 1e-3
 
 
@@ -271,8 +275,7 @@ def unhinged(brake: AnyBrake) -> bool:
 HINGED = "takes shoes on hinges under forces of their own only: "
 REFUSALS = [
     Refusal({"export"}, flat, "is a brake on a plane; .* takes brakes on a drum"),
-    Refusal({"misfit", "ring"}, flat, "unknown key 'drum'"),
-    Refusal({"own mesh"}, lambda b: flat(b) and not unmeshed(b), "unknown key 'mesh'"),
+    Refusal({"ring"}, flat, "unknown key 'drum'; allowed: title, friction, plane"),
     Refusal(set(USES) - {"compare", "view", "foundation", "solid"}, unmeshed,
             "its lining has no thickness and material to mesh"),
     Refusal({"export"}, unhinged, f"CalculiX {HINGED}"),

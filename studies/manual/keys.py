@@ -5,7 +5,7 @@ from drumlin.brake.components import Table as SectionTable
 from drumlin.brake.drive import Drive, Link
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Part, Point
-from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatShoe, Plane
+from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatMisfit, FlatShoe, Plane
 from drumlin.brake.support import Abutment, Guide
 from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform
 from drumlin.sweeps.options import FemOptions, FoundationOptions, SolidOptions
@@ -30,6 +30,10 @@ _HELD = {
     "backing": "the table `[shoe.backing]`",
     "body": "the table `[shoe.body]`; without it the shoe is rigid",
     "actuation": "the table `[shoe.actuation]`; left out where a strut pushes the shoe",
+    "mesh": "a mesh file in place of the parametric mesh",
+    "mesh_unit": "of the mesh's coordinates",
+    "mesh_frame": "whose coordinates: the brake's or the shoe's own",
+    "mesh_interference": "says that a contact line deep in the drum or the plane is meant",
 }
 _SHARED = {
     "actuation": "the table `[actuation]`: one cylinder or cam for all shoes",
@@ -56,9 +60,7 @@ BRAKE: tuple[Table, ...] = (
         **_SECTION, "thickness": "radial, away from the shoes",
         "support": "its far edge: held, or only against rigid motion"}),
     ("`[[shoe]]`", Shoe, {
-        **_HELD, "side": "inside or outside of the drum", "mesh": "a mesh file in place of the parametric mesh",
-        "mesh_unit": "of the mesh's coordinates", "mesh_frame": "whose coordinates: the brake's or the shoe's own",
-        "mesh_interference": "says that a contact line deep in the drum is meant"}),
+        **_HELD, "side": "inside or outside of the drum"}),
     ("`[shoe.abutment]`", Abutment, {
         "point": "where its foot bears", "direction": "normal of the face: of the force on the foot without friction",
         "friction": "of the foot on the face, opposing the slide"}),
@@ -105,7 +107,14 @@ BRAKE: tuple[Table, ...] = (
     ("`[shoe.lining]` on a plane", FlatLining, {
         "start": "place x at which it begins", "end": "place x at which it ends", "width": "across the plane",
         "thickness": "for finite elements", "material": "for finite elements",
-        "clearance": "how far the unloaded lining stands off the plane"}),
+        "clearance": "how far the unloaded lining stands off the plane: one value, or rows of place x and clearance",
+        "misfit": "how its face is off the plane besides, below"}),
+    ("`misfit` of `[shoe.lining]` on a plane", FlatMisfit, {
+        "radius": "of a face that is ground to a circle and meets the plane in its middle: positive of a crowned "
+                  "face, negative of a hollow one; by default the face is flat",
+        "offset": "by which that circle is moved",
+        "taper": "how much farther the lining stands back at its end away from the hinge",
+        "blocks": "rows of place x and depth: from each place on the lining stands back by this depth"}),
     ("`[shoe.body]` on a plane", FlatBody, {
         "start": "place x at which it begins", "end": "place x at which it ends", **_BAR,
         "thickness": "of the bar, of a T-section's web"}),

@@ -1,19 +1,20 @@
 """Misfit as clearance: lining circle against drum circle, taper, steps between blocks, a drum that is not round.
 
-Every misfit is a gap along the drum's radius, positive = open, that adds to the lining's `clearance`. So it acts in
-each model that has a clearance (finite elements, foundation) and shares their condensed bodies; the laws are those
-of a lining that fits. In the plane a misfit across the width (coning, bell-mouthing) does not exist. The slope of
-the surfaces is left out: normals stay those of the drum's circle, which for lobes of order n and amplitude a
-leaves out at most n a/(mu R) of the torque.
+Every misfit is a gap along the drum's radius, or the normal of the plane, positive = open, that adds to the lining's
+`clearance`. So it acts in each model that has a clearance (finite elements, foundation) and shares their condensed
+bodies; the laws are those of a lining that fits. In plane stress a misfit across the width (coning, bell-mouthing) does
+not exist. The slope of the surfaces is left out: normals stay those of the drum's circle, which for lobes of order n
+and amplitude a leaves out at most n a/(mu R) of the torque.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import STEP, Drum, Lining
+from drumlin.brake.components import Drum, Lining
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Point
 from drumlin.brake.file import vary
@@ -26,7 +27,11 @@ def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
     lining, misfit = shoe.lining, shoe.lining.misfit
     total = lining.clearance_at(theta)
     if misfit.radius is not None or misfit.offset.radius > 0:
-        total = total + circle_gap(brake.drum.radius, misfit.radius, misfit.offset, lining.middle, shoe.sign, theta)
+        R, middle = brake.drum.radius, lining.middle
+        if shoe.flat:
+            total = total + crown_gap(misfit.radius, misfit.offset, R * (theta - middle))
+        else:
+            total = total + circle_gap(R, misfit.radius, misfit.offset, middle, shoe.sign, theta)
     if misfit.taper:
         total = total + misfit.taper * (shoe.frame.sense * (theta - lining.middle)) / (lining.end - lining.start)
     if misfit.blocks:
@@ -51,14 +56,25 @@ def circle_gap(R: float, radius: float | None, offset: Point, middle: float, sig
     return sign * (R - along - np.sqrt(r**2 - across**2))
 
 
-def block_gap(lining: Lining, theta: Floats) -> Floats:
-    """How far the blocks of a lining stand back [m] at theta, same shape: level, with rounded steps of the arc STEP.
+def crown_gap(radius: float | None, offset: Point, x: Floats) -> Floats:
+    """Gap [m] between a plane and a face ground to a circle of this radius [m], exactly, at x [m] from its middle.
 
-    A step of height h has the smallest radius (R STEP)^2/(6 h).
+    The circle meets the plane there and is moved by `offset`; a negative radius is that of a hollow face, None a flat.
+    """
+    along = x - offset.x
+    if radius is None:
+        return np.full(np.shape(x), offset.y)
+    return offset.y + along**2 / (radius + math.copysign(1.0, radius) * np.sqrt(radius**2 - along**2))
+
+
+def block_gap(lining: Lining, theta: Floats) -> Floats:
+    """How far the blocks of a lining stand back [m] at theta, same shape: level, with rounded steps of the arc `step`.
+
+    A step of height h has the smallest radius (R step)^2/(6 h).
     """
     gap, before = np.zeros(np.shape(theta)), 0.0
     for begin, depth in lining.misfit.blocks:
-        x = np.clip((theta - begin) / STEP + 0.5, 0.0, 1.0)
+        x = np.clip((theta - begin) / lining.step + 0.5, 0.0, 1.0)
         gap, before = gap + (depth - before) * x**2 * (3 - 2 * x), depth
     return gap
 
@@ -66,7 +82,7 @@ def block_gap(lining: Lining, theta: Floats) -> Floats:
 def kinks(lining: Lining) -> list[float]:
     """Angles [rad] at which a lining's gap is not smooth."""
     table = lining.clearance if isinstance(lining.clearance, tuple) else ()
-    ends = (begin + half for begin, _ in lining.misfit.blocks for half in (-STEP / 2, STEP / 2))
+    ends = (begin + half for begin, _ in lining.misfit.blocks for half in (-lining.step / 2, lining.step / 2))
     return [*(angle for angle, _ in table), *ends]
 
 

@@ -1,7 +1,8 @@
 """What drums and shoes are made of: ring, drum, lining, backing, bodies, actuation. Every number is SI."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
@@ -151,6 +152,8 @@ OffsetAlong = Annotated[float | Rows, number_or_table("distance", "m", "offset",
 Clearance = Annotated[float | Rows, number_or_table("angle", "rad", "clearance", "m")]
 
 
+LARGEST_MISFIT = 0.05
+"""Of the drum's radius, or a pad's length; beyond it normals along the drum's radii are no longer a model."""
 STEP = math.radians(1.0)  # rad
 """Arc of the rounded step from one block's height to the next. A sharp edge, and the corner of a straight chamfer,
 carry a pressure without bound, and no mesh would settle."""
@@ -169,6 +172,25 @@ class Misfit(Part):
     offset: Place = Point(x=0.0, y=0.0)
     taper: Length = 0.0
     blocks: Annotated[Rows, table("angle", "rad", "depth", "m")] = ()
+
+    def check(
+        self, key: str, ends: tuple[float, float], step: float, text: Callable[[float], str], most: float, allowed: str
+    ) -> None:
+        """Raise ValueError where it is no small one, over `most` [m], or its blocks are not on the lining.
+
+        ends, step: places on the lining, and over which a step between blocks is rounded; text: of a place; allowed:
+        `most` in words.
+        """
+        deepest = max((abs(depth) for _, depth in self.blocks), default=0.0)
+        for name, size in (("offset", self.offset.radius), ("taper", self.taper), ("blocks", deepest)):
+            if abs(size) > most:
+                raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
+        edges = [ends[0], *(place for place, _ in self.blocks), ends[1]]
+        if self.blocks and min(b - a for a, b in pairwise(edges)) <= step:
+            raise ValueError(
+                f"{key}.blocks: must begin on the lining, {text(ends[0])} to {text(ends[1])}, "
+                f"more than {text(step)} from its ends and from each other"
+            )
 
 
 class Lining(Part):
@@ -190,6 +212,11 @@ class Lining(Part):
     def middle(self) -> float:
         """The angle of its middle [rad]."""
         return 0.5 * (self.start + self.end)
+
+    @property
+    def step(self) -> float:
+        """Arc [rad] of the rounded step from one block's height to the next."""
+        return STEP
 
     @model_validator(mode="after")
     def _arc(self) -> Self:

@@ -6,8 +6,6 @@ numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surf
 
 import math
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
-from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
@@ -19,10 +17,22 @@ from pydantic import (
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.components import STEP, AnyBody, Backing, Bar, Beam, Body, Drum, Friction, Lining, Ring, Table
+from drumlin.brake.components import (
+    LARGEST_MISFIT,
+    AnyBody,
+    Backing,
+    Bar,
+    Beam,
+    Body,
+    Drum,
+    Friction,
+    Lining,
+    Ring,
+    Table,
+)
 from drumlin.brake.drive import Drive, Link, driven, shares
 from drumlin.brake.fields import Part, Point, Title, check_names
-from drumlin.brake.support import MOVES, Held, check_motions
+from drumlin.brake.support import MOVES, Held, Meshed, check_motions
 from drumlin.brake.units import deg, mm
 from drumlin.errors import BadInput
 
@@ -59,22 +69,13 @@ class Frame(NamedTuple):
         return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
 
 
-class Shoe(Held):
-    """One shoe with its lining, held by a hinge or otherwise (`Held`); without `body` the shoe is rigid.
-
-    `mesh`: a mesh file in place of the parametric mesh. Its coordinates are the brake's or, so that a shoe and
-    its mirror image can share one file, those of the shoe's own `frame`. `mesh_interference` says that a contact line
-    deep in the drum is meant.
-    """
+class Shoe(Meshed):
+    """One shoe with its lining, held by a hinge or otherwise (`Held`); without `body` the shoe is rigid."""
 
     side: Literal["internal", "external"]
     lining: Lining
     backing: Backing | None = None
     body: AnyBody | None = None
-    mesh: Path | None = None
-    mesh_unit: Literal["m", "mm"] = "m"
-    mesh_frame: Literal["brake", "shoe"] = "brake"
-    mesh_interference: bool = False
 
     @property
     def sign(self) -> int:
@@ -110,6 +111,11 @@ class Shoe(Held):
         return False
 
     @property
+    def face(self) -> str:
+        """What it presses on, in a word."""
+        return "plane" if self.flat else "drum"
+
+    @property
     def own_pin(self) -> Floats:
         """The pin (2,) [m] in its frame."""
         return np.array([self.pin.radius, 0.0])
@@ -127,13 +133,16 @@ class Shoe(Held):
         r = radius - self.sign * depth
         return np.stack([r * np.cos(phi), r * np.sin(phi)])
 
+    def off(self, xy: Floats, radius: float) -> Floats:
+        """How far points (2, ...) [m] of its frame lie off the friction surface [m], positive = open."""
+        return self.sign * (radius - np.hypot(*xy))
+
     def end_face(self, radius: float, *, loaded: bool = False) -> Floats:
         """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds an arc, or of that
         which the actuation pushes."""
         assert isinstance(self.body, Body)
         phi = (max if loaded else min)(self.frame.phis((self.body.start, self.body.end)), key=abs)
-        r = radius - self.sign * (self.depth - 0.5 * self.body.depth)
-        return np.array([r * math.cos(phi), r * math.sin(phi)])
+        return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), radius)
 
     def angle_of(self, point: Point) -> float:
         """The angle [rad] of a point, that nearest to the lining's middle."""
@@ -224,9 +233,6 @@ class Brake(Part):
         return self.model_copy(update={"shoes": shoes})
 
 
-LARGEST_MISFIT = 0.05  # of the drum's radius; beyond it normals along the drum's radii are no longer a model
-
-
 def _check_round(drum: Drum) -> None:
     off, most = sum(abs(lobes.amplitude) for lobes in drum.out_of_round), LARGEST_MISFIT * drum.radius
     if off > most:
@@ -239,17 +245,7 @@ def _check_misfit(key: str, lining: Lining, radius: float) -> None:
     allowed = f"{LARGEST_MISFIT:g} R = {mm(most)}"
     if misfit.radius is not None and abs(misfit.radius - radius) > most:
         raise ValueError(f"{key}.radius = {mm(misfit.radius)}: must be within {allowed} of drum.radius = {mm(radius)}")
-    depths = [depth for _, depth in misfit.blocks]
-    deepest = max(map(abs, depths), default=0.0)
-    for name, size in (("offset", misfit.offset.radius), ("taper", misfit.taper), ("blocks", deepest)):
-        if abs(size) > most:
-            raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
-    edges = [lining.start, *(angle for angle, _ in misfit.blocks), lining.end]
-    if misfit.blocks and min(b - a for a, b in pairwise(edges)) <= STEP:
-        raise ValueError(
-            f"{key}.blocks: must begin on the lining, {deg(lining.start)} to {deg(lining.end)}, "
-            f"more than {deg(STEP)} from its ends and from each other"
-        )
+    misfit.check(key, (lining.start, lining.end), lining.step, deg, most, allowed)
 
 
 THINNEST = 1e-9  # of the drum's radius: a thinner layer has no elements that arithmetic can tell from nothing

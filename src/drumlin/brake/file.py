@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Part, unit_in
 from drumlin.errors import BadInput
-from drumlin.files import keep_input, read_text
+from drumlin.files import read_text
 from drumlin.texts import check_toml
 
 LARGEST_FILE = 500_000  # bytes; a brake file has a few thousand
@@ -42,13 +42,14 @@ def _line(error: ValidationError, data: Any) -> str:
 P = TypeVar("P", bound=Part)
 
 
-def validated(kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False) -> P:
+def validated(kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> P:
     """A part from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
 
-    Raises BadInput with one line that names the key, the value and what is allowed.
+    `base`: folder that relative mesh paths start from. Raises BadInput with one line that names the key, the value and
+    what is allowed.
     """
     try:
-        return kind.model_validate(data, context={"unit_required": unit_required})
+        return kind.model_validate(data, context={"unit_required": unit_required, "base": base})
     except ValidationError as error:
         raise BadInput(_line(error, data)) from error
 
@@ -58,16 +59,7 @@ def brake_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Pa
 
     `base`: folder that relative mesh paths start from. Raises BadInput with one line.
     """
-    brake = validated(Brake, data, unit_required=unit_required)
-    if base is None:
-        return brake
-    shoes = tuple(
-        shoe if shoe.mesh is None else shoe.model_copy(update={"mesh": base / shoe.mesh}) for shoe in brake.shoes
-    )
-    for shoe in shoes:
-        if shoe.mesh is not None:
-            keep_input(shoe.mesh)
-    return brake.model_copy(update={"shoes": shoes})
+    return validated(Brake, data, unit_required=unit_required, base=base)
 
 
 def toml_text(path: Path) -> str:

@@ -4,19 +4,30 @@ Conventions: the sliding surface is y = 0, the body lies below it, the shoes abo
 from x = start to x = end. It is the same kind of data as a drum brake, with lengths in place of angles.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Backing, Bar, Friction
+from drumlin.brake.components import LARGEST_MISFIT, STEP, Backing, Bar, Friction, Misfit
 from drumlin.brake.drive import Drive, Link, driven, shares
 from drumlin.brake.drum_brake import Brake, check_grip
-from drumlin.brake.fields import Length, Material, Part, Thickness, Title, check_names
+from drumlin.brake.fields import (
+    Length,
+    Material,
+    Part,
+    Rows,
+    Thickness,
+    Title,
+    check_names,
+    number_or_table,
+    table,
+)
 from drumlin.brake.file import brake_from, read_toml, toml_data, validated
-from drumlin.brake.support import Held, check_motions
+from drumlin.brake.support import Meshed, check_motions
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput
 
@@ -27,10 +38,22 @@ class Plane(Part):
     sliding: Literal["+x", "-x"]
 
 
+class FlatMisfit(Misfit):
+    """How a pad's face is off the plane, besides its clearance.
+
+    `radius` [m] of a face that is ground to a circle, which meets the plane in the lining's middle: positive of a
+    crowned face, negative of a hollow one. `blocks`: rows (x, depth) [m]; the rest as of a lining on a drum.
+    """
+
+    radius: Length | None = None
+    blocks: Annotated[Rows, table("place", "m", "depth", "m")] = ()
+
+
 class FlatLining(Part):
     """The friction lining on the plane, from x = `start` to x = `end` [m], `width` [m] across.
 
-    `thickness` [m] and `material` are what finite elements need; `clearance` [m]: how far it stands off the plane.
+    `thickness` [m] and `material` are what finite elements need; `clearance` [m]: how far it stands off the plane, one
+    value, or a table of (x, clearance) with straight lines between; `misfit` comes on top.
     """
 
     start: Length
@@ -38,12 +61,22 @@ class FlatLining(Part):
     width: Thickness
     thickness: Thickness | None = None
     material: Material | None = None
-    clearance: Length = 0.0
+    clearance: Annotated[float | Rows, number_or_table("place", "m", "clearance", "m")] = 0.0
+    misfit: FlatMisfit = FlatMisfit()
 
     @model_validator(mode="after")
     def _order(self) -> Self:
-        if not self.start < self.end:
+        long, radius = self.end - self.start, self.misfit.radius
+        if long <= 0:
             raise ValueError(f"end = {mm(self.end)} must be greater than start = {mm(self.start)}")
+        most, least = LARGEST_MISFIT * long, long / (8 * LARGEST_MISFIT)  # of a circle that is off by so much at most
+        if radius is not None and abs(radius) < least:
+            raise ValueError(
+                f"misfit.radius = {mm(radius)}: must be at least {mm(least)} either way, "
+                f"{1 / (8 * LARGEST_MISFIT):g} times the lining's length"
+            )
+        allowed = f"{LARGEST_MISFIT:g} of the lining's length, {mm(most)}"
+        self.misfit.check("misfit", (self.start, self.end), STEP * long, mm, most, allowed)
         return self
 
 
@@ -72,7 +105,7 @@ class FlatFrame(NamedTuple):
         return self.origin + self.sense * np.asarray(distance)
 
 
-class FlatShoe(Held):
+class FlatShoe(Meshed):
     """A shoe with a flat lining, held by a hinge or otherwise (`Held`); without `body` it is rigid."""
 
     lining: FlatLining
@@ -140,6 +173,13 @@ class FlatBrake(Part):
 AnyBrake = Brake | FlatBrake
 
 
+def any_from(data: Mapping[str, Any], base: Path) -> AnyBrake:
+    """The brake of the data of a file, every quantity with its unit; base: as of `brake_from`. Raises BadInput."""
+    if "plane" in data:
+        return validated(FlatBrake, data, unit_required=True, base=base)
+    return brake_from(data, unit_required=True, base=base)
+
+
 def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
     """The brake described by a TOML file: with [plane] one on a plane, else one on a drum.
 
@@ -160,9 +200,7 @@ def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
     path = Path(path)
     data = read_toml(path) if text is None else toml_data(text, path)
     try:
-        if "plane" in data:
-            return validated(FlatBrake, data, unit_required=True)
-        return brake_from(data, unit_required=True, base=path.parent)
+        return any_from(data, path.parent)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 

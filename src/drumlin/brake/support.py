@@ -7,14 +7,16 @@ face's normal: the shoe slides along the face, and is tested along what is squar
 """
 
 import math
-from typing import Annotated, NamedTuple, Self
+from pathlib import Path
+from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from drumlin.arrays import Floats
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import Angle, Name, Part, Place, Point
+from drumlin.files import keep_input
 
 KINDS = ("hinge", "abutment", "guide")
 MOVES = {
@@ -213,6 +215,28 @@ class Held(Part):
         if mu > 0:
             found["abutment.friction"] = (Change(np.zeros((k, 3)), _rows(k, 1, sense * tested / (1 + mu**2))),)
         return found
+
+
+def _found(mesh: Path | None, info: ValidationInfo) -> Path | None:
+    """The path from the folder of the brake file; what is read there is not to be written over."""
+    base = (info.context or {}).get("base")
+    if mesh is None or base is None:
+        return mesh
+    keep_input(base / mesh)
+    return Path(base / mesh)
+
+
+class Meshed(Held):
+    """A shoe that can take a mesh file, `mesh`, in place of the parametric mesh.
+
+    Its coordinates are the brake's or, so that a shoe and its mirror image can share one file, those of the shoe's own
+    `frame`. `mesh_interference` says that a contact line deep in the drum or the plane is meant.
+    """
+
+    mesh: Annotated[Path | None, AfterValidator(_found)] = None
+    mesh_unit: Literal["m", "mm"] = "m"
+    mesh_frame: Literal["brake", "shoe"] = "brake"
+    mesh_interference: bool = False
 
 
 def _rows(count: int, row: int, change: Floats) -> Floats:

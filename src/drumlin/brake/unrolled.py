@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Bar, Body, Drum, Lining, Misfit
+from drumlin.brake.components import STEP, Bar, Body, Drum, Lining
 from drumlin.brake.drum_brake import Brake, Frame, Shoe
-from drumlin.brake.fields import Point
+from drumlin.brake.fields import Point, Rows
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
+from drumlin.brake.support import Meshed
 from drumlin.errors import BadInput
 
 
@@ -27,6 +28,15 @@ class StraightFrame(Frame):
     def to_shoe(self, vectors: Floats) -> Floats:
         """As of a shoe on a drum."""
         return np.asarray(vectors) * np.array([float(self.sense), 1.0])
+
+
+class StraightLining(Lining):
+    """A lining on a plane."""
+
+    @property
+    def step(self) -> float:
+        """As of a lining on a drum, in proportion to its length."""
+        return STEP * (self.end - self.start)
 
 
 class StraightShoe(Shoe):
@@ -61,6 +71,10 @@ class StraightShoe(Shoe):
     def at(self, depth: Floats, phi: Floats, radius: float) -> Floats:
         """As of a shoe on a drum."""
         return np.stack(np.broadcast_arrays(radius * phi, depth))
+
+    def off(self, xy: Floats, radius: float) -> Floats:
+        """As of a shoe on a drum: its height."""
+        return np.asarray(xy[1])
 
     def angle_of(self, point: Point) -> float:
         """The theta of a point."""
@@ -103,22 +117,25 @@ def on_drum(brake: AnyBrake) -> Brake:
     return unrolled(brake)
 
 
+def _rolled(rows: Rows, unit: float) -> Rows:
+    return tuple((x / unit, value) for x, value in rows)
+
+
 def _straight(shoe: FlatShoe, unit: float) -> StraightShoe:
     lining, body = shoe.lining, shoe.body
-    own: dict[str, Any] = {key: getattr(shoe, key) for key in ("name", "hinge", "pivot", "abutment", "guide")}
+    own: dict[str, Any] = {key: getattr(shoe, key) for key in Meshed.model_fields}
     assert lining.thickness is not None and lining.material is not None  # why_not
     return StraightShoe.model_construct(
         **own,
-        actuation=shoe.actuation,
         side="internal",
-        lining=Lining.model_construct(
+        lining=StraightLining.model_construct(
             start=lining.start / unit,
             end=lining.end / unit,
             thickness=lining.thickness,
             width=lining.width,
             material=lining.material,
-            clearance=lining.clearance,
-            misfit=Misfit(),
+            clearance=_rolled(lining.clearance, unit) if isinstance(lining.clearance, tuple) else lining.clearance,
+            misfit=lining.misfit.model_copy(update={"blocks": _rolled(lining.misfit.blocks, unit)}),
         ),
         backing=shoe.backing,
         body=None
@@ -129,9 +146,5 @@ def _straight(shoe: FlatShoe, unit: float) -> StraightShoe:
             start=body.start / unit,
             end=body.end / unit,
         ),
-        mesh=None,
-        mesh_unit="m",
-        mesh_frame="brake",
-        mesh_interference=False,
         unit=unit,
     )

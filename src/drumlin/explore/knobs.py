@@ -105,7 +105,7 @@ def knobs_of(brake: AnyBrake) -> tuple[Knob, ...]:
     """
     R = size_of(brake) * 1e3
     fine = nice(R * 1e-5)
-    flat = isinstance(brake, FlatBrake)  # where clearances are numbers, and a lining has no radius
+    flat = isinstance(brake, FlatBrake)  # where a lining that fits has no radius
     found = [
         Knob("friction", "friction µ", "", 0.0, max(1.0, 2 * brake.friction), 0.005, brake.friction, _friction),
         _force(brake),

@@ -289,7 +289,7 @@ def _flat_drawing(brake: FlatBrake) -> dict[str, Lines]:
     for shoe in brake.shoes:
         behind = shoe.lining.thickness or 0.0
         linings.append(_box(shoe.lining.start, shoe.lining.end, 0.0, behind))
-        if shoe.body is not None:
+        if shoe.mesh is None and shoe.body is not None:
             behind += shoe.backing.thickness if shoe.backing else 0.0
             bodies.append(_box(shoe.body.start, shoe.body.end, behind, behind + shoe.body.thickness))
     held = [shoe.pin.xy * MM for shoe in brake.shoes if shoe.guide is None]

@@ -116,7 +116,8 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         loaded = np.round(shoe.frame.to_shoe(shoe.actuation.point.xy) / brake.drum.radius, 12)
         behind = (body, *loaded.tolist())
     elif body is not None:
-        arcs.append(tuple(sorted(shoe.frame.phis((body.start, body.end)))))
+        first, last = sorted(shoe.frame.phis((body.start, body.end)))
+        arcs.append((first, last))
         behind = (body.shape, tuple(body.plates.items()))
         arcs += [arc for arc in [shoe.grip(brake.drum.radius)] if arc is not None]
     return (

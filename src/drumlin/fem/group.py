@@ -367,9 +367,7 @@ def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
 def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
     """Gap [m] of the unloaded lining at the points xy (2, ...) [m] of its mesh, at the angles phi (...) there."""
     theta, radius = shoe.frame.theta(phi), brake.drum.radius
-    if shoe.flat:
-        return xy[1] + clearance.gap(brake, shoe, theta)
-    off = shoe.sign * (radius - np.hypot(*xy))
+    off = shoe.off(xy, radius)
     return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + clearance.gap(brake, shoe, theta)  # 0.0: not round-off
 
 

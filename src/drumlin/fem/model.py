@@ -110,10 +110,10 @@ def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:
             continue
-        deep = float((shoe.sign * (np.hypot(*body.line.xy) - brake.drum.radius)).max())
+        deep = -float(shoe.off(body.line.xy, brake.drum.radius).min())
         if deep > OVERLAP * shoe.lining.thickness:
             yield (
-                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the drum; "
+                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the {shoe.face}; "
                 "its pressure is that of the lining squeezed out of there"
             )
 

@@ -18,7 +18,7 @@ from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
 from drumlin.brake.support import MOVES
 from drumlin.brake.units import mm
 from drumlin.errors import NoAnswer
-from drumlin.laws.rigid import no_contact
+from drumlin.laws.rigid import LEFT_OUT_ON_PLANE, no_contact
 from drumlin.response.balance import flat_balance, worst
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response, ShoeResponse, untouched
@@ -138,7 +138,7 @@ def solve(law: FlatLaw, brake: FlatBrake) -> Response:
         model=law.name,
         shoes=shoes,
         balance=worst([flat_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
-        left_out=("elasticity: rigid by assumption",),
+        left_out=LEFT_OUT_ON_PLANE,
         notes=tuple(no_contact(shoe.name, "plane") for shoe in shoes if not shoe.contact_arcs),
     )
     return with_merits(brake, response)

@@ -29,10 +29,9 @@ from drumlin.response.response import Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
 
 ASSUMES = "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
-LEFT_OUT = (
-    "elasticity of shoe, backing and drum: rigid by assumption",
-    "clearance and misfit: the law is that of a lining that fits, new or worn in, on a round drum",
-)
+_FITS = "clearance and misfit: the law is that of a lining that fits, new or worn in, on a"
+LEFT_OUT = "elasticity of shoe, backing and drum: rigid by assumption", f"{_FITS} round drum"
+LEFT_OUT_ON_PLANE = "elasticity: rigid by assumption", f"{_FITS} plane"
 NODES = 257  # of p over a lining; quadratic pieces: integrals are right to 1e-10
 MOST_STEPS = 200
 
@@ -254,7 +253,7 @@ def solve(brake: AnyBrake, name: str = "rigid", *, whole: bool = False) -> Respo
         model=name,
         shoes=shoes,
         balance=worst([balance_of(under, i, shoe) for i, shoe in enumerate(shoes)]),
-        left_out=("elasticity: rigid by assumption",) if flat else LEFT_OUT,
+        left_out=LEFT_OUT_ON_PLANE if flat else LEFT_OUT,
         notes=(
             *(no_contact(shoe.name, "plane" if flat else "drum") for shoe in shoes if not shoe.contact_arcs),
             *cam_notes(brake),

@@ -245,9 +245,10 @@ def _flat_shoe(axes: Axes, shoe: FlatShoe, unit: float, *, on_strut: bool) -> No
     start, end = shoe.lining.start * MM, shoe.lining.end * MM
     if shoe.body is not None and shoe.lining.thickness is not None:
         layers = [(start, end, shoe.lining.thickness, LINING)]
-        layers += [(start, end, shoe.backing.thickness, BLOCK)] if shoe.backing else []
-        body = shoe.body.start * MM, shoe.body.end * MM
-        layers += [(*body, plate.thickness, BODY) for plate in shoe.body.plates.values()]
+        if shoe.mesh is None:  # else only the mesh knows what is behind the lining
+            layers += [(start, end, shoe.backing.thickness, BLOCK)] if shoe.backing else []
+            body = shoe.body.start * MM, shoe.body.end * MM
+            layers += [(*body, plate.thickness, BODY) for plate in shoe.body.plates.values()]
         top = 0.0
         for left, right, thickness, color in layers:
             box = Rectangle((left, top), right - left, thickness * MM, facecolor=color, edgecolor=INK, lw=0.8, zorder=3)

@@ -214,7 +214,7 @@ def names_mesh(key: str) -> bool:
 
 def mesh_files(brake: AnyBrake, changes: Mapping[str, Any]) -> list[Path]:
     """The mesh files of a brake and of what is changed."""
-    named = [getattr(shoe, "mesh", None) for shoe in brake.shoes]
+    named = [shoe.mesh for shoe in brake.shoes]
     named += [value for key, value in changes.items() if names_mesh(key)]
     return [Path(path) for path in named if isinstance(path, str | Path)]
 

@@ -18,8 +18,8 @@ from pydantic import Field
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Part, Title
-from drumlin.brake.file import brake_from, read_toml, unit_of, validated, values_of, vary
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
+from drumlin.brake.file import read_toml, unit_of, validated, values_of, vary
+from drumlin.brake.plane_brake import AnyBrake, any_from, read_any
 from drumlin.brake.units import to_si
 from drumlin.errors import BadInput
 from drumlin.files import content_digest
@@ -175,9 +175,7 @@ def _base_brake(brake: str | dict[str, Any], base: Path) -> AnyBrake:
     if isinstance(brake, str):
         return read_any(base / brake)
     try:
-        if "plane" in brake:
-            return validated(FlatBrake, brake, unit_required=True)
-        return brake_from(brake, unit_required=True, base=base)
+        return any_from(brake, base)
     except BadInput as error:
         raise BadInput(f"brake.{error}") from error
 

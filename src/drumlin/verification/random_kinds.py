@@ -55,8 +55,9 @@ def _read(data: dict[str, Any]) -> AnyBrake:
 def _rigid(data: dict[str, Any]) -> dict[str, Any]:
     size = data.get("drum", {"radius": 0.1})["radius"]
     alike = {"thickness": size / 300, "material": data["shoe"][0]["lining"]["material"]}  # a cam's law asks for it
+    fits = {"clearance": 0.0, "misfit": {}}
     shoes = [
-        {key: part for key, part in shoe.items() if key != "body"} | {"lining": shoe["lining"] | alike}
+        {key: part for key, part in shoe.items() if key != "body"} | {"lining": shoe["lining"] | alike | fits}
         for shoe in data["shoe"]
     ]
     return data | {"shoe": shoes}
@@ -252,7 +253,23 @@ def _pad(rng: Rng, held: str) -> dict[str, Any]:
         shoe |= {"guide": {"direction": -math.pi / 2 + u(-0.2, 0.2)}} if held == "guide" else {"abutment": face}
     force = float(f"{material['E'] * long * width * _log(rng, 1e-4, 3e-3):.4g}")
     shoe["actuation"] = {"force": force, "direction": down, "point": at}
+    lining |= _ill_fitting(rng.spawn(1)[0], lining, force / (material["E"] * long * width) * t)
     return {"plane": {"sliding": str(rng.choice(["+x", "-x"]))}, "shoe": [shoe]}
+
+
+def _ill_fitting(rng: Rng, lining: dict[str, Any], size: float) -> dict[str, Any]:
+    """Clearance and misfit of a pad of about this size [m], by which its force squeezes it; of most pads none."""
+    u, long = rng.uniform, lining["end"] - lining["start"]
+    way = int(rng.integers(10))
+    if way == 0:
+        radius = long**2 / (8 * size * u(0.2, 3.0)) * float(rng.choice([-1, 1]))
+        return {"misfit": {"radius": radius, "offset": {"x": long * u(-0.04, 0.04), "y": size * u(-1, 1)}}}
+    if way == 1:
+        return {"misfit": {"taper": size * u(-2, 2)}, "clearance": size * u(0, 2)}
+    if way == 2:
+        places = np.linspace(lining["start"], lining["end"], int(rng.integers(2, 5)))
+        return {"clearance": [[float(x), float(size * u(0, 2))] for x in places]}
+    return {}
 
 
 KINDS: dict[str, Draw] = {
@@ -287,12 +304,18 @@ def _shoe_placed(shoe: dict[str, Any], turn: float, *, mirrored: bool, shift: fl
         found = part | {"direction": turn + sign * part["direction"]}
         return found | ({"point": place(part["point"])} if "point" in part else {})
 
+    def at(lining: float) -> float:  # on a plane a mirror image is one about y: mirrored and turned by 180 deg
+        return turn + sign * lining if "side" in shoe else c * lining + shift
+
     def reach(part: dict[str, Any]) -> dict[str, Any]:
-        if "side" in shoe:
-            ends = sorted(turn + sign * part[key] for key in ("start", "end"))
-        else:  # on a plane, where a mirror image is one about y: mirrored and turned by 180 deg
-            ends = sorted(c * part[key] + shift for key in ("start", "end"))
-        return part | dict(zip(("start", "end"), ends, strict=True))
+        found = part | dict(zip(("start", "end"), sorted(at(part[key]) for key in ("start", "end")), strict=True))
+        if isinstance(part.get("clearance"), list | tuple):
+            found["clearance"] = sorted([at(x), gap] for x, gap in part["clearance"])
+        if "misfit" in part:
+            x, y = (part["misfit"]["offset"][key] for key in "xy")
+            offset = {"x": c * x - s * sign * y, "y": s * x + c * sign * y}
+            found["misfit"] = part["misfit"] | {"offset": offset}
+        return found
 
     moved = dict(shoe)
     moves = {"hinge": place, "pivot": place, "abutment": angled, "guide": angled, "actuation": angled, "lining": reach,
@@ -306,7 +329,7 @@ def _shoe_placed(shoe: dict[str, Any], turn: float, *, mirrored: bool, shift: fl
 def placed(brake: AnyBrake, *, turn: float = 0.0, mirrored: bool = False, shift: float = 0.0) -> AnyBrake:
     """The brake turned by an angle [rad], mirrored before about the x axis; on a plane shifted [m], mirrored about y.
 
-    Of the linings' clearances only even ones; no misfit. The struts' and cam's forces are as they were.
+    No blocks of linings' misfits. The struts' and cam's forces are as they were.
     """
     data = brake.model_dump(by_alias=True)
     if isinstance(brake, FlatBrake):
@@ -318,7 +341,7 @@ def placed(brake: AnyBrake, *, turn: float = 0.0, mirrored: bool = False, shift:
     return validated(type(brake), data)
 
 
-LENGTHS = {"x", "y", "radius", "thickness", "width", "grip", "clearance", "diameter"}
+LENGTHS = {"x", "y", "radius", "thickness", "width", "grip", "clearance", "diameter", "taper"}
 FORCES = {"force"}
 
 
@@ -332,6 +355,8 @@ def scaled(brake: AnyBrake, length: float, modulus: float) -> AnyBrake:
         return [part(each) for each in value] if isinstance(value, list | tuple) else value
 
     def of(key: str, value: Any) -> Any:
+        if key in {"clearance", "blocks"} and isinstance(value, list | tuple):
+            return [[place * (length if flat else 1.0), size * length] for place, size in value]
         if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):
             return part(value)
         if key in LENGTHS or (flat and key in {"start", "end"}):

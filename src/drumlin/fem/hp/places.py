@@ -34,7 +34,8 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     arcs = [] if response is None else [sorted(frame.phis(arc)) for arc in response.contact_arcs]
     kinks = frame.phis(clearance.kinks(shoe.lining))
     kinks = [x for x in kinks if start < x < end] if len(kinks) <= MOST_KINKS else []
-    if response is not None:  # where nothing presses, or nearly, a kink is nothing
+    # Where nothing presses, or nearly, a kink is nothing; but within a column a block's step would swing beyond itself.
+    if response is not None and not shoe.lining.misfit.blocks:
         kinks = [x for x in kinks if any(2 * a - b < x < 2 * b - a for a, b in arcs)]
     found = [(x, end - start, True) for x in kinks]
     for one, other in arcs:

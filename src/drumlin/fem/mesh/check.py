@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -77,9 +78,9 @@ def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
 def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     size = float(np.abs(mesh.doflocs).max())
     if size > LARGEST * radius:
+        where = f"on a plane, its lining {mm(radius)} long" if shoe.flat else f"in a drum of radius {mm(radius)}"
         raise BadInput(
-            f"{fault}: reaches {size:.3g} m far; must be a shoe in a drum of radius {mm(radius)} "
-            f"(coordinates are read in {shoe.mesh_unit})"
+            f"{fault}: reaches {size:.3g} m far; must be a shoe {where} (coordinates are read in {shoe.mesh_unit})"
         )
     cells = np.unique(np.round(mesh.doflocs / (APART * size)), axis=1)  # many in one place make far more pairs
     if cells.shape[1] < mesh.doflocs.shape[1] - MOST_PAIRS:
@@ -118,7 +119,7 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
 
 def _some(mesh: Any, elements: Ints, shoe: Shoe) -> str:
     """How many elements, and where the first lies: the subject of a sentence about them."""
-    x, y = shoe.frame.to_brake(mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1)) * 1e3
+    ((x,), (y,)) = shoe.points(mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1, keepdims=True)) * 1e3
     count = len(np.unique(elements))
     return f"{count} element{'s are' if count > 1 else ' is'} (the first at x = {x:.4g} mm, y = {y:.4g} mm)"
 
@@ -147,39 +148,49 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
     basis = skfem.Basis(mesh, kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1)))
     line = basis.doflocs[:, edge_nodes(basis, facets)]
-    r = np.hypot(*line)
-    off = float(np.abs(r - radius).max())
-    if off > OFF * radius:
+    off = shoe.off(line, radius)
+    most, deep = float(np.abs(off).max()), -float(off.min())
+    if most > OFF * radius:
+        surface = "plane" if shoe.flat else f"drum's radius {mm(radius)}"
         raise BadInput(
-            f"{fault}: the group contact lies up to {mm(off)} off the drum's radius {mm(radius)}; "
+            f"{fault}: the group contact lies up to {mm(most)} off the {surface}; "
             f"must be within {mm(OFF * radius)} of it (coordinates are read in {shoe.mesh_unit})"
         )
-    deep = float((shoe.sign * (r - radius)).max())
+    behind = shoe.off(mesh.p[:, mesh.t[:, mesh.subdomains["lining"]]].mean(axis=1), radius)
+    if behind.mean() < 0 and not shoe.mesh_interference:
+        raise BadInput(f"{fault}: the lining's elements lie in the {shoe.face}; must lie behind the group contact")
     if deep > DEEP * shoe.lining.thickness and not shoe.mesh_interference:
         raise BadInput(
-            f"{fault}: the group contact lies up to {mm(deep)} in the drum, over {DEEP:g} of the lining's thickness "
-            f"of {mm(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
+            f"{fault}: the group contact lies up to {mm(deep)} in the {shoe.face}, over {DEEP:g} of the lining's "
+            f"thickness of {mm(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
         )
-    steep = (np.abs(np.diff(r, axis=0)) > STEEP * np.hypot(*np.diff(line, axis=1))).any(axis=0)
+    steep = (np.abs(np.diff(off, axis=0)) > STEEP * np.hypot(*np.diff(line, axis=1))).any(axis=0)
     if steep.any():
         where = _some(mesh, mesh.f2t[0, facets[steep]], shoe)
-        raise BadInput(f"{fault}: {where} with an edge of the contact that is steeper than {STEEP:g} against the drum")
+        raise BadInput(
+            f"{fault}: {where} with an edge of the contact that is steeper than {STEEP:g} against the {shoe.face}"
+        )
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
     xy = mesh.p[:, nodes]
     middle = sum(shoe.arc) / 2
-    phi = angle_near(middle, xy)
+    phi, text = (xy[0] / radius, partial(_length, radius)) if shoe.flat else (angle_near(middle, xy), deg)
     arc = (float(phi.min()), float(phi.max()))
     if max(abs(a - b) for a, b in zip(arc, shoe.arc, strict=True)) > ARC_SLACK:
         theta = sorted(shoe.frame.theta(np.array(arc)).tolist())
         raise BadInput(
-            f"{fault}: the group contact runs from {deg(theta[0])} to {deg(theta[1])}; must be the lining's arc, "
-            f"{deg(shoe.lining.start)} to {deg(shoe.lining.end)}, within {deg(ARC_SLACK)} "
+            f"{fault}: the group contact runs from {text(theta[0])} to {text(theta[1])}; must be the lining's "
+            f"{'length' if shoe.flat else 'arc'}, "
+            f"{text(shoe.lining.start)} to {text(shoe.lining.end)}, within {text(ARC_SLACK)} "
             f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
         )
     steps = np.sort(np.argsort(np.argsort(phi))[ends.reshape(2, -1)], axis=0)
     steps = steps[:, np.argsort(steps[0])]
     if not (np.array_equal(steps[0], np.arange(len(phi) - 1)) and np.array_equal(steps[1], steps[0] + 1)):
         raise BadInput(f"{fault}: the group contact must be one line without gaps or turns, one edge after the other")
+
+
+def _length(unit: float, place: float) -> str:
+    return mm(unit * place)
 
 
 def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:

@@ -120,7 +120,7 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
         raise BadInput(f"{fault}: has {len(raw.points)} nodes; must have at most {MOST_NODES}")
     points = _plane_points(raw, fault) * SCALE[shoe.mesh_unit]
     if shoe.mesh_frame == "brake":
-        points = shoe.frame.to_shoe(points)
+        points = shoe.own_points(points)
     cell, cells, points = _plane_cells(raw, points, fault)
     mesh = _with_groups(raw, cell, *_mesh(cell, cells, points, fault), cells, fault)
     return check(mesh, shoe, radius, fault)
