@@ -225,11 +225,11 @@ def _tangent(equations: Equations, system: System, dq: Floats) -> Floats:
 def _resisted(moved: Bools, active: Bools) -> bool:
     """Whether each free motion meets a node of the contact set, motions of the same nodes one each; moved (n, k)."""
     touched = moved[active]
-    if not touched.any(axis=0).all():
-        return False
     if moved.shape[1] < 2:
-        return True
-    return all(np.count_nonzero(touched[:, of].any(axis=1)) >= len(of) for of in _together(moved))
+        return bool(touched.any())
+    return bool(touched.any(axis=0).all()) and all(
+        np.count_nonzero(touched[:, of].any(axis=1)) >= len(of) for of in _together(moved)
+    )
 
 
 def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:

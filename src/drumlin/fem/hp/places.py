@@ -30,9 +30,9 @@ def places_of(brake: Brake, response: Response | None) -> dict[tuple[object, ...
 
 
 def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
-    start, end = shoe.arc
-    arcs = [] if response is None else [sorted(shoe.frame.phi(np.array(arc)).tolist()) for arc in response.contact_arcs]
-    kinks = shoe.frame.phi(np.array(clearance.kinks(shoe.lining))).tolist()
+    (start, end), frame = shoe.arc, shoe.frame
+    arcs = [] if response is None else [sorted(frame.phis(arc)) for arc in response.contact_arcs]
+    kinks = frame.phis(clearance.kinks(shoe.lining))
     kinks = [x for x in kinks if start < x < end] if len(kinks) <= MOST_KINKS else []
     # Where nothing presses, or nearly, a kink is nothing; but within a column a block's step would swing beyond itself.
     if response is not None and not shoe.lining.misfit.blocks:
@@ -49,8 +49,11 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
 def _hidden(shoe: Shoe, response: ShoeResponse, arcs: list[list[float]]) -> list[tuple[float, float]]:
     """Open nodes between two that press, and how far apart these are [rad]; not at the ends of the contact, which are
     known, and not where columns are so narrow that an opening is nothing, as where p wavers from node to node."""
-    press, phi = response.pressure > 0, shoe.frame.phi(response.theta)
+    press = response.pressure > 0
     at = 1 + np.flatnonzero(press[:-2] & ~press[1:-1] & press[2:])
+    if not len(at):
+        return []
+    phi = shoe.frame.phi(response.theta)
     found = [(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1]))) for i in at]
     return [(x, size) for x, size in found if any(a + size < x < b - size and size > SEEN * (b - a) for a, b in arcs)]
 
