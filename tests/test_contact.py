@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drumlin.contact import active_set
-from drumlin.contact.equations import Changed, Equations, Problem, condition, equilibrated, few_changed
+from drumlin.contact.equations import LARGE, Changed, Equations, Problem, condition, equilibrated, few_changed
 from drumlin.errors import NoAnswer
 
 
@@ -117,10 +117,12 @@ def test_changing_a_few_nodes_of_a_factorised_set_equals_factorising_the_other_s
         p_matrix(rng, n, 0.3), rng.normal(size=n), rng.normal(size=(n, 1)), rng.normal(size=(1, n)), rng.normal(size=1)
     )
     active = rng.random(n) < 0.8
-    base, other = Equations(problem, active), active.copy()
+    system, other = equilibrated(problem), active.copy()
     other[rng.choice(n, n // 10, replace=False)] ^= True
-    direct, changed = Equations(problem, other), Changed(base, problem, other)
-    for a, b in zip(direct.solve(problem.q, problem.h), changed.solve(problem.q, problem.h), strict=True):
+    base, direct = (Equations(system.K, system.on(of)) for of in (active, other))
+    changed = Changed(base, system.K, system.on(other))
+    for r in (system.r, rng.normal(size=(n + 1, 3))):
+        a, b = direct.solve(r), changed.solve(r)
         assert b == pytest.approx(a, rel=1e-6, abs=1e-8 * np.abs(a).max())
     assert changed.sign == direct.sign
 
@@ -231,8 +233,11 @@ def test_every_free_motion_is_resisted_before_the_equations_are_solved(start):
 
 
 def test_nodes_that_the_actuation_closes_first():
-    _, q, B, C, h = hinged_twice()
-    first = active_set._first_touch
+    A, q, B, C, h = hinged_twice()
+
+    def first(*changed, **more):
+        return active_set._first_touch(Problem(A, *changed), **more)
+
     assert first(q, B, C, h).tolist() == [True, True, False]
     assert first(np.array([0.5, 0.2, 0.5]), B, C, h).tolist() == [True, True, True]  # at once
     assert first(np.array([0.5, 0.2, 0.5]), B, C, h, alone=True).tolist() == [True, True, False]
@@ -271,12 +276,15 @@ def test_equilibration_makes_units_of_a_b_and_c_and_is_undone():
     problem = Problem(
         np.array([[4.0, 1], [2, 9]]), np.array([1.0, 2]), np.array([[6.0], [3]]), np.array([[4.0, 2]]), np.array([8.0])
     )
-    scaled, scales = equilibrated(problem)
+    system = equilibrated(problem)
+    scaled = system.problem
     assert np.diagonal(scaled.A) == pytest.approx([1, 1])
     assert scaled.A[0, 1] == pytest.approx(1 / 6) and scaled.q == pytest.approx([1 / 2, 2 / 3])
     assert np.abs(scaled.B).max() == np.abs(scaled.C).max() == 1 and scaled.B[1, 0] == pytest.approx(1 / 3)
-    assert scaled.h / scaled.C[0, 0] * scales.pressure[0] == pytest.approx(8 / 4)
-    assert scales.motion == pytest.approx([1 / 3]) and scales.balance == pytest.approx([1 / 2])
+    assert scaled.h / scaled.C[0, 0] * system.across[0] == pytest.approx(8 / 4)
+    assert system.across[2:] == pytest.approx([1 / 3]) and system.down[2:] == pytest.approx([1 / 2])
+    whole = np.block([[problem.A, problem.B], [problem.C, np.zeros((1, 1))]])
+    np.testing.assert_allclose(system.K, system.down[:, None] * whole * system.across, rtol=1e-15)
 
 
 def test_coarse_problems_are_those_on_every_other_node():
@@ -292,14 +300,16 @@ def test_coarse_problems_are_those_on_every_other_node():
 
 
 def test_a_few_changed_nodes_use_the_factors_that_there_are():
-    problem, on = free(np.eye(40) + 0.1, np.ones(40)), np.arange(40) < 33
-    base = Equations(problem, on)
-    few = few_changed
+    def start(n):
+        return Equations(np.eye(n) + 0.1, np.arange(n) < n - 7)
 
-    def changed(*nodes):
-        return on ^ np.isin(np.arange(40), nodes)
+    def changed(base, count):
+        return base.on ^ (np.arange(len(base.on)) < count)
 
-    assert few(base, changed(1, 2, 35, 3))
-    assert not few(base, changed(1, 2, 35, 3, 4))  # more than an eighth of what is on
-    p, _ = Changed(base, problem, changed(4, 9, 35)).solve(-np.arange(1.0, 41), np.zeros(0))
-    assert p[[4, 9, 34]].tolist() == [0, 0, 0] and (p != 0).sum() == 32
+    base, few = start(LARGE + 8), few_changed
+    assert few(base, changed(base, LARGE // 8))
+    assert not few(base, changed(base, LARGE // 8 + 1))  # more than an eighth of what is on
+    assert not few(start(LARGE + 7), changed(start(LARGE + 7), 1))  # as fast factorised
+    other = base.on ^ np.isin(np.arange(len(base.on)), [4, 9, LARGE + 5])
+    x = Changed(base, np.eye(LARGE + 8) + 0.1, other).solve(-np.arange(1.0, LARGE + 9))
+    assert x[[4, 9, LARGE + 4]].tolist() == [0, 0, 0] and (x != 0).sum() == LARGE

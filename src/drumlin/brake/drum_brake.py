@@ -137,8 +137,10 @@ class Shoe(Meshed):
         """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds an arc, or of that
         which the actuation pushes."""
         assert isinstance(self.body, Body)
-        phi = (max if loaded else min)(self.frame.phi(np.array([self.body.start, self.body.end])).tolist(), key=abs)
-        return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), radius)
+        frame, r = self.frame, radius - self.sign * (self.depth - 0.5 * self.body.depth)
+        ends = (frame.sense * (angle - frame.origin) for angle in (self.body.start, self.body.end))
+        phi = (max if loaded else min)(ends, key=abs)
+        return np.array([r * math.cos(phi), r * math.sin(phi)])
 
     def angle_of(self, point: Point) -> float:
         """The angle [rad] of a point, that nearest to the lining's middle."""

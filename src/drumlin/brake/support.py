@@ -69,7 +69,8 @@ def slide_along(angle: float) -> Floats:
 
 def work_on(motions: Floats, force: Floats, point: Floats) -> Floats:
     """Work (k,) of a force (2,) [N] at a point (2,) [m] on rigid motions (k, 3)."""
-    return motions @ wrench(force, point)
+    (x, y), (fx, fy) = point, force
+    return motions @ np.array([fx, fy, x * fy - y * fx])
 
 
 def wrench(forces: Floats, points: Floats) -> Floats:
@@ -181,11 +182,12 @@ class Held(Part):
             motions.append(slide_along(self.abutment.direction))
             tests.append(motions[-1])
             names.append("off")
-        work = work_on(np.array(tests), self.actuation.vector, at)
-        tip = work_on(np.array(motions), self.actuation.direction_vector, at)
+        moved, tested = np.array(motions), np.array(tests)
+        work = work_on(tested, self.actuation.vector, at)
+        tip = work_on(moved, self.actuation.direction_vector, at)
         if self.pivot is not None:  # the actuation acts on the lever: it does no work where the shoe tilts on its pivot
             work[1] = tip[1] = 0.0
-        return Freedoms(np.array(motions), np.array(tests), work, tip, tuple(names))
+        return Freedoms(moved, tested, work, tip, tuple(names))
 
     def changes(self, sense: int = 1) -> dict[str, tuple[Change, ...]]:
         """How its freedoms change with what holds it, by key: points along x and y [per m], directions [per rad],

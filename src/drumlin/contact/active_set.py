@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
-from drumlin.contact.equations import Changed, Equations, Problem, equilibrated, few_changed
+from drumlin.contact.equations import Changed, Equations, Problem, System, equilibrated, few_changed, regular
 from drumlin.errors import NoAnswer
 
 MOST_STEPS = 120  # a brake that has an answer needs some ten
@@ -80,41 +80,43 @@ def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS)
 
     Raises NotSettled where the wrong nodes do not become fewer, NoAnswer where nothing balances the actuation.
     """
-    scaled, scales = equilibrated(problem)
-    (A, q, B, C, h), d = scaled, scales.pressure
-    n, k = B.shape
+    system = equilibrated(problem)
+    K, r, n = system.K, system.r, system.n
+    free, moved = len(r) - n, problem.B != 0
     active = np.ones(n, dtype=bool) if start is None else start.copy()
     fewest, patience = n + 1, PATIENCE
+    largest_q = np.abs(r[:n]).max()
     base: Equations | None = None
     for step in range(1, most + 1):
-        if k and not _resisted(B, active):  # a motion that nothing resists yet
-            active = active | _first_touch(q, B, C, h)
-        if base is not None and few_changed(base, active):
-            equations: Equations = Changed(base, scaled, active)
+        if free and not _resisted(moved, active):  # a motion that nothing resists yet
+            active = active | _first_touch(system.problem)
+        on = system.on(active)
+        if base is not None and few_changed(base, on):
+            equations: Equations = Changed(base, K, on)
         else:
-            equations = base = Equations(scaled, active)
-        p, y = equations.solve(q, h)
-        w = q + A @ p + B @ y
-        w[active] = 0.0
+            equations = base = Equations(K, on)
+        x = equations.solve(r)
+        p, closed, opened = x[:n], K[:, :n] @ x[:n], K[:n, n:] @ x[n:]
+        w = r[:n] + closed[:n] + opened
         p_slack = SLACK * np.abs(p).max(initial=0.0)
-        w_slack = SLACK * max(np.abs(q).max(), np.abs(B @ y).max(initial=0.0), np.abs(A @ p).max())
+        w_slack = SLACK * max(largest_q, np.abs(opened).max(initial=0.0), np.abs(closed[:n]).max())
         change = np.where(active, p < -p_slack, w < -w_slack)
-        if not change.any():
+        wrong = int(np.count_nonzero(change))
+        if not wrong:
             # One step of refinement: p and y balance to round-off even where wide gaps close on tiny compressions.
-            dp, dy = equations.solve(q + A @ p + B @ y, h - C @ p)
-            p, y = p + dp, y + dy
+            x = (x + equations.solve(np.concatenate([w, r[n:] + closed[n:]]))) * system.across
+            w[active] = 0.0
             return Contact(
-                p=np.maximum(p, 0.0) * d,
-                w=w / d,
-                y=y * scales.motion,
+                p=np.maximum(x[:n], 0.0),
+                w=w / system.down[:n],
+                y=x[n:],
                 active=active,
                 steps=step,
-                regular=equations.regular(scales),
-                tangent=partial(_tangent, equations, d, np.zeros(k)),
+                regular=regular(equations, system),
+                tangent=partial(_tangent, equations, system),
             )
-        wrong = np.count_nonzero(change)
         fewest, patience = (wrong, PATIENCE) if wrong < fewest else (fewest, patience - 1)
-        if start is None and step == 1 and FAR * wrong > n:
+        if start is None and step == 1 and FAR * wrong > n >= SMALL:
             active = coarse_start(problem)
             continue
         if patience < 0:
@@ -133,20 +135,20 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
 
     Raises NoAnswer where it goes on for ever.
     """
-    scaled, _ = equilibrated(problem)
-    A, q, B, C, h = scaled
-    n, k = B.shape
-    active = _first_touch(q, B, C, h, alone=True)
-    s, way, last, e = 1.0, -1, -1, np.zeros(n)
+    system = equilibrated(problem)
+    K, r, n = system.K, system.r, system.n
+    active = _first_touch(system.problem, alone=True)
+    s, way, last, e = 1.0, -1, -1, np.zeros(len(r))
     for step in range(MOST_PASSES * n):
-        equations = Equations(scaled, active)
-        p, y = equations.solve(q, h)
-        w = q + A @ p + B @ y
+        equations = Equations(K, system.on(active))
+        x = equations.solve(r)
+        w = (r + K @ x)[:n]
         if step == 0:
             uneven = 1 + np.arange(n) * GOLDEN % 1  # no two nodes change together
-            e = np.where(active, 0.0, np.maximum(-w, 0.0) + WIDER * max(np.abs(w).max(), np.abs(q).max()) * uneven)
-        dp, dy = equations.solve(e, np.zeros(k))
-        value, slope = np.where(active, p, w), np.where(active, dp, e + A @ dp + B @ dy)  # at s = 0, and per s
+            wider = WIDER * max(np.abs(w).max(), np.abs(r[:n]).max())
+            e[:n] = np.where(active, 0.0, np.maximum(-w, 0.0) + wider * uneven)
+        dx = equations.solve(e)
+        value, slope = np.where(active, x[:n], w), np.where(active, dx[:n], (e + K @ dx)[:n])  # at s = 0, and per s
         if step > 0:
             way = 1 if slope[last] > 0 else -1  # the node that has changed leaves zero
         falls = way * slope < 0
@@ -214,22 +216,27 @@ def _halved(rows: Floats, axis: int = 0) -> Floats:
     return half
 
 
-def _tangent(equations: Equations, d: Floats, h: Floats, dq: Floats) -> Floats:
-    return equations.solve(d * dq, h)[0] * d
+def _tangent(equations: Equations, system: System, dq: Floats) -> Floats:
+    dr = np.zeros(len(system.r))
+    dr[: system.n] = dq
+    return (system.across * equations.solve(system.down * dr))[: system.n]
 
 
-def _resisted(B: Floats, active: Bools) -> bool:
-    """Whether each free motion meets a node of the contact set, motions of the same nodes one each."""
-    moved = B[active] != 0
-    if not moved.any(axis=0).all():
+def _resisted(moved: Bools, active: Bools) -> bool:
+    """Whether each free motion meets a node of the contact set, motions of the same nodes one each; moved (n, k)."""
+    touched = moved[active]
+    if not touched.any(axis=0).all():
         return False
-    return B.shape[1] < 2 or all(np.count_nonzero(moved[:, of].any(axis=1)) >= len(of) for of in _together(B))
+    if moved.shape[1] < 2:
+        return True
+    return all(np.count_nonzero(touched[:, of].any(axis=1)) >= len(of) for of in _together(moved))
 
 
-def _first_touch(q: Floats, B: Floats, C: Floats, h: Floats, *, alone: bool = False) -> Bools:
+def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:
     """For each free motion the nodes that the actuation closes first, when nothing touches; `alone`: one of them."""
+    _, q, B, C, h = problem
     touching = np.zeros(len(q), dtype=bool)
-    for motions in _together(B):
+    for motions in _together(B != 0):
         if len(motions) > 1:
             touching |= _first_pair(q, B[:, motions], C[motions], h[motions])
             continue
@@ -248,12 +255,11 @@ def _first_touch(q: Floats, B: Floats, C: Floats, h: Floats, *, alone: bool = Fa
 MOST_PAIRS = 64  # nodes among which the two that bear two motions first are looked for
 
 
-def _together(B: Floats) -> list[list[int]]:
-    """The motions (n, k) in sets that move the same nodes."""
+def _together(moved: Bools) -> list[list[int]]:
+    """The motions in sets that move the same nodes; moved (n, k)."""
     found: list[list[int]] = []
-    for k in range(B.shape[1]):
-        moves = B[:, k] != 0
-        like = next((motions for motions in found if (moves & (B[:, motions[0]] != 0)).any()), None)
+    for k in range(moved.shape[1]):
+        like = next((motions for motions in found if (moved[:, k] & moved[:, motions[0]]).any()), None)
         if like is None:
             found.append([k])
         else:

@@ -20,7 +20,7 @@ import numpy as np
 
 from drumlin.arrays import Bools, Floats
 from drumlin.contact.active_set import Contact, beside, between, halved, settle, solve
-from drumlin.contact.equations import Problem, equilibrated, matrix_on
+from drumlin.contact.equations import Problem, equilibrated
 from drumlin.errors import NoAnswer
 
 LARGEST = 1e3  # friction coefficient up to which a limit is looked for
@@ -175,10 +175,12 @@ def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
 
     With x of K(mu) G = K1 an eigenvalue gamma of G belongs to the singular friction mu - 1/gamma.
     """
-    scaled, scales = equilibrated(sliding.at(friction))
-    d, on = scales.pressure, np.flatnonzero(active)
-    rows = np.vstack([(d[:, None] * sliding.A1 * d)[on], scales.balance[:, None] * sliding.C1 * d])
-    G = np.linalg.solve(matrix_on(scaled, active), rows[:, on])[: len(on)]
+    system = equilibrated(sliding.at(friction))
+    on = np.flatnonzero(active)
+    unknowns = np.flatnonzero(system.on(active))
+    rows = np.vstack([sliding.A1[on][:, on], sliding.C1[:, on]])
+    rows *= system.down[unknowns, None] * system.across[on]
+    G = np.linalg.solve(system.K[unknowns[:, None], unknowns], rows)[: len(on)]
     gamma = np.linalg.eigvals(G)
     gamma = gamma[gamma.imag == 0].real
     falling = gamma[gamma < -1e-300]

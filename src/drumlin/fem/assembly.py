@@ -135,17 +135,19 @@ class Cache:
     """
 
     def __init__(self, room: int = ROOM) -> None:
-        self._room, self._values = room, OrderedDict[Hashable, tuple[int, Any]]()
+        self._room, self._taken, self._values = room, 0, OrderedDict[Hashable, tuple[int, Any]]()
 
     def get(self, key: Hashable, make: Callable[[], Any], size: Callable[[Any], int]) -> Any:
         """The value of `key`: kept, or else made by `make` and kept; size(value) [bytes]."""
-        if key not in self._values:
+        kept = self._values.pop(key, None)
+        if kept is None:
             value = make()
-            self._values[key] = size(value), value
-        self._values.move_to_end(key)
-        while len(self._values) > 1 and sum(bytes_ for bytes_, _ in self._values.values()) > self._room:
-            self._values.popitem(last=False)
-        return self._values[key][1]
+            kept = size(value), value
+            self._taken += kept[0]
+        self._values[key] = kept  # as the last
+        while len(self._values) > 1 and self._taken > self._room:
+            self._taken -= self._values.popitem(last=False)[1][0]
+        return kept[1]
 
 
 def content(shoe: Shoe) -> str | None:

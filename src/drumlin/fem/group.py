@@ -45,7 +45,10 @@ class ShoeGroup:
     def motions(self) -> tuple[Motions, ...]:
         """The free motions of each shoe."""
         senses = self.senses or (1,) * len(self.members)
-        return tuple(motions_of(*of) for of in zip(self.bodies, self.shoes, senses, strict=True))
+        return tuple(
+            motions_of(body, shoe, moment, sense)
+            for body, shoe, (_, moment), sense in zip(self.bodies, self.shoes, self.loads, senses, strict=True)
+        )
 
     @cached_property
     def rows(self) -> tuple[slice, ...]:
@@ -95,13 +98,24 @@ class ShoeGroup:
         return tuple(contact_stiffness(shoe, self.penalty) for shoe in self.shoes)
 
     @cached_property
-    def closings(self) -> tuple[tuple[Floats, Floats, Floats], ...]:
-        """Of each shoe what its motions take from the weighted gap, N u (n_i, k), and of those that its equilibria are
-        tested on N u and T u (n_i, k): they hang on no friction coefficient."""
+    def closings(self) -> tuple[tuple[Floats, Floats], ...]:
+        """Of each shoe and the motions that its equilibria are tested on N u and T u (n_i, k)."""
         return tuple(
-            (body.coupling.N @ at.moved, body.coupling.N @ at.tested, body.coupling.T @ at.tested)
+            (body.coupling.N @ at.tested, body.coupling.T @ at.tested)
             for body, at in zip(self.bodies, self.motions, strict=True)
         )
+
+    @cached_property
+    def loaded(self) -> tuple[tuple[Floats, Floats, Floats], ...]:
+        """q (n_i,), B (n_i, k) and h (k,) of each shoe: they hang on no friction coefficient."""
+        found = []
+        for body, shoe, at, gap, (load, _) in zip(
+            self.bodies, self.shoes, self.motions, self.gaps, self.loads, strict=True
+        ):
+            own = abs(shoe.actuation.force) / self.unit_force
+            q = body.coupling.M @ (gap / self.unit_force) - own * (body.closing_loaded @ load)
+            found.append((q, -(body.coupling.N @ at.moved), -own * at.work))
+        return tuple(found)
 
     @cached_property
     def levers(self) -> Floats:
@@ -215,19 +229,10 @@ class ShoeGroup:
         )
 
     def _shoe_problem(self, k: int, friction: float) -> Problem:
-        body, shoe = self.bodies[k], self.shoes[k]
-        drag = self._drag_on(shoe, friction)
-        load, _ = self.loads[k]
-        motions = self.motions[k]
-        own = abs(shoe.actuation.force) / self.unit_force
-        moved, pressed, dragged = self.closings[k]
-        return Problem(
-            A=_yielding(body, drag, self.stiffnesses[k]),
-            q=body.coupling.M @ (self.gaps[k] / self.unit_force) - own * (body.closing_loaded @ load),
-            B=-moved,
-            C=np.ascontiguousarray((drag * dragged - pressed).T),
-            h=-own * motions.work,
-        )
+        drag = self._drag_on(self.shoes[k], friction)
+        (q, B, h), (pressed, dragged) = self.loaded[k], self.closings[k]
+        A = _yielding(self.bodies[k], drag, self.stiffnesses[k])
+        return Problem(A, q, B, (drag * dragged - pressed).T, h)
 
     @property
     def sliding(self) -> self_locking.Sliding:

@@ -108,8 +108,10 @@ class _Answer:
 def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
     """A warning for each shoe's own mesh that lies in the drum."""
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
+        if shoe.mesh is None:
+            continue
         deep = -float(shoe.off(body.line.xy, brake.drum.radius).min())
-        if shoe.mesh is not None and deep > OVERLAP * shoe.lining.thickness:
+        if deep > OVERLAP * shoe.lining.thickness:
             yield (
                 f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the {shoe.face}; "
                 "its pressure is that of the lining squeezed out of there"
@@ -186,7 +188,8 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
 def _imbalance(answers: dict[int, _Answer]) -> float:
     """The largest imbalance of forces or moments, relative."""
     balance = worst([answer.balance for answer in answers.values()])
-    return float(np.nan_to_num(max(balance.force, balance.moment), nan=math.inf))
+    largest = max(balance.force, balance.moment)
+    return math.inf if math.isnan(largest) else largest
 
 
 def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Refined":
@@ -232,14 +235,15 @@ def _answer(
         reaction = held(body, p, drag, load)
     pin, motions = shoe.own_pin, group.motions[k]
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
-    acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
-    left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
     # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
-    moments = [float(cross(line.xy.T, nodal).sum()), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))]
+    whole, turning = nodal.sum(axis=0), float((line.xy[0] * nodal[:, 1] - line.xy[1] * nodal[:, 0]).sum())
+    moments = [turning, float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))]
     if shoe.guide is not None:
         moments += [twist, *borne(force, brake.drum.radius * (shoe.lining.end - shoe.lining.start))]
-    balance = relative_balance([nodal.sum(axis=0), reaction, load[:2]], moments)
+    balance = relative_balance([whole, reaction, load[:2]], moments)
     if shoe.held_by != "hinge":
+        acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
+        left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
@@ -260,12 +264,12 @@ def _answer(
         mean,
         order=line.order,
         torque=abs(drag) * pressed,
-        normal_force=float(np.linalg.norm(normal.sum(axis=0))),
-        self_energising=drag * float((coupling.T @ motions.tested[:, 0]) @ p) * float(work[0]) > 0,
+        normal_force=math.hypot(*normal.sum(axis=0)),
+        self_energising=drag * float(group.closings[k][1][:, 0] @ p) * float(motions.work[0]) > 0,
         hinge_reaction=frame.to_brake(reaction),
         turn=frame.sense * float(motions.of[2] @ y),
         force=None if group.sharing is None else force,
-        pivot_reaction=-frame.to_brake(nodal.sum(axis=0)) if shoe.pivot is not None else None,
+        pivot_reaction=-frame.to_brake(whole) if shoe.pivot is not None else None,
         reaction_moment=frame.sense * twist,
         motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
         surface=line.surface(p),

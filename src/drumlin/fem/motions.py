@@ -8,7 +8,7 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.support import moved
-from drumlin.fem.assembly import Body, actuation
+from drumlin.fem.assembly import Body
 
 
 class Motions(NamedTuple):
@@ -29,8 +29,13 @@ def at_pin(shoe: Shoe, motions: Floats) -> Floats:
     return np.vstack([u.T, shoe.frame.sense * motions[:, 2]])
 
 
-def motions_of(body: Body, shoe: Shoe, sense: int = 1) -> Motions:
-    """The free motions of a shoe; sense: of an abutment's friction, see `Held.freedoms`."""
+def motions_of(body: Body, shoe: Shoe, moment: float, sense: int = 1) -> Motions:
+    """The free motions of a shoe.
+
+    moment: of its actuation about its pin [m], per newton; sense: of an abutment's friction, see `Held.freedoms`.
+    """
+    if shoe.held_by == "hinge":
+        return _turn(body, moment)
     free, frame = (shoe if shoe.actuation.force else shoe.under(1.0)).freedoms(sense), shoe.frame
     tip = free.tip * math.copysign(1.0, shoe.actuation.force)
     xy = shoe.points(body.line.xy)
@@ -42,9 +47,13 @@ def motions_of(body: Body, shoe: Shoe, sense: int = 1) -> Motions:
     work = free.work / (abs(shoe.actuation.force) or 1.0)
     found = own(free.motions), own(free.tests), work
     of = at_pin(shoe, free.motions)
-    if free.names[0] == "turn":  # about the pin: free of the round-off of a turn about the drum's centre
-        for part in found[:2]:
-            part[:, 0] = body.turned
-        work[0] = tip[0] = actuation(body, shoe)[1]
-        of[:, 0] = 0.0, 0.0, 1.0
+    if free.names[0] == "turn":  # exactly, as below
+        for part, whole in zip((*found, tip, of), _turn(body, moment), strict=True):
+            part[..., :1] = whole
     return Motions(*found, tip, of)
+
+
+def _turn(body: Body, moment: float) -> Motions:
+    """The turn about the pin, free of the round-off of one about the drum's centre."""
+    turned, work = body.turned[:, None], np.array([moment])
+    return Motions(turned, turned, work, work, np.array([[0.0], [0.0], [1.0]]))

@@ -63,6 +63,9 @@ def system(face: Face, free: Freedoms, width: float, arcs: Arcs) -> tuple[Floats
 def locking(face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int) -> float:
     """mu_lock: the least friction at which the equilibria become singular; inf where there is none."""
     N, F = system(face, free, width, arcs)
+    if len(N) == 1:
+        drags = spin * float(F[0, 0]) / float(N[0, 0]) if N[0, 0] else 0.0
+        return 1 / drags if drags > 1e-14 else math.inf
     size = np.sqrt(np.abs(np.diagonal(N))) + 1e-300
     N, F = N / np.outer(size, size), F / np.outer(size, size)
     try:

@@ -21,7 +21,7 @@ from drumlin.errors import NoAnswer
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.limits import warnings
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
-from drumlin.response.resultants import cross, integrate
+from drumlin.response.resultants import Resultant, cross, integrate
 
 B = TypeVar("B", bound=Brake | FlatBrake)
 
@@ -38,11 +38,10 @@ def double_delta(brake: Brake, shoe: Shoe) -> int:
     return shoe.sign * brake.spin * shoe.frame.sense * (1 if beyond else -1)
 
 
-def merit(brake: Brake, index: int, response: ShoeResponse) -> Merit:
-    """Figures of merit of shoe `index` of a brake on a drum."""
+def merit(brake: Brake, index: int, response: ShoeResponse, contact: Resultant) -> Merit:
+    """Figures of merit of shoe `index` of a brake on a drum, from its `contact_resultant`."""
     shoe = brake.shoes[index]
     R, b = brake.drum.radius, shoe.lining.width
-    contact = contact_resultant(brake, index, response)
     to_centre = -shoe.pin.xy
     M = shoe.actuation.moment_about(shoe.pin)
     M_N = float(cross(to_centre, contact.normal))
@@ -128,13 +127,12 @@ def with_merits(brake: AnyBrake, response: Response) -> Response:
     shoes, brake = enumerate(response.shoes), loaded(brake, response)
     if isinstance(brake, FlatBrake):
         return replace(response, merits=tuple(flat_merit(brake, i, shoe) for i, shoe in shoes))
+    contacts = [contact_resultant(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     return replace(
         response,
-        merits=tuple(merit(brake, i, shoe) for i, shoe in shoes),
+        merits=tuple(merit(brake, i, shoe, contacts[i]) for i, shoe in shoes),
         notes=(*warnings(brake, {shoe.name: shoe.peak_pressure for shoe in response.shoes}), *response.notes),
-        bearing_load=-np.sum(
-            [contact_resultant(brake, i, shoe).force for i, shoe in enumerate(response.shoes)], axis=0
-        ),
+        bearing_load=-np.sum([contact.force for contact in contacts], axis=0),
     )
 
 

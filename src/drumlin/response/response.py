@@ -12,7 +12,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import FlatBrake, FlatShoe
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
-from drumlin.response.resultants import Resultant, contact_arcs, edge_left_out, largest
+from drumlin.response.resultants import Resultant, by_piece, contact_arcs, edge_left_out, largest
 from drumlin.response.show import as_html, as_text, plot
 
 EDGE_ZONE = math.radians(0.2)
@@ -100,12 +100,15 @@ class ShoeResponse:
         theta = np.asarray(theta, dtype=float)
         ends = self.theta[:: self.order]
         piece = np.clip(np.searchsorted(ends, theta, side="right") - 1, 0, len(ends) - 2)
-        nodes = piece[..., None] * self.order + np.arange(self.order + 1)
-        x, y = self.theta[nodes], self.pressure[nodes]
-        value = np.zeros(theta.shape)
-        for i in range(self.order + 1):
-            others = [j for j in range(self.order + 1) if j != i]
-            value += y[..., i] * np.prod([(theta - x[..., j]) / (x[..., i] - x[..., j]) for j in others], axis=0)
+        x, y = by_piece(self.theta, self.order), by_piece(self.pressure, self.order)
+        apart = x[:, :, None] - x[:, None]  # (pieces, nodes, nodes)
+        one = np.eye(self.order + 1)
+        factors = (y / (apart + one).prod(axis=2))[piece]
+        off = theta[..., None] - x[piece]
+        up, down = np.ones(off.shape), np.ones(off.shape)  # products of those before a node, and behind it
+        np.cumprod(off[..., :-1], axis=-1, out=up[..., 1:])
+        np.cumprod(off[..., :0:-1], axis=-1, out=down[..., -2::-1])
+        value = (factors * up * down).sum(axis=-1)
         return np.where((theta >= self.theta[0]) & (theta <= self.theta[-1]), value, 0.0)
 
     def curve(self) -> tuple[Floats, Floats]:
@@ -205,8 +208,8 @@ class Response:
 
     def __post_init__(self) -> None:
         for shoe in self.shoes:
-            numbers = [shoe.torque, shoe.normal_force, shoe.peak_pressure, *shoe.hinge_reaction, *shoe.pressure]
-            if not np.isfinite(numbers).all():
+            numbers = shoe.torque, shoe.normal_force, shoe.peak_pressure, *shoe.hinge_reaction
+            if not (all(map(math.isfinite, numbers)) and np.isfinite(shoe.pressure).all()):
                 raise NoAnswer(
                     f"shoe {shoe.name!r}: the answer is not finite, sizes or forces are beyond the arithmetic"
                 )

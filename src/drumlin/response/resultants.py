@@ -67,13 +67,24 @@ def _at_gauss(order: int) -> Floats:
 def gauss_points(theta: Floats, values: Floats, order: int) -> tuple[Floats, Floats, Floats]:
     """Angles, values and weights (pieces, points) of a Gauss rule on every piece of a piecewise polynomial."""
     ends = theta[::order]
-    half = 0.5 * np.diff(ends)[:, None]
-    pieces = np.arange(len(ends) - 1)[:, None] * order + np.arange(order + 1)
-    return ends[:-1, None] + half * (1 + GAUSS), values[pieces] @ _at_gauss(order), half * WEIGHTS
+    half = 0.5 * (ends[1:] - ends[:-1])[:, None]
+    return ends[:-1, None] + half * (1 + GAUSS), by_piece(values, order) @ _at_gauss(order), half * WEIGHTS
+
+
+def by_piece(values: Floats, order: int) -> Floats:
+    """The nodal values (pieces, order + 1) of each piece of a piecewise polynomial."""
+    found = np.empty(((len(values) - 1) // order, order + 1))
+    found[:, :-1], found[:, -1] = values[:-1].reshape(-1, order), values[order::order]
+    return found
 
 
 SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
 """Where in a piece its largest value is looked for; between them a parabola tells."""
+
+
+@cache
+def _at_samples(order: int) -> Floats:
+    return shape(order, SAMPLES)
 
 
 def largest(theta: Floats, values: Floats, order: int, zone: float = 0.0) -> float:
@@ -84,23 +95,28 @@ def largest(theta: Floats, values: Floats, order: int, zone: float = 0.0) -> flo
     ends = theta[::order]
     low, high = (ends[:-1], ends[1:]) if first >= last else (np.maximum(ends[:-1], first), np.minimum(ends[1:], last))
     on = np.flatnonzero(low < high)
-    half, middle = 0.5 * (ends[on + 1] - ends[on]), 0.5 * (ends[on + 1] + ends[on])
-    xi = (0.5 * (low + high)[on] - middle)[:, None] + 0.5 * (high - low)[on][:, None] * SAMPLES
-    pieces = values[on[:, None] * order + np.arange(order + 1)]
-    found = np.einsum("aij,ia->ij", shape(order, xi / half[:, None]), pieces)
-    i, j = np.unravel_index(found.argmax(), found.shape)
+    pieces = by_piece(values, order)
+    found = pieces[on] @ _at_samples(order)
+    cut = ((low > ends[:-1]) | (high < ends[1:]))[on].nonzero()[0]  # by the end of a zone
+    if len(cut):
+        a, b, start, end = (x[on[cut], None] for x in (low, high, ends[:-1], ends[1:]))
+        xi = (a + b - start - end + (b - a) * SAMPLES) / (end - start)
+        found[cut] = (pieces[on[cut], None] @ shape(order, xi).swapaxes(0, 1))[:, 0]
+    i, j = divmod(int(found.argmax()), len(SAMPLES))
     if j in {0, len(SAMPLES) - 1}:
         return float(found[i, j])
-    x, y = SAMPLES[j - 1 : j + 2], found[i, j - 1 : j + 2]
-    a, b, c = np.polyfit(x - x[1], y, 2)
-    return float(max(y[1], c - b * b / (4 * a))) if a < 0 else float(y[1])
+    (before, x, after), (below, top, beyond) = SAMPLES[j - 1 : j + 2].tolist(), found[i, j - 1 : j + 2].tolist()
+    left, right = (top - below) / (x - before), (beyond - top) / (after - x)
+    bend = (right - left) / (after - before)
+    slope = left + bend * (x - before)
+    return float(max(top, top - slope * slope / (4 * bend))) if bend < 0 else float(top)
 
 
 def edge_left_out(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
     """The zone [rad] at the ends that may be left out of judging p(theta): none where half of the force is there."""
     at, p, w = gauss_points(theta, pressure, order)
-    inside = (at > theta[0] + zone) & (at < theta[-1] - zone)
-    return zone if (p * w)[inside].sum() > 0.5 * (p * w).sum() else 0.0
+    inside, force = (at > theta[0] + zone) & (at < theta[-1] - zone), p * w
+    return zone if force[inside].sum() > 0.5 * force.sum() else 0.0
 
 
 def integrate(theta: Floats, values: Floats, order: int) -> float:
@@ -133,35 +149,34 @@ def contact_arcs(
     not `located`.
     """
     pressed = pressure > 0
-    steps = pressed[:-1] | pressed[1:]
-    last = len(theta) - 1
+    steps = np.zeros(len(theta) + 1, dtype=bool)
+    steps[1:-1] = pressed[:-1] | pressed[1:]
+    edges = (steps[1:] != steps[:-1]).nonzero()[0].tolist()
     arcs = []
-    for i in range(last):
-        if steps[i] and not (i and steps[i - 1]):
-            start = i
-        if steps[i] and not (i + 1 < last and steps[i + 1]):
-            ends = float(theta[start]), float(theta[i + 1])
-            if located:
-                ends = (
-                    _end(theta, pressure, start, order),
-                    -_end(-theta[::-1], pressure[::-1], last - i - 1, order),
-                )
-            arcs.append(ends)
+    for start, end in zip(edges[::2], edges[1::2], strict=True):
+        ends = float(theta[start]), float(theta[end])
+        if located and not pressed[start]:
+            ends = _end(theta, pressure, start, order), ends[1]
+        if located and not pressed[end]:
+            ends = ends[0], -_end(-theta[::-1], pressure[::-1], len(theta) - 1 - end, order)
+        arcs.append(ends)
     return tuple(arcs)
 
 
 def _end(theta: Floats, pressure: Floats, node: int, order: int) -> float:
-    """The end between `node` and the next one of an arc that begins at `node`.
+    """The end between `node` and the next one of an arc that begins at `node`, where nothing presses.
 
     The pressure of a smooth contact falls to its end e as sqrt(theta - e), so that F = Int_e p dtheta has
     F^(2/3) linear in theta: the line through its values at the ends of the first two elements gives e. Integrals
     of the pressure scatter far less than its nodal values.
     """
     i = node // order * order
-    if pressure[node] > 0 or i + 2 * order >= len(theta):
-        return float(theta[node])
     near, far = i + order, i + 2 * order
-    f = [max(integrate(theta[i : k + 1], pressure[i : k + 1], order), 0.0) ** (2 / 3) for k in (near, far)]
+    if far >= len(theta):
+        return float(theta[node])
+    _, p, w = gauss_points(theta[i : far + 1], pressure[i : far + 1], order)
+    first, second = (p * w).sum(axis=1).tolist()
+    f = [max(force, 0.0) ** (2 / 3) for force in (first, first + second)]
     if f[1] <= f[0]:
         return float(theta[node])
     end = theta[near] - f[0] * (theta[far] - theta[near]) / (f[1] - f[0])

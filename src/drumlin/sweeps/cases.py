@@ -48,8 +48,8 @@ class Case(NamedTuple):
     options: Mapping[str, Any] = {}
 
 
-def respond(case: Case, cache: Cache | None = None) -> Response:
-    """The response of a case; finite elements and solids take bodies from the cache and put theirs there.
+def respond(case: Case, cache: Cache | None = None) -> tuple[AnyBrake, Response]:
+    """The brake of a case and its response; elements and solids take bodies from the cache and put theirs there.
 
     Raises BadInput, NoAnswer.
     """
@@ -57,7 +57,7 @@ def respond(case: Case, cache: Cache | None = None) -> Response:
     options = dict(case.options)
     if case.model in {"fem", "solid"}:
         options["cache"] = cache
-    return pick(case.model, brake).solve(brake, **options)
+    return brake, pick(case.model, brake).solve(brake, **options)
 
 
 class Answer(NamedTuple):
@@ -79,7 +79,7 @@ def attempt(case: Case, cache: Cache | None = None) -> Answer:
     Answers and refusals of physics and input last; want of memory, files and workers passes; faults of drumlin neither.
     """
     try:
-        return Answer(row_of(vary(case.brake, case.changes), respond(case, cache)))
+        return Answer(row_of(*respond(case, cache)))
     except Exception as error:  # a fault of one case must not cost the others; its row says what it was
         said = str(error) if isinstance(error, DrumlinError) else f"unexpected {type(error).__name__}: {error}"
         passing, files = _passing(error), mesh_files(case.brake, case.changes)

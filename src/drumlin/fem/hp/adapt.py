@@ -56,6 +56,7 @@ RULES = {
 }
 """Of 187 random brakes of 11 kinds: no more than 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often."""
+FASTEST = 12.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
 LEAST_REACTION = 1.7  # with such a corner, times the error of the torque: a guide's reaction moves late
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 ROUND_OFF = 10.0  # times what the elimination has lost of a unit force: what that may be in p
@@ -133,9 +134,10 @@ def estimate(responses: Sequence[Response], lost: float = 0.0, soft: float = 0.0
     first, on_corner, later, fastest, share_first, share, yielding = np.array(rules).T
     series = np.array([distances(a, b) for a, b in pairwise(responses)])  # (steps, quantities)
     found = (on_corner if corner else first) * series[0]
+    slow = np.minimum(fastest, FASTEST) if corner else fastest
     for before, last in pairwise(series):
         falls = np.maximum(before / np.maximum(last, np.finfo(float).tiny), SLOWEST)
-        found = np.maximum(np.maximum(later, 1 / (falls - 1)) * last, found / fastest)
+        found = np.maximum(np.maximum(later, 1 / (falls - 1)) * last, found / slow)
     own = found[1 :: len(QUANTITIES)]  # of p
     own = np.array([own.max(), *np.repeat(own, len(QUANTITIES))])
     least = (share_first if len(series) == 1 else share) * own

@@ -8,8 +8,8 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem import assembly
 from drumlin.fem.hp.division import Level
-from drumlin.fem.hp.places import places_of
-from drumlin.fem.hp.scene import Places, scene
+from drumlin.fem.hp.places import Place, places_of
+from drumlin.fem.hp.scene import scene
 from drumlin.response.response import Response
 
 DEG = math.pi / 180
@@ -52,10 +52,10 @@ def steps(
     Raises NoAnswer where two levels have none.
     """
     last: Response | None = None
-    refused = 0
+    arcs = {assembly.shape_of(brake, shoe): shoe.arc for shoe in brake.shoes}
+    refused, places = 0, places_of(brake, None)
     for level in levels or LEVELS:
         for _ in range(MOST_PASSES):
-            places = places_of(brake, last)
             made = scene(brake, level, places, cache)
             try:
                 found = respond(made, brake, start=last)
@@ -64,21 +64,15 @@ def steps(
                 if refused == 2:
                     raise
                 break
-            last = found
-            if not _moved(brake, places, found):
+            last, meant, places = found, places, places_of(brake, found)
+            if not any(_moved(arc, meant[key], places[key]) for key, arc in arcs.items()):
                 yield Step(made, found)
                 break
         else:
             yield Step(made, found)
 
 
-def _moved(brake: Brake, places: Places, found: Response) -> bool:
+def _moved(arc: tuple[float, float], places: Sequence[Place], now: Sequence[Place]) -> bool:
     """Whether an end of the contact is away from where columns end, over the length that it bounds."""
-    now = places_of(brake, found)
-    for shoe in brake.shoes:
-        key = assembly.shape_of(brake, shoe)
-        meant = [*shoe.arc, *(place[0] for place in places.get(key, ()))]
-        for x, length, kink in now[key]:
-            if not kink and min(abs(x - y) for y in meant) > SETTLED * length:
-                return True
-    return False
+    meant = [*arc, *(place[0] for place in places)]
+    return any(not kink and min(abs(x - y) for y in meant) > SETTLED * length for x, length, kink in now)
