@@ -8,6 +8,7 @@ import pytest
 
 import drumlin
 from drumlin.laws import sine
+from drumlin.response.balance import contact_resultant
 from drumlin.response.merit import merit
 
 BRAKE = "studies/double_shoe/brake.toml"
@@ -38,7 +39,7 @@ def test_a_path_may_be_a_text_and_a_response_carries_its_figures_of_merit(root):
     assert response.torque == pytest.approx(sum(shoe.torque for shoe in response.shoes))
     for i, shoe in enumerate(response.shoes):  # T/(F R) by hand, F = 2 kN, R = 150 mm
         assert response.merits[i].shoe_factor == pytest.approx(shoe.torque / (2000 * 0.150), rel=1e-12)
-        assert response.merits[i] == merit(brake, i, shoe)
+        assert response.merits[i] == merit(brake, i, shoe, contact_resultant(brake, i, shoe))
     assert response.bearing_load is not None
     assert drumlin.solve(brake, "sine").torque == sine(brake).torque
 

@@ -276,10 +276,9 @@ HINGED = "takes shoes on hinges under forces of their own only: "
 REFUSALS = [
     Refusal({"export"}, flat, "is a brake on a plane; .* takes brakes on a drum"),
     Refusal({"ring"}, flat, "unknown key 'drum'; allowed: title, friction, plane"),
-    Refusal(set(USES) - {"compare", "view", "foundation", "solid"}, unmeshed,
+    Refusal(set(USES) - {"compare", "view", "foundation"}, unmeshed,
             "its lining has no thickness and material to mesh"),
     Refusal({"export"}, unhinged, f"CalculiX {HINGED}"),
-    Refusal({"solid"}, flat, "does not apply to this brake: "),
     Refusal({"foundation"}, lambda b: True, "does not apply to this brake: "),
 ]  # fmt: skip
 

@@ -8,17 +8,22 @@ import numpy as np
 import pytest
 
 import drumlin
-from conftest import partly
+from conftest import ROOT, partly
 from drumlin.brake.fields import Material
 from drumlin.brake.file import validated
-from drumlin.brake.plane_brake import FlatBrake
+from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.unrolled import unrolled
+from drumlin.cli.commands import app
 from drumlin.errors import BadInput
+from drumlin.fem.assembly import prepare
 from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
 from drumlin.laws import law
 from drumlin.verification.ladder_pads import guided
+from drumlin.wear.archard import WearLaw
+from drumlin.wear.linings import fem_setup
+from drumlin.wear.run_in import COEFFICIENT, run_in, unit_distance, worn
 
 LINING = {"thickness": 0.001, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 BODY = {"thickness": 0.02, "width": 0.04, "start": 0.05, "end": 0.19, "material": {"E": 2.1e11, "nu": 0.3}}
@@ -160,3 +165,25 @@ def test_the_end_face_by_which_a_hinge_holds_a_pad_lies_on_the_plane_as_it_is() 
     near, far = (shoe.end_face(brake.drum.radius, loaded=loaded) - shoe.own_pin for loaded in (False, True))
     assert near == pytest.approx([0.05, 0.011 - 0.06], rel=1e-12)  # half of the body behind the lining
     assert far == pytest.approx([0.19, 0.011 - 0.06], rel=1e-12)
+
+
+def test_pads_are_worn_on_guides_along_the_normal_of_the_plane(capsys: pytest.CaptureFixture[str]) -> None:
+    """Worn in they bear evenly: the braking force is mu times that of the force's part along the normal."""
+    file = ROOT / "studies" / "brakes" / "rail_clamp.toml"
+    brake = read_any(file)
+    with pytest.raises(SystemExit) as end:
+        app(["wear", str(file), "--guided", "--elements", "20", "--distance", "0.1"])
+    assert end.value.code == 0
+    down = sum(-shoe.actuation.vector[1] for shoe in brake.shoes)
+    assert f"worn in (law): braking force {brake.friction * down:.6g} N" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
+    """Its shape, a clearance on the plane, gives the pressure that wore it, a wrong pad's too."""
+    own = unrolled(pad("hinge", body=BODY, lining=LINING | {"start": 0.06, "end": 0.18, "misfit": {"taper": 1e-6}}))
+    made, rule = prepare(own, elements=20), WearLaw(COEFFICIENT)
+    setup = fem_setup(made, own)
+    last = run_in(setup, rule, distance=0.3 * unit_distance(setup, rule))[-1]
+    (shoe,) = respond(made, worn(setup, last), penalty=math.inf).shoes
+    (surface,) = setup.surfaces
+    np.testing.assert_allclose(shoe.pressure, surface.along(last.pressure), atol=1e-8 * shoe.peak_pressure)

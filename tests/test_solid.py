@@ -430,7 +430,7 @@ def test_a_guided_solid_shoe_balances(flexible, friction):
         assert bears == pytest.approx(-4e3, rel=1e-4)  # nothing of the force goes into the guide
 
 
-def test_flat_pads_are_refused_in_a_line(root):
+def test_a_pad_without_thickness_is_refused_in_a_line(root):
     done = drumlin("solve", root / "studies" / "laws" / "pad.toml", "--model", "solid")
     assert done.returncode == 2 and done.stderr.count("\n") == 1
-    assert "does not apply to this brake: its shoes press on a plane, not on a drum" in done.stderr
+    assert "does not apply to this brake: shoe 'pad': its lining has no thickness and material to mesh" in done.stderr

@@ -56,7 +56,7 @@ def _foundation_why_not(brake: AnyBrake) -> str | None:
     return why_not(brake)
 
 
-def _solid(brake: Brake, **options: Any) -> Response:
+def _solid(brake: AnyBrake, **options: Any) -> Response:
     from drumlin.fem.solid import model
 
     return model.solve(brake, **options)
@@ -65,9 +65,8 @@ def _solid(brake: Brake, **options: Any) -> Response:
 def _solid_why_not(brake: AnyBrake) -> str | None:
     from drumlin.fem.solid import model
 
-    if not isinstance(brake, Brake):
-        return "its shoes press on a plane, not on a drum"
-    return model.why_not(brake)
+    reason = unrolled.why_not(brake) if isinstance(brake, FlatBrake) else None
+    return reason or model.why_not(unrolled.on_drum(brake))
 
 
 def _short_why_not(brake: AnyBrake) -> str | None:

@@ -267,7 +267,8 @@ def wear(
             from drumlin.fem.solve import scene_of
             from drumlin.wear.linings import guided as on_guides
 
-            brake = on_guides(brake) if guided else brake
+            given = on_guides(given) if guided else given
+            brake = on_drum(given)
             scene = scene_of(brake, **meshing)
 
             def setup_of(turning: Any) -> WearSetup:

@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
+from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, materials_of
@@ -46,6 +48,8 @@ FORMULATIONS = ("full slip", "coulomb")
 FURTHER = 0.9  # of the friction coefficient, in the further load case
 SLIPPING = 0.99  # of mu p: less shear in all is not full slip
 LONGEST = 1800  # s
+ALIKE = 1e-10  # relative: two tips go the same way
+MOST_PARTS = 12  # of the cam's force that are tried
 
 
 @functools.cache
@@ -75,8 +79,6 @@ def solve(
     if formulation not in FORMULATIONS:
         raise BadInput(f"formulation = {formulation!r}: unknown; allowed: {', '.join(FORMULATIONS)}")
     interpreter = python()
-    if brake.actuation is not None and brake.actuation.is_cam:
-        raise BadInput("actuation: a cam shares its force by how far both shoes yield; the peers get known forces")
     meshed = meshed_shoes(brake, elements, kind, mesher)
     runs: list[_Run] = []
 
@@ -85,17 +87,20 @@ def solve(
         return list(runs[-1].result["answers"][0])
 
     pushed = {link.to: link.source for link in brake.links}
-    answers: dict[str, tuple[ShoeResponse, Balance]] = {}
+    answers: dict[str, Stood] = {}
+    if brake.actuation is not None and brake.actuation.is_cam:
+        tips = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed}
+        answers |= _under_cam(brake.actuation.total, tips, lambda shoes: _standing(brake, shoes, meshed, run))
     while len(answers) < len(brake.shoes):  # along chains of struts, shoe by shoe
         ready = {}
         for i, shoe in enumerate(brake.shoes):
             if shoe.name in answers or pushed.get(shoe.name, shoe.name) not in {*answers, shoe.name}:
                 continue
             strut = pushed.get(shoe.name)
-            force = None if strut is None else float(np.hypot(*answers[strut][0].hinge_reaction))
+            force = None if strut is None else float(np.hypot(*answers[strut].response.hinge_reaction))
             ready[i] = shoe if force is None else shoe.under(force)
         answers |= _standing(brake, ready, meshed, run)
-    each = [answers[shoe.name] for shoe in brake.shoes]
+    each = [(answers[shoe.name].response, answers[shoe.name].balance) for shoe in brake.shoes]
     steps = max((answer["steps"] for ran in runs for answer in ran.result["answers"][0]), default=0)
     cold, warm = (math.fsum(median(times[k] for times in ran.result["seconds"]) for ran in runs) for k in (0, 1))
     spent = math.fsum(ran.seconds - sum(map(sum, ran.result["seconds"])) for ran in runs)
@@ -117,12 +122,52 @@ class _Run(NamedTuple):
     seconds: float
 
 
+class Stood(NamedTuple):
+    """A shoe's answer, and how far the point of its force goes along it [m]."""
+
+    response: ShoeResponse
+    balance: Balance
+    tip: float
+
+
+def _under_cam(
+    total: float, shoes: Mapping[int, Shoe], stood: Callable[[Mapping[int, Shoe]], dict[str, Stood]]
+) -> dict[str, Stood]:
+    """The answers of two shoes whose tips a cam moves alike by forces of the sum `total` [N], by name.
+
+    Where linings fit the tips go in proportion to the forces, and the first step is the last. Raises NoAnswer.
+    """
+    one, other = shoes
+    tried: list[tuple[float, float]] = []  # the part of the one, and by how much less its tip goes
+    part = 0.5
+    for _ in range(MOST_PARTS):
+        pushed = {one: shoes[one].under(part * total), other: shoes[other].under((1 - part) * total)}
+        found = stood(pushed)
+        a, b = (found[shoe.name].tip for shoe in shoes.values())
+        if not min(a, b) > 0:
+            raise NoAnswer("GetFEM: a shoe is not pressed by the cam")
+        if abs(a - b) <= ALIKE * max(a, b):
+            return {
+                shoe.name: found[shoe.name]._replace(
+                    response=replace(found[shoe.name].response, force=shoe.actuation.force)
+                )
+                for shoe in pushed.values()
+            }
+        tried.append((part, a - b))
+        if len(tried) == 1:
+            part = part * b / (part * b + (1 - part) * a)
+            continue
+        (x, f), (y, g) = tried[-2:]
+        part = min(max(y - g * (y - x) / (g - f), 0.5 * y), 0.5 * (1 + y))
+    raise NoAnswer(f"GetFEM: the cam's forces did not settle in {MOST_PARTS} steps")
+
+
 def _standing(
     brake: Brake,
     shoes: Mapping[int, Shoe],
     meshed: list[tuple[int, Assembled]],
     run: Callable[[list[Loaded]], list[dict[str, Any]]],
-) -> dict[str, tuple[ShoeResponse, Balance]]:
+) -> dict[str, Stood]:
     """The shoes' answers by name, with the friction of abutments in the sense in which it stands. Raises NoAnswer."""
     answers = {}
     left = dict(shoes)
@@ -132,7 +177,7 @@ def _standing(
         found = iter(run(touching) if touching else ())
         for i, loaded in zip(list(left), tried, strict=True):
             if not loaded.approaches:
-                answers[loaded.shoe.name] = untouched_response(loaded)
+                answers[loaded.shoe.name] = Stood(*untouched_response(loaded), 0.0)
                 del left[i]
                 continue
             own, last = next(found), attempt == len(loaded.shoe.senses) - 1
@@ -143,7 +188,7 @@ def _standing(
                     raise
                 continue
             slide = own["amounts"][-1]
-            if loaded.shoe.stands(answer[0].hinge_reaction, loaded.shoe.senses[attempt], slide):
+            if loaded.shoe.stands(answer.response.hinge_reaction, loaded.shoe.senses[attempt], slide):
                 answers[loaded.shoe.name] = answer
                 del left[i]
             elif last:
@@ -178,7 +223,7 @@ def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) 
             "drag_sense": math.copysign(1.0, loaded.drag), "middle": sum(shoe.arc) / 2,
             "phi": parts.line.phi.tolist(),
             "gap": (gap_at(parts.line.xy, parts.line.phi, brake, shoe) / R).tolist(),
-            "clearance": (lining.clearance_at(shoe.frame.theta(parts.line.phi)) / R).tolist(),
+            "clearance": (clearance.gap(brake, shoe, shoe.frame.theta(parts.line.phi)) / R).tolist(),
             "augment": R / lining.thickness,
         })  # fmt: skip
     data = {"shoes": listed, "formulation": formulation, "repeats": repeats,
@@ -206,8 +251,8 @@ def _run(interpreter: str, problem: dict[str, Any]) -> _Run:
         return _Run(json.loads(target.read_text()), ended.seconds)
 
 
-def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> tuple[ShoeResponse, Balance]:
-    """A shoe's response from the script's numbers."""
+def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Stood:
+    """A shoe's answer from the script's numbers."""
     shoe, R = loaded.shoe, brake.drum.radius
     if not found["converged"]:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM did not converge in {found['steps']} steps")
@@ -229,4 +274,6 @@ def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> tuple[ShoeRe
     unit = np.linalg.norm(loaded.motions / [R, R, 1.0], axis=1)
     pressure = E * np.array(found["pressure"])[order]
     amounts = np.array(found["amounts"]) / unit
-    return shoe_response(loaded, phi[order], pressure, loaded.parts.line.order, forces, amounts)
+    own = shoe_response(loaded, phi[order], pressure, loaded.parts.line.order, forces, amounts)
+    tip = size * R * found["load_work"] / abs(shoe.actuation.force) if loaded.on_body else float(loaded.tip @ amounts)
+    return Stood(*own, tip)

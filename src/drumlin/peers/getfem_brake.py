@@ -127,7 +127,8 @@ class Body:
         self.model.add_macro("arm", "[centre(2) - X(2); X(1) - centre(1)]")
         if self.loaded:
             length, polar = self.integral("1", ACTUATION), self.integral("arm.arm", ACTUATION)
-            self.model.add_linear_term(self.inside, f"-(force/{length!r} + couple/{polar!r}*arm).Test_u", ACTUATION)
+            self.push = f"(force/{length!r} + couple/{polar!r}*arm)"
+            self.model.add_linear_term(self.inside, f"-{self.push}.Test_u", ACTUATION)
 
     def _contact(self, shoe: dict[str, Any]) -> None:
         md = self.model
@@ -219,6 +220,7 @@ class Body:
             "xy": self.xy.tolist(),
             "pressure": p.tolist(),
             "amounts": [float(md.variable(name)[0]) for name in self.amounts],
+            "load_work": self.integral(f"{self.push}.u", ACTUATION) if self.loaded else 0.0,
             "torque": torque,
             "normal": self.integrals(f"-{pressed}*normal", CONTACT),
             "tangential": self.integrals(f"{shear}*along", CONTACT),

@@ -54,7 +54,8 @@ class Loaded:
 
     `drag`: mu times the sense in which the drum drags the lining, positive towards growing phi. `approaches`: whether
     the force presses the shoe on the drum anywhere; else it does not touch. What holds it moves by a sum of `motions`
-    (k, 3), (dx, dy [m], turn) at the pin; on the `tests` (k, 3) the force works `work` (k,), see `Held.freedoms`.
+    (k, 3), (dx, dy [m], turn) at the pin; on the `tests` (k, 3) the force works `work` (k,), its point goes along it by
+    `tip` (k,) a motion, see `Held.freedoms`.
     """
 
     shoe: Shoe
@@ -67,6 +68,7 @@ class Loaded:
     motions: Floats
     tests: Floats
     work: Floats
+    tip: Floats
 
     @property
     def on_body(self) -> bool:
@@ -113,7 +115,7 @@ def under_force(brake: Brake, shoe: Shoe, body: int, parts: Assembled, sense: in
         approaches = size > 0 and rigid.bears(brake, shoe) >= 0
     return Loaded(
         shoe, parts, body, size * load[:2], size * float(load[2]), brake.drag_on(shoe), approaches,
-        at_pin(shoe, free.motions).T, at_pin(shoe, free.tests).T, free.work,
+        at_pin(shoe, free.motions).T, at_pin(shoe, free.tests).T, free.work, free.tip,
     )  # fmt: skip
 
 

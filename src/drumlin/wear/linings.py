@@ -5,13 +5,15 @@ However the shoes are held and pushed.
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import FlatBrake
+from drumlin.brake.support import Meshed
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Body, Scene
 from drumlin.fem.group import groups_of
@@ -20,6 +22,8 @@ from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment
 from drumlin.wear.archard import WearInterface
+
+B = TypeVar("B", bound=Brake | FlatBrake)
 
 
 class Surface(NamedTuple):
@@ -143,15 +147,20 @@ def foundation_setup(brake: Brake, *, sections: int = foundation.SECTIONS, lift:
     return _setup(brake, "foundation", interfaces, surfaces)
 
 
-def guided(brake: Brake) -> Brake:
-    """The brake with its shoes on guides along the middle radius of their linings, which bear all else."""
+def guided(brake: B) -> B:
+    """The brake with its shoes on guides along the middle radius of their linings, on a plane along its normal, which
+    bear all else."""
     held = {"hinge": None, "pivot": None, "abutment": None}
+
+    def way(shoe: Meshed) -> float:
+        return shoe.lining.middle + (shoe.sign < 0) * math.pi if isinstance(shoe, Shoe) else -math.pi / 2
+
     return vary(
         brake,
         {
             f"shoe[{i}].{key}": value
             for i, shoe in enumerate(brake.shoes)
-            for key, value in (held | {"guide": {"direction": shoe.lining.middle + (shoe.sign < 0) * math.pi}}).items()
+            for key, value in (held | {"guide": {"direction": way(shoe)}}).items()
         },
     )
 

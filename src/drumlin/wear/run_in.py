@@ -15,7 +15,6 @@ import scipy.optimize
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.file import vary
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
@@ -157,12 +156,13 @@ def unit_distance(setup: WearSetup, law: WearLaw) -> float:
 
 def worn(setup: WearSetup, state: WearState) -> Brake:
     """The brake with the depth worn off added to the clearance of its linings."""
-    changes = {}
+    shoes = list(setup.brake.shoes)
     for surface in setup.surfaces:
-        theta = surface.angles
-        clearance = setup.brake.shoes[surface.shoe].lining.clearance_at(theta) + surface.along(state.depth)
-        changes[f"shoe[{surface.shoe}].lining.clearance"] = np.column_stack([theta, clearance]).tolist()
-    return vary(setup.brake, changes)
+        theta, lining = surface.angles, shoes[surface.shoe].lining
+        rows = np.column_stack([theta, lining.clearance_at(theta) + surface.along(state.depth)]).tolist()
+        worn_off = lining.model_copy(update={"clearance": tuple(map(tuple, rows))})
+        shoes[surface.shoe] = shoes[surface.shoe].model_copy(update={"lining": worn_off})
+    return setup.brake.model_copy(update={"shoes": tuple(shoes)})
 
 
 def check_depth(setup: WearSetup, states: Sequence[WearState]) -> None:

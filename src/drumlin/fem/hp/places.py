@@ -16,7 +16,7 @@ from drumlin.response.response import Response, ShoeResponse
 
 MOST_KINKS = 12  # a table of clearances with more rows, such as that of a worn lining, is a curve
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
-
+SEEN = 1e-3  # of the length of its contact that an opening must be to be a place
 DIGITS = 20  # binary ones of an end of the contact
 
 
@@ -48,14 +48,14 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
 
 def _hidden(shoe: Shoe, response: ShoeResponse, arcs: list[list[float]]) -> list[tuple[float, float]]:
     """Open nodes between two that press, and how far apart these are [rad]; not at the ends of the contact, which are
-    known."""
+    known, and not where columns are so narrow that an opening is nothing, as where p wavers from node to node."""
     press = response.pressure > 0
     at = 1 + np.flatnonzero(press[:-2] & ~press[1:-1] & press[2:])
     if not len(at):
         return []
-    phi, ends = shoe.frame.phi(response.theta), np.array(arcs).ravel()
+    phi = shoe.frame.phi(response.theta)
     found = [(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1]))) for i in at]
-    return [(x, length) for x, length in found if np.abs(ends - x).min() > length]
+    return [(x, size) for x, size in found if any(a + size < x < b - size and size > SEEN * (b - a) for a, b in arcs)]
 
 
 def _rounded(x: float, length: float) -> float:

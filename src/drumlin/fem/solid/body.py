@@ -13,6 +13,7 @@ import scipy.sparse as sp
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.unrolled import StraightShoe
 from drumlin.fem.assembly import Body, Seconds, clock, coupled, end_loads, materials_of
 from drumlin.fem.body import FRAME, Ties, condense, stiffness
 from drumlin.fem.elimination import dissection
@@ -50,7 +51,8 @@ def hinged(solid: Solid, shoe: Shoe) -> Ints:
 
 def face_of(solid: Solid, shoe: Shoe) -> ContactFace:
     """The friction surface."""
-    line = contact_line(solid.plane, solid.section.boundaries["contact"], sum(shoe.arc) / 2)
+    unit = shoe.unit if isinstance(shoe, StraightShoe) else None
+    line = contact_line(solid.plane, solid.section.boundaries["contact"], sum(shoe.arc) / 2, unit)
     return contact_face(line, solid.node, solid.z[: solid.levels("lining")])
 
 

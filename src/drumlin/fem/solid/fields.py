@@ -71,16 +71,14 @@ def recover(scene: Scene, brake: Brake, response: Response, index: int) -> Solid
     starts = np.cumsum([0, *(len(nodes) for nodes, *_ in parts)])
     nodes = np.concatenate([part[0] for part in parts])
 
-    def turned(vectors: Floats) -> Floats:
-        return np.column_stack([frame.to_brake(vectors[:2].T), vectors[2]])
-
-    points = turned(body.basis.doflocs[:, nodes])
+    x, moved = body.basis.doflocs[:, nodes], u[:, nodes]
+    points = np.column_stack([shoe.points(x[:2]).T, x[2]])
     cells = np.concatenate([serendipity(part[1]) + start for part, start in zip(parts, starts, strict=False)])
     return SolidFields(
         points=points,
         cells=oriented(points, cells),
         part=np.concatenate([np.full(part[1].shape[1], i) for i, part in enumerate(parts)]),
-        displacement=turned(u[:, nodes]),
+        displacement=np.column_stack([frame.to_brake(moved[:2].T), moved[2]]),
         von_mises=np.concatenate([part[2] for part in parts]),
         pressure=np.concatenate([pressure[part[0]] * (part[3] == "lining") for part in parts]),
     )

@@ -4,12 +4,15 @@ from functools import partial
 from pathlib import Path
 
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.plane_brake import AnyBrake
+from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Body, Cache, Scene, Seconds, bare_shoe, lacking, shape_of, size_of
 from drumlin.fem.assembly import why_not as plane_why_not
 from drumlin.fem.model import PENALTY, check_penalty, respond
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import solid_body
+from drumlin.fem.solve import as_given
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
@@ -83,7 +86,7 @@ def _size_of(body: Body) -> int:
 
 
 def solve(
-    brake: Brake,
+    brake: AnyBrake,
     *,
     elements: int = ELEMENTS,
     across: int | None = None,
@@ -94,11 +97,12 @@ def solve(
     """The response of a brake's solid shoes; options as of `prepare`. fields: a .vtu file to write what is inside
     them to; cache: bodies of earlier solves. Raises BadInput, NoAnswer."""
     check_penalty(penalty)
-    scene = prepare(brake, elements=elements, across=across, cache=cache)
-    response = with_merits(brake, respond(scene, brake, penalty=penalty))
+    own = on_drum(brake)
+    scene = prepare(own, elements=elements, across=across, cache=cache)
+    response = respond(scene, own, penalty=penalty)
     if fields is not None:
         from drumlin.fem.fields import write_vtu  # noqa: PLC0415  (only where it is asked for)
         from drumlin.fem.solid.fields import recover  # noqa: PLC0415
 
-        write_vtu(fields, [recover(scene, brake, response, i) for i in range(len(brake.shoes))])
-    return response
+        write_vtu(fields, [recover(scene, own, response, i) for i in range(len(own.shoes))])
+    return with_merits(brake, as_given(brake, response))

@@ -1,0 +1,71 @@
+"""Solid pads on a plane: plane stress where they must agree, balances, mirror images, fields where they stand."""
+
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+
+import drumlin
+from conftest import ROOT, partly
+from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import read_any
+from drumlin.response.norms import pressure_distance
+from drumlin.verification.random_kinds import placed
+from test_plane_fem import BODY, KINDS, LINING, pad
+
+NO_NU = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
+
+
+@pytest.mark.parametrize("kind", partly(KINDS, {"pivot"}))
+def test_without_lateral_contraction_it_is_plane_stress(kind: str) -> None:
+    brake = vary(pad(kind, "-x", body=BODY), NO_NU | {"shoe.lining.misfit": {"taper": 1e-6}})
+    solid = drumlin.solve(brake, "solid", elements=8).shoes[0]
+    plane = drumlin.solve(brake, elements=8, kind="quad2").shoes[0]
+    assert solid.normal_force == pytest.approx(plane.normal_force, rel=1e-9)
+    np.testing.assert_allclose(solid.theta, plane.theta, rtol=1e-12)
+    np.testing.assert_allclose(solid.pressure, plane.pressure, atol=1e-8 * plane.peak_pressure)
+    np.testing.assert_allclose(solid.hinge_reaction, plane.hinge_reaction, rtol=1e-7)
+
+
+def test_a_narrow_pad_is_plane_stress_and_a_wide_one_is_not() -> None:
+    """At a tenth of the lining's thickness; what is left is the mesh's, half of it on one of twice the elements."""
+    p, force = [], []
+    for width, more in ((0.04, {}), (2e-4, {"across": 1})):
+        lining = LINING | {"start": 0.06, "end": 0.18, "thickness": 2e-3, "width": width}
+        brake = pad("hinge", lining=lining, body=BODY | {"width": width})
+        brake = vary(brake, {"shoe.actuation.force": 1e4 * width})
+        (a,), (b,) = (
+            drumlin.solve(brake, *of, elements=24, **more).shoes for of, more in ((["solid"], more), ([], {}))
+        )
+        p.append(pressure_distance(a, b, 5e-3))
+        force.append(abs(a.normal_force / b.normal_force - 1))
+    assert p[0] > 0.04
+    assert p[1] < 4e-3
+    assert force[0] > 1e-3
+    assert force[1] < 2e-4
+
+
+def test_solid_pads_balance_and_their_mirror_images_answer_alike() -> None:
+    brake = read_any(ROOT / "studies" / "brakes" / "rail_clamp.toml")
+    found = drumlin.solve(brake, "solid", elements=8)
+    assert max(found.balance.force, found.balance.moment) < 1e-9
+    other = drumlin.solve(placed(brake, mirrored=True, shift=0.3), "solid", elements=8)
+    for a, b in zip(found.shoes, other.shoes, strict=True):
+        np.testing.assert_allclose(b.pressure_at(0.3 - a.theta), a.pressure, atol=1e-6 * a.peak_pressure)
+        assert a.surface is not None
+        assert np.ptp(a.surface.pressure, axis=1).max() > 0.01 * a.peak_pressure
+
+
+def test_the_fields_stand_where_the_pad_does_and_meet_the_plane(tmp_path: Path) -> None:
+    brake, options = pad("hinge", body=BODY), dict[str, Any](elements=8, fields=tmp_path / "pad.vtu")
+    (shoe,) = drumlin.solve(brake, "solid", **options).shoes
+    mesh = meshio.read(options["fields"])
+    x, y, z = mesh.points.T
+    assert (x.min(), x.max(), y.min()) == pytest.approx((BODY["start"], BODY["end"], 0.0), abs=1e-12)
+    assert (y.max(), z.max()) == pytest.approx((0.021, 0.02))
+    pressed = mesh.point_data["pressure [Pa]"] > 0
+    moved = mesh.point_data["displacement [m]"]
+    assert np.abs(moved[pressed, 1]).mean() < 1e-2 * np.abs(moved).max()
+    assert x[pressed].min() >= shoe.contact_arcs[0][0] - 0.02
