@@ -56,9 +56,11 @@ def worn_in(scene: Scene, brake: Brake) -> Brake:
         closed = scipy.linalg.solve(M, size * problem.q + problem.A @ p, assume_a="pos")
         ratios = np.divide(closed, p, out=np.full(len(p), -np.inf), where=p > 0)
         for i, theta, part in zip(group.members, angles, group.parts, strict=True):
-            # The motion that the law wears by, so far that the unloaded lining touches; one way of all under a cam.
+            # The motion that the law wears by, so far that the unloaded lining touches, there without round-off; one way
+            # of all under a cam.
             most = np.max(ratios if brake.shares else ratios[part])
-            rows = np.column_stack([theta, most * p[part] - closed[part]])[:: brake.shoes[i].frame.sense]
+            gap = np.where(ratios[part] == most, 0.0, most * p[part] - closed[part])
+            rows = np.column_stack([theta, gap])[:: brake.shoes[i].frame.sense]
             gaps[i] = tuple(map(tuple, rows.tolist()))
     return fitted(fitting, gaps)
 
