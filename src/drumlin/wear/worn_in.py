@@ -56,8 +56,8 @@ def worn_in(scene: Scene, brake: Brake) -> Brake:
         closed = scipy.linalg.solve(M, size * problem.q + problem.A @ p, assume_a="pos")
         ratios = np.divide(closed, p, out=np.full(len(p), -np.inf), where=p > 0)
         for i, theta, part in zip(group.members, angles, group.parts, strict=True):
-            # The motion that the law wears by, so far that the unloaded lining touches, there without round-off; one way
-            # of all under a cam.
+            # The motion that the law wears by, so far that the unloaded lining touches, without round-off there; one
+            # way of all under a cam.
             most = np.max(ratios if brake.shares else ratios[part])
             gap = np.where(ratios[part] == most, 0.0, most * p[part] - closed[part])
             rows = np.column_stack([theta, gap])[:: brake.shoes[i].frame.sense]
