@@ -105,11 +105,11 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
             return
         assert response.converged
         assert max(response.balance.force, response.balance.moment) <= 1e-8
-        if brake.friction <= UNIQUE:
-            steps.append(response.iterations)
         if not response.shoes[0].contact_arcs:
             ends["untouched"] += 1
             return
+        if brake.friction <= UNIQUE:
+            steps.append(response.iterations)
         ends[f"{len(response.shoes[0].contact_arcs)} arcs"] += 1
         body = scene.bodies[0]
         problem = ShoeGroup(scene, brake, (0,), penalty).problem
@@ -133,4 +133,4 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
     assert ends["1 arcs"] >= count / 5
     if count == 100:
         assert ends["2 arcs"] + ends["3 arcs"] >= 1 and ends["NoAnswer"] >= 1, ends  # both are among the hundred
-    assert 1 < np.median(steps) <= 6  # a few need tens: one node after the other
+    assert 1 <= np.median(steps) <= 6  # a few need tens: one node after the other
