@@ -187,7 +187,7 @@ def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
 @pytest.mark.parametrize("sliding", ["+x", "-x"])
 def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: str) -> None:
     """Pressed nodes stay on the plane, under the stress that p and friction make there; the plane pushes up."""
-    brake = placed(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x")
+    brake = placed(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4)
     own = on_drum(brake)
     made = scene_of(own)
     response = respond(made, own, penalty=math.inf)
