@@ -313,3 +313,12 @@ def test_a_few_changed_nodes_use_the_factors_that_there_are():
     other = base.on ^ np.isin(np.arange(len(base.on)), [4, 9, LARGE + 5])
     x = Changed(base, np.eye(LARGE + 8) + 0.1, other).solve(-np.arange(1.0, LARGE + 9))
     assert x[[4, 9, LARGE + 4]].tolist() == [0, 0, 0] and (x != 0).sum() == LARGE
+
+
+def test_pairs_of_nodes_that_carry_no_two_motions_are_passed_over_in_silence():
+    """Where two nodes press along the same lines no pressures balance both motions: no warning, another pair."""
+    B = np.array([[1.0, 0.0], [1.0, 0.5], [2.0, 0.0], [1.0, 1.0]])
+    for h in ([1.0, 0.3], [1.0, -0.1]):
+        with pytest.raises(NoAnswer, match="cannot balance"):
+            active_set._first_pair(np.full(4, 0.1), B, -B.T, np.array(h))
+    assert active_set._first_pair(np.full(4, 0.1), B, -B.T, np.array([-1.0, -0.3])).sum() == 2

@@ -324,6 +324,24 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
                                       rel=1e-5)  # fmt: skip
 
 
+def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
+    """Between columns of 1e-6 rad, as at an end of the contact, p may waver: nodes there open and close."""
+    response = solve(brake, elements=40)
+    shoe = response.shoes[0]
+    i = len(shoe.theta) // 2
+    opened, theta = shoe.pressure.copy(), shoe.theta.copy()
+    opened[i] = 0.0
+    theta[i - 1], theta[i + 1] = theta[i] - 1e-6, theta[i] + 1e-6
+    narrow = replace(response, shoes=(replace(shoe, pressure=opened, theta=theta), *response.shoes[1:]))
+    assert places_of(brake, narrow) == places_of(brake, response)
+
+
+def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_the_tolerance(brake, monkeypatch):
+    monkeypatch.setattr("drumlin.fem.hp.scene.MOST_NODES", 90)
+    with pytest.raises(NoAnswer, match=r"not reached, the next level: its \d+ contact nodes are more than the 90 that"):
+        solve(brake, tolerance=1e-5)
+
+
 def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():
     x = lobatto(4)
     theta = np.concatenate([0.5 * (x + 1), 1 + 0.5 * (x[1:] + 1)])

@@ -190,3 +190,24 @@ def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, m
     followed = brake.friction * group.unit_force * float((group.levers.T @ end.last.p)[0])
     assert math.isinf(end.friction) and 480 < followed < 590
     assert solve(brake, elements=elements).torque == pytest.approx(followed, rel=1e-6)
+
+
+@pytest.mark.parametrize(("share", "quiet"), [(0.6, True), (0.9, False), (1.2, False)])
+def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(brake, share, quiet, monkeypatch):
+    """To the very answer, and the very end, that are followed from no friction at all."""
+    group = groups_of(prepare(brake, elements=16), brake, 1e6)[1]
+    problems, known = group.sliding, []
+    end = limit(problems)
+    mu, follow = share * end.friction, self_locking.limit
+
+    def noted(*given):
+        known.append(given[2])
+        return follow(*given)
+
+    monkeypatch.setattr(self_locking, "limit", noted)
+    try:
+        found = self_locking.answer(problems.at, mu, law=math.inf, brake="now")
+        np.testing.assert_allclose(found.p, limit(problems, mu).last.p, rtol=1e-9, atol=1e-12 * found.p.max())
+        assert share < 1 and (known[0] and known[0][0]) == (0.5 * mu if quiet else None)
+    except NoAnswer as refusal:
+        assert share > 1 and f"now there is one up to mu_lock = {end.friction:.4g}" in str(refusal)

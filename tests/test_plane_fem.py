@@ -162,6 +162,14 @@ def test_a_centred_pad_without_friction_bears_no_moment_and_is_answered() -> Non
     np.testing.assert_allclose(shoe.pressure_at(0.12 - shoe.theta), shoe.pressure, atol=1e-6 * shoe.peak_pressure)
 
 
+def test_the_end_face_by_which_a_hinge_holds_a_pad_lies_on_the_plane_as_it_is() -> None:
+    brake = unrolled(pad("hinge", body=BODY))
+    (shoe,) = brake.shoes
+    near, far = (shoe.end_face(brake.drum.radius, loaded=loaded) - shoe.own_pin for loaded in (False, True))
+    assert near == pytest.approx([0.05, 0.011 - 0.06], rel=1e-12)  # half of the body behind the lining
+    assert far == pytest.approx([0.19, 0.011 - 0.06], rel=1e-12)
+
+
 def test_pads_are_worn_on_guides_along_the_normal_of_the_plane(capsys: pytest.CaptureFixture[str]) -> None:
     """Worn in they bear evenly: the braking force is mu times that of the force's part along the normal."""
     file = ROOT / "studies" / "brakes" / "rail_clamp.toml"

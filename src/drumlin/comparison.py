@@ -18,7 +18,7 @@ from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
 from drumlin.files import cell
 from drumlin.models import applicable
-from drumlin.response.merit import effect, shoe_effect
+from drumlin.response.merit import effect, effect_words, shoe_effect
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import EDGE_ZONE, Response
 from drumlin.response.show import arcs_text
@@ -186,9 +186,10 @@ def columns_of(brake: AnyBrake) -> tuple[Column, ...]:
     """The columns of a table of a brake: on a plane the braking force stands for the torque, lengths for angles."""
     if not isinstance(brake, FlatBrake):
         return COLUMNS
+    what, unit = effect_words(flat=True)
     words: dict[str, dict[str, Any]] = {
         "rotation": {"heading": "body"},
-        "torque": {"heading": "braking force", "unit": "N"},
+        "torque": {"heading": what, "unit": unit},
         "torque_error": {"heading": "error of the force"},
         "contact": {"unit": "mm"},
     }

@@ -5,7 +5,7 @@ numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surf
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
@@ -49,6 +49,10 @@ class Frame(NamedTuple):
     def phi(self, theta: Floats) -> Floats:
         """phi of angles theta [rad], same shape."""
         return self.sense * (np.asarray(theta) - self.origin)
+
+    def phis(self, theta: Iterable[float]) -> list[float]:
+        """phi of a few angles theta [rad]."""
+        return [self.sense * (angle - self.origin) for angle in theta]
 
     def theta(self, phi: Floats) -> Floats:
         """theta of angles phi [rad], same shape."""
@@ -98,8 +102,8 @@ class Shoe(Meshed):
     @property
     def arc(self) -> tuple[float, float]:
         """The lining's arc (phi_1, phi_2) [rad] in the shoe's frame."""
-        ends = self.frame.phi(np.array([self.lining.start, self.lining.end]))
-        return float(ends.min()), float(ends.max())
+        first, last = self.frame.phis((self.lining.start, self.lining.end))
+        return min(first, last), max(first, last)
 
     @property
     def flat(self) -> bool:
@@ -137,10 +141,8 @@ class Shoe(Meshed):
         """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds an arc, or of that
         which the actuation pushes."""
         assert isinstance(self.body, Body)
-        frame, r = self.frame, radius - self.sign * (self.depth - 0.5 * self.body.depth)
-        ends = (frame.sense * (angle - frame.origin) for angle in (self.body.start, self.body.end))
-        phi = (max if loaded else min)(ends, key=abs)
-        return np.array([r * math.cos(phi), r * math.sin(phi)])
+        phi = (max if loaded else min)(self.frame.phis((self.body.start, self.body.end)), key=abs)
+        return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), radius)
 
     def angle_of(self, point: Point) -> float:
         """The angle [rad] of a point, that nearest to the lining's middle."""

@@ -121,7 +121,9 @@ class Held(Part):
     @property
     def held_by(self) -> str:
         """What holds the shoe: "hinge", "pivot", "abutment" or "guide"."""
-        return "pivot" if self.pivot is not None else next(key for key in KINDS if getattr(self, key) is not None)
+        if self.hinge is not None:
+            return "hinge" if self.pivot is None else "pivot"
+        return "guide" if self.abutment is None else "abutment"
 
     @property
     def pin(self) -> Point:

@@ -21,6 +21,7 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
     from drumlin.response.merit import brake_factor, effect, effect_words
 
     flat = isinstance(brake, FlatBrake)
+    what, unit = effect_words(flat=flat)
     tell(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
     apart = {line for line in response.notes if ": no contact" in line}
     warned = [line for line in response.notes if line.startswith("warning:")]
@@ -34,7 +35,7 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
         if factor is None
         else f", brake factor {factor:.4g} = {'B/F' if flat else 'T/(F R)'}, F the mean actuation force"
     )
-    tell(f"{'braking force' if flat else 'torque'} {effect(response):.6g} {'N' if flat else 'N m'}{said}")
+    tell(f"{what} {effect(response):.6g} {unit}{said}")
     if not response.converged:
         tell("not converged")
     _print_shoes(brake, response)
@@ -44,7 +45,7 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
     for line in warned:
         tell(line)
     if response.error is not None:
-        more = {"torque": effect_words(flat=flat)[0], "peak": "peak pressure", "reaction": "hinge reaction"}
+        more = {"torque": what, "peak": "peak pressure", "reaction": "hinge reaction"}
         errors = [f", {name} {response.error[key]:.1e}" for key, name in more.items() if key in response.error]
         tell(f"estimated error: p {response.error['pressure']:.1e} (L2, worst shoe){''.join(errors)}")
     for line in held:

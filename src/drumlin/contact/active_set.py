@@ -225,11 +225,11 @@ def _tangent(equations: Equations, system: System, dq: Floats) -> Floats:
 def _resisted(moved: Bools, active: Bools) -> bool:
     """Whether each free motion meets a node of the contact set, motions of the same nodes one each; moved (n, k)."""
     touched = moved[active]
-    if not touched.any(axis=0).all():
-        return False
     if moved.shape[1] < 2:
-        return True
-    return all(np.count_nonzero(touched[:, of].any(axis=1)) >= len(of) for of in _together(moved))
+        return bool(touched.any())
+    return bool(touched.any(axis=0).all()) and all(
+        np.count_nonzero(touched[:, of].any(axis=1)) >= len(of) for of in _together(moved)
+    )
 
 
 def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:
@@ -277,7 +277,7 @@ def _first_pair(q: Floats, B: Floats, C: Floats, h: Floats) -> Bools:
         p, r = (h[0] * C[1, j] - h[1] * C[0, j]) / det, (h[1] * C[0, i] - h[0] * C[1, i]) / det
         gaps = B[i, 0] * B[j, 1] - B[j, 0] * B[i, 1]
         y = np.array([B[i, 1] * q[j] - B[j, 1] * q[i], B[j, 0] * q[i] - B[i, 0] * q[j]]) / gaps
-    bears = (p >= 0) & (r >= 0) & np.isfinite(p + r) & np.isfinite(y).all(axis=0)
+    bears = (p >= 0) & (r >= 0) & np.isfinite(p) & np.isfinite(r) & np.isfinite(y).all(axis=0)
     if not bears.any() or len(h) > 2:
         raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
     open_ = (q[on] + (B[on] @ y[:, bears]).T).min(axis=1)

@@ -65,12 +65,14 @@ class Limit(NamedTuple):
     steps: int
 
 
-def limit(sliding: Sliding, most: float = LARGEST) -> Limit:
+def limit(sliding: Sliding, most: float = LARGEST, known: tuple[float, Contact] | None = None) -> Limit:
     """Follow the answer from mu = 0 to its end, or to mu = `most`.
 
-    Raises NoAnswer where there is no answer at mu = 0.
+    known: a friction coefficient and the answer there, which is followed on from. Raises NoAnswer where there is no
+    answer at mu = 0.
     """
-    found, mu, steps = _without_friction(sliding.still), 0.0, 0
+    mu, found = (0.0, _without_friction(sliding.still)) if known is None else known
+    steps = 0
     reach, critical, of = STEP, np.inf, np.zeros(0, dtype=bool)
     while mu < most:
         steps += 1
@@ -110,8 +112,9 @@ def answer(
 
     Below the limit of the rigid shoe that is the stable one that settles at once from the contact set `start`, if from
     half of the friction on pressures grow by less than QUIET of themselves, as they do up to half of the limit; else
-    it is followed in many small steps. Not any stable one, nor the one that wider gaps lead to: near the limit, where
-    the contact grows fast, and beyond it some stand apart, reached by no friction that grows from 0.
+    it is followed in many small steps, from half of the friction on where the answer there is as quiet. Not any stable
+    one, nor the one that wider gaps lead to: near the limit, where the contact grows fast, and beyond it some stand
+    apart, reached by no friction that grows from 0.
 
     problem_at: the problem at a friction coefficient, linear in it; law: mu_lock of the rigid shoe; brake: what
     there is an equilibrium of, in words. Of a LARGE problem the answer on every other node is followed, at a fraction
@@ -126,16 +129,20 @@ def answer(
         like = _as_coarser(problem, problem_at(0.0), friction, start, law)
         if like is not None:
             return like
+    half = None
     try:
         found = settle(problem, start)
         stable = found.regular and friction < law
         reason = "self-locking, no stable equilibrium"
-        if stable and _quiet(found, settle(problem_at(0.5 * friction), found.active)):
-            return found
+        if stable:
+            half = settle(problem_at(0.5 * friction), found.active)
+            if _quiet(found, half):
+                return found
     except NoAnswer as error:
         stable, reason = False, str(error)
+    known = (0.5 * friction, half) if half is not None and _sure(problem_at, 0.5 * friction, half) else None
     try:
-        end = limit(Sliding.through(problem_at(0.0), problem_at(1.0)), friction)
+        end = limit(Sliding.through(problem_at(0.0), problem_at(1.0)), friction, known)
     except NoAnswer:  # none without friction: friction is not to blame
         if stable:
             return found
@@ -163,6 +170,14 @@ def _as_coarser(problem: Problem, still: Problem, friction: float, start: Bools 
     off = between(like.p, len(found.p)) - found.p
     same = float(off @ (problem.A @ off)) < LIKE**2 * float(found.p @ (problem.A @ found.p))
     return found if found.regular and same else None
+
+
+def _sure(problem_at: Callable[[float], Problem], friction: float, found: Contact) -> bool:
+    """Whether an answer at a friction coefficient, below the limit of the rigid shoe, is the one that is followed."""
+    try:
+        return found.regular and _quiet(found, settle(problem_at(0.5 * friction), found.active))
+    except NoAnswer:
+        return False
 
 
 def _quiet(found: Contact, half: Contact) -> bool:

@@ -219,8 +219,16 @@ def rows_of(answer: Answer, brake: AnyBrake) -> tuple[tuple[str, ...], ...]:
     """The table: its head, a row a shoe and model."""
     flat = isinstance(brake, FlatBrake)
     responses = [r for r in (answer.found, answer.law) if r is not None]
-    effects = ("braking force [N]", "B/F") if flat else ("torque [N m]", "T/(F R)")
-    head = ("shoe", "by", *effects, "peak p [MPa]", f"contact [{unit_of(brake)[0]}]", "self-energising")
+    (what, unit), factor = effect_words(flat=flat), "B/F" if flat else "T/(F R)"
+    head = (
+        "shoe",
+        "by",
+        f"{what} [{unit}]",
+        factor,
+        "peak p [MPa]",
+        f"contact [{unit_of(brake)[0]}]",
+        "self-energising",
+    )
     rows = [_row(brake, response, i) for i in range(len(brake.shoes)) for response in responses]
     return (head, *rows)
 

@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,6 @@ from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
 from drumlin.files import content_digest
-from drumlin.response.resultants import cross
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
 
@@ -90,6 +89,11 @@ class Scene:
     apart: bool = False
     model: str = "fem"
 
+    @cached_property
+    def shapes(self) -> list[tuple[object, ...]]:
+        """The shape of each shoe, see `shape_of`."""
+        return [shape_of(self.brake, shoe) for shoe in self.brake.shoes]
+
 
 def why_not(brake: Brake) -> str | None:
     """Why finite elements do not apply to a brake (None: they do)."""
@@ -112,7 +116,8 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         loaded = np.round(shoe.frame.to_shoe(shoe.actuation.point.xy) / brake.drum.radius, 12)
         behind = (body, *loaded.tolist())
     elif body is not None:
-        arcs.append(tuple(sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist())))
+        first, last = sorted(shoe.frame.phis((body.start, body.end)))
+        arcs.append((first, last))
         behind = (body.shape, tuple(body.plates.items()))
         arcs += [arc for arc in [shoe.grip(brake.drum.radius)] if arc is not None]
     return (
@@ -362,9 +367,10 @@ def actuation(body: Body | Assembled, shoe: Shoe) -> tuple[Floats, float]:
     In the shoe's frame; a negative force counts as one newton the other way.
     """
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
-    force, point = shoe.frame.to_shoe(direction), shoe.own_points(shoe.actuation.point.xy)
-    couple_ = float(cross(point - body.load_centre, force))
-    return np.array([*force, couple_]), float(cross(point - shoe.own_pin, force))
+    (fx, fy), (x, y) = shoe.frame.to_shoe(direction).tolist(), shoe.own_points(shoe.actuation.point.xy).tolist()
+    (centre_x, centre_y), (pin_x, pin_y) = body.load_centre.tolist(), shoe.own_pin.tolist()
+    couple_ = (x - centre_x) * fy - (y - centre_y) * fx
+    return np.array([fx, fy, couple_]), (x - pin_x) * fy - (y - pin_y) * fx
 
 
 def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:

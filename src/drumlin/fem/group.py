@@ -5,9 +5,10 @@ together. Whatever is done with the contact (sliding, holding, wear, sensitivity
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise, product
+from itertools import accumulate, pairwise, product
 
 import numpy as np
 
@@ -53,8 +54,7 @@ class ShoeGroup:
     @cached_property
     def rows(self) -> tuple[slice, ...]:
         """The motions of each shoe among those of the group."""
-        begins = np.cumsum([0, *(motions.work.size for motions in self.motions)])
-        return tuple(slice(int(a), int(b)) for a, b in pairwise(begins))
+        return _in_turn(motions.work.size for motions in self.motions)
 
     @cached_property
     def shoes(self) -> tuple[Shoe, ...]:
@@ -69,8 +69,7 @@ class ShoeGroup:
     @cached_property
     def parts(self) -> tuple[slice, ...]:
         """The unknowns of each shoe among those of the group."""
-        begins = np.cumsum([0, *(len(body.line.nodes) for body in self.bodies)])
-        return tuple(slice(int(a), int(b)) for a, b in pairwise(begins))
+        return _in_turn(len(body.line.nodes) for body in self.bodies)
 
     @cached_property
     def unit_force(self) -> float:
@@ -284,6 +283,11 @@ class ShoeGroup:
         push = self.forces(found.p)[k] * shoe.actuation.direction_vector
         reaction = -shoe.frame.to_brake(nodal.sum(axis=0)) - push
         return shoe.stands(reaction, self.senses[k] if self.senses else 1, float(self.amounts(found)[k][-1]))
+
+
+def _in_turn(sizes: Iterable[int]) -> tuple[slice, ...]:
+    """The places of parts of these sizes, one after the other."""
+    return tuple(slice(a, b) for a, b in pairwise(accumulate(sizes, initial=0)))
 
 
 def _yielding(body: Body, drag: float, stiffness: float) -> Floats:

@@ -83,7 +83,7 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
 
 def _check_same(scene: Scene, brake: Brake) -> None:
     """Raise BadInput for a brake whose bodies are not those of the scene."""
-    if [shape_of(brake, s) for s in brake.shoes] != [shape_of(scene.brake, s) for s in scene.brake.shoes]:
+    if [shape_of(brake, shoe) for shoe in brake.shoes] != scene.shapes:
         raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
     if brake.friction > 0 and scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")

@@ -29,7 +29,8 @@ class DrumFace(NamedTuple):
 
     def sliding(self, motions: Floats) -> Floats:
         """Motion (k, 3) along e_theta: factors of the shapes and of 1."""
-        return np.column_stack([motions[:, 1], -motions[:, 0], self.radius * motions[:, 2]])
+        dx, dy, turn = motions.T
+        return np.array([dy, -dx, self.radius * turn]).T
 
     def shapes(self, place: Floats) -> Floats:
         """The two shapes and 1 at the places (...): (3, ...)."""

@@ -50,7 +50,12 @@ def angle_near(middle: float, xy: Floats) -> Floats:
 
 def shape(order: int, xi: Floats) -> Floats:
     """Lagrange shape functions of degree `order` on the nodes `lobatto` at xi (any shape): (order + 1, *xi.shape)."""
-    return np.moveaxis(legendre.legvander(xi, order) @ _coefficients(order), -1, 0)
+    rows = np.ones((order + 1, *np.shape(xi)))  # Legendre's polynomials, by their recurrence
+    if order > 0:
+        rows[1] = xi
+    for i in range(1, order):
+        rows[i + 1] = ((2 * i + 1) * rows[1] * rows[i] - i * rows[i - 1]) / (i + 1)
+    return (_coefficients(order).T @ rows.reshape(order + 1, -1)).reshape(rows.shape)
 
 
 def slopes(order: int, xi: Floats) -> Floats:

@@ -10,26 +10,28 @@ from drumlin.fem import solid
 from drumlin.fem.assembly import MOST_ELEMENTS
 
 
-class FemOptions(Part):
-    """Options of the finite elements, as on the command line."""
+class ContactOptions(Part):
+    """What all models with a contact's penalty take, as on the command line."""
 
     model_config = Part.model_config | {"allow_inf_nan": True}
 
+    penalty: Annotated[float, Field(gt=0)] | None = None
+
+
+class FemOptions(ContactOptions):
+    """Options of the finite elements, as on the command line."""
+
     elements: Annotated[int, Field(ge=1, le=MOST_ELEMENTS)] | None = None
     kind: Literal["quad2", "quad1", "tri2", "tri1"] | None = None
-    penalty: Annotated[float, Field(gt=0)] | None = None
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
     finite_width: bool | None = None
 
 
-class SolidOptions(Part):
+class SolidOptions(ContactOptions):
     """Options of solid shoes, as on the command line."""
-
-    model_config = Part.model_config | {"allow_inf_nan": True}
 
     elements: Annotated[int, Field(ge=1, le=solid.MOST_ELEMENTS)] | None = None
     across: Annotated[int, Field(ge=1, le=solid.MOST_ACROSS)] | None = None
-    penalty: Annotated[float, Field(gt=0)] | None = None
 
 
 class FoundationOptions(Part):

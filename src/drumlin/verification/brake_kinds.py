@@ -18,7 +18,7 @@ from drumlin.fem.self_locking import limits
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 from drumlin.models import MODELS, applicable
-from drumlin.response.merit import brake_factor, effect
+from drumlin.response.merit import brake_factor, effect, effect_words
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response
 from drumlin.wear import worn_in
@@ -130,7 +130,7 @@ def cam_factor(brake: Brake) -> float:
 
 def verdict(rows: list[dict[str, Any]]) -> str:
     """Whether the law of a brake can be trusted, from its rows of both senses of motion."""
-    effect_, name = "braking force" if rows[0]["unit"] == "N" else "torque", rows[0]["law"]
+    (effect_, _), name = effect_words(flat=rows[0]["unit"] == "N"), rows[0]["law"]
 
     def judged(key: str) -> str:
         error = max(abs(row[key]) for row in rows)

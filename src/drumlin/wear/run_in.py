@@ -18,6 +18,7 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
+from drumlin.response.merit import effect_words
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
 from drumlin.texts import formatted
@@ -299,7 +300,7 @@ def report_lines(
 ) -> list[str]:
     """A run as lines of text: some of its states, evenly spread, then what became of it."""
     unit, flat = unit_distance(setup, law), setup.flat
-    unit_ = "[N]" if flat else "[N m]"
+    what, of = effect_words(flat=flat)
     wears = f", 1/(k K) = {unit * 1e-3:.5g} km" if law.coefficient else ": nothing wears"
     force = setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     said = [
@@ -307,7 +308,7 @@ def report_lines(
         f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:.9g}{wears}",
         f"{'s':>9}{'s k K':>9}{'braking' if flat else 'torque':>10}{'force':>9}{'peak p':>9}{'p off law':>11}"
         f"{'T off law':>11}{'deepest':>10}",
-        f"{'[km]':>9}{'':9}{unit_:>10}{'[N]':>9}{'[MPa]':>9}{'[%]':>11}{'[%]':>11}{'wear [mm]':>10}",
+        f"{'[km]':>9}{'':9}{f'[{of}]':>10}{'[N]':>9}{'[MPa]':>9}{'[%]':>11}{'[%]':>11}{'wear [mm]':>10}",
     ]
     for i in sorted({round(x) for x in np.linspace(0, len(states) - 1, lines)}):
         state = states[i]
@@ -317,7 +318,7 @@ def report_lines(
             f"{peak(setup, state) * 1e-6:9.4g}{100 * off.pressure:11.3f}{100 * off.torque:+11.4f}"
             f"{state.depth.max() * 1e3:10.4g}"
         )
-    said.append(f"worn in (law): {'braking force' if flat else 'torque'} {goal.torque:.6g} {unit_[1:-1]}")
+    said.append(f"worn in (law): {what} {goal.torque:.6g} {of}")
     if law.coefficient > 0:
         spent = life(setup, states, goal, law)
         said.append(

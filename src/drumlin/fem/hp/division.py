@@ -87,6 +87,11 @@ class Division:
         return next((i for i, part in enumerate(self.part) if part in {"table", "shoe"}), len(self.part))
 
     @property
+    def contact_nodes(self) -> int:
+        """Number of nodes on the contact."""
+        return (len(self.angles) - 1) * self.degree + 1
+
+    @property
     def unknowns(self) -> int:
         """Number of displacement unknowns."""
         p, beyond = self.degree, self.layers - self.first

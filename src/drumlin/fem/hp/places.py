@@ -16,7 +16,7 @@ from drumlin.response.response import Response, ShoeResponse
 
 MOST_KINKS = 12  # a table of clearances with more rows, such as that of a worn lining, is a curve
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
-
+SEEN = 1e-3  # of the length of its contact that an opening must be to be a place
 DIGITS = 20  # binary ones of an end of the contact
 
 
@@ -30,9 +30,9 @@ def places_of(brake: Brake, response: Response | None) -> dict[tuple[object, ...
 
 
 def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
-    start, end = shoe.arc
-    arcs = [] if response is None else [sorted(shoe.frame.phi(np.array(arc)).tolist()) for arc in response.contact_arcs]
-    kinks = shoe.frame.phi(np.array(clearance.kinks(shoe.lining))).tolist()
+    (start, end), frame = shoe.arc, shoe.frame
+    arcs = [] if response is None else [sorted(frame.phis(arc)) for arc in response.contact_arcs]
+    kinks = frame.phis(clearance.kinks(shoe.lining))
     kinks = [x for x in kinks if start < x < end] if len(kinks) <= MOST_KINKS else []
     # Where nothing presses, or nearly, a kink is nothing; but within a column a block's step would swing beyond itself.
     if response is not None and not shoe.lining.misfit.blocks:
@@ -48,12 +48,14 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
 
 def _hidden(shoe: Shoe, response: ShoeResponse, arcs: list[list[float]]) -> list[tuple[float, float]]:
     """Open nodes between two that press, and how far apart these are [rad]; not at the ends of the contact, which are
-    known."""
-    press, phi = response.pressure > 0, shoe.frame.phi(response.theta)
+    known, and not where columns are so narrow that an opening is nothing, as where p wavers from node to node."""
+    press = response.pressure > 0
     at = 1 + np.flatnonzero(press[:-2] & ~press[1:-1] & press[2:])
-    ends = np.array(arcs).ravel()
+    if not len(at):
+        return []
+    phi = shoe.frame.phi(response.theta)
     found = [(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1]))) for i in at]
-    return [(x, length) for x, length in found if np.abs(ends - x).min() > length]
+    return [(x, size) for x, size in found if any(a + size < x < b - size and size > SEEN * (b - a) for a, b in arcs)]
 
 
 def _rounded(x: float, length: float) -> float:

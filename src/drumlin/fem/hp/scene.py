@@ -4,13 +4,14 @@ from collections.abc import Hashable, Mapping, Sequence
 from functools import partial
 
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.errors import BadInput
+from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import assembly
 from drumlin.fem.hp.body import condensed, contact_line, grid_of
 from drumlin.fem.hp.division import Division, Level, divide
 from drumlin.fem.hp.ring import ring_body
 from drumlin.fem.hp.shoe import condense
 
+MOST_NODES = 3000  # in contact with each other: matrices of twice as many rows take gigabytes
 Places = Mapping[tuple[object, ...], Sequence[tuple[float, float, bool]]]  # by the shape of a shoe: see `divide`
 
 
@@ -28,7 +29,7 @@ def body(shoe: Shoe, radius: float, div: Division, friction: bool, seconds: asse
 def scene(
     brake: Brake, level: Level, places: Places | None = None, cache: assembly.Cache | None = None
 ) -> assembly.Scene:
-    """The scene of a brake at a level. Raises as assembly.prepare.
+    """The scene of a brake at a level. Raises as assembly.prepare, and NoAnswer where it has more than MOST_NODES.
 
     places: where the pressure is not smooth; cache: bodies of earlier scenes, taken from there and put there.
     """
@@ -40,9 +41,17 @@ def scene(
     divisions: list[Hashable] = []
     made: dict[tuple[object, ...], assembly.Body] = {}
     keys = [assembly.shape_of(brake, shoe) for shoe in brake.shoes]
+    divided = {
+        key: divide(shoe, brake.drum.radius, level, (places or {}).get(key, ()))
+        for key, shoe in dict(zip(keys, brake.shoes, strict=True)).items()
+    }
+    together = sum if brake.drum.ring is not None else max
+    nodes = together(divided[key].contact_nodes for key in keys)
+    if nodes > MOST_NODES:
+        raise NoAnswer(f"its {nodes} contact nodes are more than the {MOST_NODES} that are allowed")
     for shoe, key in zip(brake.shoes, keys, strict=True):
         if key not in made:
-            div = divide(shoe, brake.drum.radius, level, (places or {}).get(key, ()))
+            div = divided[key]
             divisions.append(div.key)
             made[key] = cache.get(
                 (assembly.bare_shoe(shoe), brake.drum.radius, brake.friction > 0, div.key),
