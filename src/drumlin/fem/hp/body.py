@@ -47,7 +47,7 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
     return Grid(p, tuple(blocks), shoes.map_of(shoe, radius), sets, count)
 
 
-def condensed(shoe: Shoe, radius: float, div: Division, found: shoes.Condensed, grid: Grid) -> Condensed:
+def condensed(shoe: Shoe, div: Division, found: shoes.Condensed, line: ContactLine, grid: Grid) -> Condensed:
     """What `shoe.condense` found, as the coupling needs it. Raises NoAnswer for a singular stiffness."""
     S, loads = found.S, found.loads
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
@@ -56,7 +56,7 @@ def condensed(shoe: Shoe, radius: float, div: Division, found: shoes.Condensed, 
     L_fc = solve_lower(L, S[FRAME:, :FRAME]).T
     inside = partial(_inside, shoe, div, grid)
     moved = dtrtrs(L, solve_lower(L, found.missed), lower=1, trans=1)[0]
-    still = shoes.rigid(shoe.at(np.zeros(1), line_of(div.angles, div.degree), radius), shoe.own_pin)
+    still = shoes.rigid(line.xy, shoe.own_pin)
     lost = max(found.lost, MOVED * float((np.linalg.norm(moved, axis=0) / np.linalg.norm(still, axis=0)).max()))
     return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, lost)
 

@@ -17,7 +17,7 @@ from drumlin.fem.shapes import elements
 from drumlin.lapack import dgemm, dpotrf, dtrsm
 from drumlin.response.resultants import lobatto
 
-CHUNK = 16_000  # slopes that are worked on at once: they stay in the processor's cache
+CHUNK = 32_000  # slopes that are worked on at once: they stay in the processor's cache
 SINGULAR = "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
 
 

@@ -66,13 +66,16 @@ def _beam_map(shoe: Shoe, radius: float) -> Map:
 
 def within(ends: Floats, p: int) -> Floats:
     """The nodes (m, p + 1) of the pieces between ends (m + 1,)."""
-    half = 0.5 * np.diff(ends)[:, None]
-    return np.asarray(0.5 * (ends[1:] + ends[:-1])[:, None] + half * lobatto(p))
+    first, last = ends[:-1, None], ends[1:, None]
+    return np.asarray(0.5 * (last + first) + 0.5 * (last - first) * lobatto(p))
 
 
 def line_of(ends: Floats, p: int) -> Floats:
     """The nodes of all pieces between ends (m + 1,), those in common once: (m p + 1,)."""
-    return np.append(within(ends, p)[:, :-1].ravel(), ends[-1])
+    found = np.empty((len(ends) - 1) * p + 1)
+    found[:-1] = within(ends, p)[:, :-1].ravel()
+    found[-1] = ends[-1]
+    return found
 
 
 def nodes_of(place: Map, depths: Floats, along: Floats, p: int) -> Floats:
