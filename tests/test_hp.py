@@ -19,7 +19,7 @@ from drumlin.fem.fields import fields, ring_fields
 from drumlin.fem.group import groups_of
 from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.hp.adapt import DEFAULT, adapt, estimate
-from drumlin.fem.hp.columns import columns, merge, merged, stack
+from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack
 from drumlin.fem.hp.division import divide, graded
 from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
 from drumlin.fem.hp.levels import LEVELS, steps
@@ -97,7 +97,7 @@ def test_in_long_double_the_stiffness_is_the_same_and_rigid_motions_strain_nothi
     assert np.abs(K.sum(axis=3)).max() < 1e-14 * size
 
 
-def test_columns_merged_pairwise_are_the_whole_eliminated_at_once():
+def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
     p, layers, m = 3, 2, 5
     x, y = np.linspace(0, 1, m + 1), np.array([0.0, 0.2, 0.5])
     half, middle = 0.5 * np.diff(x), 0.5 * (x[1:] + x[:-1])
@@ -111,14 +111,34 @@ def test_columns_merged_pairwise_are_the_whole_eliminated_at_once():
     lame = np.tile(plane_stress(1.0, 0.3), (layers * m, 1))
     K = condensed_elements(np.ascontiguousarray(xy.reshape(-1, *xy.shape[2:])), lame, p)
     of = stack(p, layers, contact=True, held=False)
-    parts = columns(K.reshape(layers, m, *K.shape[1:]), of)
-    pairwise = merged(parts, of.line, 2)
-    one_by_one = parts[:1]
+    parts = [Piece(part, of.line, of.line) for part in columns(K.reshape(layers, m, *K.shape[1:]), of)]
+    whole = merged(parts, 2)
+    one_by_one = parts[0]
     for part in parts[1:]:
-        one_by_one = merge(one_by_one, part[None], of.line, 2)
-    assert pairwise == pytest.approx(one_by_one[0], abs=1e-11 * np.abs(pairwise).max())
-    assert len(pairwise) == 2 * of.line + 2 * (m * p - 1)
-    assert np.abs(pairwise.reshape(len(pairwise), -1, 2).sum(axis=1)).max() < 1e-12 * np.abs(pairwise).max()
+        one_by_one = merge(one_by_one, part, 2)
+    size = np.abs(whole.K).max()
+    np.testing.assert_allclose(whole.K, one_by_one.K, atol=1e-11 * size)
+    assert len(whole.K) == 2 * of.line + 2 * (m * p + 1)
+    assert np.abs(whole.K.reshape(len(whole.K), -1, 2).sum(axis=1)).max() < 1e-12 * size
+    ends = merged([closed(parts[0]), *parts[1:-1], closed(parts[-1], right=True)], 2)
+    assert ends.left == ends.right == 0
+    np.testing.assert_allclose(ends.K, closed(closed(whole), right=True).K, atol=1e-11 * size)
+    np.testing.assert_allclose(ends.K, every_unknown_at_once(K.reshape(layers, m, *K.shape[1:]), p), atol=1e-11 * size)
+
+
+def every_unknown_at_once(K, p):
+    """Condensed elements (layers, columns, n, n) side by side on the nodes of their outermost edges, by one solve."""
+    layers, m = K.shape[:2]
+    number = np.arange((layers * p + 1) * (m * p + 1)).reshape(layers * p + 1, -1)
+    A = np.zeros((2 * number.size, 2 * number.size))
+    for k in range(layers):
+        for j in range(m):
+            own = number[k * p : (k + 1) * p + 1, j * p : (j + 1) * p + 1].ravel()[element(p).order[: 4 * p]]
+            at = (2 * own[:, None] + [0, 1]).ravel()
+            A[at[:, None], at] += K[k, j]
+    kept = 2 * (m * p + 1)
+    rest = np.flatnonzero(np.abs(A).sum(axis=1) > 0)[kept:]  # without the insides of elements, which are gone
+    return A[:kept, :kept] - A[:kept, rest] @ np.linalg.solve(A[rest[:, None], rest], A[rest, :kept])
 
 
 def body_and_parts(brake, index=0, level=LEVELS[1]):

@@ -32,7 +32,7 @@ def compiled(name: str, public: str) -> ModuleType:
 
 
 _LAPACK, _BLAS = compiled("_flapack", "lapack"), compiled("_fblas", "blas")
-dpotrf, dtrtrs, dtrsm = _LAPACK.dpotrf, _LAPACK.dtrtrs, _BLAS.dtrsm
+dpotrf, dtrtrs, dtrsm, dgemm = _LAPACK.dpotrf, _LAPACK.dtrtrs, _BLAS.dtrsm, _BLAS.dgemm
 dgetrf, dgetrs, dgecon = _LAPACK.dgetrf, _LAPACK.dgetrs, _LAPACK.dgecon
 
 

@@ -12,6 +12,7 @@ of the traction on the same arc to round-off, on any mesh.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -87,10 +88,15 @@ def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> tu
     tolerance, which small and slender elements do not meet.
     """
     order = xy.shape[1] - 1
-    psi = shape(order, at)
-    x = np.einsum("cki,kq->ciq", xy, psi)
-    ds = np.hypot(*np.einsum("cki,kq->ciq", xy, slopes(order, at))) * weights
-    return psi, x, ds
+    psi, slope = _at_gauss(order) if at is GAUSS else (shape(order, at), slopes(order, at))
+    xy = xy.transpose(0, 2, 1)
+    return psi, xy @ psi, np.hypot(*(xy @ slope)) * weights
+
+
+@cache
+def _at_gauss(order: int) -> tuple[Floats, Floats]:
+    """The shape functions and their slopes (order + 1, q) at the points of the usual rule."""
+    return shape(order, GAUSS), slopes(order, GAUSS)
 
 
 def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = None) -> ContactLine:
@@ -132,18 +138,12 @@ def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
     n, m = len(line.nodes), line.pieces.shape[1]
     psi, x, ds = edge_points(line.xy[:, line.pieces])
     r, weight = np.ones(ds.shape) if directions is straight else np.hypot(*x), width * ds
-    normal, tangent = directions(x)
-    pair = (psi[:, None] * psi).reshape(len(psi) ** 2, -1).T  # (q, a b)
+    factors = weight * np.concatenate([np.ones((1, *ds.shape)), *directions(x)])  # of M, N and T
+    blocks = (factors @ (psi[:, None] * psi).reshape(len(psi) ** 2, -1).T).reshape(len(factors), -1)  # (.., m a b)
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()
-
-    def gather(factor: Floats) -> Floats:
-        return _summed(at, (weight * factor) @ pair, n * n).reshape(n, n)
-
-    def interleave(vectors: Floats) -> Floats:
-        return np.stack([gather(vectors[0]), gather(vectors[1])], axis=-1).reshape(n, 2 * n)
-
-    lever = _summed(line.pieces.T.ravel(), (weight * r) @ psi.T, n)
-    return Coupling(gather(np.ones_like(r)), interleave(normal), interleave(tangent), lever)
+    M, *parts = (_summed(at, block, n * n).reshape(n, n) for block in blocks)
+    N, T = (np.stack(parts[k : k + 2], axis=-1).reshape(n, 2 * n) for k in (0, 2))
+    return Coupling(M, N, T, _summed(line.pieces.T.ravel(), (weight * r) @ psi.T, n))
 
 
 def _summed(at: Ints, values: Floats, count: int) -> Floats:

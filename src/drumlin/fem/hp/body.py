@@ -13,7 +13,10 @@ from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.grid import Block, Grid
 from drumlin.fem.hp.shoe import end_load, line_of
 from drumlin.fem.interface import ContactLine
-from drumlin.lapack import dpotrf, solve_lower
+from drumlin.lapack import dpotrf, dtrtrs, solve_lower
+
+MOVED = 0.01  # times what round-off moves the contact by under a rigid motion, relative: a tenth of it is about the
+# error of p that it makes, which adapt.ROUND_OFF times this covers; of a shoe far softer than its lining it is all
 
 
 def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
@@ -44,7 +47,7 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
     return Grid(p, tuple(blocks), shoes.map_of(shoe, radius), sets, count)
 
 
-def condensed(shoe: Shoe, radius: float, div: Division, found: shoes.Condensed, grid: Grid) -> Condensed:
+def condensed(shoe: Shoe, div: Division, found: shoes.Condensed, line: ContactLine, grid: Grid) -> Condensed:
     """What `shoe.condense` found, as the coupling needs it. Raises NoAnswer for a singular stiffness."""
     S, loads = found.S, found.loads
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
@@ -52,7 +55,10 @@ def condensed(shoe: Shoe, radius: float, div: Division, found: shoes.Condensed, 
         raise NoAnswer(SINGULAR)
     L_fc = solve_lower(L, S[FRAME:, :FRAME]).T
     inside = partial(_inside, shoe, div, grid)
-    return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, found.lost)
+    moved = dtrtrs(L, solve_lower(L, found.missed), lower=1, trans=1)[0]
+    still = shoes.rigid(line.xy, shoe.own_pin)
+    lost = max(found.lost, MOVED * float((np.linalg.norm(moved, axis=0) / np.linalg.norm(still, axis=0)).max()))
+    return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, lost)
 
 
 def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:

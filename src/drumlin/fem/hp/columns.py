@@ -1,52 +1,67 @@
-"""Columns of elements along a lining, condensed to their two sides and their contact, and merged pairwise.
+"""Columns of elements along a lining, condensed to their two sides and their contact, and merged.
 
-A column is a stack of elements from the contact inwards. Displacements are counted in directions of their own at each
-node, on an arc along the radius and around the drum; so equal columns are one and the same, wherever they stand, and
-are made once. Neighbours merge pairwise, level by level, each level in a few batched products.
+A column is a stack of elements from the contact inwards. Displacements are counted in directions of their own, on an
+arc on each side along the radius and around the drum, between the sides as in the column's middle; so equal columns are
+one and the same, wherever they stand, and are made once.
 
-Unknowns of a piece, x and y of a node together: [extra | left line | inner contact | right line], lines from the
-contact inwards. `extra` are shared by all pieces: loads, which stand in the matrix as unknowns of negative stiffness.
+Unknowns of a piece, x and y of a node together: [left line | contact | right line]. The lines go from the contact
+inwards without their contact node; a piece without contact has whole lines. Before them may stand `extra` ones, which
+all pieces share: loads, as unknowns of negative stiffness.
 """
 
+from collections.abc import Sequence
 from functools import cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats, Ints
-from drumlin.fem.hp.element import element, eliminate, without
+from drumlin.arrays import Floats
+from drumlin.fem.hp.element import without
+
+Place = tuple[slice, slice]  # unknowns of an element, and where they are
 
 
 class Stack(NamedTuple):
-    """Unknowns of a stack of elements, in the order [left line | inner contact | right line | rest | held].
+    """Where the unknowns of the layers of a column are: `kept` (layers,) of its two lines and its contact among all
+    `sides` of these, with `line` in a line; `inside` (layers,) of its `rest`, by edges from the contact inwards."""
 
-    `place` (layers, n): those of each element's boundary; `sides`: how many there are up to the right line, `free` up
-    to the held ones, `size` of all; `line`: of a line; `back` (2 (p + 1),): those of the innermost edge.
-    """
-
-    place: Ints
+    kept: tuple[tuple[Place, ...], ...]
+    inside: tuple[tuple[Place, ...], ...]
     sides: int
-    free: int
-    size: int
+    rest: int
     line: int
-    back: Ints
 
 
 @cache
 def stack(p: int, layers: int, *, contact: bool, held: bool) -> Stack:
     """Without `contact` the inner nodes of the outermost edge go with the rest; `held`: the innermost edge is held."""
-    rows, last = layers * p + 1, layers * p
-    free = rows - held
-    kept = [(i, 0) for i in range(free)] + [(0, j) for j in range(1, p) if contact] + [(i, p) for i in range(free)]
-    rest = [(i, j) for i in range(p if contact else 0, free, p) for j in range(1, p)]
-    gone = [(last, j) for j in range(p + 1) if held]
-    place = np.zeros((rows, p + 1, 2), dtype=np.int64)
-    for k, (i, j) in enumerate(kept + rest + gone):
-        place[i, j] = 2 * k, 2 * k + 1
-    ref = element(p)
-    at = [place[k * p : k * p + p + 1].reshape(-1, 2)[ref.order[: ref.outer]].ravel() for k in range(layers)]
-    count = 2 * len(kept + rest + gone)
-    return Stack(np.array(at), 2 * len(kept), 2 * len(kept + rest), count, 2 * free, place[last].ravel())
+    side, edge, node = 2 * (p + 1), 2 * (p - 1), 2 * contact
+    line = 2 * (layers * p + (not held)) - node
+    first, last = slice(2 * side, 2 * side + edge), slice(2 * side + edge, 2 * side + 2 * edge)
+    right = line + (node + edge + node if contact else 0)
+    kept, inside = [], []
+    for k in range(layers):
+        skipped = node if k == 0 else 0
+        start, stop = 2 * k * p - node + skipped, min(2 * (k + 1) * p + 2 - node, line)
+        count = skipped + stop - start
+        places = [
+            (slice(skipped, count), slice(start, stop)),
+            (slice(side + skipped, side + count), slice(right + start, right + stop)),
+        ]
+        edges = [(own, slice(i * edge, (i + 1) * edge)) for own, i in ((first, k - contact), (last, k + 1 - contact))]
+        if k == 0 and contact:
+            del edges[0]
+            places += [
+                (slice(node), slice(line, line + node)),
+                (first, slice(line + node, right - node)),
+                (slice(side, side + node), slice(right - node, right)),
+            ]
+        if k + 1 == layers and held:
+            del edges[-1]
+        kept.append(tuple(places))
+        inside.append(tuple(edges))
+    return Stack(tuple(kept), tuple(inside), right + line, edge * (layers + 1 - contact - held), line)
 
 
 def columns(elements: Floats, of: Stack, loads: Floats | None = None) -> Floats:
@@ -54,64 +69,106 @@ def columns(elements: Floats, of: Stack, loads: Floats | None = None) -> Floats:
 
     loads (c, k, l): unit loads on the k unknowns of the innermost edge; they become l extra unknowns.
     """
-    extra = 0 if loads is None else loads.shape[2]
-    K = np.zeros((elements.shape[1], extra + of.size, extra + of.size))
-    for place, part in zip(of.place + extra, elements, strict=True):
-        K[:, place[:, None], place] += part
+    count, extra = elements.shape[1], 0 if loads is None else loads.shape[2]
+    K = np.zeros((count, extra + of.sides, extra + of.sides))
+    C = np.zeros((count, of.rest, extra + of.sides))
+    inner = np.zeros((count, of.rest, of.rest))
+    sides, coupling = K[:, extra:, extra:], C[:, :, extra:]
+    for part, kept, inside in zip(elements, of.kept, of.inside, strict=True):
+        for places, others, target in ((kept, kept, sides), (inside, kept, coupling), (inside, inside, inner)):
+            for own, at in places:
+                for other, to in others:
+                    target[:, at, to] += part[:, own, other]
     if loads is not None:
-        K[:, :extra, extra + of.back] = -loads.transpose(0, 2, 1)
-        K[:, extra + of.back, :extra] = -loads
-    return eliminate(K[:, : extra + of.free, : extra + of.free], extra + of.sides)
+        for end, own in ((of.line, slice(2)), (of.sides, slice(-2, None))):
+            at = slice(extra + end - 2, extra + end)
+            K[:, at, :extra] = -loads[:, own]
+            K[:, :extra, at] = -loads[:, own].transpose(0, 2, 1)
+        C[:, of.rest - loads.shape[1] + 4 :, :extra] = -loads[:, 2:-2]
+    return without(K, C, inner)
 
 
-def turned(K: Floats, angle: Floats, extra: int = 0) -> Floats:
-    """K (..., n, n) with the components of each node in directions turned by its angle (..., n/2) [rad]; extra unknowns
-    are left alone."""
+class Piece(NamedTuple):
+    """Stiffness `K` (n, n) of a column or of several merged, and how many unknowns its `left` and `right` line have."""
+
+    K: Floats
+    left: int
+    right: int
+
+
+def merge(A: Piece, B: Piece, shared: int, extra: int = 0) -> Piece:
+    """Neighbouring pieces as one, without the line between them; they share the last and first `shared` unknowns of
+    their contacts."""
+    line = A.right
+    before, beyond = len(A.K) - line, extra + line  # of A: where the line begins, of B: where it ends
+    n = before - shared + len(B.K) - beyond
+    K, C = np.zeros((n, n)), np.zeros((line, n))
+    rest = slice(before - shared, None)
+    K[:before, :before] = A.K[:before, :before]
+    K[rest, rest] += B.K[beyond:, beyond:]
+    C[:, :before] = A.K[before:, :before]
+    C[:, rest] += B.K[extra:beyond, beyond:]
     if extra:
-        own, rest = slice(extra), slice(extra, None)
-        out = np.array(K)
-        out[..., rest, rest] = turned(K[..., rest, rest], angle)
-        out[..., own, rest] = turned_rows(K[..., own, rest], angle)
-        out[..., rest, own] = np.swapaxes(out[..., own, rest], -1, -2)
-        return out
-    phase = np.exp(-1j * angle)[..., None, :]
-    K = np.ascontiguousarray(K)
-    for _ in range(2):  # its columns, then its rows
-        K = np.ascontiguousarray(np.swapaxes((K.view(complex) * phase).view(float), -1, -2))
-    return K
+        K[:extra, :extra] += B.K[:extra, :extra]
+        K[:extra, rest] += B.K[:extra, beyond:]
+        K[rest, :extra] += B.K[beyond:, :extra]
+        C[:, :extra] += B.K[extra:beyond, :extra]
+    without(K[None], C[None], (A.K[before:, before:] + B.K[extra:beyond, extra:beyond])[None])
+    return Piece(K, A.left, B.right)
+
+
+def merged(pieces: Sequence[Piece], shared: int, extra: int = 0) -> Piece:
+    """One piece of all, in their order.
+
+    The neighbours that make the smallest piece go first: that is within a few percent of the fewest multiplications.
+    Equal pairs, of the same two objects, are merged once.
+    """
+    found, first = list(pieces), dict[int, int]()
+    row = [first.setdefault(id(piece), k) for k, piece in enumerate(pieces)]
+    made: dict[tuple[int, int], int] = {}
+
+    def sizes_of(row: list[int]) -> list[int]:
+        return [len(found[i].K) + len(found[j].K) - 2 * found[i].right for i, j in pairwise(row)]
+
+    sizes = sizes_of(row)
+    while sizes:
+        k = sizes.index(min(sizes))
+        pair = row[k], row[k + 1]
+        if pair not in made:
+            made[pair] = len(found)
+            found.append(merge(found[pair[0]], found[pair[1]], shared, extra))
+        row[k : k + 2] = [made[pair]]
+        near = max(k - 1, 0)
+        sizes[near : k + 2] = sizes_of(row[near : k + 2])
+    return found[row[0]]
+
+
+def closed(piece: Piece, end: Floats | None = None, part: int = 0, *, right: bool = False) -> Piece:
+    """A piece without its left or its right line, which has no neighbour.
+
+    end (l + part, l + part): stiffness of what hangs on the last `part` unknowns of the line, with l unknowns of its
+    own, which come to stand in the place of the line: on [own | part] on the left, [part | own] on the right.
+    """
+    own, n, line = 0 if end is None else len(end) - part, len(piece.K), piece.right if right else piece.left
+    rest, gone = (slice(n - line), slice(n - line, n)) if right else (slice(line, n), slice(line))
+    K, C, inner = np.zeros((own + n - line,) * 2), np.zeros((line, own + n - line)), piece.K[gone, gone].copy()
+    at = slice(n - line) if right else slice(own, None)
+    K[at, at], C[:, at] = piece.K[rest, rest], piece.K[gone, rest]
+    if end is not None:
+        ends, on = (slice(part, None), slice(part)) if right else (slice(own), slice(own, None))
+        at = slice(n - line, None) if right else slice(own)
+        K[at, at] += end[ends, ends]
+        C[line - part :, at] += end[on, ends]
+        inner[line - part :, line - part :] += end[on, on]
+    without(K[None], C[None], inner[None])
+    return Piece(K, piece.left, 0) if right else Piece(K, 0, piece.right)
+
+
+def turned(K: Floats, angle: Floats) -> Floats:
+    """K (n, n) with the components of each node in directions turned by its angle (n/2,) [rad]."""
+    return turned_rows(turned_rows(K, angle).T, angle)
 
 
 def turned_rows(V: Floats, angle: Floats) -> Floats:
     """Rows of vectors V (..., m, n), x and y of a node together, in directions turned by its angle (..., n/2)."""
     return (np.ascontiguousarray(V).view(complex) * np.exp(-1j * angle)[..., None, :]).view(float)
-
-
-def merge(A: Floats, B: Floats, line: int, top: int, extra: int = 0) -> Floats:
-    """Neighbouring pieces (b, n, n) and (b, m, m) as one; of the line between them its first `top` unknowns stay."""
-    n, m = A.shape[1], B.shape[1]
-    before = n - line + top  # of A: all but the inner part of the line
-    kept = before + m - extra - line
-    own, middle = slice(extra, extra + top), slice(before - top, before)
-    K = np.zeros((len(A), kept, kept))
-    K[:, :before, :before] = A[:, :before, :before]
-    C = np.zeros((len(A), line - top, kept))  # of the inner part of the line with the rest
-    C[:, :, :before] = A[:, before:, :before]
-    inner, beyond = slice(extra + top, extra + line), slice(extra + line, None)
-    for target, source in ((slice(extra), slice(extra)), (middle, own), (slice(before, None), beyond)):
-        C[:, :, target] += B[:, inner, source]
-        for other, row in ((slice(extra), slice(extra)), (middle, own), (slice(before, None), beyond)):
-            K[:, other, target] += B[:, row, source]
-    return without(K, C, A[:, before:, before:] + B[:, inner, inner])
-
-
-def merged(K: Floats, line: int, top: int, extra: int = 0) -> Floats:
-    """All columns K (m, n, n), in their order, as one piece (k, k); a last one without a neighbour waits."""
-    waiting = None
-    while True:
-        even = len(K) - len(K) % 2
-        if len(K) > even:
-            waiting = K[even:] if waiting is None else merge(K[even:], waiting, line, top, extra)
-        if not even:
-            assert waiting is not None  # there is a column
-            return waiting[0]
-        K = merge(K[0:even:2], K[1:even:2], line, top, extra)

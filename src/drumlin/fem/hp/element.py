@@ -14,18 +14,18 @@ from numpy.polynomial.legendre import leggauss
 from drumlin.arrays import Floats, Ints
 from drumlin.errors import NoAnswer
 from drumlin.fem.shapes import elements
-from drumlin.lapack import dpotrf, dtrsm
+from drumlin.lapack import dgemm, dpotrf, dtrsm
 from drumlin.response.resultants import lobatto
 
-CHUNK = 16_000  # slopes that are worked on at once: they stay in the processor's cache
-SMALL = 24  # unknowns up to which a batch is eliminated at once, rather than one after the other by faster routines
+CHUNK = 32_000  # slopes that are worked on at once: they stay in the processor's cache
 SINGULAR = "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
 
 
 class Element(NamedTuple):
     """The element of degree p: `slopes` (a, 2 q) of its shape functions by both coordinates at q Gauss points,
     `weights` (q,) of these. Its a nodes are those of the grid (p + 1)^2 in the order `order` (a,), where i p + i + j
-    stands for the i-th place across the layers and the j-th along them: first the `outer` on its boundary."""
+    stands for the i-th place across the layers and the j-th along them: first the `outer` on its boundary, those on
+    its left and its right side, on what is left of its first and of its last edge."""
 
     slopes: Any
     weights: Any
@@ -39,8 +39,8 @@ def element(p: int, *, precise: bool = False) -> Element:
     x, w = leggauss(p + 1)
     x, w = 0.5 * (x + 1), 0.5 * w
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
-    inside = np.pad(np.ones((p - 1, p - 1), dtype=bool), 1)
-    order = np.concatenate([number[~inside], number[inside]])
+    edges = number[:, 0], number[:, -1], number[0, 1:-1], number[-1, 1:-1]
+    order = np.concatenate([*edges, number[1:-1, 1:-1].ravel()])
     slopes = _product_slopes(p, x) if precise else shape_functions(p, _grid(x))[1]
     return Element(np.ascontiguousarray(slopes[order].reshape(len(order), -1)), np.outer(w, w).ravel(), order, 4 * p)
 
@@ -93,64 +93,89 @@ def stiffness(xy: Any, lame: Any, p: int) -> Any:
 
         K_ai,bj = Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
     """
+    return _stiffness(_products(xy, p), lame, slice(None), slice(None))
+
+
+def _products(xy: Any, p: int) -> Any:
+    """Int psi_a,i psi_b,j dA (e, 2, a, 2, a) for i, a, j, b of elements with nodes xy (e, 2, a)."""
     ref = element(p, precise=xy.dtype == np.longdouble)
     e, _, a = xy.shape
     q = len(ref.weights)
     J = (xy.reshape(2 * e, a) @ ref.slopes).reshape(e, 2, 2, q)  # d x_c / d xi_d
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
-    J = J / det[:, None, None]
+    J *= np.sqrt(ref.weights / np.abs(det))[:, None, None]
     first, second = ref.slopes[:, :q], ref.slopes[:, q:]
-    G = np.empty((e, a, 2, q), dtype=xy.dtype)  # d psi / d x_c
-    G[:, :, 0] = J[:, 1, 1][:, None] * first - J[:, 1, 0][:, None] * second
-    G[:, :, 1] = J[:, 0, 0][:, None] * second - J[:, 0, 1][:, None] * first
-    dA = np.abs(det) * ref.weights
-    lam, mu = lame[:, :1] * dA, lame[:, 1:] * dA
-    right = G.reshape(e, a, 2 * q).transpose(0, 2, 1)
-    swapped = G[:, :, ::-1].reshape(e, a, 2 * q).transpose(0, 2, 1)
-    K = np.empty((e, a, 2, a, 2), dtype=xy.dtype)
-    for i, j, factors in ((0, 0, (lam + 2 * mu, mu)), (1, 1, (mu, lam + 2 * mu)), (0, 1, (lam, mu))):
-        left = (G * np.stack(factors, axis=1)[:, None]).reshape(e, a, 2 * q)
-        K[:, :, i, :, j] = left @ (right if i == j else swapped)
-    K[:, :, 1, :, 0] = K[:, :, 0, :, 1].transpose(0, 2, 1)
+    G = np.empty((e, 2, a, q), dtype=xy.dtype)  # d psi / d x_c times the root of dA, up to the sign of det
+    np.subtract(J[:, 1, 1][:, None] * first, J[:, 1, 0][:, None] * second, out=G[:, 0])
+    np.subtract(J[:, 0, 0][:, None] * second, J[:, 0, 1][:, None] * first, out=G[:, 1])
+    G = G.reshape(e, 2 * a, q)
+    return (G @ G.transpose(0, 2, 1)).reshape(e, 2, a, 2, a)
+
+
+def _stiffness(products: Any, lame: Any, rows: slice, columns: slice) -> Any:
+    """The part (e, rows, 2, columns, 2) of the stiffness of elements; see `stiffness` and `_products`."""
+    lam, mu = lame[:, :1, None], lame[:, 1:, None]
+    xx, xy = products[:, 0, rows, 0, columns], products[:, 0, rows, 1, columns]
+    yx, yy = products[:, 1, rows, 0, columns], products[:, 1, rows, 1, columns]
+    K = np.empty((len(xx), xx.shape[1], 2, xx.shape[2], 2), dtype=products.dtype)
+    np.add((lam + 2 * mu) * xx, mu * yy, out=K[:, :, 0, :, 0])
+    np.add((lam + 2 * mu) * yy, mu * xx, out=K[:, :, 1, :, 1])
+    np.add(lam * xy, mu * yx, out=K[:, :, 0, :, 1])
+    np.add(lam * yx, mu * xy, out=K[:, :, 1, :, 0])
     return K
 
 
-def eliminate(K: Floats, kept: int) -> Floats:
-    """Batched symmetric K (b, n, n), positive definite on what goes, without all but its first `kept` unknowns."""
-    if K.shape[-1] == kept:
-        return K
-    return without(K[:, :kept, :kept], K[:, kept:, :kept], K[:, kept:, kept:])
-
-
 def without(K: Floats, C: Floats, inner: Floats) -> Floats:
-    """K - C^T inner^-1 C, batched: (b, k, k), (b, m, k), (b, m, m). Raises NoAnswer for a singular `inner`.
+    """K - C^T inner^-1 C, batched: (b, k, k), (b, m, k), (b, m, m), each in rows without gaps, all overwritten.
 
-    Backward stable, by Cholesky's or Gauss's factors: an inverse loses digits in thin columns.
+    Raises NoAnswer for an `inner` that is not positive definite. By Cholesky's factors, one after the other in place:
+    an inverse loses digits in thin columns, and numpy's batches cost more in copies than the calls do here.
     """
-    try:
-        if C.shape[1] <= SMALL:
-            return K - C.transpose(0, 2, 1) @ np.linalg.solve(inner, C)
-        out = np.empty(K.shape)
-        for k in range(len(K)):
-            L, info = dpotrf(inner[k].T, lower=1)
-            if info:
-                raise NoAnswer(SINGULAR)
-            Y = dtrsm(1.0, L, C[k].T, side=1, lower=1, trans_a=1)
-            np.subtract(K[k], Y @ Y.T, out=out[k])
-    except np.linalg.LinAlgError as error:
-        raise NoAnswer(SINGULAR) from error
-    return out
+    for own, coupling, pivots in zip(K, C, inner, strict=True):
+        L, info = dpotrf(pivots.T, lower=1, clean=0, overwrite_a=1)
+        if info:
+            raise NoAnswer(SINGULAR)
+        Y = dtrsm(1.0, L, coupling.T, side=1, lower=1, trans_a=1, overwrite_b=1)
+        dgemm(-1.0, Y, Y, 1.0, own.T, trans_b=1, overwrite_c=1)
+    return K
 
 
-def condensed_elements(xy: Floats, lame: Floats, p: int) -> Floats:
-    """Stiffness (e, n, n) of elements on their boundary nodes, x and y of a node together; arguments of `stiffness`."""
+def condensed_elements(xy: Floats, lame: Floats, p: int, half: Floats | None = None) -> Floats:
+    """Stiffness (e, n, n) of elements on their boundary nodes, x and y of a node together; arguments of `stiffness`.
+
+    half (e,) [rad]: displacements of their left and right sides count in directions turned by -half and half.
+    """
     ref = element(p)
-    kept = 2 * ref.outer
-    out = np.empty((len(xy), kept, kept))
+    outer, inside = slice(ref.outer), slice(ref.outer, None)
+    out = np.empty((len(xy), 2 * ref.outer, 2 * ref.outer))
     step = max(1, CHUNK // ref.slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
-        K = stiffness(xy[part], lame[part], p)
-        size = 2 * len(ref.order)
-        out[part] = eliminate(K.reshape(len(K), size, size), kept)
+        found = _products(xy[part], p)
+        e, sizes = len(found), (2 * ref.outer, 2 * (len(ref.order) - ref.outer))
+        K, C, inner = (
+            _stiffness(found, lame[part], rows, columns).reshape(e, n, m)
+            for rows, columns, n, m in (
+                (outer, outer, sizes[0], sizes[0]),
+                (inside, outer, sizes[1], sizes[0]),
+                (inside, inside, sizes[1], sizes[1]),
+            )
+        )
+        without(K, C, inner)
+        if half is not None:
+            turn_sides(K, half[part], p)
+        out[part] = K
     return out
+
+
+def turn_sides(K: Floats, half: Floats, p: int) -> None:
+    """Turn the directions of the left and right sides of condensed elements K (e, n, n) by -half and half (e,) [rad],
+    in place."""
+    count = 2 * (p + 1)  # nodes
+    phase = np.exp(1j * np.outer(half, np.repeat([1.0, -1.0], p + 1)))[:, None]
+    K.view(complex)[:, :, :count] *= phase  # the columns of the sides, then their rows
+    sides, rest = slice(2 * count), slice(2 * count, None)
+    K[:, sides, rest] = K[:, rest, sides].transpose(0, 2, 1)
+    turned = np.ascontiguousarray(K[:, sides, sides].transpose(0, 2, 1))
+    turned.view(complex)[:] *= phase
+    K[:, sides, sides] = turned

@@ -13,9 +13,9 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, tie
 from drumlin.fem.elimination import SINGULAR
-from drumlin.fem.hp.columns import columns, merged, stack, turned
+from drumlin.fem.hp.columns import Piece, closed, columns, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Level, ends_of, graded
-from drumlin.fem.hp.element import condensed_elements, eliminate
+from drumlin.fem.hp.element import condensed_elements
 from drumlin.fem.hp.grid import Block, Grid
 from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, nodes_of, within
 from drumlin.fem.interface import ContactLine
@@ -76,12 +76,13 @@ def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> R
     A = _closed(made, div, line, extra)
     if free:  # three unknowns of the rim hold it, statically determinate
         A = _held(A, extra, n, line, div)
-    A = eliminate(A[None], extra + n)[0]
-    S = turned(A[extra:, extra:], -contact.phi)
+    A = closed(Piece(A, 0, len(A) - extra - n), right=True).K
+    back = -directions(div.angles, div.degree)[_touching(div)]
+    S = turned(A[extra:, extra:], back)
     L, info = dpotrf(S, lower=1)
     if info:
         raise NoAnswer(SINGULAR)
-    load = turned(A, -contact.phi, extra)[extra:, :extra] if free else np.zeros((n, 0))
+    load = turned_rows(A[:extra, extra:], back).T
     work = -A[:extra, :extra]
     rim = rim_of(radius + sign * ring.section.thickness, div, grid) if free else np.zeros((2 * grid.N, 0))
     inside = partial(_inside, brake, grid, rim)
@@ -106,8 +107,13 @@ def _columns(
 
     xy = nodes_of(place, div.depths, along, p)
     lame = np.tile(lame_of({"drum": (section.material, section.width)}, ("drum",)), (xy.shape[0] * xy.shape[1], 1))
-    K = condensed_elements(xy.reshape(-1, *xy.shape[2:]), lame, p).reshape(layers, len(sizes), 8 * p, 8 * p)
-    loads = _rim_loads(radius + sign * section.thickness, along, p) if free else None
+    halves = np.tile(along[:, -1], layers)
+    K = condensed_elements(xy.reshape(-1, *xy.shape[2:]), lame, p, halves).reshape(layers, len(sizes), 8 * p, 8 * p)
+    loads = None
+    if free:
+        loads = _rim_loads(radius + sign * section.thickness, along, p)
+        for at, k in ((slice(2), 0), (slice(-2, None), -1)):  # in the directions of the columns' sides
+            loads[:, at] = turned_rows(loads[:, at].transpose(0, 2, 1), along[:, k, None]).transpose(0, 2, 1)
     extra = FRAME * free
     pieces = []
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
@@ -117,10 +123,10 @@ def _columns(
         kinds, place_of = np.unique(which[first:last], return_inverse=True)
         of = stack(p, layers, contact=touching, held=not free)
         made = columns(K[:, kinds], of, None if loads is None else loads[kinds])
-        made = turned(made, directions(along[kinds], of.line // 2, contact=touching), extra)[place_of]
         if free:
-            made = _turned_loads(made, middle[first:last])
-        pieces.append((touching, merged(made, of.line, 2 * touching, extra)))
+            made, place_of = _turned_loads(made[place_of], middle[first:last]), np.arange(last - first)
+        row = [Piece(each, of.line, of.line) for each in made]
+        pieces.append((touching, merged([row[k] for k in place_of], 2 * touching, extra).K))
     return pieces, stack(p, layers, contact=True, held=not free).line
 
 
@@ -151,20 +157,22 @@ def _turned_loads(K: Floats, angle: Floats) -> Floats:
 def _closed(pieces: list[tuple[bool, Floats]], div: Division, line: int, extra: int) -> Floats:
     """The ring on [extra | contact nodes by growing angle | inner part of the lines between the pieces].
 
-    The first node of a line touches, since one side of it at least does.
+    The first node of a line touches, since one side of it at least does; `line`: the unknowns of its inner part.
     """
     count = len(pieces)
-    inner = [len(K) - extra - 2 * line if touching else 0 for touching, K in pieces]
+    inner = [len(K) - extra - 2 * line - 4 if touching else 0 for touching, K in pieces]
     tops = extra + np.cumsum([0, *(2 + n for n in inner)])
     first = int(tops[-1])
-    total = first + count * (line - 2)
-    A = np.zeros((total, total))
-    for k, (_, K) in enumerate(pieces):
+    A = np.zeros((first + count * line,) * 2)
+    for k, (touching, K) in enumerate(pieces):
         after = (k + 1) % count
-        lines = [
-            np.r_[tops[j] : tops[j] + 2, first + j * (line - 2) : first + (j + 1) * (line - 2)] for j in (k, after)
-        ]
-        place = np.r_[:extra, lines[0], tops[k] + 2 : tops[k] + 2 + inner[k], lines[1]]
+        nodes = [np.arange(tops[j], tops[j] + 2) for j in (k, after)]
+        lines = [np.arange(first + j * line, first + (j + 1) * line) for j in (k, after)]
+        between = np.arange(tops[k] + 2, tops[k] + 2 + inner[k])
+        own = (
+            [lines[0], nodes[0], between, nodes[1], lines[1]] if touching else [nodes[0], lines[0], nodes[1], lines[1]]
+        )
+        place = np.concatenate([np.arange(extra), *own])
         np.add.at(A, (place[:, None], place), K)
     return A
 
@@ -177,8 +185,8 @@ def _held(A: Floats, extra: int, contact: int, line: int, div: Division) -> Floa
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())
     along = abs(math.sin(away[k])) > abs(math.cos(away[k]))  # a turn moves it rather around than along the radius
-    node = extra + contact + (line - 2) - 2
-    other = extra + contact + (k + 1) * (line - 2) - 2 + along
+    node = extra + contact + line - 2
+    other = extra + contact + (k + 1) * line - 2 + along
     keep = np.setdiff1d(np.arange(len(A)), [node, node + 1, other])
     return A[keep[:, None], keep]
 

@@ -20,7 +20,7 @@ def body(shoe: Shoe, radius: float, div: Division, friction: bool, seconds: asse
     with assembly.clock(seconds, "condensation"):
         found = condense(shoe, radius, div, assembly.materials_of(shoe))
         line, grid = contact_line(shoe, radius, div), grid_of(shoe, radius, div)
-        inner = condensed(shoe, radius, div, found, grid)
+        inner = condensed(shoe, div, found, line, grid)
     with assembly.clock(seconds, "coupling"):
         made = partial(assembly.Body, grid, grid, line)
         return assembly.coupled(made, shoe, line, inner, found.centre, friction=friction)

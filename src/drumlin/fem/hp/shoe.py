@@ -1,7 +1,7 @@
 """A parametric shoe of columns: its geometry, and its condensation to contact, frame and actuation."""
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -12,27 +12,29 @@ from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.body import FRAME
-from drumlin.fem.hp.columns import columns, merge, merged, stack, turned, turned_rows
+from drumlin.fem.hp.columns import Piece, Stack, closed, columns, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Division
-from drumlin.fem.hp.element import condensed_elements, element, eliminate
+from drumlin.fem.hp.element import condensed_elements, element
 from drumlin.fem.shapes import plane_stress
 from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape
-
-LOADS, HELD, EXTRA = slice(FRAME), slice(FRAME, 2 * FRAME), 2 * FRAME  # unknowns of a piece before its own
 
 Map = Callable[[Floats, Floats], Floats]  # depth, place along -> points (2, ...) [m] in the shoe's frame
 
 
 class Condensed(NamedTuple):
     """Stiffness `S` (3 + 2n, 3 + 2n) on [frame | contact nodes x, y], unit actuations `loads` (3 + 2n, 3) on them,
-    their
-    `work` (3, 3) with both held, and the centre (2,) [m] that they act on. `lost`: what the elimination missed the
-    balance of a unit force by, before the frame's rows were made to balance."""
+    their `work` (3, 3) with both held, and the centre (2,) [m] that they act on.
+
+    What round-off did before the frame's rows were made to balance: `missed` (2n, 3), forces on the contact by rigid
+    motions, which strain nothing, and `lost`, by how much a unit force was out of balance. Where
+    the frame is the back itself they are not known, and zero.
+    """
 
     S: Floats
     loads: Floats
     work: Floats
     centre: Floats
+    missed: Floats
     lost: float
 
 
@@ -64,13 +66,16 @@ def _beam_map(shoe: Shoe, radius: float) -> Map:
 
 def within(ends: Floats, p: int) -> Floats:
     """The nodes (m, p + 1) of the pieces between ends (m + 1,)."""
-    half = 0.5 * np.diff(ends)[:, None]
-    return np.asarray(0.5 * (ends[1:] + ends[:-1])[:, None] + half * lobatto(p))
+    first, last = ends[:-1, None], ends[1:, None]
+    return np.asarray(0.5 * (last + first) + 0.5 * (last - first) * lobatto(p))
 
 
 def line_of(ends: Floats, p: int) -> Floats:
     """The nodes of all pieces between ends (m + 1,), those in common once: (m p + 1,)."""
-    return np.append(within(ends, p)[:, :-1].ravel(), ends[-1])
+    found = np.empty((len(ends) - 1) * p + 1)
+    found[:-1] = within(ends, p)[:, :-1].ravel()
+    found[-1] = ends[-1]
+    return found
 
 
 def nodes_of(place: Map, depths: Floats, along: Floats, p: int) -> Floats:
@@ -102,13 +107,13 @@ def rigid(xy: Floats, pin: Floats) -> Floats:
 
 
 class _Columns(NamedTuple):
-    """Columns in directions of their own at each node: those under the lining, before and behind it, in their order;
-    `gripped` (k, ...): those under the lining from number `first` on, with their back held."""
+    """Columns under the lining, before and behind it, in their order, equal ones the same object; `gripped`: those
+    under the lining from number `first` on, with their back held."""
 
-    under: Floats
-    before: Floats
-    after: Floats
-    gripped: Floats
+    under: list[Piece]
+    before: list[Piece]
+    after: list[Piece]
+    gripped: list[Piece]
     first: int
 
 
@@ -134,41 +139,40 @@ def _columns(
     if len(over):
         xy.append(nodes_of(place, div.depths[div.first :], along[over], p))
     lames = [np.broadcast_to(lame[-len(x) :, None], (*x.shape[:2], 2)).reshape(-1, 2) for x in xy]
-    K = condensed_elements(np.concatenate([x.reshape(-1, *x.shape[2:]) for x in xy]), np.concatenate(lames), p)
+    halves = (
+        None
+        if straight
+        else np.concatenate([np.tile(along[k, -1], len(x)) for x, k in zip(xy, (under, over), strict=False)])
+    )
+    nodes = np.concatenate([x.reshape(-1, *x.shape[2:]) for x in xy])
+    K = condensed_elements(nodes, np.concatenate(lames), p, halves)
     split = xy[0].shape[0] * xy[0].shape[1]
-    held = div.first == div.layers
-    of = stack(p, div.layers, contact=True, held=held)
-    stacks = K[:split].reshape(div.layers, -1, *K.shape[1:])
-    made = columns(stacks, of)
-    if not straight:
-        made = turned(made, directions(along[under], of.line // 2, contact=True))
-    place_of = np.zeros(len(along), dtype=np.int64)
-    place_of[under] = np.arange(len(under))
-    lining = made[place_of[which[: counts[0]]]]
+    elements = [part.reshape(len(x), -1, *K.shape[1:]) for part, x in zip((K[:split], K[split:]), xy, strict=False)]
+
+    def made(of: Stack, k: int, kinds: Ints) -> dict[int, Piece]:
+        found = columns(elements[k], of)
+        return {kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)}
+
+    row = which.tolist()
+    kinds = made(stack(p, div.layers, contact=True, held=div.first == div.layers), 0, under)
+    lining = [kinds[kind] for kind in row[: counts[0]]]
     gripped, first = lining[:0], 0
     if grip is not None:
-        of = stack(p, div.layers, contact=True, held=True)
-        back = columns(stacks, of)
-        if not straight:
-            back = turned(back, directions(along[under], of.line // 2, contact=True))
         first, last = (int(np.abs(div.angles - x).argmin()) for x in grip)
-        gripped = back[place_of[which[first:last]]]
-    sides = [np.zeros((0, 0, 0))] * 2
+        kinds = made(stack(p, div.layers, contact=True, held=True), 0, under)
+        gripped = [kinds[kind] for kind in row[first:last]]
+    before, after = lining[:0], lining[:0]
     if len(over):
-        of = stack(p, div.layers - div.first, contact=False, held=False)
-        made = columns(K[split:].reshape(div.layers - div.first, -1, *K.shape[1:]), of)
-        if not straight:
-            made = turned(made, directions(along[over], of.line // 2, contact=False))
-        place_of[over] = np.arange(len(over))
-        at = np.cumsum(counts)
-        sides = [made[place_of[which[at[k] : at[k + 1]]]] for k in range(2)]
-    return _Columns(lining, sides[0], sides[1], gripped, first)
+        kinds = made(stack(p, div.layers - div.first, contact=False, held=False), 1, over)
+        rest = [kinds[kind] for kind in row[counts[0] :]]
+        before, after = rest[: counts[1]], rest[counts[1] :]
+    return _Columns(lining, before, after, gripped, first)
 
 
-def directions(along: Floats, line: int, *, contact: bool) -> Floats:
-    """Angles (c, nodes) of the nodes of columns' sides and inner contact."""
-    inner = along[:, 1:-1] if contact else along[:, :0]
-    return np.hstack([np.repeat(along[:, :1], line, axis=1), inner, np.repeat(along[:, -1:], line, axis=1)])
+def directions(ends: Floats, p: int) -> Floats:
+    """Angles (m p + 1,) of the directions of contact nodes: of those between the ends (m + 1,) of columns, in their
+    column's middle."""
+    return np.append(np.column_stack([ends[:-1], *[0.5 * (ends[1:] + ends[:-1])] * (p - 1)]).ravel(), ends[-1])
 
 
 def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> Condensed:
@@ -177,86 +181,95 @@ def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tupl
     straight, held = isinstance(shoe.body, Beam) or shoe.flat, div.first == div.layers
     grip = shoe.grip(radius)
     found = _columns(shoe, place, div, materials, grip)
-    line = stack(p, div.layers, contact=True, held=held).line
-    S = merged(found.under, line, 2) if grip is None else _on_grip(found, line)
     phi = line_of(div.angles, p)
-    back = np.zeros_like(phi) if straight else phi  # directions of the contact nodes
+    back = np.zeros_like(phi) if straight else -directions(div.angles, p)
     R = rigid(place(np.zeros(1), phi), pin)
     if held or grip is not None:  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
-        S = turned(eliminate(_contact_first(S, line, 0)[None], 2 * len(phi))[0], -back)
-        none = np.zeros((FRAME, FRAME))
-        return Condensed(_balanced(S, R), np.vstack([np.eye(FRAME), np.zeros((len(R), FRAME))]), none, pin, 0.0)
+        S = turned(_on_grip(found) if grip is not None else _between(found.under), back)
+        none, still = np.zeros((FRAME, FRAME)), np.zeros((len(R), FRAME))
+        return Condensed(_balanced(S, R), np.vstack([np.eye(FRAME), still]), none, pin, still, 0.0)
     d = line_of(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
     held_line = _local(rigid(place(d, near), pin), 0.0 if straight else near)
     f, centre = end_load(place(d, far), d, p)
     f = _local(f, 0.0 if straight else far)
-    A = _contact_first(_with_ends(S, line, found, held_line, f), line, EXTRA)
-    if not len(found.before):  # the hinge holds the body where the lining begins
-        part = len(held_line)
-        A = _tied(A, EXTRA + 2 * len(phi) + line - 2 - part + np.arange(part), held_line)
-    A = eliminate(A[None], EXTRA + 2 * len(phi))[0]
-    contact = slice(EXTRA, None)
-    S, load = turned(A[contact, contact], -back), -turned_rows(A[LOADS, contact], -back).T
+    row = found.under.copy()
+    row[0] = _held(row[0], found.before, held_line)
+    row[-1] = closed(row[-1], _loaded(found.after, f), len(f), right=True)
+    A = merged(row, 2).K
+    frame, contact, loads = slice(FRAME), slice(FRAME, -FRAME), slice(-FRAME, None)
+    S, load = turned(A[contact, contact], back), -turned_rows(A[loads, contact], back).T
     arm = centre - pin
     unit = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-arm[1], arm[0], 1.0]])
     on_frame = unit - R.T @ load
-    lost = float(np.abs(on_frame + A[HELD, LOADS])[:2, :2].max())
-    return Condensed(_balanced(S, R), np.vstack([on_frame, load]), -A[LOADS, LOADS], centre, lost)
+    lost = float(np.abs(on_frame + A[frame, loads])[:2, :2].max())
+    whole = _balanced(S, R)
+    missed = turned_rows(A[frame, contact], back).T - whole[FRAME:, :FRAME]
+    return Condensed(whole, np.vstack([on_frame, load]), -A[loads, loads], centre, missed, lost)
 
 
-def _on_grip(found: _Columns, line: int) -> Floats:
-    """The piece under the lining, its back held by a grip, with what the body is beyond the lining: both ends free."""
+def _between(row: list[Piece], left: Floats | None = None, right: Floats | None = None) -> Floats:
+    """Columns under the lining on their contact nodes; left, right: stiffness of what hangs on the ends' back."""
+    row = row.copy()
+    row[0] = closed(row[0], left, 0 if left is None else len(left))
+    row[-1] = closed(row[-1], right, 0 if right is None else len(right), right=True)
+    return merged(row, 2).K
+
+
+def _on_grip(found: _Columns) -> Floats:
+    """The contact nodes of a lining whose body's back is held by a grip: what the body is beyond the lining is free."""
     last = found.first + len(found.gripped)
-    left, right = merged(found.under[: found.first], line, 2), merged(found.under[last:], line, 2)
-    left, right = left[:-2, :-2], np.delete(np.delete(right, [line - 2, line - 1], 0), [line - 2, line - 1], 1)
-    S = merge(left[None], merged(found.gripped, line - 2, 2)[None], line - 2, 2)
-    S = merge(S, right[None], line - 2, 2)[0]
-    for beyond, far in ((found.before, False), (found.after, True)):
-        if len(beyond):
-            part = beyond.shape[1] // 2
-            K = merged(beyond, part, 0)
-            order = np.arange(2 * part) if far else np.roll(np.arange(2 * part), part)  # the lining's side first
-            own = len(S) - part + np.arange(part) if far else line - part + np.arange(part)
-            S[own[:, None], own] += eliminate(K[order[:, None], order][None], part)[0]
-    return S
+    row = [*found.under[: found.first], *found.gripped, *found.under[last:]]
+    line = found.gripped[0].left  # without the last node of the others' lines, which is held
+    if found.first > 0:
+        K, left, _ = row[found.first - 1]
+        row[found.first - 1] = Piece(K[:-2, :-2], left, line)
+    if last < len(row):
+        K, _, right = row[last]
+        free = np.delete(np.arange(len(K)), [line, line + 1])
+        row[last] = Piece(K[free[:, None], free], line, right)
+    ends = (
+        closed(merged(beyond, 0), right=far).K if beyond else None
+        for beyond, far in ((found.before, False), (found.after, True))
+    )
+    return _between(row, *ends)
 
 
-def _with_ends(S: Floats, line: int, found: _Columns, held: Floats, load: Floats) -> Floats:
-    """The piece S under the lining on [loads | frame | S's own], with what the body is beyond it.
+def _held(first: Piece, before: list[Piece], held: Floats) -> Piece:
+    """The first column under the lining closed by the body before it, down to the hinge: [frame | its own].
 
-    held (n, 3): motions of the line at the hinge per dx, dy and turn; load (n, 3): unit loads on the line at the end.
+    held (n, 3): motions of the line at the hinge per dx, dy and turn.
     """
-    part, n = len(held), len(S)
-    A = np.zeros((EXTRA + n, EXTRA + n))
-    A[EXTRA:, EXTRA:] = S
-    left, right = slice(EXTRA + line - part, EXTRA + line), slice(EXTRA + n - part, EXTRA + n)
-    if len(found.before):  # from the hinge to the lining
-        K = merged(found.before, part, 0)
-        RK = held.T @ K[:part]
-        A[HELD, HELD] += RK[:, :part] @ held
-        A[HELD, left] += RK[:, part:]
-        A[left, HELD] += RK[:, part:].T
-        A[left, left] += K[part:, part:]
-    if len(found.after):
-        K = eliminate(_bordered(merged(found.after, part, 0), load), FRAME + part)[0]
-        A[LOADS, LOADS] += K[:FRAME, :FRAME]
-        A[LOADS, right] += K[:FRAME, FRAME:]
-        A[right, LOADS] += K[FRAME:, :FRAME]
-        A[right, right] += K[FRAME:, FRAME:]
-    else:
-        A[LOADS, right] -= load.T
-        A[right, LOADS] -= load
-    return A
+    part = len(held)
+    if before:
+        return closed(first, merged([_tied(before[0], held), *before[1:]], 0).K, part)
+    return closed(_tied(first, held))  # it is held where the lining begins
 
 
-def _tied(A: Floats, at: Ints, held: Floats) -> Floats:
-    """A whose unknowns `at` move with the frame by `held` (n, 3)."""
-    A = A.copy()
-    A[:, HELD] += A[:, at] @ held
-    A[HELD] += held.T @ A[at]
-    others = np.delete(np.arange(len(A)), at)
-    return A[others[:, None], others]
+def _loaded(after: list[Piece], load: Floats) -> Floats:
+    """Stiffness on [line at the lining's end | loads] of the body behind the lining; load (n, 3): unit loads on the
+    line at its end."""
+    part = len(load)
+    end = np.zeros((part + FRAME, part + FRAME))
+    end[:part, part:], end[part:, :part] = -load, -load.T
+    if not after:
+        return end
+    return merged([*after[:-1], closed(after[-1], end, part, right=True)], 0).K
+
+
+def _tied(piece: Piece, held: Floats) -> Piece:
+    """A piece the last unknowns of whose left line move with the frame by `held` (n, 3): [left line | frame | ...]."""
+    left = piece.left - len(held)
+    rest = np.r_[:left, piece.left : len(piece.K)]
+    at = slice(left, piece.left)
+    n = len(rest) + FRAME
+    frame, others = slice(left, left + FRAME), np.r_[:left, left + FRAME : n]
+    K = np.empty((n, n))
+    K[others[:, None], others] = piece.K[rest[:, None], rest]
+    K[frame, frame] = held.T @ piece.K[at, at] @ held
+    K[frame, others] = held.T @ piece.K[at][:, rest]
+    K[others, frame] = K[frame, others].T
+    return Piece(K, left, piece.right)
 
 
 def _balanced(S: Floats, R: Floats) -> Floats:
@@ -268,31 +281,6 @@ def _balanced(S: Floats, R: Floats) -> Floats:
 def _local(V: Floats, angle: float) -> Floats:
     """Vectors V (2n, m) in directions turned by one angle."""
     return turned_rows(V.T, np.full(len(V) // 2, angle)).T
-
-
-def _bordered(K: Floats, loads: Floats) -> Floats:
-    """(1, l + n, l + n) of a piece K (2 n', 2 n') [near | far] with loads (n', l) on its far line, as extra
-    unknowns.
-    """
-    count, n = loads.shape[1], len(K)
-    A = np.zeros((1, count + n, count + n))
-    A[0, count:, count:] = K
-    A[0, count + n - len(loads) :, :count] = -loads
-    A[0, :count, count + n - len(loads) :] = -loads.T
-    return A
-
-
-def _contact_first(A: Floats, line: int, extra: int) -> Floats:
-    """A on [extra | left line | inner contact | right line] in the order [extra | contact | rest]."""
-    order = contact_order(len(A), line, extra)
-    return A[order[:, None], order]
-
-
-@cache
-def contact_order(n: int, line: int, extra: int) -> Ints:
-    """The unknowns of a piece, first the extra ones and its contact nodes, then the rest of its left and right line."""
-    contact = np.r_[:extra, extra : extra + 2, extra + line : n - line + 2]
-    return np.concatenate([contact, np.arange(extra + 2, extra + line), np.arange(n - line + 2, n)])
 
 
 def end_load(xy: Floats, depths: Floats, p: int) -> tuple[Floats, Floats]:
