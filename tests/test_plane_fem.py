@@ -12,15 +12,18 @@ from conftest import ROOT, partly
 from drumlin.brake.fields import Material
 from drumlin.brake.file import validated
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.brake.unrolled import unrolled
+from drumlin.brake.unrolled import on_drum, unrolled
 from drumlin.cli.commands import app
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import prepare
+from drumlin.fem.fields import fields
 from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
+from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from drumlin.verification.ladder_pads import guided
+from drumlin.verification.random_kinds import placed
 from drumlin.wear.archard import WearLaw
 from drumlin.wear.linings import fem_setup
 from drumlin.wear.run_in import COEFFICIENT, run_in, unit_distance, worn
@@ -187,3 +190,25 @@ def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
     (shoe,) = respond(made, worn(setup, last), penalty=math.inf).shoes
     (surface,) = setup.surfaces
     np.testing.assert_allclose(shoe.pressure, surface.along(last.pressure), atol=1e-8 * shoe.peak_pressure)
+
+
+@pytest.mark.parametrize("sliding", ["+x", "-x"])
+def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: str) -> None:
+    """Pressed nodes stay on the plane, under the stress that p and friction make there; the plane pushes up."""
+    brake = placed(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4)
+    own = on_drum(brake)
+    made = scene_of(own)
+    response = respond(made, own, penalty=math.inf)
+    found = fields(made, own, response, 0)
+    shoe = brake.shoes[0]
+    assert shoe.body is not None
+    (left, low), (right, high) = found.points.min(axis=0), found.points.max(axis=0)
+    assert (left, right) == pytest.approx((shoe.body.start, shoe.body.end), abs=1e-12)
+    assert (low, high) == pytest.approx((0.0, 0.021), abs=1e-12)
+    away = np.abs(found.points[:, 0] - shoe.lining.start - 0.06) < 0.05  # from the lining's ends
+    on = (found.pressure > 0.1 * found.pressure.max()) & away
+    p = found.pressure[on]
+    assert np.abs(found.displacement[on, 1]).max() < 1e-3 * np.abs(found.displacement).max()
+    np.testing.assert_allclose(found.push[on], np.column_stack([0 * p, p]), rtol=1e-12)
+    np.testing.assert_allclose(found.stress[on, 1], -p, atol=0.05 * p.max())
+    np.testing.assert_allclose(found.stress[on, 2], -brake.friction * brake.spin * p, atol=0.05 * p.max())

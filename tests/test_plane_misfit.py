@@ -13,7 +13,12 @@ from drumlin.brake import clearance
 from drumlin.brake.fields import Point
 from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import FlatBrake
+from drumlin.brake.unrolled import unrolled
 from drumlin.errors import BadInput
+from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.hp.places import places_of
+from drumlin.fem.hp.scene import scene
+from drumlin.fem.model import respond
 from drumlin.laws import law
 from drumlin.response.response import ShoeResponse
 from drumlin.verification.random_kinds import placed, scaled
@@ -129,7 +134,11 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     assert -0.02 - step < first[1] < -0.02
     assert 0.02 < second[0] < 0.02 + step
     brake = pad("hinge", body=BODY)  # under which only the far end bears
-    a, b = pressed(brake), pressed(vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}}))
+    stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
+    own, fits = unrolled(stepped), unrolled(brake)
+    (places,) = places_of(own, respond(scene(fits, LEVELS[1]), fits)).values()
+    assert [kink for *_, kink in places].count(True) == 4
+    a, b = pressed(brake), pressed(stepped)
     assert b.contact_arcs[0] == pytest.approx(a.contact_arcs[0], rel=1e-3)
     assert b.normal_force == pytest.approx(a.normal_force, rel=1e-4)
 

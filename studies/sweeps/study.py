@@ -66,7 +66,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
                 measured[name].append(way(sweep.cases[: counts[name]], workers))
     same = all(one.rows == those[0].rows for those in measured.values() for one in those)
     say("coarser meshes")
-    meshes = coarser(sweeps[OWN].cases[: 1 if short else 12], (20, 40) if short else (20, 40, 80), FINE)
+    meshes = coarser(sweeps[OWN].cases[: 1 if short else 12], (20, 40, None) if short else (20, 40, 80, None), FINE)
     cases = sweeps[SHARED].cases[: 100 if short else 1000]
     with tempfile.TemporaryDirectory() as folder:
         kills, rows = killed(cases, Path(folder) / "journal", 1 if short else 5, seed=1, say=say)

@@ -131,7 +131,7 @@ class Shoe(Meshed):
     def at(self, depth: Floats, phi: Floats, radius: float) -> Floats:
         """Points (2, ...) [m] of its frame, at a depth [m] behind the friction surface and angles phi [rad]."""
         r = radius - self.sign * depth
-        return np.stack([r * np.cos(phi), r * np.sin(phi)])
+        return np.array([r * np.cos(phi), r * np.sin(phi)])
 
     def off(self, xy: Floats, radius: float) -> Floats:
         """How far points (2, ...) [m] of its frame lie off the friction surface [m], positive = open."""

@@ -1,6 +1,6 @@
 """Displacements and stresses inside the bodies: recovered only where a picture asks for them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from drumlin.brake.fields import Material
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Body, Scene, actuation, materials_of
 from drumlin.fem.hp.grid import Grid
+from drumlin.fem.interface import Directions, radial, straight
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.files import replacing
 from drumlin.response.balance import loaded
@@ -28,7 +29,7 @@ class Fields:
 
     `points` (n, 2) [m], `cells` (m, k), `part` (m,): number of the subdomain, `displacement` (n, 2) [m],
     `stress` (n, 3): xx, yy, xy [Pa], `von_mises` (n,) [Pa], `pressure` (n,) [Pa] on the friction surface,
-    `push` (n, 2) [Pa]: the drum's normal traction on the lining.
+    `push` (n, 2) [Pa]: the normal traction of drum or plane on the lining.
     """
 
     points: Floats
@@ -50,7 +51,8 @@ def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields
     u = displaced(body, brake, shoe, answer, p).reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
-    return _fields(body.mesh, body.basis, u, materials, pressure, shoe.frame, shoe.sign)
+    way = straight if shoe.flat else radial(shoe.sign)
+    return _fields(body.mesh, body.basis, u, materials, pressure, shoe.frame, shoe.points, way)
 
 
 def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
@@ -61,18 +63,20 @@ def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
     p = [answer.pressure[:: shoe.frame.sense] for shoe, answer in zip(brake.shoes, response.shoes, strict=True)]
     u = ring.displacement(p, brake.drag)
     materials = {"drum": section.material}
-    return _fields(ring.mesh, ring.basis, u, materials, np.zeros(ring.basis.N), Frame(0.0, 1), 1)
+    return _fields(ring.mesh, ring.basis, u, materials, np.zeros(ring.basis.N), Frame(0.0, 1), np.asarray, radial(1))
 
 
 def _fields(
-    mesh: Any, basis: Any, u: Floats, materials: dict[str, Material], pressure: Floats, frame: Frame, sign: int
-) -> Fields:
-    """Fields in the brake's frame from displacements u (2, nodes) and nodal pressure in the body's own frame."""
+    mesh: Any, basis: Any, u: Floats, materials: dict[str, Material], pressure: Floats, frame: Frame,
+    place: Callable[[Floats], Floats], directions: Directions,
+) -> Fields:  # fmt: skip
+    """Fields in the brake's frame, where `place` has points (2, n), from displacements u (2, nodes) and nodal pressure
+    in the body's own frame; directions: the lining's normals there."""
     parts = list(mesh.subdomains)
     blocks = [_part(mesh, u, name, materials[name]) for name in parts]
     starts = np.cumsum([0] + [len(block[0]) for block in blocks])
     nodes = np.concatenate([block[0] for block in blocks])
-    xy = frame.to_brake(basis.doflocs[:, nodes].T)
+    xy = basis.doflocs[:, nodes]
     turn = frame.to_brake(np.eye(2))
     tensor = np.concatenate([block[2] for block in blocks])
     rotated = np.einsum("ia,nij,jb->nab", turn, tensor, turn)
@@ -81,9 +85,8 @@ def _fields(
     for k, name in enumerate(parts):
         if name != "lining":
             p[starts[k] : starts[k + 1]] = 0.0  # where shoe or backing end in the friction surface
-    normal = sign * xy / np.linalg.norm(xy, axis=1)[:, None]
     return Fields(
-        points=xy,
+        points=place(xy).T,
         cells=np.concatenate([block[1] + start for start, block in zip(starts[:-1], blocks, strict=True)]),
         cell_type="quad" if isinstance(mesh, Grid) else kind_of(mesh).cell,
         part=np.concatenate([np.full(len(block[1]), i) for i, block in enumerate(blocks)]),
@@ -91,7 +94,7 @@ def _fields(
         stress=np.column_stack([xx, yy, shear]),
         von_mises=np.sqrt(xx**2 - xx * yy + yy**2 + 3 * shear**2),
         pressure=p,
-        push=-p[:, None] * normal,
+        push=-p[:, None] * frame.to_brake(directions(xy)[0].T),
     )
 
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.unrolled import on_drum
 from drumlin.comparison import Column, Comparison, as_csv, columns_of, compare, motion_of
 from drumlin.errors import NoAnswer
 from drumlin.fem.finite_width import finite_width
@@ -39,7 +40,7 @@ def panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
     return made
 
 
-def draw_fields(brake: Brake, response: Response, folder: Path, name: str, **options: Any) -> str | None:
+def draw_fields(given: AnyBrake, response: Response, folder: Path, name: str, **options: Any) -> str | None:
     """Write name.vtu and, where off-screen rendering works, name.png; says why there is no picture, None if there is.
 
     `options`: those of the scene. A page shows what came of it by the macro `fields`.
@@ -48,13 +49,14 @@ def draw_fields(brake: Brake, response: Response, folder: Path, name: str, **opt
     from drumlin.fem.solve import scene_of  # noqa: PLC0415
     from drumlin.report.render import render  # noqa: PLC0415
 
+    brake = on_drum(given)
     scene = scene_of(brake, **options)
     parts = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
     if scene.ring is not None:
         parts.append(ring_fields(scene, brake, response))
     write_vtu(folder / f"{name}.vtu", parts)
-    title = f"{brake.title}, drum turns {brake.rotation}"
-    return render(folder / f"{name}.vtu", folder / f"{name}.png", loaded(brake, response), title)
+    title = f"{given.title}, {given.motion}"
+    return render(folder / f"{name}.vtu", folder / f"{name}.png", loaded(given, response), title)
 
 
 def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
@@ -92,10 +94,10 @@ def write_comparison(brake: AnyBrake, source: str, folder: Path, options: dict[s
     figures.save(figures.pressures(panels(comparison), flat=isinstance(brake, FlatBrake)), folder / "pressure.svg")
     fem = comparison.responses.get("fem")
     drawn, not_drawn = False, None
-    if isinstance(brake, Brake) and fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
+    if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         drawn = True
         chosen = {k: v for k, v in options.items() if k in {"elements", "kind"}}
-        drawn_as = finite_width(brake) if options.get("finite_width") else brake
+        drawn_as = finite_width(brake) if options.get("finite_width") and isinstance(brake, Brake) else brake
         not_drawn = draw_fields(drawn_as, fem, folder, "fields", **chosen)
     notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]
     notes += [f"{name}: does not apply: {reason}" for name, reason in refusals(brake).items()]

@@ -13,8 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.arrays import Floats
 from drumlin.brake.fields import Point
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.support import Held
 from drumlin.errors import ended
 from drumlin.files import replacing
 from drumlin.report.palette import RED
@@ -29,10 +31,13 @@ class NoPicture(Exception):
     """The process that draws has ended without a picture."""
 
 
-def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
+def render(fields: Path, picture: Path, brake: AnyBrake, title: str) -> str | None:
     """Draw a .vtu file of fields into a .png; returns None, or one line that says why there is no picture."""
+    surface, size = _surface(brake)
     marks = {
-        "radius": brake.drum.radius,
+        "surface": surface.tolist(),
+        "size": size,
+        "flat": isinstance(brake, FlatBrake),
         "pins": [list(point.xy) for shoe in brake.shoes for point in _points(shoe)],
         "forces": [[*shoe.actuation.point.xy, *shoe.actuation.vector] for shoe in brake.shoes],
         "title": title,
@@ -55,7 +60,18 @@ def picture_by(module: str, fields: Path, picture: Path, argument: str) -> str |
         return f"no field picture: off-screen rendering is not possible here ({one_line(str(error), 200)})"
 
 
-def _points(shoe: Shoe) -> list[Point]:
+def _surface(brake: AnyBrake) -> tuple[Floats, float]:
+    """The friction surface as a line (n, 2) [m], and the length that signs go by: the drum's radius, or half of what is
+    in a brake on a plane."""
+    if isinstance(brake, FlatBrake):
+        pins = [x for shoe in brake.shoes for x in (shoe.pin.x, shoe.actuation.point.x)]
+        ends = [*pins, *(x for shoe in brake.shoes for x in (shoe.lining.start, shoe.lining.end))]
+        return np.array([[min(ends), 0.0], [max(ends), 0.0]]), 0.5 * (max(ends) - min(ends))
+    turn = np.linspace(0, 2 * math.pi, 361)
+    return brake.drum.radius * np.column_stack([np.cos(turn), np.sin(turn)]), brake.drum.radius
+
+
+def _points(shoe: Held) -> list[Point]:
     """Where a shoe is held: its pin, that of its lever and its pivot, its foot."""
     foot = None if shoe.abutment is None else shoe.abutment.point
     return [point for point in (shoe.hinge, shoe.pivot, foot) if point is not None]
@@ -76,7 +92,8 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     """Render in this process: von Mises stress on the deformed shoes, arrows of pressure, pins, forces, drum."""
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
-    radius = float(marks["radius"])
+    radius, around = float(marks["size"]), np.array(marks["surface"])
+    face = "plane" if marks["flat"] else "drum"
     grid = pv.read(fields)
     u = np.asarray(grid.point_data["displacement [m]"])
     grid.point_data[SCALAR] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
@@ -93,10 +110,9 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     surface = deformed.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=3)
     plotter.add_mesh(surface, scalars=SCALAR, cmap="viridis", clim=(0, top), lighting=False, scalar_bar_args=bar)
     plotter.add_mesh(_outline(grid), color="#888888", line_width=2)
-    turn = np.linspace(0, 2 * math.pi, 361)
-    circle = radius * np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
-    plotter.add_mesh(pv.lines_from_points(circle), color="black", line_width=5)
-    _add_pressure(plotter, grid, radius)
+    line = np.column_stack([around, np.zeros(len(around))])
+    plotter.add_mesh(pv.lines_from_points(line), color="black", line_width=5)
+    _add_pressure(plotter, grid, radius, flat=marks["flat"])
     ends = []
     for x, y, fx, fy in marks["forces"]:
         size = math.hypot(fx, fy)
@@ -107,13 +123,15 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
             plotter.add_mesh(arrow, color="#1d2733")
     for x, y in marks["pins"]:
         plotter.add_mesh(pv.Disc(center=(x, y, 0), inner=0, outer=0.035 * radius, c_res=40), color="#1d2733")
-    text = f"{marks['title']}\nDisplacements x {factor:g} (undeformed outline grey), drum black.\n"
-    text += "Red arrows: pressure of the drum on the lining. Black arrows: actuation. Discs: pins and feet."
+    text = f"{marks['title']}\nDisplacements x {factor:g} (undeformed outline grey), {face} black.\n"
+    text += f"Red arrows: pressure of the {face} on the lining. Black arrows: actuation. Discs: pins and feet."
     plotter.add_text(text, position="upper_left", font_size=12, color="black")
     plotter.view_xy()
     plotter.enable_parallel_projection()
     # All of the scene to the left of the colour bar and below the text.
-    places = np.array([[-radius] * 2, [radius] * 2, *marks["pins"], *ends, *np.reshape(deformed.bounds[:4], (2, 2)).T])
+    places = np.array(
+        [around.min(axis=0), around.max(axis=0), *marks["pins"], *ends, *np.reshape(deformed.bounds[:4], (2, 2)).T]
+    )
     (left, bottom), (right, top_edge) = places.min(axis=0) - 0.2 * radius, places.max(axis=0) + 0.2 * radius
     scale = max((top_edge - bottom) / 2 / 0.9, (right - left) / 2 / 0.84 * 1300 / 1500)
     x = (left + right) / 2 + 0.13 * scale * 1500 / 1300
@@ -133,7 +151,7 @@ def _outline(grid: Any) -> Any:
     )
 
 
-def _add_pressure(plotter: Any, grid: Any, radius: float) -> None:
+def _add_pressure(plotter: Any, grid: Any, radius: float, *, flat: bool) -> None:
     """About a hundred arrows, evenly spread over the contact, their length the pressure."""
     import pyvista as pv  # noqa: PLC0415
 
@@ -142,9 +160,9 @@ def _add_pressure(plotter: Any, grid: Any, radius: float) -> None:
     if not len(touching):
         return
     points, push = np.asarray(grid.points)[touching], np.asarray(grid.point_data["push of the drum [Pa]"])[touching]
-    turns = np.degrees(np.arctan2(points[:, 1], points[:, 0])) / 2.5
+    turns = (points[:, 0] / radius if flat else np.arctan2(points[:, 1], points[:, 0])) / math.radians(2.5)
     slot = np.round(turns)
-    order = np.lexsort((np.abs(turns - slot), slot))  # of each slot of 2.5 deg the node nearest its middle
+    order = np.lexsort((np.abs(turns - slot), slot))  # of each slot the node nearest its middle
     chosen = order[np.unique(slot[order], return_index=True)[1]]
     size = np.linalg.norm(push[chosen], axis=1)
     top = float(np.percentile(size, 90))  # singular edges are cut off

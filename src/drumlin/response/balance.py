@@ -97,9 +97,10 @@ def borne(force: float, length: float) -> list[float]:
 
 def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
     """Sums of forces (2,) [N] and of moments [N m], each relative to its largest member; 0 where all are 0."""
-    largest_force = max((math.hypot(*f) for f in forces), default=0.0)
+    both = [force.tolist() for force in forces]
+    largest_force = max((math.hypot(*force) for force in both), default=0.0)
     largest_moment = max((abs(m) for m in moments), default=0.0)
-    force = math.hypot(*np.sum(forces, axis=0)) if forces else 0.0
+    force = math.hypot(*map(math.fsum, zip(*both, strict=True)))
     return Balance(
         force=force / largest_force if largest_force else 0.0,
         moment=abs(math.fsum(moments)) / largest_moment if largest_moment else 0.0,

@@ -38,10 +38,9 @@ def double_delta(brake: Brake, shoe: Shoe) -> int:
     return shoe.sign * brake.spin * shoe.frame.sense * (1 if beyond else -1)
 
 
-def merit(brake: Brake, index: int, response: ShoeResponse, contact: Resultant | None = None) -> Merit:
-    """Figures of merit of shoe `index` of a brake on a drum; contact: its `contact_resultant`, where it is known."""
+def merit(brake: Brake, index: int, response: ShoeResponse, contact: Resultant) -> Merit:
+    """Figures of merit of shoe `index` of a brake on a drum, from its `contact_resultant`."""
     shoe = brake.shoes[index]
-    contact = contact or contact_resultant(brake, index, response)
     R, b = brake.drum.radius, shoe.lining.width
     to_centre = -shoe.pin.xy
     M = shoe.actuation.moment_about(shoe.pin)

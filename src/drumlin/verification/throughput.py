@@ -117,16 +117,18 @@ def torques(rows: Sequence[Row]) -> Floats:
     return np.array([row["torque"] for row in rows if row["status"] == "solved"])
 
 
-def coarser(cases: Sequence[Case], elements: Sequence[int], fine: int) -> list[Row]:
-    """Time a case, and the largest error of the torque against `fine`, by so many elements along each lining."""
+def coarser(cases: Sequence[Case], elements: Sequence[int | None], fine: int) -> list[Row]:
+    """Time a case, and the largest error of the torque against `fine`, by so many elements along each lining; None: by
+    the division that `solve` ends on."""
     true = torques(run([case._replace(options={"elements": fine}) for case in cases]))
     rows = []
     for n in elements:
         start = time.process_time()
-        found = torques(run([case._replace(options={"elements": n}) for case in cases]))
+        found = torques(run([case._replace(options={} if n is None else {"elements": n}) for case in cases]))
         spent = time.process_time() - start
         error = float(np.abs(found / true - 1).max())
-        rows.append({"elements": n, "nodes": 2 * n + 1, "seconds": spent / len(cases), "error": error})
+        nodes = None if n is None else 2 * n + 1
+        rows.append({"elements": n, "nodes": nodes, "seconds": spent / len(cases), "error": error})
     return rows
 
 
