@@ -26,7 +26,7 @@ from drumlin.fem.hp.levels import LEVELS, steps
 from drumlin.fem.hp.places import places_of
 from drumlin.fem.hp.scene import scene
 from drumlin.fem.hp.shoe import distinct, rigid
-from drumlin.fem.model import refined_group, respond
+from drumlin.fem.model import PENALTY, refined_group, respond
 from drumlin.fem.sensitivity import sensitivity
 from drumlin.fem.solve import scene_of, solve
 from drumlin.laws import sine
@@ -180,6 +180,21 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     assert body.condensed.load_f == pytest.approx(other.load_f, abs=1e-8)
+
+
+@pytest.mark.parametrize("softer", [1.0, 1e-6])
+def test_what_round_off_took_from_the_pressure_is_seen(flexible, softer):
+    """Against the whole system refined in long double; of a shoe far softer than its lining much is lost."""
+    E = flexible.shoes[0].body.material.E
+    soft = vary(flexible, {"shoe.body.material.E": softer * E})
+    made = scene(soft, LEVELS[0])
+    (group, *_) = groups_of(made, soft, PENALTY)
+    group, found = group.settled(None)
+    refined = refined_group(group, found.active)
+    p, error = found.p[group.parts[0]], refined.p[0] - found.p[group.parts[0]]
+    lost = group.bodies[0].condensed.lost
+    assert np.linalg.norm(error) < 300 * lost * np.linalg.norm(p)
+    assert lost < 1e-9 if softer == 1.0 else lost > 1e-8
 
 
 def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.fem.hp.element import without
+from drumlin.fem.hp.element import without, without_each
 
 Place = tuple[slice, slice]  # unknowns of an element, and where they are
 
@@ -78,14 +78,15 @@ def columns(elements: Floats, of: Stack, loads: Floats | None = None) -> Floats:
         for places, others, target in ((kept, kept, sides), (inside, kept, coupling), (inside, inside, inner)):
             for own, at in places:
                 for other, to in others:
-                    target[:, at, to] += part[:, own, other]
+                    view = target[:, at, to]  # target[...] += would look it up twice
+                    view += part[:, own, other]
     if loads is not None:
         for end, own in ((of.line, slice(2)), (of.sides, slice(-2, None))):
             at = slice(extra + end - 2, extra + end)
             K[:, at, :extra] = -loads[:, own]
             K[:, :extra, at] = -loads[:, own].transpose(0, 2, 1)
         C[:, of.rest - loads.shape[1] + 4 :, :extra] = -loads[:, 2:-2]
-    return without(K, C, inner)
+    return without_each(K, C, inner)
 
 
 class Piece(NamedTuple):
@@ -105,16 +106,15 @@ def merge(A: Piece, B: Piece, shared: int, extra: int = 0) -> Piece:
     K, C = np.zeros((n, n)), np.zeros((line, n))
     rest = slice(before - shared, None)
     K[:before, :before] = A.K[:before, :before]
-    K[rest, rest] += B.K[beyond:, beyond:]
     C[:, :before] = A.K[before:, :before]
+    K[rest, rest] += B.K[beyond:, beyond:]
     C[:, rest] += B.K[extra:beyond, beyond:]
     if extra:
         K[:extra, :extra] += B.K[:extra, :extra]
         K[:extra, rest] += B.K[:extra, beyond:]
         K[rest, :extra] += B.K[beyond:, :extra]
         C[:, :extra] += B.K[extra:beyond, :extra]
-    without(K[None], C[None], (A.K[before:, before:] + B.K[extra:beyond, extra:beyond])[None])
-    return Piece(K, A.left, B.right)
+    return Piece(without(K, C, A.K[before:, before:] + B.K[extra:beyond, extra:beyond]), A.left, B.right)
 
 
 def merged(pieces: Sequence[Piece], shared: int, extra: int = 0) -> Piece:
@@ -160,7 +160,7 @@ def closed(piece: Piece, end: Floats | None = None, part: int = 0, *, right: boo
         K[at, at] += end[ends, ends]
         C[line - part :, at] += end[on, ends]
         inner[line - part :, line - part :] += end[on, on]
-    without(K[None], C[None], inner[None])
+    without(K, C, inner)
     return Piece(K, piece.left, 0) if right else Piece(K, 0, piece.right)
 
 

@@ -126,17 +126,24 @@ def _stiffness(products: Any, lame: Any, rows: slice, columns: slice) -> Any:
 
 
 def without(K: Floats, C: Floats, inner: Floats) -> Floats:
-    """K - C^T inner^-1 C, batched: (b, k, k), (b, m, k), (b, m, m), each in rows without gaps, all overwritten.
+    """K - C^T inner^-1 C: (k, k), (m, k), (m, m), each in rows without gaps, all overwritten.
 
-    Raises NoAnswer for an `inner` that is not positive definite. By Cholesky's factors, one after the other in place:
-    an inverse loses digits in thin columns, and numpy's batches cost more in copies than the calls do here.
+    Raises NoAnswer for an `inner` that is not positive definite. Backward stable, by Cholesky's factors: an inverse
+    loses digits in thin columns. What BLAS is given in rows without gaps it works on where it lies.
     """
-    for own, coupling, pivots in zip(K, C, inner, strict=True):
-        L, info = dpotrf(pivots.T, lower=1, clean=0, overwrite_a=1)
-        if info:
-            raise NoAnswer(SINGULAR)
-        Y = dtrsm(1.0, L, coupling.T, side=1, lower=1, trans_a=1, overwrite_b=1)
-        dgemm(-1.0, Y, Y, 1.0, own.T, trans_b=1, overwrite_c=1)
+    assert K.flags.c_contiguous and C.flags.c_contiguous and inner.flags.c_contiguous
+    L, info = dpotrf(inner.T, lower=1, clean=0, overwrite_a=1)
+    if info:
+        raise NoAnswer(SINGULAR)
+    Y = dtrsm(1.0, L, C.T, side=1, lower=1, trans_a=1, overwrite_b=1)
+    dgemm(-1.0, Y, Y, 1.0, K.T, trans_b=1, overwrite_c=1)
+    return K
+
+
+def without_each(K: Floats, C: Floats, inner: Floats) -> Floats:
+    """`without` for batches (b, k, k), (b, m, k), (b, m, m), one after the other: numpy's own need more copies."""
+    for own in zip(K, C, inner, strict=True):
+        without(*own)
     return K
 
 
@@ -161,7 +168,7 @@ def condensed_elements(xy: Floats, lame: Floats, p: int, half: Floats | None = N
                 (inside, inside, sizes[1], sizes[1]),
             )
         )
-        without(K, C, inner)
+        without_each(K, C, inner)
         if half is not None:
             turn_sides(K, half[part], p)
         out[part] = K
