@@ -78,8 +78,9 @@ def gauss_points(theta: Floats, values: Floats, order: int) -> tuple[Floats, Flo
 
 def by_piece(values: Floats, order: int) -> Floats:
     """The nodal values (pieces, order + 1) of each piece of a piecewise polynomial."""
-    found = np.empty(((len(values) - 1) // order, order + 1))
-    found[:, :-1], found[:, -1] = values[:-1].reshape(-1, order), values[order::order]
+    count = (len(values) - 1) // order
+    found = np.empty((count, order + 1))
+    found[:, :-1], found[:, -1] = values[: count * order].reshape(-1, order), values[order::order]
     return found
 
 
