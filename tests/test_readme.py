@@ -1,11 +1,13 @@
 """The numbers that README quotes are those of the reports that are kept."""
 
 import csv
+import math
 import re
 
 import pytest
 
 from conftest import ROOT
+from drumlin.verification.stated_true import QUANTITIES, ratio
 
 README = re.sub(r"\s+", " ", (ROOT / "README.md").read_text())
 
@@ -96,3 +98,14 @@ def test_run_in():
     assert float(made["pressure_life"]) == pytest.approx(1 / 8, rel=0.05)
     flexible = rows("run_in/brakes.csv", brake="double_shoe/flexible", model="fem")[0]
     assert float(flexible["pressure_life"]) > 1  # "takes longer than the lining lasts"
+
+
+def test_stated_against_true_errors():
+    """Of all that are judged: p, torque, peak and reaction of every brake, to every tolerance."""
+    brakes, above = quoted(r"on (\d+) random brakes ([\d.]+) % of them were larger")
+    made = [{k: v for k, v in row.items() if v} for row in rows("verification/stated_true.csv")]
+    assert len({row["seed"] for row in made}) == brakes
+    ratios = [ratio(row, name) for row in made for name in QUANTITIES]
+    judged = [one for one in ratios if not math.isnan(one)]
+    assert len(judged) > 4000
+    digits(above, 100 * sum(one < 1 for one in judged) / len(judged))
