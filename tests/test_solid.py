@@ -389,7 +389,7 @@ def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch
     [
         ({"elements": 500}, "model.solid: elements = 500"),
         ({"across": 0}, "model.solid: across = 0"),
-        ({"tolerance": 1e-3}, "model.solid: unknown key 'tolerance'; allowed: elements, across, penalty"),
+        ({"tolerance": 1e-3}, "model.solid: unknown key 'tolerance'; allowed: penalty, elements, across"),
     ],
 )
 def test_options_that_a_sweep_of_solids_has_not(root, options, said):

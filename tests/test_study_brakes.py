@@ -53,10 +53,10 @@ def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:
 @pytest.mark.slow
 def test_a_case_takes_solid_shoes_where_they_apply() -> None:
     paths = {path.stem: path for path in FILES}
-    found = case("simplex_hinged", read_any(paths["simplex_hinged"]), 12, solid=True)
-    (row,) = [row for row in others_of(found) if row["model"] == "solid"]
-    assert 1e-3 < abs(row["new"]) < 0.05
-    assert "solid" not in case("rail_clamp", read_any(paths["rail_clamp"]), 12, solid=True).others
+    for name, least in (("simplex_hinged", 1e-3), ("rail_clamp", 0.0)):  # on guides the force alone tells the torque
+        found = case(name, read_any(paths[name]), 12, solid=True)
+        (row,) = [row for row in others_of(found) if row["model"] == "solid"]
+        assert least <= abs(row["new"]) < 0.05
 
 
 def under(brake: Brake, index: int) -> Brake:
