@@ -132,6 +132,12 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     )
 
 
+def alike(brake: Brake) -> tuple[int, ...]:
+    """For each shoe the place of the first one of its shape, with which it shares a body."""
+    shapes = [shape_of(brake, shoe) for shoe in brake.shoes]
+    return tuple(map(shapes.index, shapes))
+
+
 class Cache:
     """Bodies that were made last, by what they were made from, so that the next scenes need not make them again.
 
