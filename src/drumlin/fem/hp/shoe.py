@@ -12,7 +12,8 @@ from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.body import FRAME
-from drumlin.fem.hp.columns import Piece, Stack, closed, columns, merged, stack, turned, turned_rows
+from drumlin.fem.hp.arc import arc_columns, elements
+from drumlin.fem.hp.columns import Piece, closed, columns, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.element import condensed_elements, element
 from drumlin.fem.shapes import plane_stress
@@ -117,53 +118,42 @@ class _Columns(NamedTuple):
     first: int
 
 
-def _columns(
-    shoe: Shoe,
-    place: Map,
-    div: Division,
-    materials: dict[str, tuple[Material, float]],
-    grip: tuple[float, float] | None = None,
-) -> _Columns:
-    p, straight = div.degree, isinstance(shoe.body, Beam) or shoe.flat
-    beyond = [np.sort(div.before), np.sort(div.after)]
+def _columns(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> _Columns:
+    p, beyond = div.degree, [np.sort(div.before), np.sort(div.after)]
     parts = [div.angles, *beyond] if div.first < div.layers else [div.angles]
     counts = [len(ends) - 1 for ends in parts]
-    along = np.concatenate([within(ends, p) for ends in parts])  # (columns, p + 1)
-    which = np.arange(len(along))
-    if not straight:
+    lame, round_ = lame_of(materials, div.part), not (isinstance(shoe.body, Beam) or shoe.flat)
+    if round_:
         sizes, which = distinct(np.concatenate([np.diff(ends) for ends in parts]))
         along = 0.5 * sizes[:, None] * lobatto(p)
+    else:
+        along = np.concatenate([within(ends, p) for ends in parts])  # (columns, p + 1)
+        which = np.arange(len(along))
     under, over = (np.flatnonzero(np.bincount(part)) for part in np.split(which, counts[:1]))  # np.unique loads np.ma
-    lame = lame_of(materials, div.part)
-    xy = [nodes_of(place, div.depths, along[under], p)]
-    if len(over):
-        xy.append(nodes_of(place, div.depths[div.first :], along[over], p))
-    lames = [np.broadcast_to(lame[-len(x) :, None], (*x.shape[:2], 2)).reshape(-1, 2) for x in xy]
-    halves = (
-        None
-        if straight
-        else np.concatenate([np.tile(along[k, -1], len(x)) for x, k in zip(xy, (under, over), strict=False)])
-    )
-    nodes = np.concatenate([x.reshape(-1, *x.shape[2:]) for x in xy])
-    K = condensed_elements(nodes, np.concatenate(lames), p, halves)
-    split = xy[0].shape[0] * xy[0].shape[1]
-    elements = [part.reshape(len(x), -1, *K.shape[1:]) for part, x in zip((K[:split], K[split:]), xy, strict=False)]
+    row = which.tolist()
 
-    def made(of: Stack, k: int, kinds: Ints) -> dict[int, Piece]:
-        found = columns(elements[k], of)
+    def condensed(kinds: Ints, first: int) -> Floats:
+        """The elements of some kinds of columns, of the layers from `first` on."""
+        if round_:
+            return elements(radius - shoe.sign * div.depths[first:], along[kinds], lame[first:], p)
+        return condensed_elements(nodes_of(map_of(shoe, radius), div.depths[first:], along[kinds], p), lame[first:], p)
+
+    def made(parts: Floats, kinds: Ints, *, contact: bool, held: bool) -> dict[int, Piece]:
+        of = stack(p, len(parts), contact=contact, held=held)
+        found = arc_columns(parts, p, contact=contact, held=held) if round_ else columns(parts, of)
         return {kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)}
 
-    row = which.tolist()
-    kinds = made(stack(p, div.layers, contact=True, held=div.first == div.layers), 0, under)
+    whole = condensed(under, 0)
+    kinds = made(whole, under, contact=True, held=div.first == div.layers)
     lining = [kinds[kind] for kind in row[: counts[0]]]
-    gripped, first = lining[:0], 0
+    gripped, first, grip = lining[:0], 0, shoe.grip(radius)
     if grip is not None:
         first, last = (int(np.abs(div.angles - x).argmin()) for x in grip)
-        kinds = made(stack(p, div.layers, contact=True, held=True), 0, under)
+        kinds = made(whole, under, contact=True, held=True)
         gripped = [kinds[kind] for kind in row[first:last]]
     before, after = lining[:0], lining[:0]
     if len(over):
-        kinds = made(stack(p, div.layers - div.first, contact=False, held=False), 1, over)
+        kinds = made(condensed(over, div.first), over, contact=False, held=False)
         rest = [kinds[kind] for kind in row[counts[0] :]]
         before, after = rest[: counts[1]], rest[counts[1] :]
     return _Columns(lining, before, after, gripped, first)
@@ -179,13 +169,12 @@ def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tupl
     """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular stiffness."""
     p, place, pin = div.degree, map_of(shoe, radius), shoe.own_pin
     straight, held = isinstance(shoe.body, Beam) or shoe.flat, div.first == div.layers
-    grip = shoe.grip(radius)
-    found = _columns(shoe, place, div, materials, grip)
+    found = _columns(shoe, radius, div, materials)
     phi = line_of(div.angles, p)
     back = np.zeros_like(phi) if straight else -directions(div.angles, p)
     R = rigid(place(np.zeros(1), phi), pin)
-    if held or grip is not None:  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
-        S = turned(_on_grip(found) if grip is not None else _between(found.under), back)
+    if held or found.gripped:  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
+        S = turned(_on_grip(found) if found.gripped else _between(found.under), back)
         none, still = np.zeros((FRAME, FRAME)), np.zeros((len(R), FRAME))
         return Condensed(_balanced(S, R), np.vstack([np.eye(FRAME), still]), none, pin, still, 0.0)
     d = line_of(div.depths[div.first :], p)
