@@ -155,7 +155,7 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     beyond = contact[0] - start, end - contact[-1]
     least, reached = FINEST * t, _reached(start, end, places)
     left, right = (
-        min(scale, max(level.edge * length, least)) if x < scale else max(scale, level.back * min(t, x))
+        min(max(scale, level.back * min(t, x)), max(level.edge * length, least))
         for x, length in zip(beyond, reached, strict=True)
     )
     marks = _marks(
@@ -186,7 +186,7 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     depths, part = _depths(
         layers,
         level,
-        radius * min(max(level.face * min(t, *reached), least), level.zone * EDGE_ZONE),
+        radius * min(max(level.face * min(t, end - start, *reached), least), level.zone * EDGE_ZONE),
         straight=isinstance(shoe.body, Beam),
     )
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
@@ -200,10 +200,10 @@ def _mark(size: float, x: float, kink: bool) -> tuple[float, float]:
 
 
 def _reached(start: float, end: float, places: Sequence[tuple[float, float, bool]]) -> tuple[float, float]:
-    """The length of the contact that reaches either end of the lining, of the arc where none does."""
+    """The length of the contact that reaches either end of the lining; inf where none does."""
     near = [size for x, size, kink in places if not kink and x - start < SAME * size]
     far = [size for x, size, kink in places if not kink and end - x < SAME * size]
-    return min(near, default=end - start), min(far, default=end - start)
+    return min(near, default=math.inf), min(far, default=math.inf)
 
 
 Mark = tuple[float, float]  # phi and the size of columns there [rad]
