@@ -18,10 +18,10 @@ from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
 from drumlin.files import cell
 from drumlin.models import applicable
-from drumlin.response.merit import effect, effect_words, shoe_effect
+from drumlin.response.merit import effect, shoe_effect
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import EDGE_ZONE, Response
-from drumlin.response.show import arcs_text
+from drumlin.response.show import arcs_text, effect_words
 from drumlin.texts import formatted
 
 B = TypeVar("B", bound=Brake | FlatBrake)

@@ -18,7 +18,8 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
     verbose: figures of merit, how it was found, how long that took and what is left out, too.
     """
     from drumlin.brake.plane_brake import FlatBrake
-    from drumlin.response.merit import brake_factor, effect, effect_words
+    from drumlin.response.merit import brake_factor, effect
+    from drumlin.response.show import effect_words, factor_word
 
     flat = isinstance(brake, FlatBrake)
     what, unit = effect_words(flat=flat)
@@ -31,9 +32,7 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
             tell(line)
     factor = brake_factor(brake, response)
     said = (
-        ""
-        if factor is None
-        else f", brake factor {factor:.4g} = {'B/F' if flat else 'T/(F R)'}, F the mean actuation force"
+        "" if factor is None else f", brake factor {factor:.4g} = {factor_word(flat=flat)}, F the mean actuation force"
     )
     tell(f"{what} {effect(response):.6g} {unit}{said}")
     if not response.converged:
@@ -58,7 +57,7 @@ def _print_shoes(brake: "AnyBrake", response: "Response") -> None:
     from drumlin.brake.plane_brake import FlatBrake
     from drumlin.response.merit import shoe_effect
     from drumlin.response.response import peak_place
-    from drumlin.response.show import arcs_text
+    from drumlin.response.show import arcs_text, factor_word
 
     flat = isinstance(brake, FlatBrake)
     unit, per_unit = ("mm", 1e3) if flat else ("deg", math.degrees(1))
@@ -87,7 +86,7 @@ def _print_shoes(brake: "AnyBrake", response: "Response") -> None:
         ),
         "shoe_factor": Column(
             "shoe factor",
-            f"{'B/F' if flat else 'T/(F R)'}\n",
+            f"{factor_word(flat=flat)}\n",
             [f"{value / force:.3f}" if force else "" for value, force in zip(effects, forces, strict=True)],
         ),
     }

@@ -18,9 +18,9 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
-from drumlin.response.merit import effect_words
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
+from drumlin.response.show import effect_words
 from drumlin.texts import formatted
 from drumlin.wear import archard
 from drumlin.wear.archard import WearLaw, WearState
