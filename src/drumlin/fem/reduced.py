@@ -155,7 +155,7 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
     plates = list(body.plates.values())[::-1]
     middle = (np.arange(SECTIONS) + 0.5) / SECTIONS
     if isinstance(body, Body):
-        near, far = sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist(), key=abs)
+        near, far = sorted(shoe.frame.phis((body.start, body.end)), key=abs)
         phi = near + (far - near) * middle
         start, end = shoe.arc
         over = [_layer(shoe, layer) for layer in (shoe.backing, shoe.lining) if layer is not None]

@@ -65,8 +65,7 @@ def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
     from drumlin.fem import assembly  # noqa: PLC0415
 
     K = grid.stiffness(assembly.materials_of(shoe))
-    n = (len(div.angles) - 1) * div.degree + 1
-    ties = tie(grid, np.arange(n), grid.sets["hinge"], shoe.own_pin)
+    ties = tie(grid, np.arange(div.contact_nodes), grid.sets["hinge"], shoe.own_pin)
     loads = np.zeros((ties.matrix.shape[1], FRAME))
     if "actuation" in grid.sets:
         full = np.zeros((grid.N, 2, FRAME))

@@ -12,10 +12,10 @@ import numpy as np
 from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem import assembly
+from drumlin.fem.hp.division import Place
 from drumlin.response.response import Response, ShoeResponse
 
 MOST_KINKS = 12  # a table of clearances with more rows, such as that of a worn lining, is a curve
-Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
 SEEN = 1e-3  # of the length of its contact that an opening must be to be a place
 DIGITS = 20  # binary ones of an end of the contact
 
