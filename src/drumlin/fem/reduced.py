@@ -34,7 +34,7 @@ from drumlin.response.resultants import angle_near
 ELEMENTS = 24  # along a lining
 SECTIONS = 96  # of a shoe
 MODES = 72  # of the ring at least
-WAVES = 8  # on the shortest contact: those shorter than the pressure's press the ring in no more
+WAVES = 8  # of the ring on the shortest contact: its pressure has none that are shorter
 MOST_MODES = 4000
 DEGREE = 6  # of a ring's displacement through its thickness
 SHORT = 7.0  # radians of a wave through the ring's thickness from which on it meets a half-plane

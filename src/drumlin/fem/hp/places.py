@@ -1,8 +1,8 @@
 """Where the pressure of a lining is not smooth: the ends of its contact and the kinks of its gap.
 
 One open node between two that press is an opening that the columns there are too wide to show: its ends are anywhere
-between, and the error that it makes does not fall from level to level until it is seen.
-Its node is a place as ends are.
+between, and the error that it makes does not fall from level to level until it is seen. Its node is a place as ends
+are.
 """
 
 import math
