@@ -195,6 +195,11 @@ def _told(annotation: Any, key: str, pure: Any = None) -> Any:
     return next((found for part in get_args(kind) if (found := _told(part, key, pure)) is not None), None)
 
 
+def rows_of(places: Floats, values: Floats) -> Rows:
+    """The table of values (n,) at growing places (n,)."""
+    return tuple(zip(places.tolist(), values.tolist(), strict=True))
+
+
 def value_at(values: float | Rows, places: Floats) -> Floats:
     """A number or table at `places`, same shape."""
     if isinstance(values, tuple):
