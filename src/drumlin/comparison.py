@@ -175,11 +175,7 @@ def motion_of(brake: AnyBrake) -> str:
 
 def edge_of(brake: AnyBrake) -> float:
     """The zones at a lining's ends in which no pressure is compared [rad], on a plane [m] as elements take them."""
-    return (
-        EDGE_ZONE * (brake.shoes[0].lining.end - brake.shoes[0].lining.start)
-        if isinstance(brake, FlatBrake)
-        else EDGE_ZONE
-    )
+    return EDGE_ZONE * (brake.unit if isinstance(brake, FlatBrake) else 1.0)
 
 
 def columns_of(brake: AnyBrake) -> tuple[Column, ...]:

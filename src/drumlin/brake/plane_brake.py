@@ -146,6 +146,11 @@ class FlatBrake(Part):
     links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
 
     @property
+    def unit(self) -> float:
+        """The length [m] that others are measured by, as by a drum's radius: that of its first lining."""
+        return self.shoes[0].lining.end - self.shoes[0].lining.start
+
+    @property
     def spin(self) -> int:
         """Sense of the sliding: +1 along +x, -1 along -x."""
         return 1 if self.plane.sliding == "+x" else -1
