@@ -21,7 +21,7 @@ from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, nodes_of
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
 from drumlin.lapack import dpotrf
-from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape, slopes
+from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
 TURN = 2 * math.pi
 CLOSE = 1e-9  # rad: ends of columns that are nearer to each other are one
@@ -134,9 +134,9 @@ def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
     """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns at the angles `along`, as the rigid motions, in the
     columns' frames; all over the rim's length of a round ring."""
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
-    psi = shape(p, GAUSS)
+    psi, slope = at_gauss(p)
     x = xy @ psi
-    ds = np.hypot(*(xy @ slopes(p, GAUSS))) * WEIGHTS / (TURN * radius)
+    ds = np.hypot(*(xy @ slope)) * WEIGHTS / (TURN * radius)
     one, zero = np.ones_like(ds), np.zeros_like(ds)
     modes = np.array([[one, zero], [zero, one], [-x[1], x[0]]])  # (3, 2, c, q)
     found = np.einsum("aq,kicq,cq->caik", psi, modes, ds)
