@@ -144,7 +144,7 @@ def rows(
                 "torque": shoe_effect(response, i),
                 "peak_pressure": shoe.peak_pressure,
                 "reaction": float(np.linalg.norm(shoe.hinge_reaction)),
-                "contact": arcs_text(shoe, "mm" if flat else "deg"),
+                "contact": arcs_text(shoe, flat=flat),
                 "self_energising": "yes" if shoe.self_energising else "no",
                 "status": "converged" if response.converged else "not converged",
             }

@@ -57,10 +57,10 @@ def _print_shoes(brake: "AnyBrake", response: "Response") -> None:
     from drumlin.brake.plane_brake import FlatBrake
     from drumlin.response.merit import shoe_effect
     from drumlin.response.response import peak_place
-    from drumlin.response.show import arcs_text, factor_word
+    from drumlin.response.show import arcs_text, factor_word, place_unit
 
     flat = isinstance(brake, FlatBrake)
-    unit, per_unit = ("mm", 1e3) if flat else ("deg", math.degrees(1))
+    unit, per_unit = place_unit(flat=flat)
     places = [peak_place(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     at = ["" if place is None else f"{place.at * per_unit + 0.0:.1f}" for place in places]
     effects = [shoe_effect(response, i) for i in range(len(response.shoes))]
@@ -79,7 +79,7 @@ def _print_shoes(brake: "AnyBrake", response: "Response") -> None:
         ),
         "at": Column("where the pressure peaks", f"at\n[{unit}]", at),
         "contact": Column(
-            "contact", f"contact\n[{unit}]", [arcs_text(shoe, unit).replace(", ", "\n") for shoe in response.shoes]
+            "contact", f"contact\n[{unit}]", [arcs_text(shoe, flat=flat).replace(", ", "\n") for shoe in response.shoes]
         ),
         "reaction": Column(
             "hinge reaction", "reaction\n[N]", [f"{math.hypot(*shoe.hinge_reaction):.6g}" for shoe in response.shoes]

@@ -17,7 +17,7 @@ from drumlin.report.figures import name_of, smooth
 from drumlin.response import Response
 from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor, effect, shoe_effect
-from drumlin.response.show import arcs_text, effect_words, factor_word
+from drumlin.response.show import arcs_text, effect_words, factor_word, place_unit
 from drumlin.texts import formatted
 
 MM, MPA = 1e3, 1e-6
@@ -85,7 +85,7 @@ def picture_of(answer: Answer, brake: AnyBrake) -> Picture:
 
 def unit_of(brake: AnyBrake) -> tuple[str, float]:
     """What places are shown in, and how many of it are one rad or m."""
-    return ("mm", MM) if isinstance(brake, FlatBrake) else ("deg", math.degrees(1))
+    return place_unit(flat=isinstance(brake, FlatBrake))
 
 
 def _motion(brake: AnyBrake) -> str:
@@ -243,7 +243,7 @@ def _row(brake: AnyBrake, response: Response, i: int) -> tuple[str, ...]:
         f"{made:.6g}",
         f"{made / force:.4g}" if force else "–",
         f"{shoe.peak_pressure * MPA:.4g}",
-        arcs_text(shoe, unit_of(brake)[0]),
+        arcs_text(shoe, flat=isinstance(brake, FlatBrake)),
         "yes" if shoe.self_energising else "no",
     )
 

@@ -17,6 +17,11 @@ def effect_words(*, flat: bool) -> tuple[str, str]:
     return ("braking force", "N") if flat else ("torque", "N m")
 
 
+def place_unit(*, flat: bool) -> tuple[str, float]:
+    """The unit in which a person sees angles or, on a plane, places; and how many of it a radian or metre is."""
+    return ("mm", 1e3) if flat else ("deg", math.degrees(1))
+
+
 def factor_word(*, flat: bool) -> str:
     """What a brake factor and a shoe factor are the ratio of."""
     return "B/F" if flat else "T/(F R)"
@@ -27,16 +32,17 @@ def _forces(response: "Response") -> list[float]:
     return [getattr(merit, "braking_force") for merit in response.merits if hasattr(merit, "braking_force")]  # noqa: B009
 
 
-def arcs_text(shoe: "ShoeResponse", unit: str = "deg") -> str:
+def arcs_text(shoe: "ShoeResponse", *, flat: bool) -> str:
     """Contact arcs as text: numbers in degrees, or in mm for a shoe on a plane."""
-    factor = {"deg": 180 / math.pi, "mm": 1e3}[unit]
+    _, factor = place_unit(flat=flat)
     return ", ".join(f"{a * factor:.1f} to {b * factor:.1f}" for a, b in shoe.contact_arcs) or "none"
 
 
 def rows_of(response: "Response") -> list[tuple[str, ...]]:
     """The head, one row a shoe, and one of the whole brake."""
     forces = _forces(response)
-    (what, unit), place = effect_words(flat=bool(forces)), "mm" if forces else "deg"
+    flat = bool(forces)
+    (what, unit), (place, _) = effect_words(flat=flat), place_unit(flat=flat)
     head = (
         "shoe",
         f"{what} [{unit}]",
@@ -53,7 +59,7 @@ def rows_of(response: "Response") -> list[tuple[str, ...]]:
                 f"{forces[i] if forces else shoe.torque:.6g}",
                 f"{shoe.normal_force:.6g}",
                 f"{shoe.peak_pressure * 1e-6:.4g}",
-                arcs_text(shoe, place),
+                arcs_text(shoe, flat=flat),
                 "yes" if shoe.self_energising else "no",
             )
         )
@@ -87,7 +93,7 @@ def plot(response: "Response", axes: Any = None) -> Any:
 
         _, axes = plt.subplots()
     flat = bool(_forces(response))
-    per_unit = 1e3 if flat else math.degrees(1)
+    _, per_unit = place_unit(flat=flat)
     for shoe in response.shoes:
         ends = shoe.theta[:: shoe.order]
         theta = np.unique(np.concatenate([np.linspace(a, b, POINTS) for a, b in pairwise(ends)]))
