@@ -82,15 +82,19 @@ def _folded(V: Floats, p: int) -> Floats:
     return fold.reshape(2, *(1,) * (V.ndim - 2), p + 1, -1) @ V
 
 
-def _along(angles: Floats, p: int) -> Floats:
+def _along(angles: Floats, p: int, *, flat: bool) -> Floats:
     """A_kl and 2 A'_kl (2 c, (p + 1)^2, 8) of columns with nodes at `angles` (c, p + 1) about their middle [rad]."""
     of, (count, n) = functions(p), angles.shape
-    at, by = (np.array([np.cos(angles), np.sin(angles)]) @ each for each in (of.values, of.slopes))  # (2, c, q)
+    circle = np.array([np.cos(angles), np.sin(angles)])
+    at, by = circle @ of.values, circle @ of.slopes  # (2, c, q)
+    if flat:
+        at, by = np.zeros_like(at), np.array([np.zeros_like(by[0]), angles @ of.slopes])
+        at[0] = 1.0
     root = np.sqrt(of.weights / (at[0] * by[1] - at[1] * by[0]))
     t, n_ = np.array([-at[1], at[0]]) * root, np.array([by[1], -by[0]]) * root
     gradient = np.stack([t[:, :, None] * of.slopes, n_[:, :, None] * of.values])  # (k, 2, c, a, q)
     turn = np.zeros((count, n))
-    turn[:, [0, -1]] = angles[:, [0, -1]]  # displacements of the sides count along the radius and across it there
+    turn[:, [0, -1]] = 0.0 if flat else angles[:, [0, -1]]  # of the sides along the radius and across it there
     c, s = np.cos(turn)[..., None], np.sin(turn)[..., None]
     dx, dy = gradient[:, 0], gradient[:, 1]  # (k, c, a, q)
     xx, yy = np.stack([c * dx, -s * dx], axis=3), np.stack([s * dy, c * dy], axis=3)
@@ -102,11 +106,11 @@ def _along(angles: Floats, p: int) -> Floats:
     return np.ascontiguousarray(found.reshape(-1, 2, 2, n, 2, n).transpose(0, 3, 5, 1, 2, 4)).reshape(-1, n * n, 8)
 
 
-def _across(radii: Floats, lame: Floats, p: int) -> Floats:
-    """lambda B_kl and mu B_kl (l, 8, (p + 1)^2) of layers between the radii (l + 1,) [m]; lame: see `elements`."""
+def _across(radii: Floats, lame: Floats, p: int, plane: float | None) -> Floats:
+    """lambda B_kl, mu B_kl (l, 8, (p + 1)^2) of layers between the radii (l + 1,) [m]; lame, plane: of `elements`."""
     x, w, values, slopes, *_ = functions(p)
     step = np.diff(radii)[:, None, None]
-    r, size = radii[:-1, None, None] + step * x, np.abs(step)
+    r, size = radii[:-1, None, None] + step * x if plane is None else plane, np.abs(step)
     mixed = np.sign(step) * ((w * values) @ slopes.T)
     B = np.stack(
         [(size * w / r * values) @ values.T, mixed, mixed.swapaxes(1, 2), (w * r / size * slopes) @ slopes.T], axis=1
@@ -114,16 +118,16 @@ def _across(radii: Floats, lame: Floats, p: int) -> Floats:
     return (lame[:, :, None, None, None] * B[:, None]).reshape(len(lame), 8, -1)
 
 
-def elements(radii: Floats, angles: Floats, lame: Floats, p: int) -> Floats:
+def elements(radii: Floats, angles: Floats, lame: Floats, p: int, plane: float | None = None) -> Floats:
     """Stiffness (l, 2 c, 4 p, 4 p) of elements on their symmetric and, after those of all columns, antisymmetric
     boundary unknowns, between the radii (l + 1,) [m] and with nodes at the angles (c, p + 1) about their middle [rad].
 
-    lame (l, 2): lambda and mu of plane stress times the width [N/m]. Displacements of the left and the right side count
-    along the radius and across it there.
+    lame (l, 2): lambda and mu of plane stress times the width [N/m]; plane: of elements on a plane, whose angles are
+    lengths, by what [m]. Displacements of the left and the right side count along the radius and across it there.
     """
-    of, A = functions(p), _along(angles, p)
+    of, A = functions(p), _along(angles, p, flat=plane is not None)
     found = np.empty((len(lame), len(A), 4 * p, 4 * p))
-    for layer, B in enumerate(_across(radii, lame, p)):
+    for layer, B in enumerate(_across(radii, lame, p, plane)):
         K = (A @ B).reshape(len(A), -1)
         found[layer] = without_each(*(K.take(part, 1) for part in (of.outer, of.mixed, of.inner)))
     return found

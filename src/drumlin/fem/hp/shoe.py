@@ -108,55 +108,47 @@ def rigid(xy: Floats, pin: Floats) -> Floats:
 
 
 class _Columns(NamedTuple):
-    """Columns under the lining, before and behind it, in their order, equal ones the same object; `gripped`: those
-    under the lining from number `first` on, with their back held."""
+    """Columns under the lining, before and behind it, in their order, equal ones the same object; `grip`: the first one
+    under the lining whose back is held, and the first one after those that is free again; 0, 0 where none is."""
 
     under: list[Piece]
     before: list[Piece]
     after: list[Piece]
-    gripped: list[Piece]
-    first: int
+    grip: tuple[int, int]
 
 
 def _columns(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> _Columns:
-    p, beyond = div.degree, [np.sort(div.before), np.sort(div.after)]
+    p, beyond, beam = div.degree, [np.sort(div.before), np.sort(div.after)], isinstance(shoe.body, Beam)
     parts = [div.angles, *beyond] if div.first < div.layers else [div.angles]
-    counts = [len(ends) - 1 for ends in parts]
-    lame, round_ = lame_of(materials, div.part), not (isinstance(shoe.body, Beam) or shoe.flat)
-    if round_:
-        sizes, which = distinct(np.concatenate([np.diff(ends) for ends in parts]))
-        along = 0.5 * sizes[:, None] * lobatto(p)
-    else:
+    under, before = len(div.angles) - 1, len(div.before) - 1
+    if beam:
         along = np.concatenate([within(ends, p) for ends in parts])  # (columns, p + 1)
         which = np.arange(len(along))
-    under, over = (np.flatnonzero(np.bincount(part)) for part in np.split(which, counts[:1]))  # np.unique loads np.ma
-    row = which.tolist()
+    else:
+        sizes, which = distinct(np.concatenate([np.diff(ends) for ends in parts]))
+        along = 0.5 * sizes[:, None] * lobatto(p)
+    lame, plane = lame_of(materials, div.part), radius if shoe.flat else None
 
-    def condensed(kinds: Ints, first: int) -> Floats:
-        """The elements of some kinds of columns, of the layers from `first` on."""
-        if round_:
-            return elements(radius - shoe.sign * div.depths[first:], along[kinds], lame[first:], p)
-        return condensed_elements(nodes_of(map_of(shoe, radius), div.depths[first:], along[kinds], p), lame[first:], p)
+    def made(row: Ints, layer: int, *, contact: bool, held: bool) -> list[Piece]:
+        """The columns of a row of kinds, of the layers from `layer` on."""
+        if not len(row):
+            return []
+        kinds = np.flatnonzero(np.bincount(row))  # np.unique loads np.ma
+        depths, at, of = div.depths[layer:], along[kinds], stack(p, div.layers - layer, contact=contact, held=held)
+        if beam:
+            found = columns(condensed_elements(nodes_of(map_of(shoe, radius), depths, at, p), lame[layer:], p), of)
+        else:
+            own = elements(radius - shoe.sign * depths, at, lame[layer:], p, plane)
+            found = arc_columns(own, p, contact=contact, held=held)
+        pieces = {kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)}
+        return [pieces[kind] for kind in row.tolist()]
 
-    def made(parts: Floats, kinds: Ints, *, contact: bool, held: bool) -> dict[int, Piece]:
-        of = stack(p, len(parts), contact=contact, held=held)
-        found = arc_columns(parts, p, contact=contact, held=held) if round_ else columns(parts, of)
-        return {kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)}
-
-    whole = condensed(under, 0)
-    kinds = made(whole, under, contact=True, held=div.first == div.layers)
-    lining = [kinds[kind] for kind in row[: counts[0]]]
-    gripped, first, grip = lining[:0], 0, shoe.grip(radius)
-    if grip is not None:
-        first, last = (int(np.abs(div.angles - x).argmin()) for x in grip)
-        kinds = made(whole, under, contact=True, held=True)
-        gripped = [kinds[kind] for kind in row[first:last]]
-    before, after = lining[:0], lining[:0]
-    if len(over):
-        kinds = made(condensed(over, div.first), over, contact=False, held=False)
-        rest = [kinds[kind] for kind in row[counts[0] :]]
-        before, after = rest[: counts[1]], rest[counts[1] :]
-    return _Columns(lining, before, after, gripped, first)
+    ends = shoe.grip(radius)
+    a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
+    free = made(np.r_[which[:a], which[b:under]], 0, contact=True, held=div.first == div.layers)
+    gripped = made(which[a:b], 0, contact=True, held=True)
+    rest = made(which[under:], div.first, contact=False, held=False)
+    return _Columns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
 
 
 def directions(ends: Floats, p: int) -> Floats:
@@ -165,23 +157,29 @@ def directions(ends: Floats, p: int) -> Floats:
     return np.append(np.column_stack([ends[:-1], *[0.5 * (ends[1:] + ends[:-1])] * (p - 1)]).ravel(), ends[-1])
 
 
+def _along(shoe: Shoe, phi: Floats) -> Floats:
+    """The angles [rad] at which unknowns count at the places phi of columns: of an arc along its radius, of a pad along
+    the normal, which has the plane's x as its tangent."""
+    if isinstance(shoe.body, Beam):
+        return np.zeros_like(phi)
+    return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
+
+
 def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> Condensed:
     """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular stiffness."""
     p, place, pin = div.degree, map_of(shoe, radius), shoe.own_pin
-    straight, held = isinstance(shoe.body, Beam) or shoe.flat, div.first == div.layers
-    found = _columns(shoe, radius, div, materials)
-    phi = line_of(div.angles, p)
-    back = np.zeros_like(phi) if straight else -directions(div.angles, p)
+    found, held = _columns(shoe, radius, div, materials), div.first == div.layers
+    phi, back = line_of(div.angles, p), -_along(shoe, directions(div.angles, p))
     R = rigid(place(np.zeros(1), phi), pin)
-    if held or found.gripped:  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
-        S = turned(_on_grip(found) if found.gripped else _between(found.under), back)
+    if held or any(found.grip):  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
+        S = turned(_on_grip(found, *found.grip) if any(found.grip) else _between(found.under), back)
         none, still = np.zeros((FRAME, FRAME)), np.zeros((len(R), FRAME))
         return Condensed(_balanced(S, R), np.vstack([np.eye(FRAME), still]), none, pin, still, 0.0)
     d = line_of(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
-    held_line = _local(rigid(place(d, near), pin), 0.0 if straight else near)
+    held_line = _local(rigid(place(d, near), pin), _along(shoe, near))
     f, centre = end_load(place(d, far), d, p)
-    f = _local(f, 0.0 if straight else far)
+    f = _local(f, _along(shoe, far))
     row = found.under.copy()
     row[0] = _held(row[0], found.before, held_line)
     row[-1] = closed(row[-1], _loaded(found.after, f), len(f), right=True)
@@ -205,14 +203,13 @@ def _between(row: list[Piece], left: Floats | None = None, right: Floats | None 
     return merged(row, 2).K
 
 
-def _on_grip(found: _Columns) -> Floats:
+def _on_grip(found: _Columns, first: int, last: int) -> Floats:
     """The contact nodes of a lining whose body's back is held by a grip: what the body is beyond the lining is free."""
-    last = found.first + len(found.gripped)
-    row = [*found.under[: found.first], *found.gripped, *found.under[last:]]
-    line = found.gripped[0].left  # without the last node of the others' lines, which is held
-    if found.first > 0:
-        K, left, _ = row[found.first - 1]
-        row[found.first - 1] = Piece(K[:-2, :-2], left, line)
+    row = found.under.copy()
+    line = row[first].left  # without the last node of the others' lines, which is held
+    if first > 0:
+        K, left, _ = row[first - 1]
+        row[first - 1] = Piece(K[:-2, :-2], left, line)
     if last < len(row):
         K, _, right = row[last]
         free = np.delete(np.arange(len(K)), [line, line + 1])
@@ -267,7 +264,7 @@ def _balanced(S: Floats, R: Floats) -> Floats:
     return np.block([[R.T @ SR, -SR.T], [-SR, S]])
 
 
-def _local(V: Floats, angle: float) -> Floats:
+def _local(V: Floats, angle: Floats) -> Floats:
     """Vectors V (2n, m) in directions turned by one angle."""
     return turned_rows(V.T, np.full(len(V) // 2, angle)).T
 
