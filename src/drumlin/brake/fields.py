@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import pairwise
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, Self, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -86,6 +86,13 @@ class Part(BaseModel):
                 if key not in allowed and key not in cls.model_fields:
                     raise ValueError(f"unknown key {key!r}{nearest(str(key), allowed)}; allowed: {', '.join(allowed)}")
         return data
+
+    def __copy__(self) -> Self:
+        """Without what cached properties keep: `model_copy` changes what it hangs on."""
+        found = super().__copy__()
+        for name in found.__dict__.keys() - type(self).model_fields:
+            del found.__dict__[name]
+        return found
 
 
 class Material(Part):
