@@ -223,6 +223,19 @@ def test_pads_are_warned_of_as_shoes_on_a_drum_are():
     assert drumlin.solve(bare, "rigid").notes == ()  # it has no modulus
 
 
+def test_a_pad_that_must_turn_too_far_to_touch_is_refused():
+    """A clearance c at x from the pin takes a turn of some c/x; small displacements hold up to 11.5 deg."""
+    clamp, pad = read_any("studies/brakes/rail_clamp.toml"), read_any("studies/laws/pad.toml")
+    lining = {"thickness": 0.01, "material": {"E": 1e9, "nu": 0.3}}
+    hinged = vary(pad, {f"shoe.lining.{key}": value for key, value in lining.items()})
+    for brake, x, far in ((hinged, 0.18, 1.0), (clamp, 0.22, 0.5)):
+        with pytest.raises(NoAnswer, match=f"turn by {math.degrees(far / x):.3g} deg to touch the plane; small"):
+            drumlin.solve(vary(brake, {"shoe.lining.clearance": far}))
+        drumlin.solve(vary(brake, {"shoe.lining.clearance": 0.03}))
+    with pytest.raises(NoAnswer, match="deg to touch the drum"):
+        drumlin.solve(vary(drumlin.read_brake("studies/brakes/crane.toml"), {"shoe.lining.clearance": "0.2 m"}))
+
+
 def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
     """p/E: 5 % is beyond small strains; ten times the lining's thickness is no answer."""
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
