@@ -19,6 +19,7 @@ EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
 STEP = math.radians(0.2)
 """Longest step [rad] of a curve that is drawn or written."""
+NEITHER = 1e-9  # of the work of the normal forces, up to which friction neither helps nor opposes the actuation
 SAME_PEAK = 1e-3  # between a peak and the largest value of a curve, whose points may miss it
 
 
