@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from itertools import pairwise
 from typing import Annotated, Any, get_args, get_origin
 
 import numpy as np
@@ -80,11 +79,13 @@ class Part(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _known_keys(cls, data: object) -> object:
+        allowed = [field.alias or name for name, field in cls.model_fields.items()]
         if isinstance(data, Mapping):
-            allowed = [field.alias or name for name, field in cls.model_fields.items()]
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
                     raise ValueError(f"unknown key {key!r}{nearest(str(key), allowed)}; allowed: {', '.join(allowed)}")
+        elif not isinstance(data, Part):
+            raise ValueError(f"must be a table with keys of {', '.join(allowed)}")
         return data
 
 
@@ -163,8 +164,10 @@ def _rows_reader(place: str, place_si: str, name: str, si: str, kinds: str) -> C
             if not isinstance(row, list | tuple) or len(row) != 2:
                 raise ValueError(f'must be {kinds} like ["{EXAMPLES[place_si]}", "{EXAMPLES[si]}"]')
             rows.append((_si(row[0], place_si, info, place), _si(row[1], si, info, name)))
-        if any(b[0] <= a[0] for a, b in pairwise(rows)):
-            raise ValueError(f"the table needs growing {place}s")
+        for k in range(1, len(rows)):
+            if rows[k][0] <= rows[k - 1][0]:
+                before, after = (row[0] for row in value[k - 1 : k + 1])  # type: ignore[index]
+                raise ValueError(f"the table needs growing {place}s, not {after!r} after {before!r}")
         return tuple(rows)
 
     return read

@@ -16,6 +16,19 @@ from drumlin.files import read_text
 from drumlin.texts import check_toml
 
 LARGEST_FILE = 500_000  # bytes; a brake file has a few thousand
+ALLOWED = {
+    "tuple_type": "must be tables, each under [[{key}]]",
+    "too_short": "needs one entry at least",
+    "string_type": "must be a text",
+    "path_type": "must be the name of a file",
+    "float_type": "must be a number",
+    "float_parsing": "must be a number",
+    "int_type": "must be a whole number",
+    "int_parsing": "must be a whole number",
+    "bool_type": "must be true or false",
+    "bool_parsing": "must be true or false",
+}
+"""What is allowed, by pydantic's kinds of faults that it says in words of Python; the others it says well."""
 
 
 def _line(error: ValidationError, data: Any) -> str:
@@ -30,7 +43,8 @@ def _line(error: ValidationError, data: Any) -> str:
             data = data[step]
         except (LookupError, TypeError):
             data = None
-    message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    said = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    message = ALLOWED[fault["type"]].format(key=key) if fault["type"] in ALLOWED else said
     if fault["type"] == "missing":
         return f"{key}: is missing"
     shown = f" = {data!r}" if isinstance(data, str | int | float) else ""
