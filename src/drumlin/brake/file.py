@@ -18,6 +18,7 @@ from drumlin.texts import check_toml
 LARGEST_FILE = 500_000  # bytes; a brake file has a few thousand
 ALLOWED = {
     "tuple_type": "must be tables, each under [[{key}]]",
+    "dict_type": "must be a table, [{key}]",
     "too_short": "needs one entry at least",
     "string_type": "must be a text",
     "path_type": "must be the name of a file",
@@ -36,7 +37,7 @@ def _line(error: ValidationError, data: Any) -> str:
     fault = error.errors()[0]
     key = ""
     for step in fault["loc"]:
-        if step in {"arc", "beam"}:  # which kind of body: no key of the file
+        if step in {"arc", "beam", "float", "str"}:  # which kind of body or of value: no key of the file
             continue
         key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
         try:
