@@ -74,6 +74,7 @@ REFUSED = [
     ),
     ('title = "internal double-shoe brake"', "title = 3", ["title = 3", "must be a text"]),
     ("friction = 0.3", 'friction = "much"', ["friction = 'much'", "must be a number"]),
+    ('side = "internal"', 'side = "internal"\nmesh_unit = "mm"', ["shoe[0]", "mesh_unit = 'mm'", "mesh is missing"]),
     ('side = "internal"', 'side = "internal"\nmesh = 3', ["shoe[0].mesh = 3", "name of a file"]),
     ('side = "internal"', 'side = "internal"\nmesh_interference = 3', ["mesh_interference = 3", "true or false"]),
     ('name = "left"', 'name = "right"', ["names must differ"]),
