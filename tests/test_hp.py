@@ -335,6 +335,22 @@ def test_a_table_of_many_clearances_is_a_curve(brake):
     assert response.error["pressure"] < 5e-3
 
 
+def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_reaches_it(brake):
+    shoe, level, R = brake.shoes[0], LEVELS[1], brake.drum.radius
+    (start, end), t = shoe.arc, shoe.lining.thickness / R
+
+    def first(*contact):
+        angles = divide(shoe, R, level, [(x, contact[1] - contact[0], False) for x in contact]).angles
+        return angles[1] - angles[0]
+
+    unknown = min(level.edge * t, level.zone * math.radians(0.2))
+    assert first() == pytest.approx(unknown, rel=1e-9)
+    assert first(start, start + 1.0) == pytest.approx(unknown, rel=1e-9)
+    assert first(start, start + 1e-3) == pytest.approx(level.edge * 1e-3, rel=1e-9)
+    assert first(start + 1e-7, start + 1e-7 + 1e-3) == pytest.approx(level.edge * 1e-3, rel=1e-9)  # all but reaches it
+    assert first(start + 0.1, end) == pytest.approx(level.back * t, rel=1e-9)  # nothing presses there
+
+
 def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
     response = solve(kinked, elements=40)

@@ -240,7 +240,7 @@ def test_the_mesh_has_the_volume_of_its_parts(flexible):
         volume = float(solid.basis.dx[solid.mesh.subdomains[name]].sum())
         assert 2 * volume == pytest.approx(arc * (outer**2 - inner**2) / 2 * width, rel=3e-6)
         outer = inner
-    face = face_of(solid, shoe)
+    face = face_of(solid, shoe, R)
     assert face.width.sum() == pytest.approx(lining.width)
 
 

@@ -147,6 +147,11 @@ class FlatBrake(Part):
     links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
 
     @property
+    def unit(self) -> float:
+        """The length [m] that others are measured by, as by a drum's radius: that of its first lining."""
+        return self.shoes[0].lining.end - self.shoes[0].lining.start
+
+    @property
     def spin(self) -> int:
         """Sense of the sliding: +1 along +x, -1 along -x."""
         return 1 if self.plane.sliding == "+x" else -1
@@ -177,11 +182,11 @@ class FlatBrake(Part):
 AnyBrake = Brake | FlatBrake
 
 
-def any_from(data: Mapping[str, Any], base: Path) -> AnyBrake:
-    """The brake of the data of a file, every quantity with its unit; base: as of `brake_from`. Raises BadInput."""
+def any_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> AnyBrake:
+    """As `brake_from`, with [plane] a brake on a plane."""
     if "plane" in data:
-        return validated(FlatBrake, data, unit_required=True, base=base)
-    return brake_from(data, unit_required=True, base=base)
+        return validated(FlatBrake, data, unit_required=unit_required, base=base)
+    return brake_from(data, unit_required=unit_required, base=base)
 
 
 def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
@@ -204,7 +209,7 @@ def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
     path = Path(path)
     data = read_toml(path) if text is None else toml_data(text, path)
     try:
-        return any_from(data, path.parent)
+        return any_from(data, unit_required=True, base=path.parent)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 

@@ -31,7 +31,7 @@ from drumlin.response.resultants import cross
 if TYPE_CHECKING:
     from drumlin.fem.refinement import Refined
 
-OVERLAP = 0.01  # of the lining's thickness, from which on a mesh that lies in the drum is said
+OVERLAP = 0.01  # of the lining's thickness, from which on it is said that a mesh lies in the drum
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
 lining's own compression p t/E, and the pressure is off by about as much; each response states by how much."""
@@ -106,7 +106,7 @@ class _Answer:
 
 
 def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
-    """A warning for each shoe's own mesh that lies in the drum."""
+    """A warning for each shoe's own mesh that lies in the drum or the plane."""
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:
             continue

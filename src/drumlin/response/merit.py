@@ -106,11 +106,6 @@ def effect(response: Response) -> float:
     return math.fsum(shoe_effect(response, i) for i in range(len(response.shoes)))
 
 
-def effect_words(*, flat: bool) -> tuple[str, str]:
-    """What `effect` is called, and its unit."""
-    return ("braking force", "N") if flat else ("torque", "N m")
-
-
 def brake_factor(brake: AnyBrake, response: Response) -> float | None:
     """T/(F R) of the whole brake, F the mean force of its actuation; on a plane braking force / F; None without force.
 

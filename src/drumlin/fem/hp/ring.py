@@ -17,11 +17,11 @@ from drumlin.fem.hp.columns import Piece, closed, columns, merged, stack, turned
 from drumlin.fem.hp.division import Level, ends_of, graded
 from drumlin.fem.hp.element import condensed_elements
 from drumlin.fem.hp.grid import Block, Grid
-from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, nodes_of, within
+from drumlin.fem.hp.shoe import Map, directions, distinct, lame_of, line_of, nodes_of, within
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
 from drumlin.lapack import dpotrf
-from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape, slopes
+from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
 TURN = 2 * math.pi
 CLOSE = 1e-9  # rad: ends of columns that are nearer to each other are one
@@ -93,6 +93,16 @@ def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> R
     return coupled_ring(brake, linings, grid, grid, contact, condensed, grid.sets["support"], held)
 
 
+def _map(radius: float, sign: int) -> Map:
+    """Points of the ring, from its friction surface on."""
+
+    def place(depth: Floats, phi: Floats) -> Floats:
+        r = radius + sign * depth
+        return np.stack([r * np.cos(phi), r * np.sin(phi)])
+
+    return place
+
+
 def _columns(
     section: Section, radius: float, sign: int, div: Division, *, free: bool
 ) -> tuple[list[tuple[bool, Floats]], int]:
@@ -100,12 +110,7 @@ def _columns(
     p, layers = div.degree, len(div.depths) - 1
     sizes, which = distinct(np.diff(div.angles))
     along = 0.5 * sizes[:, None] * lobatto(p)
-
-    def place(depth: Floats, phi: Floats) -> Floats:
-        r = radius + sign * depth
-        return np.stack([r * np.cos(phi), r * np.sin(phi)])
-
-    xy = nodes_of(place, div.depths, along, p)
+    xy = nodes_of(_map(radius, sign), div.depths, along, p)
     lame = np.tile(lame_of({"drum": (section.material, section.width)}, ("drum",)), (xy.shape[0] * xy.shape[1], 1))
     halves = np.tile(along[:, -1], layers)
     K = condensed_elements(xy.reshape(-1, *xy.shape[2:]), lame, p, halves).reshape(layers, len(sizes), 8 * p, 8 * p)
@@ -134,9 +139,9 @@ def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
     """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns at the angles `along`, as the rigid motions, in the
     columns' frames; all over the rim's length of a round ring."""
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
-    psi = shape(p, GAUSS)
+    psi, slope = at_gauss(p)
     x = xy @ psi
-    ds = np.hypot(*(xy @ slopes(p, GAUSS))) * WEIGHTS / (TURN * radius)
+    ds = np.hypot(*(xy @ slope)) * WEIGHTS / (TURN * radius)
     one, zero = np.ones_like(ds), np.zeros_like(ds)
     modes = np.array([[one, zero], [zero, one], [-x[1], x[0]]])  # (3, 2, c, q)
     found = np.einsum("aq,kicq,cq->caik", psi, modes, ds)
@@ -219,13 +224,8 @@ def grid_of(radius: float, sign: int, div: Division) -> Grid:
     rows, n = len(depth), len(along) - 1
     under = np.arange(rows * n).reshape(rows, n)
     under = np.column_stack([under, under[:, 0]])
-
-    def place(depth: Floats, phi: Floats) -> Floats:
-        r = radius + sign * depth
-        return np.stack([r * np.cos(phi), r * np.sin(phi)])
-
     sets = {"contact": under[0, _touching(div)], "surface": under[0, :-1], "support": under[-1, :-1]}
-    return Grid(p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), place, sets, rows * n)
+    return Grid(p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), _map(radius, sign), sets, rows * n)
 
 
 def rim_of(radius: float, div: Division, grid: Grid) -> Floats:

@@ -1,18 +1,18 @@
 """Scenes of brakes whose shoes are columns of high degree."""
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import assembly
 from drumlin.fem.hp.body import condensed, contact_line, grid_of
-from drumlin.fem.hp.division import Division, Level, divide
+from drumlin.fem.hp.division import Division, Level, Place, divide
 from drumlin.fem.hp.ring import ring_body
 from drumlin.fem.hp.shoe import condense
 
 MOST_NODES = 3000  # in contact with each other: matrices of twice as many rows take gigabytes
-Places = Mapping[tuple[object, ...], Sequence[tuple[float, float, bool]]]  # by the shape of a shoe: see `divide`
+Places = Mapping[tuple[object, ...], Sequence[Place]]  # by the shape of a shoe: see `divide`
 
 
 def body(shoe: Shoe, radius: float, div: Division, friction: bool, seconds: assembly.Seconds) -> assembly.Body:
@@ -38,26 +38,18 @@ def scene(
         raise BadInput(f"fem does not apply to this brake: {reason}")
     cache = cache or assembly.Cache()
     seconds: assembly.Seconds = {}
-    divisions: list[Hashable] = []
-    made: dict[tuple[object, ...], assembly.Body] = {}
+    radius, slips = brake.drum.radius, brake.friction > 0
     keys = [assembly.shape_of(brake, shoe) for shoe in brake.shoes]
-    divided = {
-        key: divide(shoe, brake.drum.radius, level, (places or {}).get(key, ()))
-        for key, shoe in dict(zip(keys, brake.shoes, strict=True)).items()
-    }
+    shapes = dict(zip(keys, brake.shoes, strict=True))
+    divisions = {key: divide(shoe, radius, level, (places or {}).get(key, ())) for key, shoe in shapes.items()}
     together = sum if brake.drum.ring is not None else max
-    nodes = together(divided[key].contact_nodes for key in keys)
+    nodes = together(divisions[key].contact_nodes for key in keys)
     if nodes > MOST_NODES:
         raise NoAnswer(f"its {nodes} contact nodes are more than the {MOST_NODES} that are allowed")
-    for shoe, key in zip(brake.shoes, keys, strict=True):
-        if key not in made:
-            div = divided[key]
-            divisions.append(div.key)
-            made[key] = cache.get(
-                (assembly.bare_shoe(shoe), brake.drum.radius, brake.friction > 0, div.key),
-                partial(body, shoe, brake.drum.radius, div, brake.friction > 0, seconds),
-                assembly.size_of,
-            )
+    made: dict[tuple[object, ...], assembly.Body] = {}
+    for key, shoe in shapes.items():
+        own = assembly.bare_shoe(shoe), radius, slips, divisions[key].key
+        made[key] = cache.get(own, partial(body, shoe, radius, divisions[key], slips, seconds), assembly.size_of)
     bodies = tuple(made[key] for key in keys)
     left_out = ["interior fields: recovered only for a picture"]
     if len(made) < len(bodies):
@@ -68,6 +60,6 @@ def scene(
     if brake.drum.ring is not None:
         with assembly.clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
-            own = (assembly.bare(brake), level, *divisions)
-            ring = cache.get(own, partial(ring_body, brake, lines, level), assembly.size_of)
+            whole = (assembly.bare(brake), level, *(div.key for div in divisions.values()))
+            ring = cache.get(whole, partial(ring_body, brake, lines, level), assembly.size_of)
     return assembly.Scene(brake, bodies, ring, seconds, (*left_out, *assembly.lacking(brake)))
