@@ -280,6 +280,7 @@ def test_what_it_does_not_cover_it_refuses(flexible, said):
         (["--elements", "500"], "--elements = 500: must be from 1 to"),
         (["--across", "0"], "--across = 0: must be from 1 to"),
         (["--sections", "9"], "belong to --model foundation"),
+        (["--fields", "fields.png"], "--fields = 'fields.png': must end in .vtu"),
     ],
 )
 def test_options_that_it_has_not(root, options, said):

@@ -187,8 +187,9 @@ class Misfit(Part):
                 raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
         edges = [ends[0], *(place for place, _ in self.blocks), ends[1]]
         if self.blocks and min(b - a for a, b in pairwise(edges)) <= step:
+            places = ", ".join(text(place) for place, _ in self.blocks)
             raise ValueError(
-                f"{key}.blocks: must begin on the lining, {text(ends[0])} to {text(ends[1])}, "
+                f"{key}.blocks at {places}: must begin on the lining, {text(ends[0])} to {text(ends[1])}, "
                 f"more than {text(step)} from its ends and from each other"
             )
 

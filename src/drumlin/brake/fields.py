@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from functools import partial
-from itertools import pairwise
 from typing import Annotated, Any, Self, get_args, get_origin
 
 import numpy as np
@@ -80,11 +79,13 @@ class Part(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _known_keys(cls, data: object) -> object:
+        allowed = [field.alias or name for name, field in cls.model_fields.items()]
         if isinstance(data, Mapping):
-            allowed = [field.alias or name for name, field in cls.model_fields.items()]
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
                     raise ValueError(f"unknown key {key!r}{nearest(str(key), allowed)}; allowed: {', '.join(allowed)}")
+        elif not isinstance(data, Part):
+            raise ValueError(f"must be a table with keys of {', '.join(allowed)}")
         return data
 
     def __copy__(self) -> Self:
@@ -172,8 +173,10 @@ def _rows(
         if not isinstance(item, list | tuple) or len(item) != 2:
             raise ValueError(f'must be {kinds} like ["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]')
         rows.append((_si(item[0], row[0], info, place), _si(item[1], row[1], info, name)))
-    if any(b[0] <= a[0] for a, b in pairwise(rows)):
-        raise ValueError(f"the table needs growing {place}s")
+    for k in range(1, len(rows)):
+        if rows[k][0] <= rows[k - 1][0]:
+            before, after = (item[0] for item in value[k - 1 : k + 1])  # type: ignore[index]
+            raise ValueError(f"the table needs growing {place}s, not {after!r} after {before!r}")
     return tuple(rows)
 
 

@@ -4,6 +4,7 @@ Conventions: the sliding surface is y = 0, the body lies below it, the shoes abo
 from x = start to x = end. It is the same kind of data as a drum brake, with lengths in place of angles.
 """
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
@@ -28,7 +29,7 @@ from drumlin.brake.fields import (
 )
 from drumlin.brake.file import brake_from, read_toml, toml_data, validated
 from drumlin.brake.support import Meshed, check_motions
-from drumlin.brake.units import mm
+from drumlin.brake.units import deg, mm
 from drumlin.errors import BadInput
 
 
@@ -172,6 +173,9 @@ class FlatBrake(Part):
         for i, shoe in enumerate(shoes):
             check_grip(f"shoe[{i}]", shoe)
             check_motions(f"shoe[{i}]", shoe, slice(1, 3))
+            if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
+                shown = f"shoe[{i}].guide.direction = {deg(shoe.guide.direction)}"
+                raise ValueError(f"{shown}: must lead to the plane, not along it")
         return self.model_copy(update={"shoes": shoes})
 
 

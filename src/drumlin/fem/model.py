@@ -25,7 +25,7 @@ from drumlin.fem.assembly import (
 from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
-from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
+from drumlin.response.response import NEITHER, Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
 
 if TYPE_CHECKING:
@@ -127,8 +127,10 @@ def _grips(brake: Brake) -> Iterator[str]:
             continue
         grip = shoe.grip(brake.drum.radius)
         if grip is not None:
-            length = shoe.body.grip or shoe.body.thickness
-            said = f"its {shoe.held_by} grips {mm(length)} of the back of its body"
+            length = (grip[1] - grip[0]) * shoe.back(
+                brake.drum.radius
+            )  # of a short lining's back not all that is asked
+            said = f"its {shoe.held_by} grips {mm(round(length, 4))} of the back of its body"
         else:
             away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - shoe.own_pin)))
             joined = "" if away < 0.5 * shoe.body.depth else ", joined by a rigid arm"
@@ -140,7 +142,7 @@ def _grips(brake: Brake) -> Iterator[str]:
 
 
 def _untouched(shoe: Shoe) -> _Answer:
-    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the drum"
+    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {shoe.face}"
     return _Answer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
 
 
@@ -245,6 +247,7 @@ def _answer(
         acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
         left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
+    closed, dragged = (float(work[:, 0] @ p) for work in group.closings[k])  # by its first motion, per unit
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
     softness = float(coupling.lever @ change) / pressed if pressed else 0.0
@@ -265,7 +268,7 @@ def _answer(
         order=line.order,
         torque=abs(drag) * pressed,
         normal_force=math.hypot(*normal.sum(axis=0)),
-        self_energising=drag * float(group.closings[k][1][:, 0] @ p) * float(motions.work[0]) > 0,
+        self_energising=math.copysign(drag, drag * motions.work[0]) * dragged > NEITHER * abs(closed),
         hinge_reaction=frame.to_brake(reaction),
         turn=frame.sense * float(motions.of[2] @ y),
         force=None if group.sharing is None else force,
