@@ -66,7 +66,17 @@ REFUSED = [
     ('{ radius = "125 mm", angle = "-75 deg" }', '{ radius = "0 mm", angle = "0 deg" }', ["hinge", "drum's centre"]),
     ('{ radius = "125 mm", angle = "-75 deg" }', '{ radius = "125 mm" }', ["shoe[0].hinge", "radius = ..., angle"]),
     ('{ radius = "125 mm", angle = "-75 deg" }', '{ radius = "-1 mm", angle = "0 deg" }', ["hinge", "negative"]),
-    ('{ radius = "125 mm", angle = "-75 deg" }', "3", ["shoe[0].hinge = 3"]),
+    ('{ radius = "125 mm", angle = "-75 deg" }', "3", ["shoe[0].hinge = 3", "table with keys of x, y"]),
+    (
+        'rotation = "counter-clockwise"',
+        'rotation = "counter-clockwise"\nlink = 3',
+        ["link = 3", "tables, each under [[link]]"],
+    ),
+    ('title = "internal double-shoe brake"', "title = 3", ["title = 3", "must be a text"]),
+    ("friction = 0.3", 'friction = "much"', ["friction = 'much'", "must be a number"]),
+    ('side = "internal"', 'side = "internal"\nmesh_unit = "mm"', ["shoe[0]", "mesh_unit = 'mm'", "mesh is missing"]),
+    ('side = "internal"', 'side = "internal"\nmesh = 3', ["shoe[0].mesh = 3", "name of a file"]),
+    ('side = "internal"', 'side = "internal"\nmesh_interference = 3', ["mesh_interference = 3", "true or false"]),
     ('name = "left"', 'name = "right"', ["names must differ"]),
     ('name = "left"', 'name = "Right"', ["names must differ"]),  # on some machines the same file
     ('name = "left"', 'name = "../left"', ["shoe[1].name = '../left'", "letters, digits"]),
@@ -76,7 +86,7 @@ REFUSED = [
     ('title = "internal', 'title = "two\\nlines, internal', ["title", "one line"]),
     ('side = "internal"', 'side = "inner"', ["side = 'inner'", "'internal' or 'external'"]),
     ("[drum]", "[drum", ["not TOML"]),
-    ("[drum]", "[[drum]]", ["drum"]),
+    ("[drum]", "[[drum]]", ["drum", "table with keys of radius"]),
 ]
 
 
@@ -118,7 +128,7 @@ def test_a_clearance_table_is_read_and_interpolated(tmp_path):
     assert lining.clearance_at(np.radians([-70, -35, 0, 27.5])) == pytest.approx([0, 1e-4, 2e-4, 1.5e-4], abs=1e-18)
     for bad, words in [
         ('[["0 deg", "0 mm"]]', "at least two rows"),
-        ('[["9 deg", "0 mm"], ["0 deg", "0 mm"]]', "growing"),
+        ('[["9 deg", "0 mm"], ["0 deg", "0 mm"]]', "growing angles, not '0 deg' after '9 deg'"),
         ('[["0 deg"], ["9 deg", "0 mm"]]', "rows like"),
         ('[["0 deg", 3], ["9 deg", "0 mm"]]', "clearance = 3 has no unit"),
     ]:

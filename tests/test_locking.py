@@ -68,7 +68,7 @@ def test_the_eigenvalue_is_exact_where_halving_was_not(brake):
         for start in (None, end.last.active, ~end.last.active):
             with pytest.raises(NoAnswer):
                 active_set.solve(problems.at(end.friction * (1 + 1e-9)), start)
-        with pytest.raises(NoAnswer, match=rf"mu_lock = {end.friction:.4g} .sine law: 0.8231"):
+        with pytest.raises(NoAnswer, match=rf"mu_lock = {end.friction:.4g} .rigid-shoe law: 0.8231"):
             respond(scene, vary(changed, {"friction": end.friction * 1.01}))
 
 

@@ -10,7 +10,7 @@ import pytest
 import drumlin
 from conftest import ROOT, partly
 from drumlin.brake.fields import Material
-from drumlin.brake.file import validated
+from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.unrolled import on_drum, unrolled
 from drumlin.cli.commands import app
@@ -62,6 +62,37 @@ def test_a_rigid_pad_with_a_thin_lining_answers_as_its_law(kind: str, sliding: s
     p, q = a.pressure_at(x), b.pressure_at(x)
     assert np.linalg.norm(p - q) < 5e-3 * np.linalg.norm(q)
     assert a.torque == 0.0
+
+
+@pytest.mark.parametrize(("tilt", "sliding", "helps"), [(0.0, "+x", 0), (0.0, "-x", 0), (0.2, "-x", 0), (0.2, "+x", 1)])
+def test_friction_on_a_guide_along_the_normal_neither_helps_nor_opposes(tilt: float, sliding: str, helps: int) -> None:
+    """cos(90 deg) is 6e-17 and not 0: round-off is no self-energising."""
+    for turned in (0.0, pi):  # the same guide
+        brake = pad("guide", sliding, guide={"direction": tilt - pi / 2 + turned})
+        for found in (drumlin.solve(brake, elements=20), law(brake)):
+            assert found.shoes[0].self_energising == bool(helps)
+
+
+def test_a_guide_along_the_plane_is_refused() -> None:
+    for direction in (0.0, pi):
+        with pytest.raises(
+            BadInput, match=r"^shoe\[0\].guide.direction = \d+ deg: must lead to the plane, not along it"
+        ):
+            pad("guide", guide={"direction": direction})
+    pad("guide", guide={"direction": 1e-3})
+
+
+def test_a_pad_that_its_force_lifts_is_said_of_the_plane() -> None:
+    brake = vary(pad("hinge"), {"shoe.actuation.force": -1.0})
+    said = ["shoe 'pad': no contact, the force does not turn it towards the plane"]
+    assert [[n for n in found.notes if "contact" in n] for found in (drumlin.solve(brake), law(brake))] == [said, said]
+
+
+def test_a_grip_longer_than_its_body_is_said_as_it_is_held() -> None:
+    """At most .6 of the lining's length is held: of 120 mm 72 mm."""
+    for grip, held in ((0.03, "30 mm"), (0.5, "72 mm")):
+        notes = drumlin.solve(pad("guide", body=BODY | {"grip": grip}), elements=10).notes
+        assert f"held: pad: its guide grips {held} of the back of its body" in notes
 
 
 def test_a_thin_lining_gives_way_as_a_bonded_layer() -> None:

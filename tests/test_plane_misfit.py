@@ -166,10 +166,14 @@ def test_a_wrong_pads_mirror_image_answers_alike(taper: float, crown: float, kin
         ({"misfit": {"radius": 0.0}}, "misfit.radius = 0 mm: must be at least 300 mm"),
         ({"misfit": {"taper": 0.01}}, "misfit.taper = 10 mm: must be at most 0.05 of the lining's length, 6 mm"),
         ({"misfit": {"offset": {"x": 0.0, "y": -0.01}}}, "misfit.offset = 10 mm: must be at most 0.05"),
-        ({"misfit": {"blocks": [[0.061, 1e-4]]}}, "misfit.blocks: must begin on the lining, 60 mm to 180 mm, more"),
+        (
+            {"misfit": {"blocks": [[0.061, 1e-4]]}},
+            "misfit.blocks at 61 mm: must begin on the lining, 60 mm to 180 mm, more",
+        ),
+        ({"misfit": 3}, "misfit = 3: must be a table with keys of radius, offset, taper, blocks"),
         ({"misfit": {"coning": 1e-4}}, "unknown key 'coning'.*allowed: radius, offset, taper, blocks"),
         ({"clearance": [[0.1, 0.0]]}, "the table needs at least two rows, with growing places"),
-        ({"clearance": [[0.1, 0.0], [0.1, 0.0]]}, "the table needs growing places"),
+        ({"clearance": [[0.1, 0.0], [0.1, 0.0]]}, "the table needs growing places, not 0.1 after 0.1"),
     ],
 )
 def test_what_is_no_small_misfit_is_refused_in_one_line(lining: dict[str, Any], said: str) -> None:

@@ -55,11 +55,13 @@ def test_a_usage_error_is_one_line_with_status_2(tmp_path):
     for words in (
         ["solve"],
         ["solve", BRAKE, "--bad"],
-        ["solve", BRAKE, "--elements", "x"],
         ["nothing"],
         ["solve", "a", "b"],
     ):
         one_line(drumlin(*words, cwd=tmp_path), 2)
+    for option, word in (("--elements", "x"), ("--elements", "2.5"), ("--tolerance", "5%")):
+        said = one_line(drumlin("solve", BRAKE, option, word, cwd=tmp_path), 2)
+        assert option in said and repr(word) in said
 
 
 def test_names_reach_the_terminal_escaped(tmp_path):

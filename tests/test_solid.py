@@ -240,7 +240,7 @@ def test_the_mesh_has_the_volume_of_its_parts(flexible):
         volume = float(solid.basis.dx[solid.mesh.subdomains[name]].sum())
         assert 2 * volume == pytest.approx(arc * (outer**2 - inner**2) / 2 * width, rel=3e-6)
         outer = inner
-    face = face_of(solid, shoe)
+    face = face_of(solid, shoe, R)
     assert face.width.sum() == pytest.approx(lining.width)
 
 
@@ -280,6 +280,7 @@ def test_what_it_does_not_cover_it_refuses(flexible, said):
         (["--elements", "500"], "--elements = 500: must be from 1 to"),
         (["--across", "0"], "--across = 0: must be from 1 to"),
         (["--sections", "9"], "belong to --model foundation"),
+        (["--fields", "fields.png"], "--fields = 'fields.png': must end in .vtu"),
     ],
 )
 def test_options_that_it_has_not(root, options, said):

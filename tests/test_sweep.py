@@ -106,6 +106,8 @@ NORMAL = {"distribution": "normal", "deviation": 0.03}
         ({"friction": {"from": 0, "to": 1, "count": 3, "scale": "log"}}, {}, ['scale = "log"', "greater than 0"]),
         ({"drum.ring.thickness": ["5 mm"]}, {}, ["no such part"]),
         ({"friction": [0.3]}, {"combine": "all"}, ["combine = 'all'", "'grid'"]),
+        ({"friction": {"from": float("nan"), "to": 1, "count": 3}}, {}, ["vary.friction: from = nan", "finite number"]),
+        ({"friction": [0.3]}, {"model": "sine"}, ["model = 'sine'", "must be a table, [model]"]),
         ({"friction": [0.3]}, {"model": {"spline": {}}}, ["model.spline: unknown model", "sine"]),
         ({"friction": [0.3]}, {"model": {"sine": {"elements": 8}}}, ["model.sine: unknown key 'elements'"]),
         ({"friction": [0.3]}, {"model": {"fem": {"elements": 0}}}, ["model.fem: elements = 0"]),

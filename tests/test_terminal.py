@@ -95,6 +95,11 @@ def test_where_the_pressure_peaks(root, brake):
     pad = solve(flat, "linear")
     assert peak_place(flat, 0, pad.shoes[0]) == Place(flat.shoes[0].lining.end, 0.0)
     assert brake_factor(flat, pad) == pytest.approx(pad.merits[0].braking_force / flat.shoes[0].actuation.force)
+    clamp = read_any(root / "studies/brakes/rail_clamp.toml")  # its pressure has no bound at the end that runs on
+    (shoe,) = solve(clamp, elements=40).shoes
+    place = peak_place(clamp, 0, shoe)
+    assert place.zone == 5e-3 and abs(place.at) < 75e-3 - 5e-3  # half of 10 mm
+    assert shoe.pressure_at(np.array(place.at)) == pytest.approx(shoe.peak_pressure, rel=1e-3) != shoe.pressure[0]
     response = solve(brake, elements=40)
     for i, shoe in enumerate(response.shoes):
         place, zone = peak_place(brake, i, shoe), edge_zone(brake.shoes[i], brake.drum.radius)

@@ -9,6 +9,8 @@ import pytest
 
 import drumlin
 from drumlin.brake import vary
+from drumlin.brake.file import validated
+from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fuzzing.endings import fault_of, in_process
 from drumlin.fuzzing.faults import Input, brake_text
@@ -198,6 +200,40 @@ def test_shoes_that_lie_in_each_other_are_said():
         assert len(found) == 1
         assert "'right' and 'left'" in found[0]
         assert "from 40 deg to 55 deg" in found[0]
+
+
+def test_pads_are_warned_of_as_shoes_on_a_drum_are():
+    """Strains beyond small ones, and pads that lie in each other, in millimetres."""
+    clamp = read_any("studies/brakes/rail_clamp.toml")
+    data = vary(clamp, {"shoe.actuation.force": "250 kN"}).model_dump(by_alias=True)
+    shoe = data["shoe"][0]
+    second = vary(clamp, {
+        "shoe.name": "other", "shoe.hinge.x": -0.095, "shoe.pivot.x": 0.125, "shoe.actuation.point.x": 0.325,
+        "shoe.body.start": 0.045, "shoe.body.end": 0.205, "shoe.lining.start": 0.05, "shoe.lining.end": 0.2,
+    }).model_dump(by_alias=True)["shoe"][0]  # fmt: skip
+    two = validated(FlatBrake, data | {"shoe": [shoe, second]})
+    for model in ("fem", "rigid"):
+        assert not any("warning" in note for note in drumlin.solve(clamp, model).notes)
+        found = [note for note in drumlin.solve(two, model).notes if "warning" in note]
+        assert [("'pad'" in note, "strained" in note) for note in found[:1]] == [(True, True)]  # its own first
+        assert "'pad' and 'other'" in found[-1] and "from 50 mm to 75 mm" in found[-1]
+    bare = validated(
+        FlatBrake, data | {"shoe": [shoe | {"body": None, "lining": {**shoe["lining"], "material": None}}]}
+    )
+    assert drumlin.solve(bare, "rigid").notes == ()  # it has no modulus
+
+
+def test_a_pad_that_must_turn_too_far_to_touch_is_refused():
+    """A clearance c at x from the pin takes a turn of some c/x; small displacements hold up to 11.5 deg."""
+    clamp, pad = read_any("studies/brakes/rail_clamp.toml"), read_any("studies/laws/pad.toml")
+    lining = {"thickness": 0.01, "material": {"E": 1e9, "nu": 0.3}}
+    hinged = vary(pad, {f"shoe.lining.{key}": value for key, value in lining.items()})
+    for brake, x, far in ((hinged, 0.18, 1.0), (clamp, 0.22, 0.5)):
+        with pytest.raises(NoAnswer, match=f"turn by {math.degrees(far / x):.3g} deg to touch the plane; small"):
+            drumlin.solve(vary(brake, {"shoe.lining.clearance": far}))
+        drumlin.solve(vary(brake, {"shoe.lining.clearance": 0.03}))
+    with pytest.raises(NoAnswer, match="deg to touch the drum"):
+        drumlin.solve(vary(drumlin.read_brake("studies/brakes/crane.toml"), {"shoe.lining.clearance": "0.2 m"}))
 
 
 def test_a_lining_pressed_in_too_far_is_said_and_then_refused():

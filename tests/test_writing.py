@@ -8,6 +8,7 @@ from conftest import ROOT, partly
 from drumlin.brake import read_any, vary
 from drumlin.brake.writing import brake_text, quantity_text
 from drumlin.verification.random_brake import random_brake
+from test_plane_fem import LINING, pad
 from test_sharing import cam_brake, servo
 
 FILES = [*ROOT.glob("studies/*/*.toml"), *ROOT.glob("meshes/*.toml")]
@@ -41,6 +42,15 @@ def test_tables_blocks_lobes_and_names(brake, tmp_path):
     text = brake_text(changed)
     assert read_any(tmp_path / "b.toml", text) == changed
     assert 'clearance = [["-70 deg", "0 mm"], ["55 deg", "0.1 mm"]]' in text
+
+
+def test_tables_on_a_plane_have_lengths_for_places(tmp_path):
+    rows = {"clearance": [[0.06, 0.0], [0.18, 1e-4]], "misfit": {"blocks": [[0.1, 1e-4]]}}
+    brake = pad("hinge", lining=LINING | {"start": 0.06, "end": 0.18} | rows)
+    text = brake_text(brake)
+    assert read_any(tmp_path / "b.toml", text) == brake
+    assert 'clearance = [["60 mm", "0 mm"], ["180 mm", "0.1 mm"]]' in text
+    assert 'blocks = [["100 mm", "0.1 mm"]]' in text
 
 
 @pytest.mark.parametrize("brake", [cam_brake(), cam_brake(body=0.01), servo(), servo(body=0.01)])

@@ -18,10 +18,10 @@ from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
 from drumlin.files import cell
 from drumlin.models import applicable
-from drumlin.response.merit import effect, effect_words, shoe_effect
+from drumlin.response.merit import effect, shoe_effect
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import EDGE_ZONE, Response
-from drumlin.response.show import arcs_text
+from drumlin.response.show import arcs_text, effect_words
 from drumlin.texts import formatted
 
 B = TypeVar("B", bound=Brake | FlatBrake)
@@ -144,7 +144,7 @@ def rows(
                 "torque": shoe_effect(response, i),
                 "peak_pressure": shoe.peak_pressure,
                 "reaction": float(np.linalg.norm(shoe.hinge_reaction)),
-                "contact": arcs_text(shoe, "mm" if flat else "deg"),
+                "contact": arcs_text(shoe, flat=flat),
                 "self_energising": "yes" if shoe.self_energising else "no",
                 "status": "converged" if response.converged else "not converged",
             }
@@ -175,11 +175,7 @@ def motion_of(brake: AnyBrake) -> str:
 
 def edge_of(brake: AnyBrake) -> float:
     """The zones at a lining's ends in which no pressure is compared [rad], on a plane [m] as elements take them."""
-    return (
-        EDGE_ZONE * (brake.shoes[0].lining.end - brake.shoes[0].lining.start)
-        if isinstance(brake, FlatBrake)
-        else EDGE_ZONE
-    )
+    return EDGE_ZONE * (brake.unit if isinstance(brake, FlatBrake) else 1.0)
 
 
 def columns_of(brake: AnyBrake) -> tuple[Column, ...]:

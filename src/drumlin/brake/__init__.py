@@ -1,6 +1,6 @@
 """The brake as frozen, validated data: what drums and shoes are made of, quantities with units, its file.
 
-A brake on a drum is a `Brake`, one on a plane a `PlaneBrake`; both are read from a TOML file by `read_any`. Imports
+A brake on a drum is a `Brake`, one on a plane a `FlatBrake`; both are read from a TOML file by `read_any`. Imports
 nothing of drumlin but arrays, errors, texts and files.
 """
 

@@ -176,10 +176,10 @@ class Misfit(Part):
     def check(
         self, key: str, ends: tuple[float, float], step: float, text: Callable[[float], str], most: float, allowed: str
     ) -> None:
-        """Raise ValueError where it is no small one, over `most` [m], or its blocks are not on the lining.
+        """Raise ValueError where it is larger than `most` [m], or its blocks are not on the lining.
 
-        ends, step: places on the lining, and over which a step between blocks is rounded; text: of a place; allowed:
-        `most` in words.
+        ends: places where the lining begins and ends; step: length of a rounded step between blocks, of the same kind;
+        text: a place in words; allowed: `most` in words.
         """
         deepest = max((abs(depth) for _, depth in self.blocks), default=0.0)
         for name, size in (("offset", self.offset.radius), ("taper", self.taper), ("blocks", deepest)):
@@ -187,8 +187,9 @@ class Misfit(Part):
                 raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
         edges = [ends[0], *(place for place, _ in self.blocks), ends[1]]
         if self.blocks and min(b - a for a, b in pairwise(edges)) <= step:
+            places = ", ".join(text(place) for place, _ in self.blocks)
             raise ValueError(
-                f"{key}.blocks: must begin on the lining, {text(ends[0])} to {text(ends[1])}, "
+                f"{key}.blocks at {places}: must begin on the lining, {text(ends[0])} to {text(ends[1])}, "
                 f"more than {text(step)} from its ends and from each other"
             )
 

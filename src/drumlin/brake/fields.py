@@ -5,9 +5,8 @@ Every number is SI. Where a brake file is read the validation's context asks for
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from itertools import pairwise
 from typing import Annotated, Any, Self, get_args, get_origin
 
 import numpy as np
@@ -80,11 +79,13 @@ class Part(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _known_keys(cls, data: object) -> object:
+        allowed = [field.alias or name for name, field in cls.model_fields.items()]
         if isinstance(data, Mapping):
-            allowed = [field.alias or name for name, field in cls.model_fields.items()]
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
                     raise ValueError(f"unknown key {key!r}{nearest(str(key), allowed)}; allowed: {', '.join(allowed)}")
+        elif not isinstance(data, Part):
+            raise ValueError(f"must be a table with keys of {', '.join(allowed)}")
         return data
 
     def __copy__(self) -> Self:
@@ -145,49 +146,68 @@ Rows = tuple[tuple[float, float], ...]
 
 def number_or_table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
     """One value, or a table of (place, value) with straight lines between; for the words of a refusal: names."""
-    read_rows = _rows_reader(place, place_si, name, si, f"{NAMES[si]} or rows")
-
-    def read(value: object, info: ValidationInfo, *, si: str) -> float | Rows:
-        if not isinstance(value, list | tuple):
-            return _si(value, si, info)
-        rows = read_rows(value, info)
-        if len(rows) < 2:
-            raise ValueError(f"the table needs at least two rows, with growing {place}s")
-        return rows
-
-    return BeforeValidator(partial(read, si=si))
+    return BeforeValidator(partial(_number_or_rows, si=si, place=place, name=name, row=(place_si, si)))
 
 
 def table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
     """Any number of rows (place, value) with growing places; for the words of a refusal: names."""
-    return BeforeValidator(_rows_reader(place, place_si, name, si, "rows"))
+    return BeforeValidator(partial(_rows, place=place, name=name, row=(place_si, si)))
 
 
-def _rows_reader(place: str, place_si: str, name: str, si: str, kinds: str) -> Callable[[object, ValidationInfo], Rows]:
-    def read(value: object, info: ValidationInfo) -> Rows:
-        rows = []
-        for row in value if isinstance(value, list | tuple) else [value]:
-            if not isinstance(row, list | tuple) or len(row) != 2:
-                raise ValueError(f'must be {kinds} like ["{EXAMPLES[place_si]}", "{EXAMPLES[si]}"]')
-            rows.append((_si(row[0], place_si, info, place), _si(row[1], si, info, name)))
-        if any(b[0] <= a[0] for a, b in pairwise(rows)):
-            raise ValueError(f"the table needs growing {place}s")
-        return tuple(rows)
+def _number_or_rows(
+    value: object, info: ValidationInfo, *, si: str, place: str, name: str, row: tuple[str, str]
+) -> float | Rows:
+    if not isinstance(value, list | tuple):
+        return _si(value, si, info)
+    rows = _rows(value, info, place=place, name=name, row=row, kinds=f"{NAMES[si]} or rows")
+    if len(rows) < 2:
+        raise ValueError(f"the table needs at least two rows, with growing {place}s")
+    return rows
 
-    return read
+
+def _rows(
+    value: object, info: ValidationInfo, *, place: str, name: str, row: tuple[str, str], kinds: str = "rows"
+) -> Rows:
+    rows = []
+    for item in value if isinstance(value, list | tuple) else [value]:
+        if not isinstance(item, list | tuple) or len(item) != 2:
+            raise ValueError(f'must be {kinds} like ["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]')
+        rows.append((_si(item[0], row[0], info, place), _si(item[1], row[1], info, name)))
+    for k in range(1, len(rows)):
+        if rows[k][0] <= rows[k - 1][0]:
+            before, after = (item[0] for item in value[k - 1 : k + 1])  # type: ignore[index]
+            raise ValueError(f"the table needs growing {place}s, not {after!r} after {before!r}")
+    return tuple(rows)
 
 
 def unit_in(annotation: Any) -> str | None:
     """The SI unit of a field's type: "" of a pure number, None of what is no number."""
+    unit: str | None = _told(annotation, "si", pure="")
+    return unit
+
+
+def row_units_in(annotation: Any) -> tuple[str, str]:
+    """The SI units of place and value in a row of the table that a field's type takes."""
+    units: tuple[str, str] = _told(annotation, "row")
+    return units
+
+
+def _told(annotation: Any, key: str, pure: Any = None) -> Any:
+    """What the reader of a field's type is told by a key; `pure` of a number without reader, None of the rest."""
     kind, *marks = (
         (annotation.__origin__, *annotation.__metadata__) if get_origin(annotation) is Annotated else [annotation]
     )
     for mark in marks:
-        if isinstance(mark, BeforeValidator) and isinstance(mark.func, partial):
-            return str(mark.func.keywords["si"])
+        if isinstance(mark, BeforeValidator) and isinstance(mark.func, partial) and key in mark.func.keywords:
+            return mark.func.keywords[key]
     if kind is float:
-        return ""
-    return next((unit for unit in map(unit_in, get_args(kind)) if unit is not None), None)
+        return pure
+    return next((found for part in get_args(kind) if (found := _told(part, key, pure)) is not None), None)
+
+
+def rows_of(places: Floats, values: Floats) -> Rows:
+    """The table of values (n,) at growing places (n,)."""
+    return tuple(zip(places.tolist(), values.tolist(), strict=True))
 
 
 def value_at(values: float | Rows, places: Floats) -> Floats:

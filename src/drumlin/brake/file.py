@@ -16,6 +16,20 @@ from drumlin.files import read_text
 from drumlin.texts import check_toml
 
 LARGEST_FILE = 500_000  # bytes; a brake file has a few thousand
+ALLOWED = {
+    "tuple_type": "must be tables, each under [[{key}]]",
+    "dict_type": "must be a table, [{key}]",
+    "too_short": "needs one entry at least",
+    "string_type": "must be a text",
+    "path_type": "must be the name of a file",
+    "float_type": "must be a number",
+    "float_parsing": "must be a number",
+    "int_type": "must be a whole number",
+    "int_parsing": "must be a whole number",
+    "bool_type": "must be true or false",
+    "bool_parsing": "must be true or false",
+}
+"""What is allowed, by pydantic's kinds of faults that it says in words of Python; the others it says well."""
 
 
 def _line(error: ValidationError, data: Any) -> str:
@@ -23,14 +37,15 @@ def _line(error: ValidationError, data: Any) -> str:
     fault = error.errors()[0]
     key = ""
     for step in fault["loc"]:
-        if step in {"arc", "beam"}:  # which kind of body: no key of the file
+        if step in {"arc", "beam", "float", "str"}:  # which kind of body or of value: no key of the file
             continue
         key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
         try:
             data = data[step]
         except (LookupError, TypeError):
             data = None
-    message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    said = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    message = ALLOWED[fault["type"]].format(key=key) if fault["type"] in ALLOWED else said
     if fault["type"] == "missing":
         return f"{key}: is missing"
     shown = f" = {data!r}" if isinstance(data, str | int | float) else ""

@@ -4,6 +4,7 @@ Conventions: the sliding surface is y = 0, the body lies below it, the shoes abo
 from x = start to x = end. It is the same kind of data as a drum brake, with lengths in place of angles.
 """
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
@@ -28,7 +29,7 @@ from drumlin.brake.fields import (
 )
 from drumlin.brake.file import brake_from, read_toml, toml_data, validated
 from drumlin.brake.support import Meshed, check_motions
-from drumlin.brake.units import mm
+from drumlin.brake.units import deg, mm
 from drumlin.errors import BadInput
 
 
@@ -146,6 +147,11 @@ class FlatBrake(Part):
     links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
 
     @property
+    def unit(self) -> float:
+        """The length [m] that others are measured by, as by a drum's radius: that of its first lining."""
+        return self.shoes[0].lining.end - self.shoes[0].lining.start
+
+    @property
     def spin(self) -> int:
         """Sense of the sliding: +1 along +x, -1 along -x."""
         return 1 if self.plane.sliding == "+x" else -1
@@ -167,17 +173,20 @@ class FlatBrake(Part):
         for i, shoe in enumerate(shoes):
             check_grip(f"shoe[{i}]", shoe)
             check_motions(f"shoe[{i}]", shoe, slice(1, 3))
+            if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
+                shown = f"shoe[{i}].guide.direction = {deg(shoe.guide.direction)}"
+                raise ValueError(f"{shown}: must lead to the plane, not along it")
         return self.model_copy(update={"shoes": shoes})
 
 
 AnyBrake = Brake | FlatBrake
 
 
-def any_from(data: Mapping[str, Any], base: Path) -> AnyBrake:
-    """The brake of the data of a file, every quantity with its unit; base: as of `brake_from`. Raises BadInput."""
+def any_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> AnyBrake:
+    """As `brake_from`, with [plane] a brake on a plane."""
     if "plane" in data:
-        return validated(FlatBrake, data, unit_required=True, base=base)
-    return brake_from(data, unit_required=True, base=base)
+        return validated(FlatBrake, data, unit_required=unit_required, base=base)
+    return brake_from(data, unit_required=unit_required, base=base)
 
 
 def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
@@ -200,7 +209,7 @@ def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
     path = Path(path)
     data = read_toml(path) if text is None else toml_data(text, path)
     try:
-        return any_from(data, path.parent)
+        return any_from(data, unit_required=True, base=path.parent)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 

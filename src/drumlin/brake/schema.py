@@ -28,10 +28,7 @@ class UnitSchema(GenerateJsonSchema):
         found, function = super().function_before_schema(schema), schema["function"]["function"]
         if function is fields._from_polar:
             return {"anyOf": [found, _POLAR]}
-        si = function.keywords["si"] if isinstance(function, partial) else None
-        if found.get("type") == "number" and si:
-            return quantity(si)
-        return _with_units(found, si) if si or function.__qualname__.startswith("_rows_reader") else found
+        return _with_units(found, function.keywords.get("si")) if isinstance(function, partial) else found
 
 
 _POLAR = {

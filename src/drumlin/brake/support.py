@@ -238,6 +238,13 @@ class Meshed(Held):
     mesh_frame: Literal["brake", "shoe"] = "brake"
     mesh_interference: bool = False
 
+    @model_validator(mode="after")
+    def _of_a_mesh(self) -> Self:
+        for key in ("mesh_unit", "mesh_frame", "mesh_interference"):
+            if self.mesh is None and getattr(self, key) != type(self).model_fields[key].default:
+                raise ValueError(f"{key} = {getattr(self, key)!r}: belongs to a mesh file; mesh is missing")
+        return self
+
 
 def _rows(count: int, row: int, change: Floats) -> Floats:
     """Changes (count, 3) of motions of which one changes."""

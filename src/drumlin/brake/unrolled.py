@@ -96,13 +96,12 @@ def why_not(brake: FlatBrake) -> str | None:
 
 def unrolled(brake: FlatBrake) -> Brake:
     """The brake in the words of one on a drum; see `why_not`. Not validated: it is one already."""
-    unit = brake.shoes[0].lining.end - brake.shoes[0].lining.start
     return Brake.model_construct(
         title=brake.title,
         rotation="counter-clockwise" if brake.spin > 0 else "clockwise",
         friction=brake.friction,
-        drum=Drum(radius=unit),
-        shoes=tuple(_straight(shoe, unit) for shoe in brake.shoes),
+        drum=Drum(radius=brake.unit),
+        shoes=tuple(_straight(shoe, brake.unit) for shoe in brake.shoes),
         actuation=brake.actuation,
         links=brake.links,
     )

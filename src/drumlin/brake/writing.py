@@ -10,19 +10,12 @@ from pydantic.fields import FieldInfo
 
 from drumlin.brake.components import Actuation, Lobes, Misfit, Table
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.fields import Material, Part, Point, unit_in
-from drumlin.brake.plane_brake import FlatBrake, FlatLining, FlatMisfit
+from drumlin.brake.fields import Material, Part, Point, row_units_in, unit_in
+from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.support import Held
 from drumlin.brake.units import COMMON, to_si
 
 INLINE = (Material, Point, Misfit, Lobes, Table)
-ROWS = {
-    "clearance": "rad",
-    "blocks": "rad",
-    "bending_stiffness": "m",
-    "offset": "m",
-}  # the place of a table's row; on a plane [m]
-VALUES = {"blocks": "m"}  # the value, where the field's type does not tell
 READABLE = {"m": ("mm", "m"), "rad": ("deg",), "Pa": ("GPa", "MPa"), "N": ("kN", "N")}
 
 
@@ -68,7 +61,7 @@ def _table(part: Part, path: str) -> Iterator[str]:
         if value != () and all(isinstance(item, Part) and not isinstance(item, INLINE) for item in parts):
             below.append((key, value))
         else:
-            yield f"{key} = {_value(part, key, value, field)}"
+            yield f"{key} = {_value(value, field)}"
     for key, value in below:
         name = f"{path}.{key}" if path else key
         for item in value if isinstance(value, tuple) else (value,):
@@ -76,26 +69,24 @@ def _table(part: Part, path: str) -> Iterator[str]:
             yield from _table(item, name)
 
 
-def _value(part: Part, key: str, value: Any, field: FieldInfo) -> str:
+def _value(value: Any, field: FieldInfo) -> str:
     if isinstance(value, Part):
         return _inline(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str | Path):
         return json.dumps(str(value), ensure_ascii=False)
-    unit = unit_in(Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation)
     if isinstance(value, tuple) and any(isinstance(item, Part) for item in value):
         return "[" + ", ".join(_inline(item) for item in value) + "]"
+    kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     if isinstance(value, tuple):
-        value_unit = VALUES.get(key) or unit or ""
-        place = "m" if isinstance(part, FlatLining | FlatMisfit) else ROWS[key]
-        rows = (f"[{quantity_text(a, place)}, {quantity_text(b, value_unit)}]" for a, b in value)
-        return "[" + ", ".join(rows) + "]"
-    return quantity_text(value, unit or "")
+        place, size = row_units_in(kind)
+        return "[" + ", ".join(f"[{quantity_text(a, place)}, {quantity_text(b, size)}]" for a, b in value) + "]"
+    return quantity_text(value, unit_in(kind) or "")
 
 
 def _inline(part: Part) -> str:
-    return "{ " + ", ".join(f"{key} = {_value(part, key, value, field)}" for key, value, field in _fields(part)) + " }"
+    return "{ " + ", ".join(f"{key} = {_value(value, field)}" for key, value, field in _fields(part)) + " }"
 
 
 def quantity_text(value: float, si: str) -> str:

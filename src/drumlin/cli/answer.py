@@ -18,7 +18,8 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
     verbose: figures of merit, how it was found, how long that took and what is left out, too.
     """
     from drumlin.brake.plane_brake import FlatBrake
-    from drumlin.response.merit import brake_factor, effect, effect_words
+    from drumlin.response.merit import brake_factor, effect
+    from drumlin.response.show import effect_words, factor_word
 
     flat = isinstance(brake, FlatBrake)
     what, unit = effect_words(flat=flat)
@@ -31,9 +32,7 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
             tell(line)
     factor = brake_factor(brake, response)
     said = (
-        ""
-        if factor is None
-        else f", brake factor {factor:.4g} = {'B/F' if flat else 'T/(F R)'}, F the mean actuation force"
+        "" if factor is None else f", brake factor {factor:.4g} = {factor_word(flat=flat)}, F the mean actuation force"
     )
     tell(f"{what} {effect(response):.6g} {unit}{said}")
     if not response.converged:
@@ -58,10 +57,10 @@ def _print_shoes(brake: "AnyBrake", response: "Response") -> None:
     from drumlin.brake.plane_brake import FlatBrake
     from drumlin.response.merit import shoe_effect
     from drumlin.response.response import peak_place
-    from drumlin.response.show import arcs_text
+    from drumlin.response.show import arcs_text, factor_word, place_unit
 
     flat = isinstance(brake, FlatBrake)
-    unit, per_unit = ("mm", 1e3) if flat else ("deg", math.degrees(1))
+    unit, per_unit = place_unit(flat=flat)
     places = [peak_place(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     at = ["" if place is None else f"{place.at * per_unit + 0.0:.1f}" for place in places]
     effects = [shoe_effect(response, i) for i in range(len(response.shoes))]
@@ -80,14 +79,14 @@ def _print_shoes(brake: "AnyBrake", response: "Response") -> None:
         ),
         "at": Column("where the pressure peaks", f"at\n[{unit}]", at),
         "contact": Column(
-            "contact", f"contact\n[{unit}]", [arcs_text(shoe, unit).replace(", ", "\n") for shoe in response.shoes]
+            "contact", f"contact\n[{unit}]", [arcs_text(shoe, flat=flat).replace(", ", "\n") for shoe in response.shoes]
         ),
         "reaction": Column(
             "hinge reaction", "reaction\n[N]", [f"{math.hypot(*shoe.hinge_reaction):.6g}" for shoe in response.shoes]
         ),
         "shoe_factor": Column(
             "shoe factor",
-            f"{'B/F' if flat else 'T/(F R)'}\n",
+            f"{factor_word(flat=flat)}\n",
             [f"{value / force:.3f}" if force else "" for value, force in zip(effects, forces, strict=True)],
         ),
     }

@@ -56,7 +56,7 @@ def reference(
     from drumlin.brake.file import toml_text
     from drumlin.brake.plane_brake import read_any
     from drumlin.files import check_output
-    from drumlin.response.merit import effect_words
+    from drumlin.response.show import effect_words
     from drumlin.verification.reference import reference as make
     from drumlin.verification.reference_file import as_dict, write_values
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from io import TextIOWrapper
 from pathlib import Path
 from types import ModuleType
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from drumlin.errors import BadInput, NoAnswer, Stopped, ended, file_fault
 
@@ -68,8 +68,19 @@ def run(words: Sequence[str]) -> int:
         except Exception as error:
             if not hasattr(error, "format_message"):
                 raise
-            raise BadInput(error.format_message()) from error  # a usage error, of typer's click or another
+            raise BadInput(_refused(error)) from error  # a usage error, of typer's click or another
     return 0
+
+
+def _refused(error: Any) -> str:
+    """A usage error in a line; where the word of an option is no number, with that word: older typers name it."""
+    from drumlin.brake.file import ALLOWED
+
+    if hasattr(error.__cause__, "errors") and getattr(error, "param", None) is not None:
+        fault = error.__cause__.errors()[0]
+        if fault["type"] in ALLOWED:
+            return f"{error.param.opts[-1]} = {fault['input']!r}: {ALLOWED[fault['type']]}"
+    return str(error.format_message())
 
 
 def _stop(number: int, _: object) -> None:

@@ -234,10 +234,12 @@ def wear(
     from drumlin.files import check_outputs, write_json
     from drumlin.wear.archard import WearLaw
     from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
+    from drumlin.wear.linings import guided as on_guides
     from drumlin.wear.run_in import COEFFICIENT, as_dict, check_depth, report_lines, run_in, target
     from drumlin.wear.run_in import unit_distance as unit_of
 
     given, wide = for_width(read_any(brake_file), finite_width and model == "fem")
+    given = on_guides(given) if guided else given
     flat, brake = isinstance(given, FlatBrake), on_drum(given)
     check_outputs(json_file)
     if model not in {"fem", "foundation"}:
@@ -265,10 +267,7 @@ def wear(
     with busy("running in") as say:
         if model == "fem":
             from drumlin.fem.solve import scene_of
-            from drumlin.wear.linings import guided as on_guides
 
-            given = on_guides(given) if guided else given
-            brake = on_drum(given)
             scene = scene_of(brake, **meshing)
 
             def setup_of(turning: Any) -> WearSetup:

@@ -154,7 +154,7 @@ def answer(
         return end.last
     raise NoAnswer(
         f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "
-        f"mu_lock = {end.friction:.4g} (sine law: {law:.4g})"
+        f"mu_lock = {end.friction:.4g} (rigid-shoe law: {law:.4g})"
     )
 
 

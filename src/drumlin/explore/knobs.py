@@ -82,9 +82,7 @@ def motion_of(brake: AnyBrake) -> tuple[str, str]:
 
 def size_of(brake: AnyBrake) -> float:
     """The length [m] that ranges and signs go by: the drum's radius, on a plane that of the first lining."""
-    if isinstance(brake, FlatBrake):
-        return brake.shoes[0].lining.end - brake.shoes[0].lining.start
-    return brake.drum.radius
+    return brake.unit if isinstance(brake, FlatBrake) else brake.drum.radius
 
 
 def laws_of(brake: AnyBrake) -> tuple[str, ...]:

@@ -16,8 +16,8 @@ from drumlin.explore.knobs import size_of
 from drumlin.report.figures import name_of, smooth
 from drumlin.response import Response
 from drumlin.response.balance import loaded
-from drumlin.response.merit import brake_factor, effect, effect_words, shoe_effect
-from drumlin.response.show import arcs_text
+from drumlin.response.merit import brake_factor, effect, shoe_effect
+from drumlin.response.show import arcs_text, effect_words, factor_word, place_unit
 from drumlin.texts import formatted
 
 MM, MPA = 1e3, 1e-6
@@ -85,7 +85,7 @@ def picture_of(answer: Answer, brake: AnyBrake) -> Picture:
 
 def unit_of(brake: AnyBrake) -> tuple[str, float]:
     """What places are shown in, and how many of it are one rad or m."""
-    return ("mm", MM) if isinstance(brake, FlatBrake) else ("deg", math.degrees(1))
+    return place_unit(flat=isinstance(brake, FlatBrake))
 
 
 def _motion(brake: AnyBrake) -> str:
@@ -158,10 +158,10 @@ def head_of(answer: Answer) -> str:
     if answer.found is None or answer.brake is None:
         return "no answer"
     flat = isinstance(answer.brake, FlatBrake)
-    (what, unit), name = effect_words(flat=flat), "B/F" if flat else "T/(F R)"
+    what, unit = effect_words(flat=flat)
     found, factor = effect(answer.found), brake_factor(answer.brake, answer.found)
     said = [f"{what} <b>{found:.6g} {unit}</b>"]
-    said += [] if factor is None else [f"brake factor {name} <b>{factor:.4g}</b>"]
+    said += [] if factor is None else [f"brake factor {factor_word(flat=flat)} <b>{factor:.4g}</b>"]
     if answer.law is not None:
         by_law = effect(answer.law)
         off = f" ({formatted(by_law / found - 1, '+.1%')})" if found else ""
@@ -219,12 +219,12 @@ def rows_of(answer: Answer, brake: AnyBrake) -> tuple[tuple[str, ...], ...]:
     """The table: its head, a row a shoe and model."""
     flat = isinstance(brake, FlatBrake)
     responses = [r for r in (answer.found, answer.law) if r is not None]
-    (what, unit), factor = effect_words(flat=flat), "B/F" if flat else "T/(F R)"
+    what, unit = effect_words(flat=flat)
     head = (
         "shoe",
         "by",
         f"{what} [{unit}]",
-        factor,
+        factor_word(flat=flat),
         "peak p [MPa]",
         f"contact [{unit_of(brake)[0]}]",
         "self-energising",
@@ -243,7 +243,7 @@ def _row(brake: AnyBrake, response: Response, i: int) -> tuple[str, ...]:
         f"{made:.6g}",
         f"{made / force:.4g}" if force else "–",
         f"{shoe.peak_pressure * MPA:.4g}",
-        arcs_text(shoe, unit_of(brake)[0]),
+        arcs_text(shoe, flat=isinstance(brake, FlatBrake)),
         "yes" if shoe.self_energising else "no",
     )
 

@@ -26,7 +26,7 @@ from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, prepare, shape_of
-from drumlin.fem.hp.adapt import check_tolerance
+from drumlin.fem.hp.adapt import check_tolerance, last_of
 from drumlin.fem.hp.levels import Respond
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.mesh.grading import Division, refine
@@ -61,7 +61,7 @@ def adapt(brake: Brake, tolerance: float, respond: Respond, kind: str = DEFAULT_
         if level > 1:
             error = estimate(responses[-3:])
             if max(error.values()) <= tolerance:
-                return _final(responses, error, unknowns)
+                return replace(last_of(responses, unknowns), error=error)
         if error and unknowns * GROWTH**2 > MOST_UNKNOWNS:
             break
     raise NoAnswer(
@@ -122,19 +122,3 @@ def _points(shoe: Shoe, response: ShoeResponse | None) -> list[float]:
     phi = shoe.frame.phi(np.array(theta))
     start, end = shoe.arc
     return [float(angle) for angle in phi if start < angle < end]
-
-
-def _final(responses: Sequence[Response], error: dict[str, float], unknowns: int) -> Response:
-    """The last response with its error, the time of all meshes and the steps of the longest."""
-    seconds: dict[str, float] = {}
-    for response in responses:
-        for phase, spent in response.seconds.items():
-            seconds[phase] = seconds.get(phase, 0.0) + spent
-    note = f"adapted on {len(responses)} meshes, the last with {unknowns} unknowns a shoe"
-    return replace(
-        responses[-1],
-        error=error,
-        seconds=seconds,
-        iterations=max(response.iterations for response in responses),
-        notes=(*responses[-1].notes, note),
-    )

@@ -280,6 +280,11 @@ class Assembled:
     load_centre: Floats
 
 
+def line_of(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
+    """The contact line of a shoe on the `facets` of a scalar basis; radius [m]: of the drum."""
+    return contact_line(basis, facets, sum(shoe.arc) / 2, radius if shoe.flat else None)
+
+
 def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Assembled:
     """Mesh and assemble a shoe. Raises BadInput for a mesh file that cannot serve."""
     with clock(seconds, "mesh"):
@@ -294,8 +299,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         K = stiffness(basis, materials_of(shoe))
     with clock(seconds, "ties"):
         pin = shoe.own_pin
-        unit = brake.drum.radius if shoe.flat else None
-        line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2, unit)
+        line = line_of(basis, mesh.boundaries["contact"], shoe, brake.drum.radius)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         ties = tie(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.gripped:

@@ -18,6 +18,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
 from drumlin.errors import NoAnswer
+from drumlin.fem import reach
 from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
 from drumlin.fem.motions import Motions, motions_of
 from drumlin.fem.sharing import Pushed, Sharing, share
@@ -25,7 +26,6 @@ from drumlin.lapack import block_diag
 from drumlin.laws import rigid
 
 ROWS = 64  # of a matrix that are made at a time: of a large one no more stay near the processor
-LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
 
 
 @dataclass(frozen=True)
@@ -246,12 +246,15 @@ class ShoeGroup:
         """
         for body, shoe, gap, load in zip(self.bodies, self.shoes, self.gaps, self.loads, strict=True):
             if shoe.held_by == "hinge" and not shoe.flat:
-                _check_reach(shoe, body.line.xy, gap, load[1])
+                reach.check_pin(shoe, body.line.xy, gap, load[1])
         at, law = self.problem_at, min(rigid.locking_friction(self.brake, shoe) for shoe in self.shoes)
         try:
-            return self_locking.answer(at, self.brake.friction, first, law=law, brake="elastic as it is", like=like)
+            found = self_locking.answer(at, self.brake.friction, first, law=law, brake="elastic as it is", like=like)
         except NoAnswer as error:
             raise NoAnswer(f"{self.names}: {error}") from error
+        for shoe, gap, amounts in zip(self.shoes, self.gaps, self.amounts(found), strict=True):
+            reach.check_turns(shoe, gap, self.unit_force * amounts)
+        return found
 
     def settled(self, first: Bools | None = None, like: Floats | None = None) -> tuple["ShoeGroup", active_set.Contact]:
         """The group with the friction at its abutments as its answer has it, and that answer.
@@ -370,27 +373,3 @@ def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
     theta, radius = shoe.frame.theta(phi), brake.drum.radius
     off = shoe.off(xy, radius)
     return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + clearance.gap(brake, shoe, theta)  # 0.0: not round-off
-
-
-def _check_reach(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
-    """Raise NoAnswer where the shoe would have to turn too far to touch, or could turn for ever.
-
-    A lining point at distance d from the pin and angle psi reaches the radius r when it has turned by
-    alpha: r^2 = a^2 + d^2 + 2 a d cos(psi + alpha), with a the pin's distance from the drum's centre.
-    """
-    if (gap <= 0).any():
-        return
-    a, r = shoe.pin.radius, np.hypot(*xy)
-    v = xy * ((r - shoe.sign * gap) / r) - np.array([[a], [0.0]])  # the lining stands back by its gap
-    d, psi = np.hypot(*v), np.arctan2(v[1], v[0])
-    cosine = (r**2 - a**2 - d**2) / (2 * a * d)
-    meets = np.abs(cosine) <= 1
-    if not meets.any():
-        raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, the force turns it without its ever touching the drum")
-    angle = np.arccos(cosine[meets])
-    turns = math.copysign(1.0, moment) * (np.concatenate([angle, -angle]) - np.tile(psi[meets], 2)) % (2 * math.pi)
-    if turns.min() > LARGEST_TURN:
-        raise NoAnswer(
-            f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turns.min()):.3g} deg to touch the drum; "
-            f"small displacements hold up to {math.degrees(LARGEST_TURN):.3g} deg"
-        )

@@ -12,14 +12,13 @@ of the traction on the same arc to round-off, on any mesh.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
 from drumlin.response.response import Surface
-from drumlin.response.resultants import GAUSS, WEIGHTS, angle_near, shape, slopes
+from drumlin.response.resultants import GAUSS, WEIGHTS, angle_near, at_gauss, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
 
@@ -88,15 +87,9 @@ def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> tu
     tolerance, which small and slender elements do not meet.
     """
     order = xy.shape[1] - 1
-    psi, slope = _at_gauss(order) if at is GAUSS else (shape(order, at), slopes(order, at))
+    psi, slope = at_gauss(order) if at is GAUSS else (shape(order, at), slopes(order, at))
     xy = xy.transpose(0, 2, 1)
     return psi, xy @ psi, np.hypot(*(xy @ slope)) * weights
-
-
-@cache
-def _at_gauss(order: int) -> tuple[Floats, Floats]:
-    """The shape functions and their slopes (order + 1, q) at the points of the usual rule."""
-    return shape(order, GAUSS), slopes(order, GAUSS)
 
 
 def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = None) -> ContactLine:

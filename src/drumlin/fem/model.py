@@ -25,13 +25,13 @@ from drumlin.fem.assembly import (
 from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
-from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
+from drumlin.response.response import NEITHER, Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
 
 if TYPE_CHECKING:
     from drumlin.fem.refinement import Refined
 
-OVERLAP = 0.01  # of the lining's thickness, from which on a mesh that lies in the drum is said
+OVERLAP = 0.01  # of the lining's thickness, from which on it is said that a mesh lies in the drum
 PENALTY = 1e6
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-6 of the
 lining's own compression p t/E, and the pressure is off by about as much; each response states by how much."""
@@ -107,7 +107,7 @@ class _Answer:
 
 
 def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
-    """A warning for each shoe's own mesh that lies in the drum."""
+    """A warning for each shoe's own mesh that lies in the drum or the plane."""
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:
             continue
@@ -128,8 +128,10 @@ def _grips(brake: Brake) -> Iterator[str]:
             continue
         grip = shoe.grip(brake.drum.radius)
         if grip is not None:
-            length = shoe.body.grip or shoe.body.thickness
-            said = f"its {shoe.held_by} grips {mm(length)} of the back of its body"
+            length = (grip[1] - grip[0]) * shoe.back(
+                brake.drum.radius
+            )  # of a short lining's back not all that is asked
+            said = f"its {shoe.held_by} grips {mm(round(length, 4))} of the back of its body"
         else:
             away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - shoe.own_pin)))
             joined = "" if away < 0.5 * shoe.body.depth else ", joined by a rigid arm"
@@ -141,7 +143,7 @@ def _grips(brake: Brake) -> Iterator[str]:
 
 
 def _untouched(shoe: Shoe) -> _Answer:
-    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the drum"
+    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {shoe.face}"
     return _Answer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
 
 
@@ -250,6 +252,7 @@ def _answer(
         acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
         left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
+    closed, dragged = (float(work[:, 0] @ p) for work in group.closings[k])  # by its first motion, per unit
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
     softness = float(coupling.lever @ change) / pressed if pressed else 0.0
@@ -270,7 +273,7 @@ def _answer(
         order=line.order,
         torque=abs(drag) * pressed,
         normal_force=math.hypot(*normal.sum(axis=0)),
-        self_energising=drag * float(group.closings[k][1][:, 0] @ p) * float(motions.work[0]) > 0,
+        self_energising=math.copysign(drag, drag * motions.work[0]) * dragged > NEITHER * abs(closed),
         hinge_reaction=frame.to_brake(reaction),
         turn=frame.sense * float(motions.of[2] @ y),
         force=None if group.sharing is None else force,

@@ -34,7 +34,7 @@ from drumlin.response.resultants import angle_near
 ELEMENTS = 24  # along a lining
 SECTIONS = 96  # of a shoe
 MODES = 72  # of the ring at least
-WAVES = 8  # on the shortest contact: those shorter than the pressure's press the ring in no more
+WAVES = 8  # of the ring on the shortest contact: its pressure has none that are shorter
 MOST_MODES = 4000
 DEGREE = 6  # of a ring's displacement through its thickness
 SHORT = 7.0  # radians of a wave through the ring's thickness from which on it meets a half-plane
@@ -155,7 +155,7 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
     plates = list(body.plates.values())[::-1]
     middle = (np.arange(SECTIONS) + 0.5) / SECTIONS
     if isinstance(body, Body):
-        near, far = sorted(shoe.frame.phi(np.array([body.start, body.end])).tolist(), key=abs)
+        near, far = sorted(shoe.frame.phis((body.start, body.end)), key=abs)
         phi = near + (far - near) * middle
         start, end = shoe.arc
         over = [_layer(shoe, layer) for layer in (shoe.backing, shoe.lining) if layer is not None]

@@ -31,9 +31,9 @@ from drumlin.fem.solve import solve
 from drumlin.laws import law as rigid_law
 from drumlin.laws import sine
 from drumlin.laws.naming import name_of
-from drumlin.response.merit import effect_words
 from drumlin.response.merit import sensitivity as by_differences
 from drumlin.response.resultants import cross
+from drumlin.response.show import effect_words
 
 PERCENT_PER_MM = 0.1  # in 1/m
 

@@ -69,7 +69,7 @@ def as_given(brake: AnyBrake, found: Response) -> Response:
     """A response of `on_drum(brake)` as one of the brake: on a plane in lengths x [m]."""
     if isinstance(brake, Brake):
         return found
-    unit = brake.shoes[0].lining.end - brake.shoes[0].lining.start
+    unit = brake.unit
     shoes = tuple(
         replace(
             shoe,

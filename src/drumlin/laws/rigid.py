@@ -25,7 +25,7 @@ from drumlin.errors import NoAnswer
 from drumlin.laws.face import Arcs, Face, face_of
 from drumlin.response.balance import balance_of, worst
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Response, ShoeResponse, untouched
+from drumlin.response.response import NEITHER, Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
 
 ASSUMES = "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
@@ -174,8 +174,9 @@ def respond(brake: AnyBrake, shoe: Shoe | FlatShoe, found: Pressed | None) -> Sh
     if shoe.guide is None:  # the moment of friction about the pin has the sense of the actuation's
         helping = about[1] * shoe.actuation.moment_about(shoe.pin)
     else:  # the work of friction on the slide
-        dragged = system(found.face, found.freedoms, 1.0, found.arcs)[1]
-        helping = brake.friction * brake.spin * float(found.amounts @ dragged @ found.amounts)
+        a, systems = found.amounts, system(found.face, found.freedoms, 1.0, found.arcs)
+        closed, dragged = (float(a @ work @ a) for work in systems)
+        helping = brake.friction * brake.spin * dragged - NEITHER * closed  # none where the guide is square to it
     return ShoeResponse(
         name=shoe.name,
         torque=0.0 if flat else abs(contact.moment),

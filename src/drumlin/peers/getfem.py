@@ -89,8 +89,8 @@ def solve(
     pushed = {link.to: link.source for link in brake.links}
     answers: dict[str, Stood] = {}
     if brake.actuation is not None and brake.actuation.is_cam:
-        tips = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed}
-        answers |= _under_cam(brake.actuation.total, tips, lambda shoes: _standing(brake, shoes, meshed, run))
+        both = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed}
+        answers |= _under_cam(brake.actuation.total, both, lambda shoes: _standing(brake, shoes, meshed, run))
     while len(answers) < len(brake.shoes):  # along chains of struts, shoe by shoe
         ready = {}
         for i, shoe in enumerate(brake.shoes):
@@ -138,7 +138,7 @@ def _under_cam(
     Where linings fit the tips go in proportion to the forces, and the first step is the last. Raises NoAnswer.
     """
     one, other = shoes
-    tried: list[tuple[float, float]] = []  # the part of the one, and by how much less its tip goes
+    tried: list[tuple[float, float]] = []  # the part of the one, and by how much farther its tip goes
     part = 0.5
     for _ in range(MOST_PARTS):
         pushed = {one: shoes[one].under(part * total), other: shoes[other].under((1 - part) * total)}

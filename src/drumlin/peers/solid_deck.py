@@ -132,7 +132,7 @@ def deck(brake: Brake, loaded: Loaded, solid: Solid, setting: Setting, name: str
     for part, (E, nu) in (moduli | {"DRUM": (SOFT * shoe.lining.material.E, 0.0)}).items():
         lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E * MPA:.12e}, {nu:.12e}"]
         lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
-    face = face_of(solid, shoe).nodes
+    face = face_of(solid, shoe, brake.drum.radius).nodes
     lines += contact(brake, loaded, setting, _faces(cells, face), "S1")
     lines += hinge(loaded, grid)
     lines += ["*BOUNDARY", *(f"{i + 1}, 3, 3" for i in np.union1d(flat, bonded)), "NDRUM, 3, 3"]

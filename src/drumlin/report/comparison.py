@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.brake.unrolled import on_drum
 from drumlin.comparison import Column, Comparison, as_csv, columns_of, compare, motion_of
@@ -97,7 +96,7 @@ def write_comparison(brake: AnyBrake, source: str, folder: Path, options: dict[s
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         drawn = True
         chosen = {k: v for k, v in options.items() if k in {"elements", "kind"}}
-        drawn_as = finite_width(brake) if options.get("finite_width") and isinstance(brake, Brake) else brake
+        drawn_as = finite_width(brake) if options.get("finite_width") else brake
         not_drawn = draw_fields(drawn_as, fem, folder, "fields", **chosen)
     notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]
     notes += [f"{name}: does not apply: {reason}" for name, reason in refusals(brake).items()]

@@ -15,6 +15,7 @@ from drumlin.arrays import Floats
 from drumlin.files import replacing
 from drumlin.report.palette import CATEGORIES, color_of, look_of
 from drumlin.response.response import ShoeResponse
+from drumlin.response.show import place_unit
 
 STYLE = {
     "font.size": 10,
@@ -126,7 +127,7 @@ def pressures(
         rows, few = math.ceil(len(panels) / columns), max(len(responses) for _, responses in panels) <= 2
         figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
-        unit = 1e3 if flat else math.degrees(1)
+        _, unit = place_unit(flat=flat)
         highest = max(shoe.peak_pressure for _, responses in panels for shoe in responses.values())
         for axes, (title, responses) in zip(grid.flat, panels, strict=False):
             axes.set_title(title)

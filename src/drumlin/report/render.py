@@ -89,7 +89,7 @@ def drawn(command: list[str]) -> None:
 
 
 def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
-    """Render in this process: von Mises stress on the deformed shoes, arrows of pressure, pins, forces, drum."""
+    """Render in this process: von Mises stress on deformed shoes, arrows of pressure, pins, forces, drum or plane."""
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
     radius, around = float(marks["size"]), np.array(marks["surface"])

@@ -4,8 +4,9 @@ import math
 from collections.abc import Iterator
 from itertools import combinations
 
-from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.units import deg
+from drumlin.brake.drum_brake import Shoe
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
+from drumlin.brake.units import deg, mm
 from drumlin.errors import NoAnswer
 
 LARGE_STRAIN = 0.05  # of the lining, p/E; small displacements are off by about as much
@@ -21,7 +22,7 @@ def check_strain(shoe: Shoe, peak: float) -> None:
         )
 
 
-def warnings(brake: Brake, peaks: dict[str, float]) -> tuple[str, ...]:
+def warnings(brake: AnyBrake, peaks: dict[str, float]) -> tuple[str, ...]:
     """What a reader must know before the numbers: one line each.
 
     peaks: name of a shoe -> its peak pressure [Pa].
@@ -30,21 +31,23 @@ def warnings(brake: Brake, peaks: dict[str, float]) -> tuple[str, ...]:
         f"warning: shoe {shoe.name!r}: the lining is strained by up to {100 * peaks[shoe.name] / E:.2g} %; "
         f"small displacements are taken, good up to some {100 * LARGE_STRAIN:g} %"
         for shoe in brake.shoes
-        if peaks[shoe.name] > LARGE_STRAIN * (E := shoe.lining.material.E)
+        if shoe.lining.material is not None and peaks[shoe.name] > LARGE_STRAIN * (E := shoe.lining.material.E)
     ]
     return (*strained, *_overlaps(brake))
 
 
-def _overlaps(brake: Brake) -> Iterator[str]:
-    """Pairs of shoes whose linings cover the same arc of the drum."""
-    for a, b in combinations(brake.shoes, 2):
-        if a.side != b.side:
+def _overlaps(brake: AnyBrake) -> Iterator[str]:
+    """Pairs of shoes whose linings cover the same part of the drum or the plane."""
+    text, whole = (mm, math.inf) if isinstance(brake, FlatBrake) else (deg, 2 * math.pi)
+    shoes: tuple[Shoe | FlatShoe, ...] = brake.shoes
+    for one, other in combinations(shoes, 2):
+        if isinstance(one, Shoe) and isinstance(other, Shoe) and one.side != other.side:
             continue
-        turn = 2 * math.pi * round((a.lining.middle - b.lining.middle) / (2 * math.pi))
-        start = max(a.lining.start, b.lining.start + turn)
-        end = min(a.lining.end, b.lining.end + turn)
+        a, b = one.lining, other.lining
+        turn = 0.0 if whole == math.inf else whole * round(0.5 * (a.start + a.end - b.start - b.end) / whole)
+        start, end = max(a.start, b.start + turn), min(a.end, b.end + turn)
         if end - start > 1e-9:
             yield (
-                f"warning: shoes {a.name!r} and {b.name!r}: their linings lie in each other from {deg(start)} to "
-                f"{deg(end)}; each is solved as if the other were not there"
+                f"warning: shoes {one.name!r} and {other.name!r}: their linings lie in each other from {text(start)} "
+                f"to {text(end)}; each is solved as if the other were not there"
             )

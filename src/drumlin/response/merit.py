@@ -106,11 +106,6 @@ def effect(response: Response) -> float:
     return math.fsum(shoe_effect(response, i) for i in range(len(response.shoes)))
 
 
-def effect_words(*, flat: bool) -> tuple[str, str]:
-    """What `effect` is called, and its unit."""
-    return ("braking force", "N") if flat else ("torque", "N m")
-
-
 def brake_factor(brake: AnyBrake, response: Response) -> float | None:
     """T/(F R) of the whole brake, F the mean force of its actuation; on a plane braking force / F; None without force.
 
@@ -125,13 +120,14 @@ def brake_factor(brake: AnyBrake, response: Response) -> float | None:
 def with_merits(brake: AnyBrake, response: Response) -> Response:
     """The response with the figures of merit of its shoes, the load of a drum's bearings, and warnings as notes."""
     shoes, brake = enumerate(response.shoes), loaded(brake, response)
+    notes = (*warnings(brake, {shoe.name: shoe.peak_pressure for shoe in response.shoes}), *response.notes)
     if isinstance(brake, FlatBrake):
-        return replace(response, merits=tuple(flat_merit(brake, i, shoe) for i, shoe in shoes))
+        return replace(response, merits=tuple(flat_merit(brake, i, shoe) for i, shoe in shoes), notes=notes)
     contacts = [contact_resultant(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     return replace(
         response,
         merits=tuple(merit(brake, i, shoe, contacts[i]) for i, shoe in shoes),
-        notes=(*warnings(brake, {shoe.name: shoe.peak_pressure for shoe in response.shoes}), *response.notes),
+        notes=notes,
         bearing_load=-np.sum([contact.force for contact in contacts], axis=0),
     )
 

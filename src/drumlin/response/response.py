@@ -19,6 +19,7 @@ EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
 STEP = math.radians(0.2)
 """Longest step [rad] of a curve that is drawn or written."""
+NEITHER = 1e-9  # of the work of the normal forces, up to which friction neither helps nor opposes the actuation
 SAME_PEAK = 1e-3  # between a peak and the largest value of a curve, whose points may miss it
 
 
@@ -309,10 +310,10 @@ def pressed_shoe(
     )
 
 
-def edge_zone(shoe: Shoe, radius: float) -> float:
+def edge_zone(shoe: Shoe | FlatShoe, radius: float) -> float:
     """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep; a quarter
-    of its length where that is all of it."""
-    zone, length = shoe.lining.thickness / (2 * radius), shoe.lining.end - shoe.lining.start
+    of its length where that is all of it. On a plane [m], radius 1."""
+    zone, length = (shoe.lining.thickness or 0.0) / (2 * radius), shoe.lining.end - shoe.lining.start
     return zone if 2 * zone < length else 0.25 * length
 
 
@@ -328,7 +329,7 @@ def peak_place(brake: Brake | FlatBrake, index: int, response: ShoeResponse) -> 
     if not response.contact_arcs or not response.peak_pressure > 0:
         return None
     theta, pressure = response.curve()
-    zone = edge_zone(brake.shoes[index], brake.drum.radius) if isinstance(brake, Brake) else 0.0
+    zone = edge_zone(brake.shoes[index], 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius)
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
     if abs(pressure.max() / response.peak_pressure - 1) < SAME_PEAK or not pressure[inside].any():
         inside, zone = np.ones(len(theta), dtype=bool), 0.0

@@ -65,15 +65,16 @@ def slopes(order: int, xi: Floats) -> Floats:
 
 
 @cache
-def _at_gauss(order: int) -> Floats:
-    return shape(order, GAUSS)
+def at_gauss(order: int) -> tuple[Floats, Floats]:
+    """These shape functions and their derivatives (order + 1, q) at the points GAUSS."""
+    return shape(order, GAUSS), slopes(order, GAUSS)
 
 
 def gauss_points(theta: Floats, values: Floats, order: int) -> tuple[Floats, Floats, Floats]:
     """Angles, values and weights (pieces, points) of a Gauss rule on every piece of a piecewise polynomial."""
     ends = theta[::order]
     half = 0.5 * (ends[1:] - ends[:-1])[:, None]
-    return ends[:-1, None] + half * (1 + GAUSS), by_piece(values, order) @ _at_gauss(order), half * WEIGHTS
+    return ends[:-1, None] + half * (1 + GAUSS), by_piece(values, order) @ at_gauss(order)[0], half * WEIGHTS
 
 
 def by_piece(values: Floats, order: int) -> Floats:

@@ -1,4 +1,4 @@
-"""A response as a person sees it in a session: a short table as text or HTML, and its pressure as a plot."""
+"""A response as a person sees it in a session: its words, a short table as text or HTML, its pressure as a plot."""
 
 import math
 from itertools import pairwise
@@ -9,9 +9,22 @@ import numpy as np
 if TYPE_CHECKING:
     from drumlin.response.response import Response, ShoeResponse
 
-HEAD = ("shoe", "torque [N m]", "normal force [N]", "peak pressure [MPa]", "contact [deg]", "self-energising")
-ON_A_PLANE = ("shoe", "braking force [N]", "normal force [N]", "peak pressure [MPa]", "contact [mm]", "self-energising")
 POINTS = 20  # of a curve in each piece of the pressure
+
+
+def effect_words(*, flat: bool) -> tuple[str, str]:
+    """What a brake does, on a drum or on a plane, and its unit."""
+    return ("braking force", "N") if flat else ("torque", "N m")
+
+
+def place_unit(*, flat: bool) -> tuple[str, float]:
+    """The unit in which a person sees angles or, on a plane, places; and how many of it a radian or metre is."""
+    return ("mm", 1e3) if flat else ("deg", math.degrees(1))
+
+
+def factor_word(*, flat: bool) -> str:
+    """What a brake factor and a shoe factor are the ratio of."""
+    return "B/F" if flat else "T/(F R)"
 
 
 def _forces(response: "Response") -> list[float]:
@@ -19,16 +32,26 @@ def _forces(response: "Response") -> list[float]:
     return [getattr(merit, "braking_force") for merit in response.merits if hasattr(merit, "braking_force")]  # noqa: B009
 
 
-def arcs_text(shoe: "ShoeResponse", unit: str = "deg") -> str:
+def arcs_text(shoe: "ShoeResponse", *, flat: bool) -> str:
     """Contact arcs as text: numbers in degrees, or in mm for a shoe on a plane."""
-    factor = {"deg": 180 / math.pi, "mm": 1e3}[unit]
+    _, factor = place_unit(flat=flat)
     return ", ".join(f"{a * factor:.1f} to {b * factor:.1f}" for a, b in shoe.contact_arcs) or "none"
 
 
 def rows_of(response: "Response") -> list[tuple[str, ...]]:
     """The head, one row a shoe, and one of the whole brake."""
     forces = _forces(response)
-    rows = [ON_A_PLANE if forces else HEAD]
+    flat = bool(forces)
+    (what, unit), (place, _) = effect_words(flat=flat), place_unit(flat=flat)
+    head = (
+        "shoe",
+        f"{what} [{unit}]",
+        "normal force [N]",
+        "peak pressure [MPa]",
+        f"contact [{place}]",
+        "self-energising",
+    )
+    rows: list[tuple[str, ...]] = [head]
     for i, shoe in enumerate(response.shoes):
         rows.append(
             (
@@ -36,7 +59,7 @@ def rows_of(response: "Response") -> list[tuple[str, ...]]:
                 f"{forces[i] if forces else shoe.torque:.6g}",
                 f"{shoe.normal_force:.6g}",
                 f"{shoe.peak_pressure * 1e-6:.4g}",
-                arcs_text(shoe, "mm" if forces else "deg"),
+                arcs_text(shoe, flat=flat),
                 "yes" if shoe.self_energising else "no",
             )
         )
@@ -46,7 +69,7 @@ def rows_of(response: "Response") -> list[tuple[str, ...]]:
 def as_text(response: "Response") -> str:
     """The table with its columns aligned, headed by the model."""
     table = rows_of(response)
-    widths = [max(len(row[k]) for row in table) for k in range(len(HEAD))]
+    widths = [max(len(row[k]) for row in table) for k in range(len(table[0]))]
     lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in table]
     return "\n".join([_title(response), *lines])
 
@@ -70,7 +93,7 @@ def plot(response: "Response", axes: Any = None) -> Any:
 
         _, axes = plt.subplots()
     flat = bool(_forces(response))
-    per_unit = 1e3 if flat else math.degrees(1)
+    _, per_unit = place_unit(flat=flat)
     for shoe in response.shoes:
         ends = shoe.theta[:: shoe.order]
         theta = np.unique(np.concatenate([np.linspace(a, b, POINTS) for a, b in pairwise(ends)]))
@@ -82,5 +105,5 @@ def plot(response: "Response", axes: Any = None) -> Any:
 
 def _title(response: "Response") -> str:
     said, forces = "" if response.converged else ", not converged", _forces(response)
-    effect = f"braking force {sum(forces):.6g} N" if forces else f"torque {response.torque:.6g} N m"
-    return f"{response.model}: {effect}{said}"
+    what, unit = effect_words(flat=bool(forces))
+    return f"{response.model}: {what} {sum(forces) if forces else response.torque:.6g} {unit}{said}"

@@ -175,7 +175,7 @@ def _base_brake(brake: str | dict[str, Any], base: Path) -> AnyBrake:
     if isinstance(brake, str):
         return read_any(base / brake)
     try:
-        return any_from(brake, base)
+        return any_from(brake, unit_required=True, base=base)
     except BadInput as error:
         raise BadInput(f"brake.{error}") from error
 

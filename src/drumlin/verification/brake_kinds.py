@@ -18,9 +18,10 @@ from drumlin.fem.self_locking import limits
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 from drumlin.models import MODELS, applicable
-from drumlin.response.merit import brake_factor, effect, effect_words
+from drumlin.response.merit import brake_factor, effect
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response
+from drumlin.response.show import effect_words
 from drumlin.wear import worn_in
 
 TRUSTED, ROUGH = 0.05, 0.15  # relative errors up to which a law is trusted, and is an estimate

@@ -17,8 +17,8 @@ from drumlin.brake.units import LARGEST, to_si
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
 from drumlin.files import read_text
-from drumlin.response.merit import effect_words
 from drumlin.response.response import Response, ShoeResponse
+from drumlin.response.show import effect_words
 from drumlin.texts import formatted
 from drumlin.verification.reference import Reference, ShoeReference
 from drumlin.verification.reference_file import LARGEST_FILE

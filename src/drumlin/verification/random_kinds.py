@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake.file import brake_from, validated, vary
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.file import validated, vary
+from drumlin.brake.plane_brake import AnyBrake, FlatBrake, any_from
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.laws import law
@@ -36,7 +36,7 @@ def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> A
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
-            brake = _read(_rigid(data) if rigid else data)
+            brake = any_from(_rigid(data) if rigid else data)
             brake = placed(brake, turn=0.0 if isinstance(brake, FlatBrake) else turn, mirrored=mirrored)
             for friction in (brake.friction, MARGIN * brake.friction):
                 other = vary(brake, {"friction": friction})
@@ -46,10 +46,6 @@ def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> A
         except (BadInput, NoAnswer):
             continue
     raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {ATTEMPTS} attempts")
-
-
-def _read(data: dict[str, Any]) -> AnyBrake:
-    return validated(FlatBrake, data) if "plane" in data else brake_from(data)
 
 
 def _rigid(data: dict[str, Any]) -> dict[str, Any]:

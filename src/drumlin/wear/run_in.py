@@ -15,12 +15,13 @@ import scipy.optimize
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.fields import rows_of
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
-from drumlin.response.merit import effect_words
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
+from drumlin.response.show import effect_words
 from drumlin.texts import formatted
 from drumlin.wear import archard
 from drumlin.wear.archard import WearLaw, WearState
@@ -159,8 +160,8 @@ def worn(setup: WearSetup, state: WearState) -> Brake:
     shoes = list(setup.brake.shoes)
     for surface in setup.surfaces:
         theta, lining = surface.angles, shoes[surface.shoe].lining
-        rows = np.column_stack([theta, lining.clearance_at(theta) + surface.along(state.depth)]).tolist()
-        worn_off = lining.model_copy(update={"clearance": tuple(map(tuple, rows))})
+        rows = rows_of(theta, lining.clearance_at(theta) + surface.along(state.depth))
+        worn_off = lining.model_copy(update={"clearance": rows})
         shoes[surface.shoe] = shoes[surface.shoe].model_copy(update={"lining": worn_off})
     return setup.brake.model_copy(update={"shoes": tuple(shoes)})
 

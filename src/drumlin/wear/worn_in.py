@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from drumlin.arrays import Floats
-from drumlin.brake import AnyBrake, Brake, Shoe, vary
+from drumlin.brake import AnyBrake, Brake, Shoe
 from drumlin.brake.components import Misfit
-from drumlin.brake.fields import Rows
+from drumlin.brake.fields import Rows, rows_of
 from drumlin.brake.unrolled import on_drum
 from drumlin.fem.assembly import Scene
 from drumlin.fem.group import groups_of
@@ -25,9 +24,6 @@ from drumlin.foundation.post import shoe_angles
 from drumlin.laws import rigid, sine
 from drumlin.response import Response
 from drumlin.response.merit import with_merits
-
-FITTING = {"shoe.lining.clearance": 0.0, "shoe.lining.misfit": {}}
-ROUND: dict[str, Any] = {"drum.out_of_round": []}
 
 
 def solve(brake: AnyBrake, *, penalty: float = PENALTY, **options: Any) -> Response:
@@ -60,8 +56,8 @@ def worn_in(scene: Scene, brake: Brake) -> Brake:
             # way of all under a cam.
             most = np.max(ratios if brake.shares else ratios[part])
             gap = np.where(ratios[part] == most, 0.0, most * p[part] - closed[part])
-            rows = np.column_stack([theta, gap])[:: brake.shoes[i].frame.sense]
-            gaps[i] = tuple(map(tuple, rows.tolist()))
+            sense = brake.shoes[i].frame.sense
+            gaps[i] = rows_of(theta[::sense], gap[::sense])
     return fitted(fitting, gaps)
 
 
@@ -86,8 +82,8 @@ def worn_in_foundation(brake: Brake, *, sections: int = SECTIONS, lift: Iterable
     Raises NoAnswer for a self-locking shoe.
     """
     names, law = lifted(brake, lift), sine(brake)
-    fitting = vary(brake, FITTING | ROUND)
-    changes: dict[str, list[list[float]]] = {}
+    fitting = fitted(brake, drum=True)
+    gaps: dict[int, Rows] = {}
     shoes = list(range(len(brake.shoes)))
     for group in [shoes] if "own-pressure" in names else [[i] for i in shoes]:
         parts = system(fitting, group, sections, names)
@@ -103,11 +99,6 @@ def worn_in_foundation(brake: Brake, *, sections: int = SECTIONS, lift: Iterable
         for i, theta, p in zip(group, angles, parts.posts, strict=True):
             own = closed[first : first + len(theta)]
             first += len(theta)
-            rows = _clearance(theta, own, p.closing[0])
-            changes[f"shoe[{i}].lining.clearance"] = rows[:: p.axis.sense].tolist()
-    return vary(fitting, changes)
-
-
-def _clearance(theta: Floats, closed: Floats, closing: Floats) -> Floats:
-    """Rows (n, 2) of angle and gap: what is `closed` made up for by a turn that closes `closing` (n,) [m/rad]."""
-    return np.column_stack([theta, closing * np.max(closed / closing) - closed])
+            gap = p.closing[0] * np.max(own / p.closing[0]) - own  # made up for by a turn of the shoe
+            gaps[i] = rows_of(theta[:: p.axis.sense], gap[:: p.axis.sense])
+    return fitted(fitting, gaps)

@@ -15,8 +15,8 @@ from drumlin.fem.hp.shoe import end_load, line_of
 from drumlin.fem.interface import ContactLine
 from drumlin.lapack import dpotrf, dtrtrs, solve_lower
 
-MOVED = 0.01  # times what round-off moves the contact by under a rigid motion, relative: a tenth of it is about the
-# error of p that it makes, which adapt.ROUND_OFF times this covers; of a shoe far softer than its lining it is all
+MOVED = 0.01  # of how far round-off moves the contact under a rigid motion, relative to that motion. The error of p is
+# a few percent of that, which adapt.ROUND_OFF times this covers; about half of it where the shoe is far softer
 
 
 def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
@@ -65,8 +65,7 @@ def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
     from drumlin.fem import assembly  # noqa: PLC0415
 
     K = grid.stiffness(assembly.materials_of(shoe))
-    n = (len(div.angles) - 1) * div.degree + 1
-    ties = tie(grid, np.arange(n), grid.sets["hinge"], shoe.own_pin)
+    ties = tie(grid, np.arange(div.contact_nodes), grid.sets["hinge"], shoe.own_pin)
     loads = np.zeros((ties.matrix.shape[1], FRAME))
     if "actuation" in grid.sets:
         full = np.zeros((grid.N, 2, FRAME))

@@ -21,6 +21,7 @@ from drumlin.response.response import EDGE_ZONE
 
 FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: smaller ones lose too many digits
 SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
+Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ class Division:
     def unknowns(self) -> int:
         """Number of displacement unknowns."""
         p, beyond = self.degree, self.layers - self.first
-        under = (self.layers * p + 1) * ((len(self.angles) - 1) * p + 1)
+        under = (self.layers * p + 1) * self.contact_nodes
         over = (beyond * p + 1) * p * (len(self.before) + len(self.after) - 2) if beyond else 0
         return 2 * (under + over)
 
@@ -143,10 +144,9 @@ def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
     return found
 
 
-def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float, float, bool]] = ()) -> Division:
-    """The division of a shoe. `places`, growing: (phi, length, kink) [rad], where the pressure is not smooth, the
-    length over which it changes there, and whether the gap has a kink: it may be unbounded there. An end of the lining
-    that is known to bear nothing is graded as the ends of other layers."""
+def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()) -> Division:
+    """The division of a shoe. `places`, growing: where the pressure is not smooth; it may be unbounded at a kink of the
+    gap. An end of the lining that is known to bear nothing is graded as the ends of other layers."""
     start, end = shoe.arc
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
@@ -155,7 +155,7 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     beyond = contact[0] - start, end - contact[-1]
     least, reached = FINEST * t, _reached(start, end, places)
     left, right = (
-        min(scale, max(level.edge * length, least)) if x < scale else max(scale, level.back * min(t, x))
+        min(max(scale, level.back * min(t, x)), max(level.edge * length, least))
         for x, length in zip(beyond, reached, strict=True)
     )
     marks = _marks(
@@ -186,7 +186,7 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[tuple[float
     depths, part = _depths(
         layers,
         level,
-        radius * min(max(level.face * min(t, *reached), least), level.zone * EDGE_ZONE),
+        radius * min(max(level.face * min(t, end - start, *reached), least), level.zone * EDGE_ZONE),
         straight=isinstance(shoe.body, Beam),
     )
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
@@ -199,11 +199,11 @@ def _mark(size: float, x: float, kink: bool) -> tuple[float, float]:
     return (x if kink else round(2 * x / size) * size / 2), size
 
 
-def _reached(start: float, end: float, places: Sequence[tuple[float, float, bool]]) -> tuple[float, float]:
-    """The length of the contact that reaches either end of the lining, of the arc where none does."""
+def _reached(start: float, end: float, places: Sequence[Place]) -> tuple[float, float]:
+    """The length of the contact that reaches either end of the lining; inf where none does."""
     near = [size for x, size, kink in places if not kink and x - start < SAME * size]
     far = [size for x, size, kink in places if not kink and end - x < SAME * size]
-    return min(near, default=end - start), min(far, default=end - start)
+    return min(near, default=math.inf), min(far, default=math.inf)
 
 
 Mark = tuple[float, float]  # phi and the size of columns there [rad]
@@ -231,8 +231,8 @@ def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float,
         return start - float(foot[0]) / back, end + (axis.length - float(foot[1])) / back
     if shoe.body is None:
         return start, end
-    near, far = sorted(shoe.frame.phi(np.array([shoe.body.start, shoe.body.end])).tolist(), key=abs)
-    return float(near), float(far)
+    near, far = sorted(shoe.frame.phis((shoe.body.start, shoe.body.end)), key=abs)
+    return near, far
 
 
 def _depths(layers: list[Layer], level: Level, face: float, *, straight: bool) -> tuple[Floats, tuple[str, ...]]:

@@ -7,8 +7,8 @@ from typing import NamedTuple, Protocol
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem import assembly
-from drumlin.fem.hp.division import Level
-from drumlin.fem.hp.places import Place, places_of
+from drumlin.fem.hp.division import Level, Place
+from drumlin.fem.hp.places import places_of
 from drumlin.fem.hp.scene import scene
 from drumlin.response.response import Response
 

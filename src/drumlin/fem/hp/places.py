@@ -1,8 +1,8 @@
 """Where the pressure of a lining is not smooth: the ends of its contact and the kinks of its gap.
 
 One open node between two that press is an opening that the columns there are too wide to show: its ends are anywhere
-between, and the error that it makes does not fall from level to level until it is seen.
-Its node is a place as ends are.
+between, and the error that it makes does not fall from level to level until it is seen. Its node is a place as ends
+are.
 """
 
 import math
@@ -13,10 +13,10 @@ import numpy as np
 from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem import assembly
+from drumlin.fem.hp.division import Place
 from drumlin.response.response import Response, ShoeResponse
 
 MOST_KINKS = 12  # a table of clearances with more rows, such as that of a worn lining, is a curve
-Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
 SEEN = 1e-3  # of the length of its contact that an opening must be to be a place
 DIGITS = 20  # binary ones of an end of the contact
 

@@ -13,15 +13,15 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, tie
 from drumlin.fem.elimination import SINGULAR
-from drumlin.fem.hp.columns import Piece, closed, columns, merged, stack, turned, turned_rows
+from drumlin.fem.hp.arc import arc_columns, elements
+from drumlin.fem.hp.columns import Piece, closed, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Level, ends_of, graded
-from drumlin.fem.hp.element import condensed_elements
 from drumlin.fem.hp.grid import Block, Grid
-from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, nodes_of, within
+from drumlin.fem.hp.shoe import Map, directions, distinct, lame_of, line_of, within
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
 from drumlin.lapack import dpotrf
-from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape, slopes
+from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
 TURN = 2 * math.pi
 CLOSE = 1e-9  # rad: ends of columns that are nearer to each other are one
@@ -93,6 +93,16 @@ def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> R
     return coupled_ring(brake, linings, grid, grid, contact, condensed, grid.sets["support"], held)
 
 
+def _map(radius: float, sign: int) -> Map:
+    """Points of the ring, from its friction surface on."""
+
+    def place(depth: Floats, phi: Floats) -> Floats:
+        r = radius + sign * depth
+        return np.stack([r * np.cos(phi), r * np.sin(phi)])
+
+    return place
+
+
 def _columns(
     section: Section, radius: float, sign: int, div: Division, *, free: bool
 ) -> tuple[list[tuple[bool, Floats]], int]:
@@ -100,15 +110,9 @@ def _columns(
     p, layers = div.degree, len(div.depths) - 1
     sizes, which = distinct(np.diff(div.angles))
     along = 0.5 * sizes[:, None] * lobatto(p)
-
-    def place(depth: Floats, phi: Floats) -> Floats:
-        r = radius + sign * depth
-        return np.stack([r * np.cos(phi), r * np.sin(phi)])
-
-    xy = nodes_of(place, div.depths, along, p)
-    lame = np.tile(lame_of({"drum": (section.material, section.width)}, ("drum",)), (xy.shape[0] * xy.shape[1], 1))
-    halves = np.tile(along[:, -1], layers)
-    K = condensed_elements(xy.reshape(-1, *xy.shape[2:]), lame, p, halves).reshape(layers, len(sizes), 8 * p, 8 * p)
+    lame = np.repeat(lame_of({"drum": (section.material, section.width)}, ("drum",)), layers, axis=0)
+    K = elements(radius + sign * div.depths, along, lame, p)
+    K = K.reshape(layers, 2, len(sizes), *K.shape[2:])
     loads = None
     if free:
         loads = _rim_loads(radius + sign * section.thickness, along, p)
@@ -121,8 +125,9 @@ def _columns(
     for first, last in zip(runs, [*runs[1:], len(which)], strict=True):
         touching = bool(div.contact[first])
         kinds, place_of = np.unique(which[first:last], return_inverse=True)
-        of = stack(p, layers, contact=touching, held=not free)
-        made = columns(K[:, kinds], of, None if loads is None else loads[kinds])
+        of, own = stack(p, layers, contact=touching, held=not free), K[:, :, kinds]
+        own = own.reshape(layers, -1, *own.shape[3:])
+        made = arc_columns(own, p, contact=touching, held=not free, loads=None if loads is None else loads[kinds])
         if free:
             made, place_of = _turned_loads(made[place_of], middle[first:last]), np.arange(last - first)
         row = [Piece(each, of.line, of.line) for each in made]
@@ -134,9 +139,9 @@ def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
     """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns at the angles `along`, as the rigid motions, in the
     columns' frames; all over the rim's length of a round ring."""
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
-    psi = shape(p, GAUSS)
+    psi, slope = at_gauss(p)
     x = xy @ psi
-    ds = np.hypot(*(xy @ slopes(p, GAUSS))) * WEIGHTS / (TURN * radius)
+    ds = np.hypot(*(xy @ slope)) * WEIGHTS / (TURN * radius)
     one, zero = np.ones_like(ds), np.zeros_like(ds)
     modes = np.array([[one, zero], [zero, one], [-x[1], x[0]]])  # (3, 2, c, q)
     found = np.einsum("aq,kicq,cq->caik", psi, modes, ds)
@@ -219,13 +224,8 @@ def grid_of(radius: float, sign: int, div: Division) -> Grid:
     rows, n = len(depth), len(along) - 1
     under = np.arange(rows * n).reshape(rows, n)
     under = np.column_stack([under, under[:, 0]])
-
-    def place(depth: Floats, phi: Floats) -> Floats:
-        r = radius + sign * depth
-        return np.stack([r * np.cos(phi), r * np.sin(phi)])
-
     sets = {"contact": under[0, _touching(div)], "surface": under[0, :-1], "support": under[-1, :-1]}
-    return Grid(p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), place, sets, rows * n)
+    return Grid(p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), _map(radius, sign), sets, rows * n)
 
 
 def rim_of(radius: float, div: Division, grid: Grid) -> Floats:

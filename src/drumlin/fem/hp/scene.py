@@ -7,12 +7,12 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import assembly
 from drumlin.fem.hp.body import condensed, contact_line, grid_of
-from drumlin.fem.hp.division import Division, Level, divide
+from drumlin.fem.hp.division import Division, Level, Place, divide
 from drumlin.fem.hp.ring import ring_body
 from drumlin.fem.hp.shoe import condense
 
 MOST_NODES = 3000  # in contact with each other: matrices of twice as many rows take gigabytes
-Places = Mapping[int, Sequence[tuple[float, float, bool]]]  # by the first shoe of a shape: see `divide`
+Places = Mapping[int, Sequence[Place]]  # by the first shoe of a shape: see `divide`
 
 
 def body(shoe: Shoe, radius: float, div: Division, friction: bool, seconds: assembly.Seconds) -> assembly.Body:

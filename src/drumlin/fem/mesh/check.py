@@ -22,11 +22,11 @@ from drumlin.response.resultants import angle_near
 ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
 APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
 MOST_PAIRS = 1000  # nodes in one place that are counted
-LARGEST = 1e6  # drum's radii that a mesh may reach: beyond it not even the checks are sure
+LARGEST = 1e6  # drum's radii, or lengths of a pad, that a mesh may reach: beyond it not even the checks are sure
 BENT = 0.5  # of an edge's length, by which its middle node may lie off its middle: half a circle
-OFF = 0.01  # of the drum's radius, by which the contact may lie off it: the pressure is that on the drum's circle
-DEEP = 0.1  # of the lining's thickness, by which its mesh may lie in the drum without the file's saying so
-STEEP = 0.1  # slope against the drum at which an edge of the contact is no part of a round lining
+OFF = 0.01  # of the drum's radius, or a pad's length, by which the contact may lie off drum or plane, where p is
+DEEP = 0.1  # of the lining's thickness, by which its mesh may lie in drum or plane without the file's saying so
+STEEP = 0.1  # slope against drum or plane at which an edge of the contact is no part of a lining's face
 UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
 
 
@@ -96,7 +96,7 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
     for middle in middles:
         bent = np.hypot(*(middle - (first + last) / 2)) > BENT * np.hypot(*(last - first))
         if bent.any():
-            where = f"{_some(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)}"
+            where = _some(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
             raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
     determinant = mesh.mapping().detDF(kind_of(mesh).element().doflocs.T)
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))

@@ -13,11 +13,10 @@ import scipy.sparse as sp
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.unrolled import StraightShoe
-from drumlin.fem.assembly import Body, Seconds, clock, coupled, end_loads, materials_of
+from drumlin.fem.assembly import Body, Seconds, clock, coupled, end_loads, line_of, materials_of
 from drumlin.fem.body import FRAME, Ties, condense, stiffness
 from drumlin.fem.elimination import dissection
-from drumlin.fem.interface import contact_line, edge_nodes
+from drumlin.fem.interface import edge_nodes
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
 from drumlin.fem.solid.mesh import Solid, solid_mesh
 
@@ -49,10 +48,9 @@ def hinged(solid: Solid, shoe: Shoe) -> Ints:
     return solid.node[line, : solid.levels(behind(shoe))].ravel()
 
 
-def face_of(solid: Solid, shoe: Shoe) -> ContactFace:
-    """The friction surface."""
-    unit = shoe.unit if isinstance(shoe, StraightShoe) else None
-    line = contact_line(solid.plane, solid.section.boundaries["contact"], sum(shoe.arc) / 2, unit)
+def face_of(solid: Solid, shoe: Shoe, radius: float) -> ContactFace:
+    """The friction surface; radius [m]: of the drum."""
+    line = line_of(solid.plane, solid.section.boundaries["contact"], shoe, radius)
     return contact_face(line, solid.node, solid.z[: solid.levels("lining")])
 
 
@@ -113,7 +111,7 @@ def solid_body(brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Se
     with clock(seconds, "assembly"):
         K = stiffness(solid.basis, materials(shoe))
     with clock(seconds, "ties"):
-        face, rigid = face_of(solid, shoe), hinged(solid, shoe)
+        face, rigid = face_of(solid, shoe, brake.drum.radius), hinged(solid, shoe)
         ties = tie(solid, face.nodes, rigid, shoe.own_pin, bonded=shoe.body is None)
         loads, centre = loads_on(solid, shoe, ties)
     with clock(seconds, "condensation"):

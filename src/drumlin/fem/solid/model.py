@@ -97,6 +97,8 @@ def solve(
     """The response of a brake's solid shoes; options as of `prepare`. fields: a .vtu file to write what is inside
     them to; cache: bodies of earlier solves. Raises BadInput, NoAnswer."""
     check_penalty(penalty)
+    if fields is not None and fields.suffix != ".vtu":
+        raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")
     own = on_drum(brake)
     scene = prepare(own, elements=elements, across=across, cache=cache)
     response = respond(scene, own, penalty=penalty)
