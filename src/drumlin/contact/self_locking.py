@@ -107,7 +107,6 @@ def answer(
     *,
     law: float,
     brake: str,
-    like: Floats | None = None,
 ) -> Contact:
     """The answer at a friction coefficient: the one that is followed from mu = 0, which is unique there.
 
@@ -118,25 +117,23 @@ def answer(
     apart, reached by no friction that grows from 0.
 
     problem_at: the problem at a friction coefficient, linear in it; law: mu_lock of the rigid shoe; brake: what
-    there is an equilibrium of, in words; like: pressures (n,) of such an answer on another mesh: what settles at once
-    and is LIKE it is taken for the same. So is, of a LARGE problem, what is LIKE the answer on every other node, which
-    is followed at a fraction of the cost. Raises NoAnswer with both limits where the answer ends before that friction,
-    and with another reason where friction is not to blame.
+    there is an equilibrium of, in words. Of a LARGE problem the answer on every other node is followed, at a fraction
+    of the cost; the one that settles at once from its contact set is taken where the two are LIKE each other. Raises
+    NoAnswer with both limits where the answer ends before that friction, and with another reason where friction is not
+    to blame.
     """
     if friction == 0:
         return _without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
-    if len(problem.q) > LARGE and (like is None or friction >= law):
-        same = _as_coarser(problem, problem_at(0.0), friction, start, law)
-        if same is not None:
-            return same
+    if len(problem.q) > LARGE:
+        like = _as_coarser(problem, problem_at(0.0), friction, start, law)
+        if like is not None:
+            return like
     half = None
     try:
         found = settle(problem, start)
         stable = found.regular and friction < law
         reason = "self-locking, no stable equilibrium"
-        if stable and like is not None and _alike(problem, like, found.p):
-            return found
         if stable:
             half = settle(problem_at(0.5 * friction), found.active)
             if _quiet(found, half):
@@ -170,13 +167,9 @@ def _as_coarser(problem: Problem, still: Problem, friction: float, start: Bools 
         found = settle(problem, beside(like.p > 0, len(problem.q)) if start is None else start)
     except NoAnswer:
         return None
-    return found if found.regular and _alike(problem, between(like.p, len(found.p)), found.p) else None
-
-
-def _alike(problem: Problem, other: Floats, p: Floats) -> bool:
-    """Whether other pressures are LIKE those of an answer."""
-    off = other - p
-    return float(off @ (problem.A @ off)) < LIKE**2 * float(p @ (problem.A @ p))
+    off = between(like.p, len(found.p)) - found.p
+    same = float(off @ (problem.A @ off)) < LIKE**2 * float(found.p @ (problem.A @ found.p))
+    return found if found.regular and same else None
 
 
 def _sure(problem_at: Callable[[float], Problem], friction: float, found: Contact) -> bool:

@@ -238,25 +238,24 @@ class ShoeGroup:
         """Full slip at every friction coefficient; the scene must be prepared with friction."""
         return self_locking.Sliding.through(self.problem_at(0.0), self.problem_at(1.0))
 
-    def answer(self, first: Bools | None = None, like: Floats | None = None) -> active_set.Contact:
+    def answer(self, first: Bools | None = None) -> active_set.Contact:
         """The contact per newton of `unit_force`, from the contact set `first` (n,) where there is one.
 
-        like: pressures (n,) on another mesh, see `self_locking.answer`.
         Raises NoAnswer: self-locking, no equilibrium, not converged, a turn too large for small displacements.
         """
         for body, shoe, gap, load in zip(self.bodies, self.shoes, self.gaps, self.loads, strict=True):
             if shoe.held_by == "hinge" and not shoe.flat:
                 reach.check_pin(shoe, body.line.xy, gap, load[1])
-        at, law = self.problem_at, min(rigid.locking_friction(self.brake, shoe) for shoe in self.shoes)
+        law = min(rigid.locking_friction(self.brake, shoe) for shoe in self.shoes)
         try:
-            found = self_locking.answer(at, self.brake.friction, first, law=law, brake="elastic as it is", like=like)
+            found = self_locking.answer(self.problem_at, self.brake.friction, first, law=law, brake="elastic as it is")
         except NoAnswer as error:
             raise NoAnswer(f"{self.names}: {error}") from error
         for shoe, gap, amounts in zip(self.shoes, self.gaps, self.amounts(found), strict=True):
             reach.check_turns(shoe, gap, self.unit_force * amounts)
         return found
 
-    def settled(self, first: Bools | None = None, like: Floats | None = None) -> tuple["ShoeGroup", active_set.Contact]:
+    def settled(self, first: Bools | None = None) -> tuple["ShoeGroup", active_set.Contact]:
         """The group with the friction at its abutments as its answer has it, and that answer.
 
         Friction opposes the slide of a foot, or holds it. Raises NoAnswer as `answer` does, and where a foot would
@@ -268,7 +267,7 @@ class ShoeGroup:
         for k, senses in enumerate(product(*choices)):
             group = self if senses == begin else replace(self, senses=senses)
             try:
-                found = group.answer(first, like)
+                found = group.answer(first)
             except NoAnswer as error:
                 if k == 0:
                     failure = error

@@ -51,9 +51,8 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
     """The response of a brake on a prepared scene of the same geometry and stiffness.
 
     penalty: factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact. start: a
-    response of a similar brake or on another mesh, whose contact is the first guess; of an answer that is like it no
-    other proof is asked. It saves steps and does not change the answer. Raises NoAnswer: self-locking, no
-    equilibrium, not converged.
+    response of a similar brake or on another mesh, whose contact is the first guess: it saves steps and does
+    not change the answer. Raises NoAnswer: self-locking, no equilibrium, not converged.
     """
     check_penalty(penalty)
     if brake is not scene.brake:
@@ -149,13 +148,9 @@ def _untouched(shoe: Shoe) -> _Answer:
 
 def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     """The answers of a group of shoes that meet the drum together, by the shoe's place in the brake."""
-    size, first, like = group.unit_force, None, None
-    if start is not None:
-        before = [start.shoes[i] for i in group.members]
-        theta = [shoe.frame.theta(body.line.phi) for shoe, body in zip(group.shoes, group.bodies, strict=True)]
-        first = np.concatenate([_touching(*each) for each in zip(before, theta, strict=True)])
-        like = np.concatenate([each.pressure_at(at) for each, at in zip(before, theta, strict=True)]) / size
-    group, found = group.settled(first, like)
+    first = None if start is None else np.concatenate([_touching(group, k, start) for k in range(len(group.members))])
+    group, found = group.settled(first)
+    size = group.unit_force
     soft = zip(group.bodies, group.stiffnesses, group.parts, strict=True)
     opened = np.concatenate([(body.coupling.M @ found.p[part]) / stiffness for body, stiffness, part in soft])
     change = size * found.tangent(opened)  # by the penalty's compliance
@@ -286,9 +281,10 @@ def _answer(
     return _Answer(response, balance, steps, note)
 
 
-def _touching(before: ShoeResponse, theta: Floats) -> Bools:
-    """Which of the angles theta (n,) [rad] lie in the contact arcs of an earlier response."""
+def _touching(group: ShoeGroup, k: int, start: Response) -> Bools:
+    """Contact nodes of shoe `k` of a group within the contact arcs of an earlier response."""
+    theta = group.shoes[k].frame.theta(group.bodies[k].line.phi)
     touching = np.zeros(len(theta), dtype=bool)
-    for first, last in before.contact_arcs:
+    for first, last in start.shoes[group.members[k]].contact_arcs:
         touching |= (theta > first - 1e-9) & (theta < last + 1e-9)
     return touching
