@@ -15,6 +15,7 @@ from drumlin.fem import assembly
 from drumlin.fem.assembly import Cache
 from drumlin.fem.solve import solve
 from drumlin.journal import Journal
+from drumlin.sweeps import file as sweep_file
 from drumlin.sweeps.cases import Case, run, solved
 from drumlin.sweeps.file import read_sweep, sweep_from
 from drumlin.sweeps.table import table, write_table
@@ -66,6 +67,21 @@ def test_draws_follow_their_distribution(name):
     given, law = LAWS[name]
     drawn = [c.changes["friction"] for c in sweep({"friction": {"distribution": name} | given}, cases=2000).cases]
     assert stats.kstest(drawn, law.cdf).pvalue > 0.01
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_quantiles_are_those_of_scipy(name):
+    given, law = LAWS[name]
+    u = np.linspace(1e-6, 1 - 1e-6, 101)
+    inverse = sweep_file._inverse("", sweep_file.DISTRIBUTIONS[name].model_validate({"distribution": name} | given), "",
+                                  [0.3])  # fmt: skip
+    np.testing.assert_allclose(inverse(u), law.ppf(u), rtol=1e-13)
+
+
+@pytest.mark.parametrize("ends", [(-40, 40), (-math.inf, 1), (10, math.inf), (-11, -10), (50, 51), (-1e-9, 1e-9)])
+def test_a_normal_distribution_is_cut_in_its_tails_too(ends):
+    u = np.linspace(1e-6, 1 - 1e-6, 101)
+    np.testing.assert_allclose(sweep_file._cut_normal(u, *ends), stats.truncnorm(*ends).ppf(u), rtol=1e-9, atol=1e-15)
 
 
 def test_draws_stay_when_keys_and_cases_are_added():

@@ -281,13 +281,13 @@ def _range(said: str, ends: list[float], span: Range) -> _Spec:
 
 def _law(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Callable[[Floats], list[float]]:
     """The inverse of a distribution's cumulative one: u (n,) in (0, 1) -> values."""
-    frozen = _frozen(said, law, unit, nominal)
-    return lambda u: frozen.ppf(u).tolist()
+    inverse = _inverse(said, law, unit, nominal)
+    return lambda u: inverse(u).tolist()
 
 
-def _frozen(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Any:
-    """A distribution as scipy.stats has it."""
-    from scipy import stats  # noqa: PLC0415  (0.5 s)
+def _inverse(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Callable[[Floats], Floats]:
+    """The same, arrays; without scipy.stats, which takes a second to load."""
+    from scipy.special import ndtri  # noqa: PLC0415  (0.1 s)
 
     def middle(name: str, given: float | str | None) -> float:
         """What is given, or else the brake file's own value."""
@@ -307,24 +307,36 @@ def _frozen(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> 
             low, high = ((end(*pair) - mean) / deviation for pair in (("from", law.start), ("to", law.to)))
             if not low < high:
                 raise BadInput(f"{said}.to = {law.to!r}: must be greater than from = {law.start!r}")
-            return stats.truncnorm(low, high, mean, deviation)
+            return lambda u: mean + deviation * _cut_normal(u, low, high)
         if law.distribution == "lognormal":
             if not mean > 0:
                 raise BadInput(f"{said}.mean = {law.mean!r}: must be greater than 0")
             spread = math.sqrt(math.log1p((deviation / mean) ** 2))
             median = mean * math.exp(-(spread**2) / 2)
-            return stats.lognorm(spread, scale=median)
-        return stats.norm(mean, deviation)
+            return lambda u: median * np.exp(spread * ndtri(u))
+        return lambda u: mean + deviation * ndtri(u)
     assert isinstance(law, Uniform)
     a, b = end("from", law.start), end("to", law.to)
     if not a < b:
         raise BadInput(f"{said}.to = {law.to!r}: must be greater than from = {law.start!r}")
     if not isinstance(law, Triangular):
-        return stats.uniform(a, b - a)
+        return lambda u: a + (b - a) * u
     c = middle("mode", law.mode)
     if not a <= c <= b:
         raise BadInput(f"{said}.mode = {c:g}: must be from {a:g} to {b:g}")
-    return stats.triang((c - a) / (b - a), a, b - a)
+    top = (c - a) / (b - a)
+    return lambda u: a + (b - a) * np.where(u < top, np.sqrt(top * u), 1 - np.sqrt((1 - top) * (1 - u)))
+
+
+def _cut_normal(u: Floats, low: float, high: float) -> Floats:
+    """The normal distribution's inverse between two ends, by the logarithms of the tail that is nearer to them."""
+    from scipy.special import log_ndtr, ndtri_exp  # noqa: PLC0415  (0.1 s)
+
+    if low > 0:
+        return -_cut_normal(1 - u, -high, -low)
+    below, above = log_ndtr(low), log_ndtr(high)
+    found: Floats = ndtri_exp(np.logaddexp(below, np.log(u) + above + np.log1p(-np.exp(below - above))))
+    return found
 
 
 def _deviation(said: str, given: float | str, mean: float, unit: str) -> float:
