@@ -333,7 +333,7 @@ def test_a_self_locking_brake_is_refused_with_both_limits(friction):
     locked = vary(BRAKE, {"friction": friction})
     with pytest.raises(NoAnswer, match=rf"self-locking, friction {friction:g} .* mu_lock = 0.823"):
         sine(locked)
-    with pytest.raises(NoAnswer, match=rf"self-locking.*friction {friction:g};.*mu_lock = .*sine law"):
+    with pytest.raises(NoAnswer, match=rf"self-locking.*friction {friction:g};.*mu_lock = .*rigid-shoe law"):
         respond(SCENE, locked)
 
 

@@ -430,7 +430,7 @@ def test_self_locking_is_said_with_the_friction_it_begins_at():
     def stiff(mu):
         return vary(soft(D=2.05, EI=5e12, mu=mu), {"shoe.actuation.force": 1.0})  # the torque grows beyond bounds
 
-    with pytest.raises(NoAnswer, match=r"self-locking.*mu_lock = [0-9.]+ \(sine law") as caught:
+    with pytest.raises(NoAnswer, match=r"self-locking.*mu_lock = [0-9.]+ \(rigid-shoe law") as caught:
         foundation.solve(stiff(8.0), lift=["tilt"])
     lock = float(str(caught.value).split("mu_lock = ")[1].split()[0])
     assert lock == pytest.approx(locking_friction(stiff(1.0), stiff(1.0).shoes[0]), rel=2e-3)
