@@ -19,13 +19,14 @@ from drumlin.fem.fields import fields, ring_fields
 from drumlin.fem.group import groups_of
 from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.hp.adapt import DEFAULT, adapt, estimate
-from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack
+from drumlin.fem.hp.arc import arc_columns, elements
+from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack, turned
 from drumlin.fem.hp.division import divide, graded
 from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
 from drumlin.fem.hp.levels import LEVELS, steps
 from drumlin.fem.hp.places import places_of
 from drumlin.fem.hp.scene import scene
-from drumlin.fem.hp.shoe import distinct, rigid
+from drumlin.fem.hp.shoe import distinct, nodes_of, rigid
 from drumlin.fem.model import PENALTY, refined_group, respond
 from drumlin.fem.sensitivity import sensitivity
 from drumlin.fem.solve import scene_of, solve
@@ -108,10 +109,9 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
             for d in depth
         ]
     )[..., element(p).order]
-    lame = np.tile(plane_stress(1.0, 0.3), (layers * m, 1))
-    K = condensed_elements(np.ascontiguousarray(xy.reshape(-1, *xy.shape[2:])), lame, p)
+    K = condensed_elements(xy, np.tile(plane_stress(1.0, 0.3), (layers, 1)), p)
     of = stack(p, layers, contact=True, held=False)
-    parts = [Piece(part, of.line, of.line) for part in columns(K.reshape(layers, m, *K.shape[1:]), of)]
+    parts = [Piece(part, of.line, of.line) for part in columns(K, of)]
     whole = merged(parts, 2)
     one_by_one = parts[0]
     for part in parts[1:]:
@@ -123,7 +123,29 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
     ends = merged([closed(parts[0]), *parts[1:-1], closed(parts[-1], right=True)], 2)
     assert ends.left == ends.right == 0
     np.testing.assert_allclose(ends.K, closed(closed(whole), right=True).K, atol=1e-11 * size)
-    np.testing.assert_allclose(ends.K, every_unknown_at_once(K.reshape(layers, m, *K.shape[1:]), p), atol=1e-11 * size)
+    np.testing.assert_allclose(ends.K, every_unknown_at_once(K, p), atol=1e-11 * size)
+
+
+@pytest.mark.parametrize(
+    ("p", "contact", "held"), [(3, True, False), (4, True, True), (5, False, False), (6, True, False)]
+)
+def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_their_elements(p, contact, held):
+    radii, half = 0.14 - np.array([0.0, 0.0002, 0.004, 0.011]), np.array([0.003, 0.05, 0.21])
+    lame = np.array([plane_stress(E, 0.28) for E in (1e8, 1e8, 2e11)])
+    angles, depths = half[:, None] * lobatto(p), 0.14 - radii
+
+    def place(depth, phi):
+        return np.array([(0.14 - depth) * np.cos(phi), (0.14 - depth) * np.sin(phi)])
+
+    of = stack(p, 3, contact=contact, held=held)
+    theirs = columns(condensed_elements(nodes_of(place, depths, angles, p), lame, p), of)
+    nodes = p + 1 if contact else 0
+    ours = arc_columns(elements(radii, angles, lame, p), p, contact=contact, held=held)
+    for K, own, side in zip(theirs, ours, half, strict=True):
+        lines = np.full(of.line // 2, side)
+        ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
+        expected = turned(K, np.concatenate([lines * -1, ends, lines]))
+        np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
 def every_unknown_at_once(K, p):

@@ -6,6 +6,7 @@ numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surf
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
@@ -91,7 +92,7 @@ class Shoe(Meshed):
             + (self.body.depth if self.body else 0.0)
         )
 
-    @property
+    @cached_property
     def frame(self) -> Frame:
         """The shoe's own frame; its origin is chosen so that phi of the lining's middle is in [0, pi]."""
         middle = 0.5 * (self.lining.start + self.lining.end)
@@ -99,7 +100,7 @@ class Shoe(Meshed):
         sense = 1 if offset >= 0 else -1
         return Frame(middle - offset, sense)
 
-    @property
+    @cached_property
     def arc(self) -> tuple[float, float]:
         """The lining's arc (phi_1, phi_2) [rad] in the shoe's frame."""
         first, last = self.frame.phis((self.lining.start, self.lining.end))

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, Self, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -87,6 +87,13 @@ class Part(BaseModel):
         elif not isinstance(data, Part):
             raise ValueError(f"must be a table with keys of {', '.join(allowed)}")
         return data
+
+    def __copy__(self) -> Self:
+        """Without what cached properties keep: `model_copy` changes what it hangs on."""
+        found = super().__copy__()
+        for name in found.__dict__.keys() - type(self).model_fields:
+            del found.__dict__[name]
+        return found
 
 
 class Material(Part):

@@ -5,6 +5,7 @@ different is said here: normals do not turn, a shoe's own frame is only moved an
 a centre. In a shoe's frame x counts from its pin towards its lining, y is the height above the plane.
 """
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -49,7 +50,7 @@ class StraightShoe(Shoe):
         """That it presses on a plane."""
         return True
 
-    @property
+    @cached_property
     def frame(self) -> Frame:
         """The shoe's own frame."""
         sense = 1 if self.lining.middle * self.unit >= self.pin.x else -1

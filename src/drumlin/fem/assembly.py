@@ -28,6 +28,9 @@ ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torq
 MOST_ELEMENTS = 4000  # along a lining: the dense contact matrices fill 2 GB
 ROOM = 200_000_000  # bytes of bodies that are kept for the next scenes
 
+KEPT = 2**21  # numbers
+np.empty(KEPT)  # glibc keeps freed memory up to twice the largest piece freed so far: a solve need not fetch it anew
+
 Seconds = dict[str, float]
 Mesher = Callable[[Shoe, float], Any]  # shoe, drum radius [m] -> mesh in the shoe's frame
 
@@ -130,6 +133,12 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         behind,
         None if shoe.mesh is None else (shoe.mesh, shoe.mesh_unit, shoe.mesh_frame == "shoe" or shoe.frame),
     )
+
+
+def alike(brake: Brake) -> tuple[int, ...]:
+    """For each shoe the place of the first one of its shape, with which it shares a body."""
+    shapes = [shape_of(brake, shoe) for shoe in brake.shoes]
+    return tuple(map(shapes.index, shapes))
 
 
 class Cache:

@@ -34,40 +34,39 @@ class Stack(NamedTuple):
 
 
 @cache
-def stack(p: int, layers: int, *, contact: bool, held: bool) -> Stack:
-    """Without `contact` the inner nodes of the outermost edge go with the rest; `held`: the innermost edge is held."""
-    side, edge, node = 2 * (p + 1), 2 * (p - 1), 2 * contact
+def stack(p: int, layers: int, *, contact: bool, held: bool, sides: int = 2) -> Stack:
+    """Without `contact` the inner nodes of the outermost edge go with the rest; `held`: the innermost edge is held.
+
+    sides: 1 for the symmetric or the antisymmetric unknowns alone, half of all.
+    """
+    side, edge, node = 2 * (p + 1), sides * (p - 1), 2 * contact
     line = 2 * (layers * p + (not held)) - node
-    first, last = slice(2 * side, 2 * side + edge), slice(2 * side + edge, 2 * side + 2 * edge)
-    right = line + (node + edge + node if contact else 0)
+    first, last = (slice(sides * side + k * edge, sides * side + (k + 1) * edge) for k in (0, 1))
+    far = line + (edge + sides * node if contact else 0)  # where the right line begins
     kept, inside = [], []
     for k in range(layers):
         skipped = node if k == 0 else 0
         start, stop = 2 * k * p - node + skipped, min(2 * (k + 1) * p + 2 - node, line)
         count = skipped + stop - start
         places = [
-            (slice(skipped, count), slice(start, stop)),
-            (slice(side + skipped, side + count), slice(right + start, right + stop)),
+            (slice(i * side + skipped, i * side + count), slice(i * far + start, i * far + stop)) for i in range(sides)
         ]
         edges = [(own, slice(i * edge, (i + 1) * edge)) for own, i in ((first, k - contact), (last, k + 1 - contact))]
         if k == 0 and contact:
             del edges[0]
-            places += [
-                (slice(node), slice(line, line + node)),
-                (first, slice(line + node, right - node)),
-                (slice(side, side + node), slice(right - node, right)),
-            ]
+            corners = [(slice(node), slice(line, line + node)), (slice(side, side + node), slice(far - node, far))]
+            places += [*corners[:sides], (first, slice(line + node, line + node + edge))]
         if k + 1 == layers and held:
             del edges[-1]
         kept.append(tuple(places))
         inside.append(tuple(edges))
-    return Stack(tuple(kept), tuple(inside), right + line, edge * (layers + 1 - contact - held), line)
+    return Stack(tuple(kept), tuple(inside), far + (sides - 1) * line, edge * (layers + 1 - contact - held), line)
 
 
 def columns(elements: Floats, of: Stack, loads: Floats | None = None) -> Floats:
     """Columns (c, n, n) of condensed elements (layers, c, m, m), without what is inside them.
 
-    loads (c, k, l): unit loads on the k unknowns of the innermost edge; they become l extra unknowns.
+    loads (c, k, l): unit loads on the k unknowns of the innermost edge, of one side; they become l extra unknowns.
     """
     count, extra = elements.shape[1], 0 if loads is None else loads.shape[2]
     K = np.zeros((count, extra + of.sides, extra + of.sides))
@@ -81,11 +80,10 @@ def columns(elements: Floats, of: Stack, loads: Floats | None = None) -> Floats:
                     view = target[:, at, to]  # target[...] += would look it up twice
                     view += part[:, own, other]
     if loads is not None:
-        for end, own in ((of.line, slice(2)), (of.sides, slice(-2, None))):
-            at = slice(extra + end - 2, extra + end)
-            K[:, at, :extra] = -loads[:, own]
-            K[:, :extra, at] = -loads[:, own].transpose(0, 2, 1)
-        C[:, of.rest - loads.shape[1] + 4 :, :extra] = -loads[:, 2:-2]
+        at = slice(extra + of.line - 2, extra + of.line)
+        K[:, at, :extra] = -loads[:, :2]
+        K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
+        C[:, of.rest - loads.shape[1] + 2 :, :extra] = -loads[:, 2:]
     return without_each(K, C, inner)
 
 

@@ -147,42 +147,26 @@ def without_each(K: Floats, C: Floats, inner: Floats) -> Floats:
     return K
 
 
-def condensed_elements(xy: Floats, lame: Floats, p: int, half: Floats | None = None) -> Floats:
-    """Stiffness (e, n, n) of elements on their boundary nodes, x and y of a node together; arguments of `stiffness`.
-
-    half (e,) [rad]: displacements of their left and right sides count in directions turned by -half and half.
-    """
-    ref = element(p)
+def condensed_elements(xy: Floats, lame: Floats, p: int) -> Floats:
+    """Stiffness (l, c, 8 p, 8 p) of elements with nodes xy (l, c, 2, a) on their boundary nodes, x and y of a node
+    together; lame (l, 2): of each layer, see `stiffness`."""
+    ref, shape = element(p), xy.shape[:2]
     outer, inside = slice(ref.outer), slice(ref.outer, None)
+    xy, lame = xy.reshape(-1, *xy.shape[2:]), np.repeat(lame, shape[1], axis=0)
     out = np.empty((len(xy), 2 * ref.outer, 2 * ref.outer))
     step = max(1, CHUNK // ref.slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
         found = _products(xy[part], p)
         e, sizes = len(found), (2 * ref.outer, 2 * (len(ref.order) - ref.outer))
-        K, C, inner = (
-            _stiffness(found, lame[part], rows, columns).reshape(e, n, m)
-            for rows, columns, n, m in (
-                (outer, outer, sizes[0], sizes[0]),
-                (inside, outer, sizes[1], sizes[0]),
-                (inside, inside, sizes[1], sizes[1]),
+        out[part] = without_each(
+            *(
+                _stiffness(found, lame[part], rows, columns).reshape(e, n, m)
+                for rows, columns, n, m in (
+                    (outer, outer, sizes[0], sizes[0]),
+                    (inside, outer, sizes[1], sizes[0]),
+                    (inside, inside, sizes[1], sizes[1]),
+                )
             )
         )
-        without_each(K, C, inner)
-        if half is not None:
-            turn_sides(K, half[part], p)
-        out[part] = K
-    return out
-
-
-def turn_sides(K: Floats, half: Floats, p: int) -> None:
-    """Turn the directions of the left and right sides of condensed elements K (e, n, n) by -half and half (e,) [rad],
-    in place."""
-    count = 2 * (p + 1)  # nodes
-    phase = np.exp(1j * np.outer(half, np.repeat([1.0, -1.0], p + 1)))[:, None]
-    K.view(complex)[:, :, :count] *= phase  # the columns of the sides, then their rows
-    sides, rest = slice(2 * count), slice(2 * count, None)
-    K[:, sides, rest] = K[:, rest, sides].transpose(0, 2, 1)
-    turned = np.ascontiguousarray(K[:, sides, sides].transpose(0, 2, 1))
-    turned.view(complex)[:] *= phase
-    K[:, sides, sides] = turned
+    return out.reshape(*shape, *out.shape[1:])

@@ -52,11 +52,11 @@ def steps(
     Raises NoAnswer where two levels have none.
     """
     last: Response | None = None
-    arcs = {assembly.shape_of(brake, shoe): shoe.arc for shoe in brake.shoes}
-    refused, places = 0, places_of(brake, None)
+    alike = assembly.alike(brake)
+    refused, places = 0, places_of(brake, None, alike)
     for level in levels or LEVELS:
         for _ in range(MOST_PASSES):
-            made = scene(brake, level, places, cache)
+            made = scene(brake, level, places, cache, alike)
             try:
                 found = respond(made, brake, start=last)
             except NoAnswer:
@@ -64,8 +64,8 @@ def steps(
                 if refused == 2:
                     raise
                 break
-            last, meant, places = found, places, places_of(brake, found)
-            if not any(_moved(arc, meant[key], places[key]) for key, arc in arcs.items()):
+            last, meant, places = found, places, places_of(brake, found, alike)
+            if not any(_moved(brake.shoes[i].arc, meant[i], now) for i, now in places.items()):
                 yield Step(made, found)
                 break
         else:

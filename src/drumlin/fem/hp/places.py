@@ -6,6 +6,7 @@ are.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -20,12 +21,15 @@ SEEN = 1e-3  # of the length of its contact that an opening must be to be a plac
 DIGITS = 20  # binary ones of an end of the contact
 
 
-def places_of(brake: Brake, response: Response | None) -> dict[tuple[object, ...], list[Place]]:
-    """The places of each shape of shoe, growing: those of all shoes that have it."""
-    found: dict[tuple[object, ...], list[Place]] = {}
-    for i, shoe in enumerate(brake.shoes):
+def places_of(brake: Brake, response: Response | None, alike: Sequence[int] = ()) -> dict[int, list[Place]]:
+    """The places of each shape of shoe, growing, those of all shoes that have it, by the first of these.
+
+    alike: as of `assembly.alike`, where it is known.
+    """
+    found: dict[int, list[Place]] = {}
+    for i, (shoe, first) in enumerate(zip(brake.shoes, alike or assembly.alike(brake), strict=True)):
         own = _places(shoe, None if response is None else response.shoes[i])
-        found.setdefault(assembly.shape_of(brake, shoe), []).extend(own)
+        found.setdefault(first, []).extend(own)
     return {key: sorted(places) for key, places in found.items()}
 
 

@@ -13,11 +13,11 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, tie
 from drumlin.fem.elimination import SINGULAR
-from drumlin.fem.hp.columns import Piece, closed, columns, merged, stack, turned, turned_rows
+from drumlin.fem.hp.arc import arc_columns, elements
+from drumlin.fem.hp.columns import Piece, closed, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Level, ends_of, graded
-from drumlin.fem.hp.element import condensed_elements
 from drumlin.fem.hp.grid import Block, Grid
-from drumlin.fem.hp.shoe import Map, directions, distinct, lame_of, line_of, nodes_of, within
+from drumlin.fem.hp.shoe import Map, directions, distinct, lame_of, line_of, within
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
 from drumlin.lapack import dpotrf
@@ -110,10 +110,9 @@ def _columns(
     p, layers = div.degree, len(div.depths) - 1
     sizes, which = distinct(np.diff(div.angles))
     along = 0.5 * sizes[:, None] * lobatto(p)
-    xy = nodes_of(_map(radius, sign), div.depths, along, p)
-    lame = np.tile(lame_of({"drum": (section.material, section.width)}, ("drum",)), (xy.shape[0] * xy.shape[1], 1))
-    halves = np.tile(along[:, -1], layers)
-    K = condensed_elements(xy.reshape(-1, *xy.shape[2:]), lame, p, halves).reshape(layers, len(sizes), 8 * p, 8 * p)
+    lame = np.repeat(lame_of({"drum": (section.material, section.width)}, ("drum",)), layers, axis=0)
+    K = elements(radius + sign * div.depths, along, lame, p)
+    K = K.reshape(layers, 2, len(sizes), *K.shape[2:])
     loads = None
     if free:
         loads = _rim_loads(radius + sign * section.thickness, along, p)
@@ -126,8 +125,9 @@ def _columns(
     for first, last in zip(runs, [*runs[1:], len(which)], strict=True):
         touching = bool(div.contact[first])
         kinds, place_of = np.unique(which[first:last], return_inverse=True)
-        of = stack(p, layers, contact=touching, held=not free)
-        made = columns(K[:, kinds], of, None if loads is None else loads[kinds])
+        of, own = stack(p, layers, contact=touching, held=not free), K[:, :, kinds]
+        own = own.reshape(layers, -1, *own.shape[3:])
+        made = arc_columns(own, p, contact=touching, held=not free, loads=None if loads is None else loads[kinds])
         if free:
             made, place_of = _turned_loads(made[place_of], middle[first:last]), np.arange(last - first)
         row = [Piece(each, of.line, of.line) for each in made]

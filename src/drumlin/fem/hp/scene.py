@@ -12,7 +12,7 @@ from drumlin.fem.hp.ring import ring_body
 from drumlin.fem.hp.shoe import condense
 
 MOST_NODES = 3000  # in contact with each other: matrices of twice as many rows take gigabytes
-Places = Mapping[tuple[object, ...], Sequence[Place]]  # by the shape of a shoe: see `divide`
+Places = Mapping[int, Sequence[Place]]  # by the first shoe of a shape: see `divide`
 
 
 def body(shoe: Shoe, radius: float, div: Division, friction: bool, seconds: assembly.Seconds) -> assembly.Body:
@@ -27,30 +27,37 @@ def body(shoe: Shoe, radius: float, div: Division, friction: bool, seconds: asse
 
 
 def scene(
-    brake: Brake, level: Level, places: Places | None = None, cache: assembly.Cache | None = None
+    brake: Brake,
+    level: Level,
+    places: Places | None = None,
+    cache: assembly.Cache | None = None,
+    alike: Sequence[int] = (),
 ) -> assembly.Scene:
     """The scene of a brake at a level. Raises as assembly.prepare, and NoAnswer where it has more than MOST_NODES.
 
-    places: where the pressure is not smooth; cache: bodies of earlier scenes, taken from there and put there.
+    places: where the pressure is not smooth; cache: bodies of earlier scenes, taken from there and put there; alike:
+    as of `assembly.alike`, where it is known.
     """
     reason = assembly.why_not(brake)
     if reason is not None:
         raise BadInput(f"fem does not apply to this brake: {reason}")
-    cache = cache or assembly.Cache()
+    radius, friction = brake.drum.radius, brake.friction > 0
     seconds: assembly.Seconds = {}
-    radius, slips = brake.drum.radius, brake.friction > 0
-    keys = [assembly.shape_of(brake, shoe) for shoe in brake.shoes]
-    shapes = dict(zip(keys, brake.shoes, strict=True))
-    divisions = {key: divide(shoe, radius, level, (places or {}).get(key, ())) for key, shoe in shapes.items()}
+    alike = alike or assembly.alike(brake)
+    shoes = {i: brake.shoes[i] for i in alike}  # the first of each shape
+    divided = {i: divide(shoe, radius, level, (places or {}).get(i, ())) for i, shoe in shoes.items()}
     together = sum if brake.drum.ring is not None else max
-    nodes = together(divisions[key].contact_nodes for key in keys)
+    nodes = together(divided[i].contact_nodes for i in alike)
     if nodes > MOST_NODES:
         raise NoAnswer(f"its {nodes} contact nodes are more than the {MOST_NODES} that are allowed")
-    made: dict[tuple[object, ...], assembly.Body] = {}
-    for key, shoe in shapes.items():
-        own = assembly.bare_shoe(shoe), radius, slips, divisions[key].key
-        made[key] = cache.get(own, partial(body, shoe, radius, divisions[key], slips, seconds), assembly.size_of)
-    bodies = tuple(made[key] for key in keys)
+    made: dict[int, assembly.Body] = {}
+    for i, shoe in shoes.items():
+        make = partial(body, shoe, radius, divided[i], friction, seconds)
+        if cache is None:
+            made[i] = make()
+        else:
+            made[i] = cache.get((assembly.bare_shoe(shoe), radius, friction, divided[i].key), make, assembly.size_of)
+    bodies = tuple(made[i] for i in alike)
     left_out = ["interior fields: recovered only for a picture"]
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
@@ -60,6 +67,6 @@ def scene(
     if brake.drum.ring is not None:
         with assembly.clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
-            whole = (assembly.bare(brake), level, *(div.key for div in divisions.values()))
-            ring = cache.get(whole, partial(ring_body, brake, lines, level), assembly.size_of)
+            own = (assembly.bare(brake), level, *(each.key for each in divided.values()))
+            ring = (cache or assembly.Cache()).get(own, partial(ring_body, brake, lines, level), assembly.size_of)
     return assembly.Scene(brake, bodies, ring, seconds, (*left_out, *assembly.lacking(brake)))

@@ -12,7 +12,8 @@ from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.body import FRAME
-from drumlin.fem.hp.columns import Piece, Stack, closed, columns, merged, stack, turned, turned_rows
+from drumlin.fem.hp.arc import arc_columns, elements
+from drumlin.fem.hp.columns import Piece, closed, columns, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.element import condensed_elements, element
 from drumlin.fem.shapes import plane_stress
@@ -107,66 +108,47 @@ def rigid(xy: Floats, pin: Floats) -> Floats:
 
 
 class _Columns(NamedTuple):
-    """Columns under the lining, before and behind it, in their order, equal ones the same object; `gripped`: those
-    under the lining from number `first` on, with their back held."""
+    """Columns under the lining, before and behind it, in their order, equal ones the same object; `grip`: the first one
+    under the lining whose back is held, and the first one after those that is free again; 0, 0 where none is."""
 
     under: list[Piece]
     before: list[Piece]
     after: list[Piece]
-    gripped: list[Piece]
-    first: int
+    grip: tuple[int, int]
 
 
-def _columns(
-    shoe: Shoe,
-    place: Map,
-    div: Division,
-    materials: dict[str, tuple[Material, float]],
-    grip: tuple[float, float] | None = None,
-) -> _Columns:
-    p, straight = div.degree, isinstance(shoe.body, Beam) or shoe.flat
-    beyond = [np.sort(div.before), np.sort(div.after)]
+def _columns(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> _Columns:
+    p, beyond, beam = div.degree, [np.sort(div.before), np.sort(div.after)], isinstance(shoe.body, Beam)
     parts = [div.angles, *beyond] if div.first < div.layers else [div.angles]
-    counts = [len(ends) - 1 for ends in parts]
-    along = np.concatenate([within(ends, p) for ends in parts])  # (columns, p + 1)
-    which = np.arange(len(along))
-    if not straight:
+    under, before = len(div.angles) - 1, len(div.before) - 1
+    if beam:
+        along = np.concatenate([within(ends, p) for ends in parts])  # (columns, p + 1)
+        which = np.arange(len(along))
+    else:
         sizes, which = distinct(np.concatenate([np.diff(ends) for ends in parts]))
         along = 0.5 * sizes[:, None] * lobatto(p)
-    under, over = (np.flatnonzero(np.bincount(part)) for part in np.split(which, counts[:1]))  # np.unique loads np.ma
-    lame = lame_of(materials, div.part)
-    xy = [nodes_of(place, div.depths, along[under], p)]
-    if len(over):
-        xy.append(nodes_of(place, div.depths[div.first :], along[over], p))
-    lames = [np.broadcast_to(lame[-len(x) :, None], (*x.shape[:2], 2)).reshape(-1, 2) for x in xy]
-    halves = (
-        None
-        if straight
-        else np.concatenate([np.tile(along[k, -1], len(x)) for x, k in zip(xy, (under, over), strict=False)])
-    )
-    nodes = np.concatenate([x.reshape(-1, *x.shape[2:]) for x in xy])
-    K = condensed_elements(nodes, np.concatenate(lames), p, halves)
-    split = xy[0].shape[0] * xy[0].shape[1]
-    elements = [part.reshape(len(x), -1, *K.shape[1:]) for part, x in zip((K[:split], K[split:]), xy, strict=False)]
+    lame, plane = lame_of(materials, div.part), radius if shoe.flat else None
 
-    def made(of: Stack, k: int, kinds: Ints) -> dict[int, Piece]:
-        found = columns(elements[k], of)
-        return {kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)}
+    def made(row: Ints, layer: int, *, contact: bool, held: bool) -> list[Piece]:
+        """The columns of a row of kinds, of the layers from `layer` on."""
+        if not len(row):
+            return []
+        kinds = np.flatnonzero(np.bincount(row))  # np.unique loads np.ma
+        depths, at, of = div.depths[layer:], along[kinds], stack(p, div.layers - layer, contact=contact, held=held)
+        if beam:
+            found = columns(condensed_elements(nodes_of(map_of(shoe, radius), depths, at, p), lame[layer:], p), of)
+        else:
+            own = elements(radius - shoe.sign * depths, at, lame[layer:], p, plane)
+            found = arc_columns(own, p, contact=contact, held=held)
+        pieces = {kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)}
+        return [pieces[kind] for kind in row.tolist()]
 
-    row = which.tolist()
-    kinds = made(stack(p, div.layers, contact=True, held=div.first == div.layers), 0, under)
-    lining = [kinds[kind] for kind in row[: counts[0]]]
-    gripped, first = lining[:0], 0
-    if grip is not None:
-        first, last = (int(np.abs(div.angles - x).argmin()) for x in grip)
-        kinds = made(stack(p, div.layers, contact=True, held=True), 0, under)
-        gripped = [kinds[kind] for kind in row[first:last]]
-    before, after = lining[:0], lining[:0]
-    if len(over):
-        kinds = made(stack(p, div.layers - div.first, contact=False, held=False), 1, over)
-        rest = [kinds[kind] for kind in row[counts[0] :]]
-        before, after = rest[: counts[1]], rest[counts[1] :]
-    return _Columns(lining, before, after, gripped, first)
+    ends = shoe.grip(radius)
+    a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
+    free = made(np.r_[which[:a], which[b:under]], 0, contact=True, held=div.first == div.layers)
+    gripped = made(which[a:b], 0, contact=True, held=True)
+    rest = made(which[under:], div.first, contact=False, held=False)
+    return _Columns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
 
 
 def directions(ends: Floats, p: int) -> Floats:
@@ -175,24 +157,29 @@ def directions(ends: Floats, p: int) -> Floats:
     return np.append(np.column_stack([ends[:-1], *[0.5 * (ends[1:] + ends[:-1])] * (p - 1)]).ravel(), ends[-1])
 
 
+def _along(shoe: Shoe, phi: Floats) -> Floats:
+    """The angles [rad] at which unknowns count at the places phi of columns: of an arc along its radius, of a pad along
+    the normal, which has the plane's x as its tangent."""
+    if isinstance(shoe.body, Beam):
+        return np.zeros_like(phi)
+    return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
+
+
 def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> Condensed:
     """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular stiffness."""
     p, place, pin = div.degree, map_of(shoe, radius), shoe.own_pin
-    straight, held = isinstance(shoe.body, Beam) or shoe.flat, div.first == div.layers
-    grip = shoe.grip(radius)
-    found = _columns(shoe, place, div, materials, grip)
-    phi = line_of(div.angles, p)
-    back = np.zeros_like(phi) if straight else -directions(div.angles, p)
+    found, held = _columns(shoe, radius, div, materials), div.first == div.layers
+    phi, back = line_of(div.angles, p), -_along(shoe, directions(div.angles, p))
     R = rigid(place(np.zeros(1), phi), pin)
-    if held or grip is not None:  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
-        S = turned(_on_grip(found) if grip is not None else _between(found.under), back)
+    if held or any(found.grip):  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
+        S = turned(_on_grip(found, *found.grip) if any(found.grip) else _between(found.under), back)
         none, still = np.zeros((FRAME, FRAME)), np.zeros((len(R), FRAME))
         return Condensed(_balanced(S, R), np.vstack([np.eye(FRAME), still]), none, pin, still, 0.0)
     d = line_of(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
-    held_line = _local(rigid(place(d, near), pin), 0.0 if straight else near)
+    held_line = _local(rigid(place(d, near), pin), _along(shoe, near))
     f, centre = end_load(place(d, far), d, p)
-    f = _local(f, 0.0 if straight else far)
+    f = _local(f, _along(shoe, far))
     row = found.under.copy()
     row[0] = _held(row[0], found.before, held_line)
     row[-1] = closed(row[-1], _loaded(found.after, f), len(f), right=True)
@@ -216,14 +203,13 @@ def _between(row: list[Piece], left: Floats | None = None, right: Floats | None 
     return merged(row, 2).K
 
 
-def _on_grip(found: _Columns) -> Floats:
+def _on_grip(found: _Columns, first: int, last: int) -> Floats:
     """The contact nodes of a lining whose body's back is held by a grip: what the body is beyond the lining is free."""
-    last = found.first + len(found.gripped)
-    row = [*found.under[: found.first], *found.gripped, *found.under[last:]]
-    line = found.gripped[0].left  # without the last node of the others' lines, which is held
-    if found.first > 0:
-        K, left, _ = row[found.first - 1]
-        row[found.first - 1] = Piece(K[:-2, :-2], left, line)
+    row = found.under.copy()
+    line = row[first].left  # without the last node of the others' lines, which is held
+    if first > 0:
+        K, left, _ = row[first - 1]
+        row[first - 1] = Piece(K[:-2, :-2], left, line)
     if last < len(row):
         K, _, right = row[last]
         free = np.delete(np.arange(len(K)), [line, line + 1])
@@ -278,7 +264,7 @@ def _balanced(S: Floats, R: Floats) -> Floats:
     return np.block([[R.T @ SR, -SR.T], [-SR, S]])
 
 
-def _local(V: Floats, angle: float) -> Floats:
+def _local(V: Floats, angle: Floats) -> Floats:
     """Vectors V (2n, m) in directions turned by one angle."""
     return turned_rows(V.T, np.full(len(V) // 2, angle)).T
 
