@@ -73,6 +73,13 @@ def test_friction_on_a_guide_along_the_normal_neither_helps_nor_opposes(tilt: fl
             assert found.shoes[0].self_energising == bool(helps)
 
 
+def test_what_a_pads_penalty_changes_is_its_braking_force() -> None:
+    """It has no torque."""
+    notes = drumlin.solve(pad("guide"), penalty=1e3).notes
+    assert any("which changes its braking force by" in note for note in notes)
+    assert not any("torque" in note for note in notes)
+
+
 def test_a_guide_along_the_plane_is_refused() -> None:
     for direction in (0.0, pi):
         with pytest.raises(

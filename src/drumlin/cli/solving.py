@@ -149,6 +149,7 @@ def hold(
     from drumlin.fem.holding import hold as turn
     from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
+    from drumlin.texts import formatted
 
     given, wide = for_width(read_any(brake_file), finite_width)
     flat, brake = isinstance(given, FlatBrake), on_drum(given)
@@ -170,7 +171,7 @@ def hold(
     tell(f"{way:>15}{moment:>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
     for at in states:
         turned = at.rotation * 1e3 if flat else np.degrees(at.rotation)
-        tell(f"{turned:15.6f}{at.torque:15.4f}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
+        tell(f"{turned:15.6f}{formatted(at.torque, '.4f'):>15}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
 
 
 def sensitivity(

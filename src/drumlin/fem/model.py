@@ -27,6 +27,7 @@ from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import NEITHER, Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
+from drumlin.response.show import effect_words
 
 if TYPE_CHECKING:
     from drumlin.fem.refinement import Refined
@@ -256,7 +257,7 @@ def _answer(
         "exact contact, no penetration"
         if math.isinf(penalty)
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
-        f"which changes its torque by {softness:+.1e} of it"
+        f"which changes its {effect_words(flat=shoe.flat)[0]} by {softness:+.1e} of it"
     )
     if refined:
         note += f"; {REFINED}"

@@ -155,12 +155,14 @@ def as_text(found: Sensitivity, brake: AnyBrake) -> list[str]:
     for shoe, own, of_law in zip(brake.shoes, found.shoes, law, strict=False):
         moduli = ", ".join(f"{name} {value / T:+.4g}" for name, value in own.moduli.items())
         force = "" if own.force is None else f"{d} force {own.force * shoe.actuation.force / T:+.4g}; "
+        by_law = "" if of_law is None else f" ({of}: {said(of_law)})"
         held = "; ".join(_held_text(key, value / T) for key, value in own.held.items())
         lines += [
             f"  shoe {own.name!r}: {what} {own.torque:.6g} {unit}, d{name}/dmu {own.friction:.6g} {unit}, "
-            f"S {said(own.S)} ({of}: {said(of_law)}); of the whole {what}:",
+            f"S {said(own.S)}{by_law}; of the whole {what}:",
             f"    {force}{d} E: {moduli}; {d} penalty {own.penalty / T:+.1e}",
-            f"    clearance {own.clearance / T * 1e-3 * PERCENT_PER_MM:+.4g} %/µm" + (f"; {held}" if held else ""),
+            f"    clearance {own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0:+.4g} %/µm"
+            + (f"; {held}" if held else ""),
         ]
     return lines
 

@@ -349,10 +349,10 @@ def along(curves: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
     lines = []
     for name, points in curves.items():
         most = {key: max(((abs(worst(table, key)), at) for at, table in points)) for key in ("torque", "pressure")}
-        off = " and ".join(
-            f"{said} {formatted(most[key][0], '.1%')} (at {most[key][1]:g})" for key, said in SAID.items()
+        off = ", ".join(
+            f"{said} by {formatted(most[key][0], '.1%')} (at {most[key][1]:g})" for key, said in SAID.items()
         )
-        lines.append(f"T-section over {name} from {points[0][0]:g} to {points[-1][0]:g}: off by at most {off}")
+        lines.append(f"T-section over {name} from {points[0][0]:g} to {points[-1][0]:g}, off at most: {off}")
     return lines
 
 
