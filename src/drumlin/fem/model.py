@@ -128,9 +128,7 @@ def _grips(brake: Brake) -> Iterator[str]:
             continue
         grip = shoe.grip(brake.drum.radius)
         if grip is not None:
-            length = (grip[1] - grip[0]) * shoe.back(
-                brake.drum.radius
-            )  # of a short lining's back not all that is asked
+            length = (grip[1] - grip[0]) * shoe.back(brake.drum.radius)  # a short back has less than is asked for
             said = f"its {shoe.held_by} grips {mm(round(length, 4))} of the back of its body"
         else:
             away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - shoe.own_pin)))
