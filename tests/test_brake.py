@@ -154,6 +154,16 @@ def test_numbers_in_python_are_si(brake):
         brake_from(data, unit_required=True)
 
 
+def test_a_changed_copy_of_a_shoe_has_a_frame_of_its_own(brake):
+    shoe = brake.shoes[0]
+    before = shoe.frame, shoe.arc
+    lining = shoe.lining.model_copy(update={"start": shoe.lining.start + 0.1})
+    other = shoe.model_copy(update={"lining": lining, "hinge": brake.shoes[1].hinge})
+    assert (other.frame, other.arc) != before == (shoe.frame, shoe.arc)
+    fresh = type(shoe).model_validate(other.model_dump())
+    assert (other.frame, other.arc) == (fresh.frame, fresh.arc) and other == fresh and hash(other) == hash(fresh)
+
+
 @given(st.floats(-4, 4), st.sampled_from([-1, 1]), st.floats(-9, 9), st.floats(-9, 9))
 def test_the_frame_of_a_shoe_and_back_is_the_identity_and_keeps_lengths(origin, sense, x, y):
     frame = Frame(origin, sense)
