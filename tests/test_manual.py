@@ -58,6 +58,9 @@ def test_a_value_says_its_kind_unit_and_limits():
     text = listing.brake_file()
     assert '| `radius` | a length such as `"8 mm"`, > 0; required |' in text
     assert "| `friction` | a number, ≥ 0, ≤ 1e+06; required |" in text
+    assert '| `blocks` | rows like `["55 deg", "8 mm"]`; may be left out |' in text  # no number
+    assert '| `blocks` | rows like `["8 mm", "8 mm"]`; may be left out |' in text
+    assert '| `clearance` | a length such as `"8 mm"`, or rows like `["55 deg", "8 mm"]`; default' in text
     assert '| `support` | `"fixed"` or `"free"`; default `fixed` |' in text
 
 

@@ -53,7 +53,7 @@ BRAKE: tuple[Table, ...] = (
     ("`[drum]`", Drum, {
         "radius": "of its friction surface, R", "ring": "the table `[drum.ring]`; without it the drum is rigid",
         "out_of_round": "harmonics of its surface off the circle, below", "angle": "how far the drum has turned"}),
-    ("`out_of_round` of `[drum]`: a list of", Lobes, {
+    ("`out_of_round` of `[drum]`: tables", Lobes, {
         "order": "waves around the drum: 0 growth of a hot drum, 1 run-out, 2 ovality",
         "amplitude": "how far the surface lies outside its circle at most", "phase": "angle of a crest"}),
     ("`[drum.ring]`", Ring, {

@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 from studies.manual import keys
 
 import drumlin
-from drumlin.brake.fields import Part, unit_in
+from drumlin.brake.fields import Part, row_units_in, unit_in
 from drumlin.brake.units import EXAMPLES, NAMES
 from drumlin.foundation.model import LIFTS
 from drumlin.models import MODELS
@@ -74,9 +74,12 @@ def _kind(annotation: Any) -> str:
     words = _literals(annotation)
     if words:
         return " or ".join(f'`"{word}"`' for word in words)
-    unit = unit_in(annotation)
+    unit, row = unit_in(annotation), row_units_in(annotation)
+    rows = f'rows like `["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]`' if row else ""
     if unit:
-        return f'{NAMES[unit]} such as `"{EXAMPLES[unit]}"`'
+        return f'{NAMES[unit]} such as `"{EXAMPLES[unit]}"`' + (f", or {rows}" if rows else "")
+    if rows:
+        return rows
     if unit == "":
         return "a number" if str not in _plain(annotation) else "a number, or a quantity with its unit"
     plain = _plain(annotation)
