@@ -17,7 +17,7 @@ from drumlin.fuzzing.faults import Input, brake_text
 from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
-from drumlin.response.resultants import cross, edge_left_out
+from drumlin.response.resultants import cross, edge_left_out, lobatto, part_inside
 from drumlin.verification.textbook_brakes import hinged
 
 
@@ -109,6 +109,14 @@ def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():
         assert edge_left_out(shoe.theta, shoe.pressure, 1, 0.1) == zone
     spiked, even = _pressing([1000] + [1e-3] * 1000), _pressing([999] + [1e-3] * 1000)
     assert pressure_distance(even, spiked) == pytest.approx(1e-3, rel=1e-2)  # not that of the rest, 0
+
+
+@pytest.mark.parametrize("zone", [0.0, 0.1, 0.3, 0.4, 0.95, 1.2])
+def test_the_force_between_the_zones_is_that_of_the_polynomial_wherever_they_end(zone):
+    ends = ((0.0, 0.3), (0.3, 1.0), (1.0, 2.0))
+    theta = np.concatenate([[0.0], *(a + (b - a) * (lobatto(3)[1:] + 1) / 2 for a, b in ends)])
+    exact = max(((2 - zone) ** 4 - zone**4) / 16, 0.0)
+    assert part_inside(theta, theta**3, 3, zone) == pytest.approx(exact, abs=1e-14)
 
 
 THIN = """

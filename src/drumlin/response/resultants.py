@@ -121,9 +121,20 @@ def largest(theta: Floats, values: Floats, order: int, zone: float = 0.0) -> flo
 
 def edge_left_out(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
     """The zone [rad] at the ends that may be left out of judging p(theta): none where half of the force is there."""
-    at, p, w = gauss_points(theta, pressure, order)
-    inside, force = (at > theta[0] + zone) & (at < theta[-1] - zone), p * w
-    return zone if force[inside].sum() > 0.5 * force.sum() else 0.0
+    return zone if part_inside(theta, pressure, order, zone) > 0.5 else 0.0
+
+
+def part_inside(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
+    """The part of the force that is borne more than `zone` [rad] from the lining's ends."""
+    ends, pieces = theta[::order], by_piece(pressure, order)
+    whole = pieces @ at_gauss(order)[0] @ WEIGHTS * 0.5 * np.diff(ends)
+    low, high = np.maximum(ends[:-1], theta[0] + zone), np.minimum(ends[1:], theta[-1] - zone)
+    inside = np.where(high > low, whole, 0.0)
+    for k in ((high > low) & ((low > ends[:-1]) | (high < ends[1:]))).nonzero()[0]:  # cut by the end of a zone
+        half = 0.5 * (high[k] - low[k])
+        xi = (low[k] + high[k] + 2 * half * GAUSS - ends[k] - ends[k + 1]) / (ends[k + 1] - ends[k])
+        inside[k] = half * (pieces[k] @ shape(order, xi) @ WEIGHTS)
+    return float(inside.sum() / (whole.sum() or 1.0))
 
 
 def integrate(theta: Floats, values: Floats, order: int) -> float:
