@@ -1,4 +1,4 @@
-"""Columns of an arc, by their symmetric and their antisymmetric motions.
+"""Columns of an arc or a pad, by their symmetric and their antisymmetric motions.
 
 Between circles about one centre the map of an element is a product, x = r(eta) c(xi), c(xi) the polynomial through
 nodes of the unit circle. So its stiffness is one too, of what hangs on the angle of its column, A, and on the radii of
@@ -6,7 +6,8 @@ its layer, B:
 
     K = sum_kl (lambda A_kl + 2 mu A'_kl) B_kl,   grad psi = t f'(xi) g(eta)/r + n f(xi) g'(eta)/(r_2 - r_1)
 
-with psi = f g, k and l = 1, 2 for the two terms of the gradients, t and n hanging on xi alone.
+with psi = f g, k and l = 1, 2 for the two terms of the gradients, t and n hanging on xi alone. On a plane the radius
+does not change and n is its normal.
 
 A column is its own mirror image. Its motions are the sum of symmetric ones, radial displacements even about its middle
 and tangential ones odd, and of antisymmetric ones. These two do no work on each other and have half the unknowns each.
