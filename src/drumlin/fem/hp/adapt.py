@@ -7,9 +7,8 @@ from level to level, then d_k >= e_(k-1) - e_k = (r - 1) e_k, so that
 
 of the first step, which shows no r, e_1 <= `first` d_1. On random brakes of every kind e_k / d_k has the median 0.15
 and is below 0.3 to 0.5 in 95 %: errors fall by a factor of 4 to 8. Where d is small by chance, as the difference of two
-numbers may be, what was estimated before counts, less the factor `fastest`, and a share of the error of p; for the
-torque, one number, a share of the reaction's distance too, which has two. The factors come from those brakes, against
-finer levels (`RULES`). To all are added what the elimination has lost and what the
+numbers may be, what was estimated before counts, less the factor `fastest`, and a share of the error of p. The factors
+come from those brakes, against finer levels (`RULES`). To all are added what the elimination has lost and what the
 contact's penalty changes, p by `soft`, forces as its torque by `ShoeResponse.softness`.
 """
 
@@ -51,13 +50,12 @@ class Rule(NamedTuple):
 
 RULES = {
     "pressure": Rule(first=0.58, corner=0.58, later=0.54, fastest=30, share_first=0, share=0, yielding=0),
-    "torque": Rule(first=0.38, corner=0.6, later=0.3, fastest=30, share_first=6e-4, share=1.1e-3, yielding=1.5),
+    "torque": Rule(first=0.6, corner=1.0, later=0.4, fastest=30, share_first=6e-4, share=1.1e-3, yielding=1.5),
     "peak": Rule(first=0.3, corner=0.3, later=0.2, fastest=70, share_first=1.14, share=0.74, yielding=0),
-    "reaction": Rule(first=0.6, corner=0.6, later=0.4, fastest=30, share_first=2e-3, share=2e-3, yielding=4),
+    "reaction": Rule(first=0.6, corner=0.8, later=0.4, fastest=30, share_first=3.5e-3, share=3.4e-3, yielding=4),
 }
-"""Of 480 random brakes of 11 kinds: no more than 1 in 100 may have a larger error than is stated. That of the peak, one
+"""Of 187 random brakes of 11 kinds: no more than 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often."""
-TOGETHER = 0.25  # of the reaction's distance of two levels, that the torque's is at least: both come from one motion
 FASTEST = 12.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
 LEAST_REACTION = 1.7  # with such a corner, times the error of the torque: a guide's reaction moves late
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
@@ -134,7 +132,7 @@ def estimate(responses: Sequence[Response], lost: float = 0.0, soft: float = 0.0
     """
     rules = [RULES[name] for name in ("torque", *QUANTITIES * len(responses[-1].shoes))]
     first, on_corner, later, fastest, share_first, share, yielding = np.array(rules).T
-    series = _series(responses)
+    series = np.array([distances(a, b) for a, b in pairwise(responses)])  # (steps, quantities)
     found = (on_corner if corner else first) * series[0]
     slow = np.minimum(fastest, FASTEST) if corner else fastest
     for before, last in pairwise(series):
@@ -157,17 +155,6 @@ def estimate(responses: Sequence[Response], lost: float = 0.0, soft: float = 0.0
             own[QUANTITIES.index("peak")] = 1.0  # at an end of the lining, where p is unbounded
     shoes = [dict(zip(QUANTITIES, row.tolist(), strict=True)) for row in by_shoe]
     return _errors(float(found[0]), shoes)
-
-
-def _series(responses: Sequence[Response]) -> Floats:
-    """Distances (steps, quantities) of each response from the next finer one, see TOGETHER."""
-    series = np.array([distances(a, b) for a, b in pairwise(responses)])
-    by_shoe = series[:, 1:].reshape(len(series), -1, len(QUANTITIES))
-    torque, reaction = (by_shoe[..., QUANTITIES.index(name)] for name in ("torque", "reaction"))
-    size = np.array([shoe.torque for shoe in responses[-1].shoes])
-    torque[:] = np.where(size > 0, np.maximum(torque, TOGETHER * reaction), torque)
-    series[:, 0] = np.maximum(series[:, 0], torque @ size / (size.sum() or 1.0))
-    return series
 
 
 def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
