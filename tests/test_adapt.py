@@ -52,7 +52,7 @@ def test_two_references_agree_and_adapted_meshes_meet_their_tolerance(name, requ
     truth, before, other = responses(brake)
     for each in (before, other):
         assert distance(each, truth) < 1e-4
-        assert each.torque == pytest.approx(truth.torque, rel=1e-7)
+        assert each.torque == pytest.approx(truth.torque, rel=4e-7)  # round-off: other orders of sums move it by 2e-7
     for tolerance, seconds in ((5e-3, 0.3), (1e-3, 1.0)):
         start = time.process_time()
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
