@@ -28,8 +28,9 @@ class Functions(NamedTuple):
     """Of degree p: Gauss points `x` (q,) of [0, 1] and their `weights`; the nodal functions' `values` and `slopes`
     (p + 1, q) there; `sign` (2, 2 (p + 1)) by which displacements of the nodes, x and y together, count in the
     symmetric and the antisymmetric unknowns, and in which of these (p + 1), `place` (2 (p + 1),): first those of the
-    two ends, then those of each pair further in; `outer`, `mixed`, `inner`: where the parts of a condensed element's
-    stiffness are in that of unknowns (along, along, across, across)."""
+    two ends, then those of each pair further in; `fold` (2, p + 1, 2 (p + 1)): forces on nodes on these unknowns;
+    `outer`, `mixed`, `inner`: where the parts of a condensed element's stiffness are in that of unknowns (along, along,
+    across, across)."""
 
     x: Floats
     weights: Floats
@@ -37,6 +38,7 @@ class Functions(NamedTuple):
     slopes: Floats
     sign: Floats
     place: Ints
+    fold: Floats
     outer: Ints
     mixed: Ints
     inner: Ints
@@ -57,6 +59,9 @@ def functions(p: int) -> Functions:
     if p % 2 == 0:  # the middle moves along the radius, or across it
         sign[:, p // 2] = np.eye(2)
         place[p : p + 2] = p
+    fold = np.zeros((2, n, 2 * n))
+    fold[:, place, np.arange(2 * n)] = sign.reshape(2, -1)
+    fold /= np.abs(fold).sum(axis=2, keepdims=True)
     across = np.arange(n)
     sides = np.tile([0, 1], n), np.repeat(across, 2)
     further = np.arange(2, n)
@@ -69,18 +74,14 @@ def functions(p: int) -> Functions:
         return np.asarray(((a * n + columns[0]) * n + b) * n + columns[1])
 
     parts = at(outer, outer), at(inner, outer), at(inner, inner)
-    return Functions(x, w, values, slopes, sign.reshape(2, -1), place, *parts)
+    return Functions(x, w, values, slopes, sign.reshape(2, -1), place, fold, *parts)
 
 
 def _folded(V: Floats, p: int) -> Floats:
     """Forces V (..., 2 (p + 1), m) on nodes, x and y together, on the symmetric and antisymmetric unknowns:
     (2, ..., p + 1, m)."""
-    of = functions(p)
-    fold = np.zeros((2, p + 1, 2 * (p + 1)))
-    fold[:, of.place, np.arange(2 * (p + 1))] = 0.5 * of.sign
-    if p % 2 == 0:
-        fold[:, p] *= 2
-    return fold.reshape(2, *(1,) * (V.ndim - 2), p + 1, -1) @ V
+    fold = functions(p).fold
+    return np.asarray(fold.reshape(2, *(1,) * (V.ndim - 2), *fold.shape[1:]) @ V)
 
 
 def _along(angles: Floats, p: int, *, flat: bool) -> Floats:
@@ -92,8 +93,8 @@ def _along(angles: Floats, p: int, *, flat: bool) -> Floats:
         at, by = np.zeros_like(at), np.array([np.zeros_like(by[0]), angles @ of.slopes])
         at[0] = 1.0
     root = np.sqrt(of.weights / (at[0] * by[1] - at[1] * by[0]))
-    t, n_ = np.array([-at[1], at[0]]) * root, np.array([by[1], -by[0]]) * root
-    gradient = np.stack([t[:, :, None] * of.slopes, n_[:, :, None] * of.values])  # (k, 2, c, a, q)
+    tangent, normal = np.array([-at[1], at[0]]) * root, np.array([by[1], -by[0]]) * root
+    gradient = np.stack([tangent[:, :, None] * of.slopes, normal[:, :, None] * of.values])  # (k, 2, c, a, q)
     turn = np.zeros((count, n))
     turn[:, [0, -1]] = 0.0 if flat else angles[:, [0, -1]]  # of the sides along the radius and across it there
     c, s = np.cos(turn)[..., None], np.sin(turn)[..., None]
@@ -120,8 +121,8 @@ def _across(radii: Floats, lame: Floats, p: int, plane: float | None) -> Floats:
 
 
 def elements(radii: Floats, angles: Floats, lame: Floats, p: int, plane: float | None = None) -> Floats:
-    """Stiffness (l, 2 c, 4 p, 4 p) of elements on their symmetric and, after those of all columns, antisymmetric
-    boundary unknowns, between the radii (l + 1,) [m] and with nodes at the angles (c, p + 1) about their middle [rad].
+    """Stiffness (l, 2, c, 4 p, 4 p) of elements on their symmetric and their antisymmetric boundary unknowns, between
+    the radii (l + 1,) [m] and with nodes at the angles (c, p + 1) about their middle [rad].
 
     lame (l, 2): lambda and mu of plane stress times the width [N/m]; plane: of elements on a plane, whose angles are
     lengths, by what [m]. Displacements of the left and the right side count along the radius and across it there.
@@ -131,17 +132,17 @@ def elements(radii: Floats, angles: Floats, lame: Floats, p: int, plane: float |
     for layer, B in enumerate(_across(radii, lame, p, plane)):
         K = (A @ B).reshape(len(A), -1)
         found[layer] = without_each(*(K.take(part, 1) for part in (of.outer, of.mixed, of.inner)))
-    return found
+    return found.reshape(len(lame), 2, -1, 4 * p, 4 * p)
 
 
 def arc_columns(parts: Floats, p: int, *, contact: bool, held: bool, loads: Floats | None = None) -> Floats:
-    """Columns (c, n, n) of `elements` (l, 2 c, 4 p, 4 p), on the unknowns of `columns.Piece`.
+    """Columns (c, n, n) of `elements` (l, 2, c, 4 p, 4 p), on the unknowns of `columns.Piece`.
 
     loads (c, 2 (p + 1), m): unit loads on the innermost edge; they become m extra unknowns.
     """
     of, n = stack(p, len(parts), contact=contact, held=held, sides=1), 2 * (p + 1) * contact
     folded = None if loads is None else _folded(loads, p).reshape(-1, p + 1, loads.shape[-1])
-    K = columns(parts, of, folded)
+    K = columns(parts.reshape(len(parts), -1, 4 * p, 4 * p), of, folded)
     K = K.reshape(2, -1, *K.shape[1:])
     extra = K.shape[-1] - of.sides
     own = extra + of.line

@@ -17,7 +17,7 @@ from drumlin.fem.hp.arc import arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Level, ends_of, graded
 from drumlin.fem.hp.grid import Block, Grid
-from drumlin.fem.hp.shoe import Map, directions, distinct, lame_of, line_of, within
+from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, within
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
 from drumlin.lapack import dpotrf
@@ -93,16 +93,6 @@ def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> R
     return coupled_ring(brake, linings, grid, grid, contact, condensed, grid.sets["support"], held)
 
 
-def _map(radius: float, sign: int) -> Map:
-    """Points of the ring, from its friction surface on."""
-
-    def place(depth: Floats, phi: Floats) -> Floats:
-        r = radius + sign * depth
-        return np.stack([r * np.cos(phi), r * np.sin(phi)])
-
-    return place
-
-
 def _columns(
     section: Section, radius: float, sign: int, div: Division, *, free: bool
 ) -> tuple[list[tuple[bool, Floats]], int]:
@@ -112,7 +102,6 @@ def _columns(
     along = 0.5 * sizes[:, None] * lobatto(p)
     lame = np.repeat(lame_of({"drum": (section.material, section.width)}, ("drum",)), layers, axis=0)
     K = elements(radius + sign * div.depths, along, lame, p)
-    K = K.reshape(layers, 2, len(sizes), *K.shape[2:])
     loads = None
     if free:
         loads = _rim_loads(radius + sign * section.thickness, along, p)
@@ -125,9 +114,8 @@ def _columns(
     for first, last in zip(runs, [*runs[1:], len(which)], strict=True):
         touching = bool(div.contact[first])
         kinds, place_of = np.unique(which[first:last], return_inverse=True)
-        of, own = stack(p, layers, contact=touching, held=not free), K[:, :, kinds]
-        own = own.reshape(layers, -1, *own.shape[3:])
-        made = arc_columns(own, p, contact=touching, held=not free, loads=None if loads is None else loads[kinds])
+        of, own = stack(p, layers, contact=touching, held=not free), None if loads is None else loads[kinds]
+        made = arc_columns(K[:, :, kinds], p, contact=touching, held=not free, loads=own)
         if free:
             made, place_of = _turned_loads(made[place_of], middle[first:last]), np.arange(last - first)
         row = [Piece(each, of.line, of.line) for each in made]
@@ -224,8 +212,13 @@ def grid_of(radius: float, sign: int, div: Division) -> Grid:
     rows, n = len(depth), len(along) - 1
     under = np.arange(rows * n).reshape(rows, n)
     under = np.column_stack([under, under[:, 0]])
+
+    def place(depth: Floats, phi: Floats) -> Floats:
+        r = radius + sign * depth
+        return np.stack([r * np.cos(phi), r * np.sin(phi)])
+
     sets = {"contact": under[0, _touching(div)], "surface": under[0, :-1], "support": under[-1, :-1]}
-    return Grid(p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), _map(radius, sign), sets, rows * n)
+    return Grid(p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), place, sets, rows * n)
 
 
 def rim_of(radius: float, div: Division, grid: Grid) -> Floats:

@@ -157,7 +157,7 @@ def directions(ends: Floats, p: int) -> Floats:
     return np.append(np.column_stack([ends[:-1], *[0.5 * (ends[1:] + ends[:-1])] * (p - 1)]).ravel(), ends[-1])
 
 
-def _along(shoe: Shoe, phi: Floats) -> Floats:
+def _angle_at(shoe: Shoe, phi: Floats) -> Floats:
     """The angles [rad] at which unknowns count at the places phi of columns: of an arc along its radius, of a pad along
     the normal, which has the plane's x as its tangent."""
     if isinstance(shoe.body, Beam):
@@ -169,17 +169,17 @@ def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tupl
     """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular stiffness."""
     p, place, pin = div.degree, map_of(shoe, radius), shoe.own_pin
     found, held = _columns(shoe, radius, div, materials), div.first == div.layers
-    phi, back = line_of(div.angles, p), -_along(shoe, directions(div.angles, p))
+    phi, back = line_of(div.angles, p), -_angle_at(shoe, directions(div.angles, p))
     R = rigid(place(np.zeros(1), phi), pin)
     if held or any(found.grip):  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
-        S = turned(_on_grip(found, *found.grip) if any(found.grip) else _between(found.under), back)
+        S = turned(_on_grip(found) if any(found.grip) else _between(found.under), back)
         none, still = np.zeros((FRAME, FRAME)), np.zeros((len(R), FRAME))
         return Condensed(_balanced(S, R), np.vstack([np.eye(FRAME), still]), none, pin, still, 0.0)
     d = line_of(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
-    held_line = _local(rigid(place(d, near), pin), _along(shoe, near))
+    held_line = _local(rigid(place(d, near), pin), _angle_at(shoe, near))
     f, centre = end_load(place(d, far), d, p)
-    f = _local(f, _along(shoe, far))
+    f = _local(f, _angle_at(shoe, far))
     row = found.under.copy()
     row[0] = _held(row[0], found.before, held_line)
     row[-1] = closed(row[-1], _loaded(found.after, f), len(f), right=True)
@@ -203,9 +203,9 @@ def _between(row: list[Piece], left: Floats | None = None, right: Floats | None 
     return merged(row, 2).K
 
 
-def _on_grip(found: _Columns, first: int, last: int) -> Floats:
+def _on_grip(found: _Columns) -> Floats:
     """The contact nodes of a lining whose body's back is held by a grip: what the body is beyond the lining is free."""
-    row = found.under.copy()
+    row, (first, last) = found.under.copy(), found.grip
     line = row[first].left  # without the last node of the others' lines, which is held
     if first > 0:
         K, left, _ = row[first - 1]
