@@ -168,15 +168,15 @@ def _number_or_rows(
 def _rows(
     value: object, info: ValidationInfo, *, place: str, name: str, row: tuple[str, str], kinds: str = "rows"
 ) -> Rows:
-    rows = []
-    for item in value if isinstance(value, list | tuple) else [value]:
+    items: Sequence[Any] = value if isinstance(value, list | tuple) else [value]
+    rows: list[tuple[float, float]] = []
+    for item in items:
         if not isinstance(item, list | tuple) or len(item) != 2:
             raise ValueError(f'must be {kinds} like ["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]')
         rows.append((_si(item[0], row[0], info, place), _si(item[1], row[1], info, name)))
     for k in range(1, len(rows)):
         if rows[k][0] <= rows[k - 1][0]:
-            before, after = (item[0] for item in value[k - 1 : k + 1])  # type: ignore[index]
-            raise ValueError(f"the table needs growing {place}s, not {after!r} after {before!r}")
+            raise ValueError(f"the table needs growing {place}s, not {items[k][0]!r} after {items[k - 1][0]!r}")
     return tuple(rows)
 
 

@@ -244,8 +244,7 @@ class ShoeGroup:
         Raises NoAnswer: self-locking, no equilibrium, not converged, a turn too large for small displacements.
         """
         for body, shoe, gap, load in zip(self.bodies, self.shoes, self.gaps, self.loads, strict=True):
-            if shoe.held_by == "hinge" and not shoe.flat:
-                reach.check_pin(shoe, body.line.xy, gap, load[1])
+            reach.check_pin(shoe, body.line.xy, gap, load[1])
         law = min(rigid.locking_friction(self.brake, shoe) for shoe in self.shoes)
         try:
             found = self_locking.answer(self.problem_at, self.brake.friction, first, law=law, brake="elastic as it is")

@@ -267,7 +267,7 @@ def _answer(
         order=line.order,
         torque=abs(drag) * pressed,
         normal_force=math.hypot(*normal.sum(axis=0)),
-        self_energising=math.copysign(drag, drag * motions.work[0]) * dragged > NEITHER * abs(closed),
+        self_energising=math.copysign(1.0, motions.work[0]) * drag * dragged > NEITHER * abs(closed),
         hinge_reaction=frame.to_brake(reaction),
         turn=frame.sense * float(motions.of[2] @ y),
         force=None if group.sharing is None else force,

@@ -12,12 +12,12 @@ LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model o
 
 
 def check_pin(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
-    """Raise NoAnswer where the shoe would have to turn too far to touch, or could turn for ever.
+    """Raise NoAnswer where a shoe hinged in a drum would have to turn too far to touch, or could turn for ever.
 
     A lining point at distance d from the pin and angle psi reaches the radius r when it has turned by
     alpha: r^2 = a^2 + d^2 + 2 a d cos(psi + alpha), with a the pin's distance from the drum's centre.
     """
-    if (gap <= 0).any():
+    if shoe.held_by != "hinge" or shoe.flat or (gap <= 0).any():
         return
     a, r = shoe.pin.radius, np.hypot(*xy)
     v = xy * ((r - shoe.sign * gap) / r) - np.array([[a], [0.0]])  # the lining stands back by its gap

@@ -38,13 +38,14 @@ def warnings(brake: AnyBrake, peaks: dict[str, float]) -> tuple[str, ...]:
 
 def _overlaps(brake: AnyBrake) -> Iterator[str]:
     """Pairs of shoes whose linings cover the same part of the drum or the plane."""
-    text, whole = (mm, math.inf) if isinstance(brake, FlatBrake) else (deg, 2 * math.pi)
+    flat = isinstance(brake, FlatBrake)
+    text = mm if flat else deg
     shoes: tuple[Shoe | FlatShoe, ...] = brake.shoes
     for one, other in combinations(shoes, 2):
         if isinstance(one, Shoe) and isinstance(other, Shoe) and one.side != other.side:
             continue
         a, b = one.lining, other.lining
-        turn = 0.0 if whole == math.inf else whole * round(0.5 * (a.start + a.end - b.start - b.end) / whole)
+        turn = 0.0 if flat else 2 * math.pi * round((a.start + a.end - b.start - b.end) / (4 * math.pi))
         start, end = max(a.start, b.start + turn), min(a.end, b.end + turn)
         if end - start > 1e-9:
             yield (
