@@ -16,16 +16,20 @@ from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import (
-    Scene,
-    clock,
-    held,
-    shape_of,
-)
+from drumlin.fem.assembly import Scene, clock, held, shape_of
 from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
-from drumlin.response.response import NEITHER, Balance, Response, ShoeResponse, pressed_shoe, untouched
+from drumlin.response.response import (
+    EDGE_ZONE,
+    NEITHER,
+    Balance,
+    Response,
+    ShoeResponse,
+    Softness,
+    pressed_shoe,
+    untouched,
+)
 from drumlin.response.resultants import cross
 from drumlin.response.show import effect_words
 
@@ -275,9 +279,21 @@ def _answer(
         reaction_moment=frame.sense * twist,
         motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
         surface=line.surface(p),
-        softness=abs(softness),
+        softness=Softness(_softening(group, k, p, change), abs(softness)),
     )
     return _Answer(response, balance, steps, note)
+
+
+def _softening(group: ShoeGroup, k: int, p: Floats, change: Floats) -> float:
+    """The size of a change of the pressures p (n,) of shoe `k` in L2, relative to theirs; outside EDGE_ZONE at the
+    lining's ends, unless half of the force is there."""
+    (start, end), body = group.shoes[k].arc, group.bodies[k]
+    phi, area = body.line.phi, body.coupling.area
+    zone = min(EDGE_ZONE, 0.25 * (end - start))
+    weight = np.where((phi > start + zone) & (phi < end - zone), area, 0.0)
+    if weight @ p < 0.5 * (area @ p):
+        weight = area
+    return math.sqrt(float(weight @ change**2) / (float(weight @ p**2) or 1.0))
 
 
 def _touching(group: ShoeGroup, k: int, start: Response) -> Bools:

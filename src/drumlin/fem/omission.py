@@ -187,9 +187,7 @@ def predict(brake: Brake, names: Sequence[str], respond: Respond, sketch: Make |
     return change(respond(*scene_without(brake, names, sketch)), whole)
 
 
-def adapt_without(
-    brake: Brake, tolerance: float, respond: Respond, soft: float = 0.0, cache: assembly.Cache | None = None
-) -> Response:
+def adapt_without(brake: Brake, tolerance: float, respond: Respond, cache: assembly.Cache | None = None) -> Response:
     """`adapt`, without the ring and the shoes' elasticity where that is predicted to stay below the tolerance.
 
     Predicted changes count SAFETY times and are part of the response's error. Afterwards what is left out is added
@@ -200,7 +198,7 @@ def adapt_without(
     whole = Tolerance(tolerance, tolerance)
     names, predicted = _chosen(brake, SHARE * tolerance, respond)
     if not names:
-        return adapt(brake, whole, respond, soft=soft, cache=cache).response
+        return adapt(brake, whole, respond, cache=cache).response
     simple = simplified(brake, names)
     along = steps(simple, respond, cache)
 
@@ -211,18 +209,18 @@ def adapt_without(
     try:
         first = next(along)
         if _size(seen_on(*first)) > tolerance:  # the sketch did not resolve the contact
-            return adapt(brake, whole, respond, soft=soft, cache=cache).response
+            return adapt(brake, whole, respond, cache=cache).response
         left = Tolerance(*[tolerance - _size(predicted)] * 2)
-        scene, found = adapt(simple, left, respond, soft=soft, cache=cache, along=chain([first], along))
+        scene, found = adapt(simple, left, respond, cache=cache, along=chain([first], along))
         seen = seen_on(scene, found)
     except NoAnswer:  # of the simpler brake, or of the whole one: then it says so itself
-        return adapt(brake, whole, respond, soft=soft, cache=cache).response
+        return adapt(brake, whole, respond, cache=cache).response
     largest = Change(*map(max, predicted, seen))
     more = {"pressure": largest.pressure, "torque": largest.each, "peak": largest.peak, "reaction": largest.reaction}
     shoes = tuple(replace(shoe, error=_with(shoe.error, more)) for shoe in found.shoes)
     error = _with(found.error, more | {"torque": largest.shoes})
     if not max(error["pressure"], error["torque"]) <= tolerance:
-        return adapt(brake, whole, respond, soft=soft, cache=cache).response
+        return adapt(brake, whole, respond, cache=cache).response
     lines = [
         f"{' and '.join(names)}: taken as rigid, predicted to change torque by at most {predicted.shoes:.1e}, "
         f"p by {predicted.pressure:.1e} (L2); on the final mesh {seen.shoes:.1e} and {seen.pressure:.1e}"

@@ -21,8 +21,6 @@ from drumlin.response.balance import balance_of, loaded, worst
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
-SOFT = 6.0  # times one over the penalty: the relative error of p that it makes in 9 of 10 random brakes
-
 UNSAID = 1e-8  # by how much the balance of p(theta) may be worse than the nodal one without a word
 
 
@@ -55,9 +53,9 @@ def solve(
     if tolerance is not None and kind is not None:  # a studied method
         found = adapt_meshes(own, tolerance, answer, kind)
     elif tolerance is not None:
-        found = adapt_without(own, tolerance, answer, SOFT / penalty, cache)
+        found = adapt_without(own, tolerance, answer, cache)
     elif _levelled(own, elements, kind):
-        found = adapt(own, DEFAULT, answer, must=False, soft=SOFT / penalty, cache=cache).response
+        found = adapt(own, DEFAULT, answer, must=False, cache=cache).response
     else:
         found = answer(scene_of(own, elements=elements, kind=kind, cache=cache), own)
     if isinstance(brake, Brake):

@@ -45,6 +45,17 @@ class Deformation(NamedTuple):
     z: Floats
 
 
+class Softness(NamedTuple):
+    """The parts of a shoe's `pressure` (L2, outside EDGE_ZONE at the lining's ends) and `torque` by which the
+    contact's penalty changes them; 0 of exact contact."""
+
+    pressure: float
+    torque: float
+
+
+EXACT = Softness(0.0, 0.0)
+
+
 class Surface(NamedTuple):
     """The pressure over arc and width: `pressure` (n, m) [Pa] at the response's angles and at `z` (m,) [m] off the
     mid-plane, growing; between these quadratic in z over every two steps."""
@@ -69,8 +80,8 @@ class ShoeResponse:
     a law lumps them at one point or a model in sectors: else they are the integrals of the pressure.
     `deformation` of beam and ring, of the foundation model. `surface` of a solid: its `pressure` is then the mean over
     the width, in `peak_pressure` too. `error`: estimated relative errors "pressure" (L2 outside
-    the edge zones), "torque", "peak" and "reaction", None where nothing was estimated; `softness` the part of the
-    torque by which the contact's penalty changes it.
+    the edge zones), "torque", "peak" and "reaction", None where nothing was estimated; `softness`: what the contact's
+    penalty changes.
 
     Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
     """
@@ -94,7 +105,7 @@ class ShoeResponse:
     deformation: Deformation | None = None
     surface: Surface | None = None
     error: Mapping[str, float] | None = None
-    softness: float = 0.0
+    softness: Softness = EXACT
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""

@@ -7,15 +7,16 @@ from level to level, then d_k >= e_(k-1) - e_k = (r - 1) e_k, so that
 
 of the first step, which shows no r, e_1 <= `first` d_1. On random brakes of every kind e_k / d_k has the median 0.15
 and is below 0.3 to 0.5 in 95 %: errors fall by a factor of 4 to 8. Where d is small by chance, as the difference of two
-numbers may be, what was estimated before counts, less the factor `fastest`, and a share of the error of p. The factors
-come from those brakes, against finer levels (`RULES`). To all are added what the elimination has lost and what the
-contact's penalty changes, p by `soft`, forces as its torque by `ShoeResponse.softness`.
+numbers may be, what was estimated before counts, less the factor `fastest`, a share of the error of p, and for the
+torque one of the reaction's: both are resultants of p. The factors come from those brakes, against finer levels
+(`RULES`). To all are added what the elimination has lost and what the contact's penalty changes, p and torque by
+`ShoeResponse.softness`.
 """
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +30,7 @@ from drumlin.fem.hp.division import FINEST
 from drumlin.fem.hp.levels import Respond, Step, steps
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import EDGE_ZONE, Response, ShoeResponse
+from drumlin.response.resultants import largest
 
 SLOWEST = 1.3  # factor by which errors fall from level to level at least, where they do not stay
 
@@ -37,7 +39,7 @@ class Rule(NamedTuple):
     """How an error is estimated, see above: least parts of the `first` step and of `later` ones that it may be,
     `corner` of the first where a block stands on a beam or a grip holds a back, as their corners slow forces down;
     `fastest`; `share_first` and `share` of the error of p that it is at least, on two levels and on more; `yielding`:
-    times the softness that it is at least, 0 where the softness is that of p."""
+    times the softness, that of p for p and its peak, else that of the torque, that is added."""
 
     first: float
     corner: float
@@ -49,15 +51,16 @@ class Rule(NamedTuple):
 
 
 RULES = {
-    "pressure": Rule(first=0.58, corner=0.58, later=0.54, fastest=30, share_first=0, share=0, yielding=0),
+    "pressure": Rule(first=0.58, corner=0.58, later=0.54, fastest=30, share_first=0, share=0, yielding=1),
     "torque": Rule(first=0.6, corner=1.0, later=0.4, fastest=30, share_first=6e-4, share=1.1e-3, yielding=1.5),
-    "peak": Rule(first=0.3, corner=0.3, later=0.2, fastest=70, share_first=1.14, share=0.74, yielding=0),
+    "peak": Rule(first=0.3, corner=0.3, later=0.2, fastest=70, share_first=1.14, share=0.74, yielding=1),
     "reaction": Rule(first=0.6, corner=0.8, later=0.4, fastest=30, share_first=3.5e-3, share=3.4e-3, yielding=4),
 }
 """Of 187 random brakes of 11 kinds: no more than 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often."""
 FASTEST = 12.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
 LEAST_REACTION = 1.7  # with such a corner, times the error of the torque: a guide's reaction moves late
+LEAST_TORQUE = 0.25, 0.1  # times the error of the reaction, on two levels and on more
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 ROUND_OFF = 10.0  # times what the elimination has lost of a unit force: what that may be in p
 
@@ -78,15 +81,13 @@ def adapt(
     respond: Respond,
     *,
     must: bool = True,
-    soft: float = 0.0,
     cache: Cache | None = None,
     along: Iterable[Step] | None = None,
 ) -> Step:
     """The response whose estimated errors are within the tolerance, on its scene.
 
-    soft: the relative error of p that a finite penalty makes; cache: see `scene`; along: the steps, where some are
-    there already. Raises NoAnswer, saying what was reached, where the levels do not suffice, unless it need not be;
-    BadInput for a brake with a mesh file.
+    cache: see `scene`; along: the steps, where some are there already. Raises NoAnswer, saying what was reached, where
+    the levels do not suffice, unless it need not be; BadInput for a brake with a mesh file.
     """
     responses: list[Response] = []
     error = Errors({}, ())
@@ -99,7 +100,7 @@ def adapt(
             unknowns = max(body.unknowns for body in scene.bodies)
             if len(responses) > 1:
                 lost = max(body.condensed.lost for body in scene.bodies)
-                error, unseen = _seen(estimate(responses, ROUND_OFF * lost, soft, corner=corner), brake, found)
+                error, unseen = _seen(estimate(responses, ROUND_OFF * lost, corner=corner), brake, found)
                 if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
                     return Step(scene, _final(responses, error, unknowns, ""))
                 if unseen:
@@ -125,36 +126,43 @@ class Errors(NamedTuple):
     shoes: tuple[Mapping[str, float], ...]
 
 
-def estimate(responses: Sequence[Response], lost: float = 0.0, soft: float = 0.0, *, corner: bool = False) -> Errors:
+def estimate(responses: Sequence[Response], lost: float = 0.0, *, corner: bool = False) -> Errors:
     """Upper values of the errors of the last of the responses, each on a finer level than the one before.
 
-    lost, soft: by round-off, and of p by the penalty, where there is contact; corner: see Rule.
+    lost: by round-off; corner: see Rule.
     """
-    rules = [RULES[name] for name in ("torque", *QUANTITIES * len(responses[-1].shoes))]
+    last = responses[-1]
+    rules = [RULES[name] for name in ("torque", *QUANTITIES * len(last.shoes))]
     first, on_corner, later, fastest, share_first, share, yielding = np.array(rules).T
     series = np.array([distances(a, b) for a, b in pairwise(responses)])  # (steps, quantities)
     found = (on_corner if corner else first) * series[0]
     slow = np.minimum(fastest, FASTEST) if corner else fastest
-    for before, last in pairwise(series):
-        falls = np.maximum(before / np.maximum(last, np.finfo(float).tiny), SLOWEST)
-        found = np.maximum(np.maximum(later, 1 / (falls - 1)) * last, found / slow)
+    for before, now in pairwise(series):
+        falls = np.maximum(before / np.maximum(now, np.finfo(float).tiny), SLOWEST)
+        found = np.maximum(np.maximum(later, 1 / (falls - 1)) * now, found / slow)
     own = found[1 :: len(QUANTITIES)]  # of p
     own = np.array([own.max(), *np.repeat(own, len(QUANTITIES))])
-    least = (share_first if len(series) == 1 else share) * own
-    softness = np.array([shoe.softness for shoe in responses[-1].shoes])
-    softness = np.array([softness.max(), *np.repeat(softness, len(QUANTITIES))])
-    floor = lost + np.where(yielding > 0, yielding * softness, soft)
-    found = np.where(found > 0, np.maximum(found, least) + floor, found)
-    count = len(responses[-1].shoes)
-    by_shoe = found[1:].reshape(count, -1)
-    torque, reaction = (QUANTITIES.index(name) for name in ("torque", "reaction"))
+    two = len(series) == 1
+    least = (share_first if two else share) * own
+    soft = [(of.pressure, of.torque, of.pressure, of.torque) for of in (shoe.softness for shoe in last.shoes)]
+    softness = np.array([max(of[1] for of in soft), *chain(*soft)])
+    found = np.where(found > 0, np.maximum(found, least) + lost + yielding * softness, found)
+    by_shoe = dict(zip(QUANTITIES, found[1:].reshape(len(last.shoes), -1).T, strict=True))
+    parts = np.array([shoe.torque for shoe in last.shoes]) / (last.torque or 1.0)
+    least = np.where(parts > 0, LEAST_TORQUE[0 if two else 1] * by_shoe["reaction"], 0.0)
+    by_shoe["torque"] = np.maximum(by_shoe["torque"], least)
     if corner:
-        by_shoe[:, reaction] = np.maximum(by_shoe[:, reaction], LEAST_REACTION * by_shoe[:, torque])
-    for shoe, own in zip(responses[-1].shoes, by_shoe, strict=True):
-        if shoe.pressure.any() and math.isclose(shoe.peak_pressure, max(shoe.pressure[0], shoe.pressure[-1])):
-            own[QUANTITIES.index("peak")] = 1.0  # at an end of the lining, where p is unbounded
-    shoes = [dict(zip(QUANTITIES, row.tolist(), strict=True)) for row in by_shoe]
-    return _errors(float(found[0]), shoes)
+        by_shoe["reaction"] = np.maximum(by_shoe["reaction"], LEAST_REACTION * by_shoe["torque"])
+    by_shoe["peak"] = np.where([_cornered(shoe) for shoe in last.shoes], 1.0, by_shoe["peak"])
+    shoes = [dict(zip(by_shoe, row, strict=True)) for row in np.array(list(by_shoe.values())).T.tolist()]
+    return _errors(max(float(found[0]), float(parts @ least)), shoes)
+
+
+def _cornered(shoe: ShoeResponse) -> bool:
+    """Whether p is largest in a column at an end of the lining that is pressed: there it is unbounded."""
+    theta, p, order = shoe.theta, shoe.pressure, shoe.order
+    ends = [part for end, part in ((0, slice(order + 1)), (-1, slice(-order - 1, None))) if p[end] > 0]
+    return any(math.isclose(largest(theta[part], p[part], order), shoe.peak_pressure) for part in ends)
 
 
 def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
