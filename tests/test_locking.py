@@ -15,6 +15,8 @@ from drumlin.contact.self_locking import Sliding, limit
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import prepare
 from drumlin.fem.group import ShoeGroup, groups_of
+from drumlin.fem.hp import scene as hp
+from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.model import respond
 from drumlin.fem.self_locking import limits, torques
 from drumlin.fem.solve import solve
@@ -127,15 +129,22 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
             respond(scene, vary(brake, {"friction": beyond * end.friction}), penalty=math.inf)
 
 
-def test_beyond_the_limit_an_answer_that_stands_apart_is_refused():
-    """Twice and three times beyond the limit of this brake contact on its lining's end alone is in equilibrium."""
+def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
+    """A dent in this lining lets the contact leap: other answers are in equilibrium beyond, up to mu = 1.269 and again
+    on the lining's end alone. Nothing leads to them, however long the steps of friction that would leap too."""
     brake = random_brake(37, "locking")
-    scene = prepare(brake, elements=16)
-    problems = ShoeGroup(scene, brake, (0,)).sliding
-    end = self_locking.limit(problems).friction
-    assert active_set.settle(problems.at(2 * end)).regular
-    with pytest.raises(NoAnswer, match=f"up to mu_lock = {end:.4g}"):
-        respond(scene, vary(brake, {"friction": 2 * end}), penalty=math.inf)
+    scenes = prepare(brake, elements=16), hp.scene(brake, LEVELS[2]), prepare(brake, elements=64)
+    ends = []
+    for scene in scenes:
+        problems = ShoeGroup(scene, brake, (0,)).sliding
+        end = self_locking.limit(problems)
+        assert end.bounded
+        ends.append(end.friction)
+    assert max(ends) < 1.01 * min(ends)
+    for beyond in (0.84, 1.0, 2.54):
+        assert active_set.settle(problems.at(beyond)).regular
+        with pytest.raises(NoAnswer, match=f"up to mu_lock = {end.friction:.4g}"):
+            self_locking.answer(problems.at, beyond, law=1.18, brake="")
 
 
 def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexible, monkeypatch):

@@ -9,7 +9,8 @@ bound where K0 + mu K1 is singular: at an eigenvalue of the pencil, the smallest
 set changes on the way there, and so does the eigenvalue: the answer is followed from mu = 0, and the limit is the
 eigenvalue of a set that holds right up to it. It does not depend on force or clearance then, which nothing keeps
 beside pressures without bound. Else the answer ends where it turns back: at a change of the contact set beyond which
-the determinant has the other sign.
+the determinant has the other sign. Other answers may stand beyond, to which the contact would leap: so a step over
+which the set changes is short enough that pressures grow by less than QUIET of themselves.
 """
 
 from collections.abc import Callable
@@ -26,7 +27,7 @@ from drumlin.errors import NoAnswer
 LARGEST = 1e3  # friction coefficient up to which a limit is looked for
 STEP = 0.05  # largest step of mu; above mu = 1 relative to it
 CLOSE = 1e-8  # relative distance from an eigenvalue at which the contact set must hold
-QUIET = 0.5  # growth of pressure with the second half of friction; up to half of the limit there is no more
+QUIET = 0.5  # growth of pressure over a step of friction; with the second half of it, up to half of the limit no more
 LARGE = 600  # nodes above which the answer is followed on every other one
 LIKE = 0.1  # of the pressures in the norm of their work: of two meshes of one answer 0.004, of two answers 0.7
 RESOLUTION = 1e-12  # relative, of a limit where the answer turns back
@@ -78,7 +79,7 @@ def limit(sliding: Sliding, most: float = LARGEST, known: tuple[float, Contact] 
         steps += 1
         target = min(mu + reach, most)
         after = _reached(sliding, target, found.active)
-        if after is not None:
+        if after is not None and (np.array_equal(after.active, found.active) or _quiet(after, found)):
             found, mu, reach = after, target, min(2 * reach, STEP * max(1.0, mu))
             continue
         if not np.array_equal(of, found.active):
@@ -180,9 +181,9 @@ def _sure(problem_at: Callable[[float], Problem], friction: float, found: Contac
         return False
 
 
-def _quiet(found: Contact, half: Contact) -> bool:
-    """Whether pressures have grown by less than QUIET since half of the friction."""
-    return half.regular and float(found.p.sum()) <= (1 + QUIET) * float(half.p.sum())
+def _quiet(found: Contact, before: Contact) -> bool:
+    """Whether pressures have grown by less than QUIET since the answer at less friction."""
+    return before.regular and float(found.p.sum()) <= (1 + QUIET) * float(before.p.sum())
 
 
 def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
