@@ -271,8 +271,17 @@ def test_meshes_of_every_kind_are_written_and_solved(tmp_path, suffix):
     ]
     assert torques[0] == torques[1]
     assert "torque" in torques[0]
+    refused = drumlin("solve", tmp_path / "filed.toml", "--elements", 40)
+    assert refused.returncode == 2 and "--elements = 40: all shoes have mesh files" in refused.stderr
     again = drumlin("mesh", tmp_path / "filed.toml", "--output", tmp_path, "--name", "brake", "--format", suffix)
     assert again.returncode == 2 and "must not be written over" in again.stderr
+
+
+def test_meshes_stay_in_their_folder(tmp_path):
+    (tmp_path / "in").mkdir()
+    done = drumlin("mesh", STUDY / "brake.toml", "--output", tmp_path / "in", "--name", "../x", "--elements", 9)
+    assert done.returncode == 2 and "--name = '../x': must be a word without folders" in done.stderr
+    assert [path.name for path in tmp_path.rglob("*")] == ["in"]
 
 
 def test_no_output_is_written_over_a_brake_file(tmp_path):

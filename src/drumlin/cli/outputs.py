@@ -49,6 +49,8 @@ def mesh(
     from drumlin.fem.mesh.file import write_mesh
     from drumlin.files import check_outputs
 
+    if name is not None and Path(name).name != name:
+        raise BadInput(f"--name = {name!r}: must be a word without folders; --output names the folder")
     brake = on_drum(read_any(brake_file))
     paths = [output / f"{name or brake_file.stem}_{shoe.name}.{suffix}" for shoe in brake.shoes]
     check_outputs(*paths)

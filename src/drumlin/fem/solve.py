@@ -50,6 +50,9 @@ def solve(
     if tolerance is not None and elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
     own, answer = on_drum(brake), partial(respond, penalty=penalty)
+    for key, value in (("elements", elements), ("kind", kind)):
+        if value is not None and all(shoe.mesh for shoe in own.shoes):
+            raise BadInput(f"--{key} = {value}: all shoes have mesh files, whose elements stay as they are")
     if tolerance is not None and kind is not None:  # a studied method
         found = adapt_meshes(own, tolerance, answer, kind)
     elif tolerance is not None:
