@@ -50,12 +50,25 @@ def angle_near(middle: float, xy: Floats) -> Floats:
 
 def shape(order: int, xi: Floats) -> Floats:
     """Lagrange shape functions of degree `order` on the nodes `lobatto` at xi (any shape): (order + 1, *xi.shape)."""
-    rows = np.ones((order + 1, *np.shape(xi)))  # Legendre's polynomials, by their recurrence
+    rows = _legendre(order, xi)
+    return (_coefficients(order).T @ rows.reshape(order + 1, -1)).reshape(rows.shape)
+
+
+def _legendre(order: int, xi: Floats) -> Floats:
+    """Legendre's polynomials up to a degree at xi (any shape), by their recurrence: (order + 1, *xi.shape)."""
+    rows = np.ones((order + 1, *np.shape(xi)))
     if order > 0:
         rows[1] = xi
     for i in range(1, order):
         rows[i + 1] = ((2 * i + 1) * rows[1] * rows[i] - i * rows[i - 1]) / (i + 1)
-    return (_coefficients(order).T @ rows.reshape(order + 1, -1)).reshape(rows.shape)
+    return rows
+
+
+@cache
+def _integrals(order: int) -> Floats:
+    """Coefficients in Legendre's polynomials of the integrals of the shape functions from -1 on: a row each,
+    (order + 1, order + 2)."""
+    return np.ascontiguousarray(legendre.legint(_coefficients(order), lbnd=-1).T)
 
 
 def slopes(order: int, xi: Floats) -> Floats:
@@ -126,15 +139,17 @@ def edge_left_out(theta: Floats, pressure: Floats, order: int, zone: float) -> f
 
 def part_inside(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
     """The part of the force that is borne more than `zone` [rad] from the lining's ends."""
+    if 2 * zone >= theta[-1] - theta[0]:
+        return 0.0
     ends, pieces = theta[::order], by_piece(pressure, order)
-    whole = pieces @ at_gauss(order)[0] @ WEIGHTS * 0.5 * np.diff(ends)
-    low, high = np.maximum(ends[:-1], theta[0] + zone), np.minimum(ends[1:], theta[-1] - zone)
-    inside = np.where(high > low, whole, 0.0)
-    for k in ((high > low) & ((low > ends[:-1]) | (high < ends[1:]))).nonzero()[0]:  # cut by the end of a zone
-        half = 0.5 * (high[k] - low[k])
-        xi = (low[k] + high[k] + 2 * half * GAUSS - ends[k] - ends[k + 1]) / (ends[k + 1] - ends[k])
-        inside[k] = half * (pieces[k] @ shape(order, xi) @ WEIGHTS)
-    return float(inside.sum() / (whole.sum() or 1.0))
+    half = 0.5 * (ends[1:] - ends[:-1])
+    up_to = np.zeros(len(ends))
+    np.cumsum(half * (pieces @ (at_gauss(order)[0] @ WEIGHTS)), out=up_to[1:])
+    at = np.array([theta[0] + zone, theta[-1] - zone])
+    k = np.minimum(ends.searchsorted(at, side="right"), len(half)) - 1  # the pieces in which the zones end
+    within = pieces[k] @ _integrals(order) * _legendre(order + 1, (at - ends[k]) / half[k] - 1).T
+    first, last = up_to[k] + half[k] * within.sum(axis=1)
+    return float((last - first) / (up_to[-1] or 1.0))
 
 
 def integrate(theta: Floats, values: Floats, order: int) -> float:
