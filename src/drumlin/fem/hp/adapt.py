@@ -131,31 +131,36 @@ def estimate(responses: Sequence[Response], lost: float = 0.0, *, corner: bool =
 
     lost: by round-off; corner: see Rule.
     """
-    last = responses[-1]
-    rules = [RULES[name] for name in ("torque", *QUANTITIES * len(last.shoes))]
-    first, on_corner, later, fastest, share_first, share, yielding = np.array(rules).T
-    series = np.array([distances(a, b) for a, b in pairwise(responses)])  # (steps, quantities)
-    found = (on_corner if corner else first) * series[0]
-    slow = np.minimum(fastest, FASTEST) if corner else fastest
-    for before, now in pairwise(series):
-        falls = np.maximum(before / np.maximum(now, np.finfo(float).tiny), SLOWEST)
-        found = np.maximum(np.maximum(later, 1 / (falls - 1)) * now, found / slow)
+    last, only = responses[-1], len(responses) == 2
+    rules = np.array([RULES[name] for name in ("torque", *QUANTITIES * len(last.shoes))])
+    found = _from_steps(np.array([distances(a, b) for a, b in pairwise(responses)]), rules, corner=corner)
     own = found[1 :: len(QUANTITIES)]  # of p
     own = np.array([own.max(), *np.repeat(own, len(QUANTITIES))])
-    two = len(series) == 1
-    least = (share_first if two else share) * own
     soft = [(of.pressure, of.torque, of.pressure, of.torque) for of in (shoe.softness for shoe in last.shoes)]
     softness = np.array([max(of[1] for of in soft), *chain(*soft)])
+    share_first, share, yielding = rules[:, 4:].T
+    least = (share_first if only else share) * own
     found = np.where(found > 0, np.maximum(found, least) + lost + yielding * softness, found)
     by_shoe = dict(zip(QUANTITIES, found[1:].reshape(len(last.shoes), -1).T, strict=True))
     parts = np.array([shoe.torque for shoe in last.shoes]) / (last.torque or 1.0)
-    least = np.where(parts > 0, LEAST_TORQUE[0 if two else 1] * by_shoe["reaction"], 0.0)
+    least = np.where(parts > 0, LEAST_TORQUE[0 if only else 1] * by_shoe["reaction"], 0.0)
     by_shoe["torque"] = np.maximum(by_shoe["torque"], least)
     if corner:
         by_shoe["reaction"] = np.maximum(by_shoe["reaction"], LEAST_REACTION * by_shoe["torque"])
     by_shoe["peak"] = np.where([_cornered(shoe) for shoe in last.shoes], 1.0, by_shoe["peak"])
     shoes = [dict(zip(by_shoe, row, strict=True)) for row in np.array(list(by_shoe.values())).T.tolist()]
     return _errors(max(float(found[0]), float(parts @ least)), shoes)
+
+
+def _from_steps(series: Floats, rules: Floats, *, corner: bool) -> Floats:
+    """Errors (q,) that the steps (k, q) of a series tell of, by their rules (q, 7)."""
+    first, on_corner, later, fastest = rules[:, :4].T
+    found = (on_corner if corner else first) * series[0]
+    slow = np.minimum(fastest, FASTEST) if corner else fastest
+    for before, last in pairwise(series):
+        falls = np.maximum(before / np.maximum(last, np.finfo(float).tiny), SLOWEST)
+        found = np.maximum(np.maximum(later, 1 / (falls - 1)) * last, found / slow)
+    return np.asarray(found)
 
 
 def _cornered(shoe: ShoeResponse) -> bool:
