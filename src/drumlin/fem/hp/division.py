@@ -20,6 +20,8 @@ from drumlin.brake.drum_brake import Shoe
 from drumlin.response.response import EDGE_ZONE
 
 FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: smaller ones lose too many digits
+FADES, COARSEST = 1.5, 0.6  # power of the distance by which corners beyond a short contact are divided more coarsely,
+# up to this part of a length
 SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
 
@@ -122,6 +124,15 @@ def graded(length: float, left: float, right: float, ratio: float, largest: floa
     return [*first, *[rest / count] * count, *last[::-1]]
 
 
+def faded(part: float, distance: float) -> float:
+    """The part of a length to which a corner is divided, at a distance from the contact in lengths of the contact.
+
+    Stresses fall as the inverse distance beyond a short contact, and what a corner adds to the error with their square.
+    In powers of two, as the columns at the ends of the contact: see `_mark`.
+    """
+    return max(part, min(COARSEST, part * 2.0 ** math.floor(FADES * math.log2(max(distance, 1.0)))))
+
+
 def ends_of(sizes: Sequence[float], start: float, end: float) -> Floats:
     """Where pieces of these sizes from start on end; the last one at `end`."""
     return np.append(start + np.concatenate([[0.0], np.cumsum(sizes[:-1])]), end)
@@ -146,16 +157,20 @@ def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
 
 def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()) -> Division:
     """The division of a shoe. `places`, growing: where the pressure is not smooth; it may be unbounded at a kink of the
-    gap. An end of the lining that is known to bear nothing is graded as the ends of other layers."""
+    gap. An end of the lining that is known to bear nothing is graded as the ends of other layers, all of them more
+    coarsely beyond a contact that is short, see `faded`."""
     start, end = shoe.arc
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
     contact = [x for x, _, kink in places if not kink] or [start, end]
-    beyond = contact[0] - start, end - contact[-1]
     least, reached = FINEST * t, _reached(start, end, places)
+    pressed = max((max(size, least) for _, size, kink in places if not kink), default=end - start)
+    if isinstance(shoe.body, Beam):  # bent, its corners feel a force from afar
+        pressed = end - start
+    beyond = contact[0] - start, end - contact[-1]
     left, right = (
-        min(max(scale, level.back * min(t, x)), max(level.edge * length, least))
+        min(max(scale, faded(level.back, x / pressed) * min(t, x)), max(level.edge * length, least))
         for x, length in zip(beyond, reached, strict=True)
     )
     marks = _marks(
@@ -187,6 +202,7 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
         layers,
         level,
         radius * min(max(level.face * min(t, end - start, *reached), least), level.zone * EDGE_ZONE),
+        radius * pressed,
         straight=isinstance(shoe.body, Beam),
     )
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
@@ -235,13 +251,16 @@ def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float,
     return near, far
 
 
-def _depths(layers: list[Layer], level: Level, face: float, *, straight: bool) -> tuple[Floats, tuple[str, ...]]:
+def _depths(
+    layers: list[Layer], level: Level, face: float, pressed: float, *, straight: bool
+) -> tuple[Floats, tuple[str, ...]]:
     depths, part, at = [np.zeros(1)], [], 0.0
+    deep = np.cumsum([layer.thickness for layer in layers]) / pressed
     for k, layer in enumerate(layers):
         t = layer.thickness
-        outer = face if k == 0 else level.back * min(t, layers[k - 1].thickness)
-        inner = level.back * (min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t)  # the last one is held
-        if layer.part == "shoe":
+        outer = face if k == 0 else faded(level.back, deep[k - 1]) * min(t, layers[k - 1].thickness)
+        inner = faded(level.back, deep[k]) * (min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t)
+        if layer.part == "shoe":  # the last layer is held
             inner = level.hinge * t
         sizes = graded(t, outer, inner, level.through, t)
         ends = ends_of(sizes, 0.0, t)[1:]
