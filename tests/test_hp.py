@@ -18,6 +18,7 @@ from drumlin.fem.body import FRAME, condense
 from drumlin.fem.fields import fields, ring_fields
 from drumlin.fem.group import groups_of
 from drumlin.fem.holding import full_slip_rotation, hold
+from drumlin.fem.hp import division
 from drumlin.fem.hp.adapt import DEFAULT, adapt, estimate
 from drumlin.fem.hp.arc import arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack, turned
@@ -34,6 +35,7 @@ from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import largest, lobatto
 from drumlin.sweeps.cases import Case, solved
+from drumlin.verification.random_brake import random_brake
 from drumlin.wear.worn_in import solve as solve_worn_in
 
 STEEL = Material(E=210e9, nu=0.3)
@@ -312,6 +314,19 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
     assert a == pytest.approx(math.sqrt(4 * N / (math.pi * E * relative)), rel=0.02)
     assert shoe.peak_pressure == pytest.approx(2 * N / (math.pi * a), rel=5e-3)
     assert response.error["pressure"] <= 1e-3
+
+
+def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypatch):
+    """Divided as finely as those near it they are a third of the unknowns and move p by less than its level's error."""
+    brake, found = random_brake(5, "small contact"), []
+    for power in (division.FADES, 0.0):
+        monkeypatch.setattr(division, "FADES", power)
+        found.append([step for step, _ in zip(steps(brake, respond), range(4), strict=False)])
+    (*_, before, last), (*_, fine) = found
+    assert last.scene.bodies[0].unknowns < 0.8 * fine.scene.bodies[0].unknowns
+    step = pressure_distance(before.response.shoes[0], last.response.shoes[0])
+    assert pressure_distance(last.response.shoes[0], fine.response.shoes[0]) < 0.1 * step
+    assert last.response.torque == pytest.approx(fine.response.torque, rel=1e-7)
 
 
 @pytest.mark.slow
