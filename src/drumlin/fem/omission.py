@@ -7,6 +7,7 @@ it goes as the ratio of stiffnesses; but contact may also open or close, and not
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
 from typing import Any, NamedTuple
@@ -195,10 +196,26 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond, cache: assem
     solved again with everything.
     """
     check_tolerance(brake, tolerance)
-    whole = Tolerance(tolerance, tolerance)
     names, predicted = _chosen(brake, SHARE * tolerance, respond)
-    if not names:
-        return adapt(brake, whole, respond, cache=cache).response
+    like: Response | None = None
+    if names:
+        with suppress(NoAnswer):  # of the simpler brake, or of the whole one: then it says so itself
+            like, within = _without(brake, names, predicted, tolerance, respond, cache)
+            if within:
+                return like
+    along = steps(brake, respond, cache, like=like)
+    return adapt(brake, Tolerance(tolerance, tolerance), respond, along=along).response
+
+
+def _without(
+    brake: Brake,
+    names: Sequence[str],
+    predicted: Change,
+    tolerance: float,
+    respond: Respond,
+    cache: assembly.Cache | None,
+) -> tuple[Response, bool]:
+    """The response of a brake without `names`, and whether its error stays within the tolerance."""
     simple = simplified(brake, names)
     along = steps(simple, respond, cache)
 
@@ -206,27 +223,25 @@ def adapt_without(brake: Brake, tolerance: float, respond: Respond, cache: assem
         shortest = min((b - a for shoe in found.shoes for a, b in shoe.contact_arcs), default=math.tau)
         return change(found, respond(with_closed_forms(scene, brake, shortest), brake, start=found))
 
-    try:
-        first = next(along)
-        if _size(seen_on(*first)) > tolerance:  # the sketch did not resolve the contact
-            return adapt(brake, whole, respond, cache=cache).response
-        left = Tolerance(*[tolerance - _size(predicted)] * 2)
-        scene, found = adapt(simple, left, respond, cache=cache, along=chain([first], along))
-        seen = seen_on(scene, found)
-    except NoAnswer:  # of the simpler brake, or of the whole one: then it says so itself
-        return adapt(brake, whole, respond, cache=cache).response
+    first = next(along)
+    if _size(seen_on(*first)) > tolerance:  # the sketch did not resolve the contact
+        return first.response, False
+    left = Tolerance(*[tolerance - _size(predicted)] * 2)
+    scene, found = adapt(simple, left, respond, along=chain([first], along))
+    seen = seen_on(scene, found)
     largest = Change(*map(max, predicted, seen))
     more = {"pressure": largest.pressure, "torque": largest.each, "peak": largest.peak, "reaction": largest.reaction}
     shoes = tuple(replace(shoe, error=_with(shoe.error, more)) for shoe in found.shoes)
     error = _with(found.error, more | {"torque": largest.shoes})
-    if not max(error["pressure"], error["torque"]) <= tolerance:
-        return adapt(brake, whole, respond, cache=cache).response
     lines = [
         f"{' and '.join(names)}: taken as rigid, predicted to change torque by at most {predicted.shoes:.1e}, "
         f"p by {predicted.pressure:.1e} (L2); on the final mesh {seen.shoes:.1e} and {seen.pressure:.1e}"
     ]
     kept = [line for line in found.left_out if line not in assembly.lacking(simple)]
-    return replace(found, error=error, shoes=shoes, left_out=(*kept, *assembly.lacking(brake), *lines))
+    left_out = (*kept, *assembly.lacking(brake), *lines)
+    return replace(found, error=error, shoes=shoes, left_out=left_out), max(
+        error["pressure"], error["torque"]
+    ) <= tolerance
 
 
 def _with(error: Mapping[str, float] | None, more: Mapping[str, float]) -> dict[str, float]:

@@ -18,6 +18,7 @@ from drumlin.response.response import Response, ShoeResponse
 
 MOST_KINKS = 12  # a table of clearances with more rows, such as that of a worn lining, is a curve
 SEEN = 1e-3  # of the length of its contact that an opening must be to be a place
+FEW = 2  # nodes that a contact must have more of
 DIGITS = 20  # binary ones of an end of the contact
 
 
@@ -35,7 +36,7 @@ def places_of(brake: Brake, response: Response | None, alike: Sequence[int] = ()
 
 def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     (start, end), frame = shoe.arc, shoe.frame
-    arcs = [] if response is None else [sorted(frame.phis(arc)) for arc in response.contact_arcs]
+    arcs = [] if response is None else _arcs(shoe, response)
     kinks = frame.phis(clearance.kinks(shoe.lining))
     kinks = [x for x in kinks if start < x < end] if len(kinks) <= MOST_KINKS else []
     # Where nothing presses, or nearly, a kink is nothing; but within a column a block's step would swing beyond itself.
@@ -47,6 +48,20 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
         found += [(first, last - first, False), (last, last - first, False)]
     if response is not None:
         found += [(_rounded(x, length), length, False) for x, length in _hidden(shoe, response, arcs)]
+    return found
+
+
+def _arcs(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
+    """Where the lining is pressed. One end is beside the last node that presses, so what FEW nodes press is likely
+    shorter: half of that, about these."""
+    phi, p, found = shoe.frame.phi(response.theta), response.pressure, []
+    for arc in response.contact_arcs:
+        a, b = sorted(shoe.frame.phis(arc))
+        on = (p > 0) & (phi >= a) & (phi <= b)
+        if np.count_nonzero(on) <= FEW:
+            middle = float(phi[on] @ p[on] / p[on].sum())
+            a, b = 0.5 * (a + middle), 0.5 * (b + middle)
+        found.append([a, b])
     return found
 
 
