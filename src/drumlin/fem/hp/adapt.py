@@ -60,7 +60,7 @@ RULES = {
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often."""
 FASTEST = 12.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
 LEAST_REACTION = 1.7  # with such a corner, times the error of the torque: a guide's reaction moves late
-LEAST_TORQUE = 0.25, 0.05  # times the error of the reaction, on two levels and on more
+LEAST_TORQUE = 0.25, 0.05  # times the error of the reaction, on two levels and on more: of 500 other brakes, see RULES
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 ROUND_OFF = 10.0  # times what the elimination has lost of a unit force: what that may be in p
 
