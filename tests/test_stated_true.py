@@ -89,12 +89,12 @@ def test_an_estimate_follows_what_is_observed_and_distrusts_what_is_lucky(brake)
     """Torques 1 + c r^-k: at least the true error c r^-k / (r - 1) of the last, however slowly they fall."""
     response = solve(brake, elements=10)
 
-    def stated(*torques, softness=0.0, corner=False, soft=0.0):
+    def stated(*torques, softness=0.0, corner=False, soft=0.0, lost=0.0):
         series = [
             replace(response, shoes=tuple(replace(s, torque=s.torque * t, softness=softness) for s in response.shoes))
             for t in torques
         ]
-        return estimate(series, soft=soft, corner=corner).brake
+        return estimate(series, lost, soft, corner=corner).brake
 
     rule = RULES["torque"]
     for r in (1.4, 2.0, 5.0, 20.0):
@@ -110,6 +110,17 @@ def test_an_estimate_follows_what_is_observed_and_distrusts_what_is_lucky(brake)
     yielding = stated(1.001, 1.0, softness=1e-3, soft=1.0)
     assert yielding["torque"] == pytest.approx(rule.first * 1e-3 + rule.yielding * 1e-3)
     assert yielding["pressure"] == 0.0  # which does not differ at all
+    assert stated(1.001, 1.0, lost=2e-3)["torque"] == pytest.approx(rule.first * 1e-3 + 2e-3)
+
+
+def test_errors_of_two_shoes_torques_do_not_cancel(brake):
+    """One loses what the other gains, so that the brake's torque does not move at all: the next level may undo it."""
+    last = solve(brake, elements=10)
+    gained = [replace(shoe, torque=shoe.torque + off) for shoe, off in zip(last.shoes, (5.0, -5.0), strict=True)]
+    before = replace(last, shoes=tuple(gained))
+    assert before.torque == pytest.approx(last.torque)
+    for series in ([before, last], [last, before]):
+        assert estimate(series).brake["torque"] == pytest.approx(RULES["torque"].first * 10.0 / last.torque, rel=1e-4)
 
 
 @pytest.mark.parametrize("index", range(2))
