@@ -421,6 +421,23 @@ def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_th
         solve(brake, tolerance=1e-5)
 
 
+def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch):
+    ring = {"thickness": 0.02, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": "fixed"}
+    ringed = vary(brake, {"drum.ring": ring})
+    nodes = sum(len(body.line.nodes) for body in scene(ringed, LEVELS[0]).bodies)
+    monkeypatch.setattr("drumlin.fem.hp.scene.MOST_NODES", nodes - 1)
+    with pytest.raises(NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1} that"):
+        scene(ringed, LEVELS[0])
+    scene(brake, LEVELS[0])
+
+
+def test_shoes_of_either_hand_are_divided_alike(brake):
+    one, other = (divide(shoe, brake.drum.radius, LEVELS[1]) for shoe in brake.shoes)
+    assert one.part == other.part and len(one.before) > 1 and len(one.after) > 1
+    for name in ("angles", "before", "after", "depths"):
+        np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=0, atol=1e-12)
+
+
 def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():
     x = lobatto(4)
     theta = np.concatenate([0.5 * (x + 1), 1 + 0.5 * (x[1:] + 1)])
