@@ -146,6 +146,14 @@ def test_the_peak_leaves_out_the_ends_unless_nothing_is_left():
     assert [nodal_peak(theta, p, zone) for zone in (0.0, 0.05, 0.1, 0.2, 0.6)] == [5, 5, 3, 3, 9]
 
 
+def test_a_curve_is_nowhere_below_zero_though_its_polynomial_is():
+    theta = polynomial(4, np.array([0.0, 1.0]))
+    shoe = shoe_of(theta, np.array([0.0, 0.0, 0.0, 0.0, 1.0]), 4)
+    at, p = shoe.curve()
+    assert shoe.pressure_at(at).min() < -0.05 and p.min() == 0.0
+    assert p == pytest.approx(np.maximum(shoe.pressure_at(at), 0.0))
+
+
 def test_an_elastic_lining_by_growing_angles(brake):
     shoe = brake.shoes[1]
     theta, p = np.linspace(1, 0, 9), np.arange(9.0)
