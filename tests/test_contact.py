@@ -127,6 +127,19 @@ def test_changing_a_few_nodes_of_a_factorised_set_equals_factorising_the_other_s
     assert changed.sign == direct.sign
 
 
+def test_the_sign_of_a_changed_sets_determinant_is_that_of_the_other_set():
+    """Of matrices whose principal minors have either sign, by numpy's determinant."""
+    rng, seen = np.random.default_rng(1), set()
+    for _ in range(30):
+        K, active = rng.normal(size=(12, 12)), rng.random(12) < 0.6
+        other = active.copy()
+        other[rng.choice(12, 4, replace=False)] ^= True
+        base, (sign, _) = Equations(K, active), np.linalg.slogdet(K[other][:, other])
+        assert Changed(base, K, other).sign == Equations(K, other).sign == sign
+        seen.add((base.sign, int(sign)))
+    assert len(seen) == 4
+
+
 def test_scaling_of_pressures_and_gaps_does_not_change_the_answer():
     rng = np.random.default_rng(3)
     A, q = p_matrix(rng, 15, 0.4), rng.normal(size=15)

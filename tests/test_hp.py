@@ -175,6 +175,7 @@ CASES = {
     "backing": {"shoe.backing": {"thickness": 0.004, "material": {"E": 1e10, "nu": 0.3}}},
     "flush": {"shoe[0].body.start": "-70 deg", "shoe[0].body.end": "55 deg"},
     "rigid": {"shoe.body": None},
+    "grip": {"shoe[0].body.grip": "30 mm"},
 }
 
 
@@ -204,6 +205,11 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     assert body.condensed.load_f == pytest.approx(other.load_f, abs=1e-8)
+    ends = [body.basis.doflocs[:, body.basis.sets[name]] for name in ("hinge", "actuation")]
+    middles = [0.5 * (nodes[:, 0] + nodes[:, -1]) for nodes in ends]  # its axis goes from the pin to the force
+    assert middles[0] == pytest.approx(shoe.own_pin, abs=1e-12)
+    assert middles[1] == pytest.approx(shoe.own_points(shoe.actuation.point.xy), abs=1e-12)
+    assert body.load_centre == pytest.approx(middles[1])
 
 
 @pytest.mark.parametrize("softer", [1.0, 1e-6])
@@ -430,6 +436,23 @@ def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_th
         solve(brake, tolerance=1e-5)
 
 
+def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch):
+    ring = {"thickness": 0.02, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": "fixed"}
+    ringed = vary(brake, {"drum.ring": ring})
+    nodes = sum(len(body.line.nodes) for body in scene(ringed, LEVELS[0]).bodies)
+    monkeypatch.setattr("drumlin.fem.hp.scene.MOST_NODES", nodes - 1)
+    with pytest.raises(NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1} that"):
+        scene(ringed, LEVELS[0])
+    scene(brake, LEVELS[0])
+
+
+def test_shoes_of_either_hand_are_divided_alike(brake):
+    one, other = (divide(shoe, brake.drum.radius, LEVELS[1]) for shoe in brake.shoes)
+    assert one.part == other.part and len(one.before) > 1 and len(one.after) > 1
+    for name in ("angles", "before", "after", "depths"):
+        np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=0, atol=1e-12)
+
+
 def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():
     x = lobatto(4)
     theta = np.concatenate([0.5 * (x + 1), 1 + 0.5 * (x[1:] + 1)])
@@ -509,6 +532,32 @@ def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
     meshed = solved(cases[0]._replace(options={"elements": 20}))
     assert "error_pressure" not in meshed
     assert meshed["torque"] == pytest.approx(rows[0]["torque"], rel=1e-4)
+
+
+def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
+    """Bodies and ring from one cache are those that are made anew: with and without friction, other sizes, other ends
+    of the contact, a guided shoe whose force acts elsewhere."""
+    ring = {"thickness": 0.02, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": "fixed"}
+    ringed, cache = vary(brake, {"drum.ring": ring, "shoe.body": None}), Cache()
+    guide = {"shoe.hinge": None, "shoe[0].guide": {"direction": 0.0}, "shoe[1].guide": {"direction": math.pi}}
+    cases = [
+        ({"friction": 0.0}, {}),
+        ({}, {}),
+        ({"drum.radius": 0.151}, {}),
+        ({}, {0: [(1.0, 0.5, False)]}),
+        (guide | {"shoe[0].actuation.point": {"x": 0.1, "y": 0.0}}, {}),
+        (guide | {"shoe[0].actuation.point": {"x": 0.05, "y": 0.0}}, {}),
+    ]
+    for changes, places in cases:
+        own = vary(ringed, changes)
+        kept, anew = (scene(own, LEVELS[0], places, which) for which in (cache, None))
+        for a, b in zip(kept.bodies, anew.bodies, strict=True):
+            for name in ("closing_pressed", "closing_dragged", "held_pressed", "turned", "load_centre"):
+                mine, theirs = getattr(a, name), getattr(b, name)
+                assert (mine is None) == (theirs is None), name
+                assert mine is None or np.array_equal(mine, theirs), name
+        for a, b in zip(kept.ring.pressed, anew.ring.pressed, strict=True):
+            assert np.array_equal(a, b)
 
 
 def test_a_brake_that_locks_is_divided_too(brake):

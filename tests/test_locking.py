@@ -20,7 +20,7 @@ from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.model import respond
 from drumlin.fem.self_locking import limits, torques
 from drumlin.fem.solve import solve
-from drumlin.laws import locking_friction
+from drumlin.laws import locking_friction, rigid
 from drumlin.verification.random_brake import random_brake
 
 RING = {"drum.ring": {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}, "support": "free"}}
@@ -147,6 +147,21 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
             self_locking.answer(problems.at, beyond, law=1.18, brake="")
 
 
+def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollowed():
+    """At twice that limit one stands apart that is stable and hardly grows with friction; no friction leads there."""
+    brake = random_brake(100, "locking")
+    (group,) = groups_of(prepare(brake, elements=14), brake, 1e6)
+    law = rigid.locking_friction(brake, group.shoes[0])
+    problems, mu = group.sliding, 2 * law
+    end = self_locking.limit(problems).friction
+    assert end < mu
+    found = active_set.settle(problems.at(mu))
+    half = active_set.settle(problems.at(0.5 * mu), found.active)
+    assert found.regular and half.regular and found.p.sum() < 1.5 * half.p.sum()
+    with pytest.raises(NoAnswer, match=f"up to mu_lock = {end:.4g}"):
+        self_locking.answer(problems.at, mu, law=law, brake="now")
+
+
 def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexible, monkeypatch):
     """Assisted and opposed, up to the limit and beyond it, followed on every other, fourth and eighth node."""
     scene = prepare(flexible, elements=24)
@@ -199,6 +214,10 @@ def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, m
     followed = brake.friction * group.unit_force * float((group.levers.T @ end.last.p)[0])
     assert math.isinf(end.friction) and 480 < followed < 590
     assert solve(brake, elements=elements).torque == pytest.approx(followed, rel=1e-6)
+    other = active_set.settle(group.problem)
+    assert other.regular and other.p.sum() > 4 * end.last.p.sum()
+    found = self_locking.answer(group.problem_at, brake.friction, other.active, law=math.inf, brake="")
+    np.testing.assert_allclose(found.p, end.last.p, rtol=1e-6, atol=1e-9 * found.p.max())
 
 
 @pytest.mark.parametrize(("share", "quiet"), [(0.6, True), (0.9, False), (1.2, False)])

@@ -1,6 +1,7 @@
 """Misfit: exact geometry, what it does to the contact, its symmetries, and how wear heals it."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -162,6 +163,25 @@ def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
     assert growth == pytest.approx(1.8e-4)
     hot = vary(BRAKE, {"drum.out_of_round": [{"order": 0, "amplitude": growth}]})
     same(respond(SCENE, hot), respond(SCENE, vary(BRAKE, {"shoe.lining.clearance": growth})))
+
+
+def test_steps_between_blocks_begin_and_end_at_the_kinks():
+    """Between two kinks of a step its gap moves, beyond them it is level."""
+    lining = vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.4, 2e-5], [0.3, -1e-5]]}).shoes[0].lining
+    edges = [lining.start, *sorted(clearance.kinks(lining)), lining.end]
+    assert len(edges) == 6
+    for k, (a, b) in enumerate(pairwise(edges)):
+        steps = np.diff(clearance.block_gap(lining, np.linspace(a, b, 20)))
+        assert (steps == 0).all() if k % 2 == 0 else (np.abs(steps) > 0).all()
+
+
+def test_a_drum_turns_with_its_surface():
+    """Turned by an angle, what stood at theta stands at theta + angle."""
+    lobes = [{"order": 1, "amplitude": 2e-5, "phase": 0.4}, {"order": 3, "amplitude": 1e-5}]
+    still, turned = (vary(BRAKE, {"drum.out_of_round": lobes, "drum.angle": angle}).drum for angle in (0.0, 0.7))
+    theta = np.linspace(-3, 3, 13)
+    assert clearance.surface(still, np.array([0.4]))[0] == pytest.approx(2e-5 + 1e-5 * math.cos(1.2))
+    np.testing.assert_allclose(clearance.surface(turned, theta + 0.7), clearance.surface(still, theta), atol=1e-18)
 
 
 def test_a_step_between_blocks_converges_with_the_mesh():

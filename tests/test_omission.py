@@ -1,6 +1,7 @@
 """What is left out of a brake: exact where it is said to be, predicted where not, within the tolerance where unseen."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -161,6 +162,30 @@ def test_the_true_error_stays_within_the_tolerance_with_what_is_left_out_for_it(
         if case in OMITTED:
             assert [line.split(":")[0] for line in said] == [OMITTED[case][i]] * bool(OMITTED[case][i])
         assert any("no [drum.ring]" in line for line in response.left_out) == (brake.drum.ring is None)
+
+
+def test_what_is_left_out_unseen_counts_in_the_error_with_its_safety(monkeypatch):
+    """A factor greater by 1 adds what leaving the ring out changes, by fine solves of both brakes, to the error."""
+    brake, fine = WITHIN["ring fixed"], Tolerance(2e-4, 5e-6)
+    simple, whole = (adapt(each, fine, respond).response for each in (simplified(brake, ["ring"]), brake))
+    true, stated = change(simple, whole), []
+    for safety in (omission.SAFETY, omission.SAFETY + 1):
+        monkeypatch.setattr(omission, "SAFETY", safety)
+        stated.append(solve(brake, tolerance=1e-1, penalty=math.inf))
+    assert all(any("predicted to change" in line for line in response.left_out) for response in stated)
+    less, more = (response.error for response in stated)
+    assert more["pressure"] - less["pressure"] == pytest.approx(true.pressure, rel=0.2)
+    assert more["torque"] - less["torque"] == pytest.approx(true.shoes, rel=0.2)
+
+
+def test_a_change_is_that_of_the_shoe_that_changes_most():
+    whole = solve(BRAKE, elements=10)
+    for factors in ((1.0, 1.1), (1.1, 1.0)):
+        shoes = [replace(shoe, pressure=f * shoe.pressure, peak_pressure=f * shoe.peak_pressure, torque=f * shoe.torque,
+                         hinge_reaction=f * shoe.hinge_reaction)
+                 for f, shoe in zip(factors, whole.shoes, strict=True)]  # fmt: skip
+        found = change(replace(whole, shoes=tuple(shoes)), whole)
+        assert [found.pressure, found.peak, found.each, found.reaction] == pytest.approx([0.1] * 4)
 
 
 def test_what_proves_larger_afterwards_than_predicted_is_put_back(monkeypatch):

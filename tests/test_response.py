@@ -11,7 +11,16 @@ from hypothesis import strategies as st
 
 from drumlin.brake.file import vary
 from drumlin.response.balance import contact_resultant, relative_balance, shoe_balance, worst
-from drumlin.response.response import Balance, Deformation, Response, ShoeResponse, nodal_peak, pressed_shoe, untouched
+from drumlin.response.response import (
+    Balance,
+    Deformation,
+    Response,
+    ShoeResponse,
+    Surface,
+    nodal_peak,
+    pressed_shoe,
+    untouched,
+)
 from drumlin.response.resultants import (
     Resultant,
     angle_near,
@@ -137,6 +146,14 @@ def test_the_peak_leaves_out_the_ends_unless_nothing_is_left():
     assert [nodal_peak(theta, p, zone) for zone in (0.0, 0.05, 0.1, 0.2, 0.6)] == [5, 5, 3, 3, 9]
 
 
+def test_a_curve_is_nowhere_below_zero_though_its_polynomial_is():
+    theta = polynomial(4, np.array([0.0, 1.0]))
+    shoe = shoe_of(theta, np.array([0.0, 0.0, 0.0, 0.0, 1.0]), 4)
+    at, p = shoe.curve()
+    assert shoe.pressure_at(at).min() < -0.05 and p.min() == 0.0
+    assert p == pytest.approx(np.maximum(shoe.pressure_at(at), 0.0))
+
+
 def test_an_elastic_lining_by_growing_angles(brake):
     shoe = brake.shoes[1]
     theta, p = np.linspace(1, 0, 9), np.arange(9.0)
@@ -150,6 +167,10 @@ def test_an_elastic_lining_by_growing_angles(brake):
     assert found.contact_arcs == ((0.0, 1.0),) and found.lumped is not None
     other = pressed_shoe(shoe, 0.15, theta[::-1], p, order=2, torque=3.0, normal_force=4.0, self_energising=False,
                          hinge_reaction=np.zeros(2))  # fmt: skip
+    rows = p[:, None] * np.ones(3)
+    over_width = pressed_shoe(shoe, 0.15, theta, p, order=2, torque=3.0, normal_force=4.0, self_energising=False,
+                              hinge_reaction=np.zeros(2), surface=Surface(np.arange(3.0), rows))  # fmt: skip
+    assert over_width.surface.pressure.mean(axis=1) == pytest.approx(over_width.pressure)
     assert other.theta == pytest.approx(theta[::-1]) and other.pressure == pytest.approx(p)
     assert other.turn is None and 0 < other.contact_arcs[0][0] < 0.125  # p = 0 at the first node
 

@@ -55,16 +55,25 @@ def test_moduli_scaled_alike_change_nothing_and_forces_are_proportional(brake):
     assert forces == pytest.approx(found.torque, rel=1e-10)
 
 
-def test_an_uneven_clearance_acts_through_its_density(brake):
+def test_a_pull_is_a_push_the_other_way(brake):
+    shoe = brake.shoes[0].actuation
+    pull = {"shoe[0].actuation.force": -shoe.force, "shoe[0].actuation.direction": shoe.direction + math.pi}
+    a, b = (sensitivity(prepare(each, elements=8), each).shoes[0] for each in (brake, vary(brake, pull)))
+    assert b.force == pytest.approx(-a.force, rel=1e-9)
+    assert b.held["hinge"] == pytest.approx(a.held["hinge"], rel=1e-7)
+
+
+@pytest.mark.parametrize("index", range(2))
+def test_an_uneven_clearance_acts_through_its_density(brake, index):
     """A small bump in the clearance: its change of torque is the integral of the density times the bump."""
     scene = prepare(brake, elements=20)
     found = sensitivity(scene, brake)
-    shoe, R = found.shoes[1], brake.drum.radius
+    shoe, R = found.shoes[index], brake.drum.radius
     height = 1e-9
     theta = shoe.theta
-    bump = height * np.exp(-(((theta - theta.mean()) / 0.2) ** 2))
+    bump = height * np.exp(-(((theta - theta.mean() - 0.3) / 0.2) ** 2))  # nearer to one end than to the other
     table = [[float(a), float(g)] for a, g in zip(theta, bump, strict=True)]
-    change = respond(scene, vary(brake, {"shoe[1].lining.clearance": table})).torque - found.torque
+    change = respond(scene, vary(brake, {f"shoe[{index}].lining.clearance": table})).torque - found.torque
     expected = np.trapezoid(shoe.density * bump, theta) * R
     assert change == pytest.approx(expected, rel=5e-3)
     assert shoe.clearance == pytest.approx(np.trapezoid(shoe.density, theta) * R, rel=2e-2)

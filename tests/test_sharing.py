@@ -16,6 +16,7 @@ from drumlin.fem.group import groups_of
 from drumlin.fem.model import respond
 from drumlin.laws import law
 from drumlin.response.balance import loaded
+from drumlin.response.merit import brake_factor
 
 R = 0.11
 STEEL = {"E": 2.1e11, "nu": 0.3}
@@ -131,6 +132,14 @@ def test_every_shoe_and_the_whole_brake_balance(make: Any) -> None:
         assert np.linalg.norm(a.hinge_reaction) == pytest.approx(b.force, rel=1e-9)
     total = np.sum(outside, axis=0) + -response.bearing_load
     assert np.linalg.norm(total) < 1e-9 * max(np.linalg.norm(force) for force in outside)
+
+
+def test_what_a_strut_passes_on_is_no_actuation() -> None:
+    """The brake factor is T/(F R) with the force F on the first shoe alone."""
+    brake = servo()
+    response = drumlin.solve(brake, elements=20)
+    assert response.shoes[1].force > 1.1 * 1000.0
+    assert brake_factor(brake, response) == pytest.approx(response.torque / (1000.0 * R), rel=1e-12)
 
 
 def test_a_locked_cam_or_strut_is_refused_with_its_limit() -> None:

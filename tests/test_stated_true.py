@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from conftest import partly
+from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
-from drumlin.fem.hp.adapt import RULES, estimate
-from drumlin.fem.hp.levels import steps
+from drumlin.fem.hp.adapt import FASTEST, LEAST_REACTION, LEAST_TORQUE, RULES, Tolerance, adapt, estimate
+from drumlin.fem.hp.levels import LEVELS as COLUMNS
+from drumlin.fem.hp.levels import Step, steps
+from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
@@ -94,12 +97,12 @@ def test_an_estimate_follows_what_is_observed_and_distrusts_what_is_lucky(brake)
     """Torques 1 + c r^-k: at least the true error c r^-k / (r - 1) of the last, however slowly they fall."""
     response = solve(brake, elements=10)
 
-    def stated(*torques, softness=EXACT, corner=False):
+    def stated(*torques, softness=EXACT, corner=False, lost=0.0):
         series = [
             replace(response, shoes=tuple(replace(s, torque=s.torque * t, softness=softness) for s in response.shoes))
             for t in torques
         ]
-        return estimate(series, corner=corner).brake
+        return estimate(series, lost, corner=corner).brake
 
     rule = RULES["torque"]
     for r in (1.4, 2.0, 5.0, 20.0):
@@ -112,9 +115,61 @@ def test_an_estimate_follows_what_is_observed_and_distrusts_what_is_lucky(brake)
     assert stated(1.001, 1.0)["torque"] == pytest.approx(rule.first * 1e-3)
     assert stated(1.001, 1.0, corner=True)["torque"] == pytest.approx(rule.corner * 1e-3)
     assert stated(1.001, 1.0, 1.0)["torque"] == pytest.approx(rule.first * 1e-3 / rule.fastest)
+    assert stated(1.001, 1.0, 1.0, corner=True)["torque"] == pytest.approx(rule.corner * 1e-3 / FASTEST)
+    late = stated(1.001, 1.0, corner=True)
+    assert late["reaction"] == pytest.approx(LEAST_REACTION * late["torque"]) and late["pressure"] == 0.0
     yielding = stated(1.001, 1.0, softness=Softness(1.0, 1e-3))
     assert yielding["torque"] == pytest.approx(rule.first * 1e-3 + rule.yielding * 1e-3)
     assert yielding["pressure"] == 0.0  # which does not differ at all
+    assert stated(1.001, 1.0, lost=2e-3)["torque"] == pytest.approx(rule.first * 1e-3 + 2e-3)
+
+
+def test_torque_reaction_and_peak_have_a_share_of_the_error_of_the_pressure(brake):
+    """Where they are the same by chance on both levels, or nearly; another share of two levels than of more."""
+    last = solve(brake, elements=10, penalty=math.inf)
+
+    def scaled(f):
+        nearly = 1 + 1e-9 * f
+        shoes = [replace(s, pressure=f * s.pressure, peak_pressure=nearly * s.peak_pressure, torque=nearly * s.torque,
+                         hinge_reaction=nearly * s.hinge_reaction) for s in last.shoes]  # fmt: skip
+        return replace(last, shoes=tuple(shoes))
+
+    series = (1.01, 1.0), (1.02, 1.01, 1.0)
+    for factors, key, least in zip(series, ("share_first", "share"), LEAST_TORQUE, strict=True):
+        found = estimate([scaled(f) for f in factors])
+        for each in (found.brake, *found.shoes):
+            shares = {name: getattr(RULES[name], key) * each["pressure"] for name in ("torque", "reaction", "peak")}
+            shares["torque"] = max(shares["torque"], least * shares["reaction"])  # both are resultants
+            for name, share in shares.items():
+                assert each[name] == pytest.approx(share, rel=1e-3), name
+
+
+def test_the_shortest_contact_of_a_shoe_and_one_corner_of_a_brake_count(brake):
+    """Of two levels whose one torque moves by 1e-3; one contact of two is a nanometre long, one shoe of two gripped."""
+    gripped = vary(brake, {"shoe[0].body.grip": "30 mm"})
+    made = scene(gripped, COLUMNS[0])
+    found = respond(made, gripped, penalty=math.inf)
+    one, other = found.shoes
+    before = replace(found, shoes=(replace(one, torque=1.001 * one.torque), other))
+    arcs = (one.contact_arcs[0], (one.theta[-1] - 1e-8, one.theta[-1]))
+
+    def error(last):
+        along = [Step(made, before), Step(made, last)]
+        return adapt(gripped, Tolerance(0.5, 0.5), respond, must=False, along=along).response.error
+
+    assert error(found)["torque"] == pytest.approx(RULES["torque"].corner * 1e-3 * one.torque / found.torque, rel=1e-3)
+    assert error(found)["pressure"] < 1e-3
+    assert error(replace(found, shoes=(replace(one, contact_arcs=arcs), other)))["pressure"] >= 1
+
+
+def test_errors_of_two_shoes_torques_do_not_cancel(brake):
+    """One loses what the other gains, so that the brake's torque does not move at all: the next level may undo it."""
+    last = solve(brake, elements=10)
+    gained = [replace(shoe, torque=shoe.torque + off) for shoe, off in zip(last.shoes, (5.0, -5.0), strict=True)]
+    before = replace(last, shoes=tuple(gained))
+    assert before.torque == pytest.approx(last.torque)
+    for series in ([before, last], [last, before]):
+        assert estimate(series).brake["torque"] == pytest.approx(RULES["torque"].first * 10.0 / last.torque, rel=1e-4)
 
 
 def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():

@@ -277,3 +277,9 @@ def test_a_vanishing_gap_changes_nothing():
     with_gap, without = (hold(SCENE, brake, np.zeros(8))[0] for brake in (gap, BRAKE))
     for mine, theirs in zip(with_gap.traction, without.traction, strict=True):
         assert mine == pytest.approx(theirs, rel=1e-3, abs=1e-4 * np.abs(theirs).max())
+
+
+def test_zones_end_half_way_to_the_next_node():
+    state = np.array([STICK, FORWARD, BACKWARD, OPEN])
+    found = stick_slip.zones(np.array([0.0, 1.0, 3.0, 4.0]), state)
+    assert found == {"stick": ((0.0, 0.5),), "slip": ((0.5, 3.5),)}

@@ -111,6 +111,14 @@ def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():
     assert pressure_distance(even, spiked) == pytest.approx(1e-3, rel=1e-2)  # not that of the rest, 0
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_what_differs_within_a_zone_at_either_end_alone_is_no_distance(turned):
+    a, b = [9.0] + [1.0] * 20, [1.0] * 21  # they differ in the first twentieth alone
+    one, other = (_pressing(p[::-1] if turned else p) for p in (a, b))
+    assert pressure_distance(one, other, 0.05) == pytest.approx(0.0, abs=1e-12)
+    assert pressure_distance(one, other, 0.04) > 0.01
+
+
 @pytest.mark.parametrize("zone", [0.0, 0.1, 0.3, 0.4, 0.95, 1.2])
 def test_the_force_between_the_zones_is_that_of_the_polynomial_wherever_they_end(zone):
     ends = ((0.0, 0.3), (0.3, 1.0), (1.0, 2.0))
@@ -242,6 +250,21 @@ def test_a_pad_that_must_turn_too_far_to_touch_is_refused():
         drumlin.solve(vary(brake, {"shoe.lining.clearance": 0.03}))
     with pytest.raises(NoAnswer, match="deg to touch the drum"):
         drumlin.solve(vary(drumlin.read_brake("studies/brakes/crane.toml"), {"shoe.lining.clearance": "0.2 m"}))
+
+
+@pytest.mark.parametrize(("slope", "refused"), [(0.1, False), (0.25, True), (0.5, True)])
+def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
+    """Its lining stands off in a wedge, which the lever's turn and the tilt about the pivot close together: at most
+    the 0.2 rad that small displacements hold."""
+    clamp = read_any("studies/brakes/rail_clamp.toml")
+    assert all(shoe.held_by == "pivot" for shoe in clamp.shoes)
+    wedge = {f"shoe[{i}].lining.clearance": [(s.lining.start, 0.001), (s.lining.end, 0.001 + slope * (s.lining.end -
+             s.lining.start))] for i, s in enumerate(clamp.shoes)}  # fmt: skip
+    if refused:
+        with pytest.raises(NoAnswer, match=f"turn by {math.degrees(slope):.3g} deg to touch the plane; small"):
+            drumlin.solve(vary(clamp, wedge))
+    else:
+        drumlin.solve(vary(clamp, wedge))
 
 
 def test_a_lining_pressed_in_too_far_is_said_and_then_refused():

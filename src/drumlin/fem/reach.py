@@ -38,8 +38,8 @@ def check_turns(shoe: Shoe, gap: Floats, amounts: Floats) -> None:
     """
     if (shoe.held_by in {"hinge", "guide"} and not shoe.flat) or (gap <= 0).any():
         return
-    turns = [abs(turn) for turn, name in zip(amounts, shoe.freedoms().names, strict=True) if name in {"turn", "tilt"}]
-    _check(shoe, max(turns, default=0.0))
+    turns = [turn for turn, name in zip(amounts, shoe.freedoms().names, strict=True) if name in {"turn", "tilt"}]
+    _check(shoe, max(map(abs, (*turns, sum(turns)))))  # on a pivot the shoe turns with its lever and tilts on it
 
 
 def _check(shoe: Shoe, turn: float) -> None:

@@ -52,7 +52,7 @@ class Rule(NamedTuple):
 
 RULES = {
     "pressure": Rule(first=0.58, corner=0.58, later=0.54, fastest=30, share_first=0, share=0, yielding=1),
-    "torque": Rule(first=0.6, corner=1.0, later=0.4, fastest=30, share_first=6e-4, share=1.1e-3, yielding=1.5),
+    "torque": Rule(first=0.6, corner=1.0, later=0.4, fastest=30, share_first=0, share=1.1e-3, yielding=1.5),
     "peak": Rule(first=0.3, corner=0.3, later=0.2, fastest=70, share_first=1.14, share=0.74, yielding=1),
     "reaction": Rule(first=0.6, corner=0.8, later=0.4, fastest=30, share_first=3.5e-3, share=3.4e-3, yielding=4),
 }
