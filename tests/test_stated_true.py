@@ -11,7 +11,7 @@ import pytest
 from conftest import partly
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
-from drumlin.fem.hp.adapt import FASTEST, LEAST_REACTION, LEAST_TORQUE, RULES, Tolerance, adapt, estimate
+from drumlin.fem.hp.adapt import FASTEST, LEAST_REACTION, LEAST_TORQUE, RULES, SOFTER, Tolerance, adapt, estimate
 from drumlin.fem.hp.levels import LEVELS as COLUMNS
 from drumlin.fem.hp.levels import Step, steps
 from drumlin.fem.hp.scene import scene
@@ -118,8 +118,8 @@ def test_an_estimate_follows_what_is_observed_and_distrusts_what_is_lucky(brake)
     assert stated(1.001, 1.0, 1.0, corner=True)["torque"] == pytest.approx(rule.corner * 1e-3 / FASTEST)
     late = stated(1.001, 1.0, corner=True)
     assert late["reaction"] == pytest.approx(LEAST_REACTION * late["torque"]) and late["pressure"] == 0.0
-    yielding = stated(1.001, 1.0, softness=Softness(1.0, 1e-3))
-    assert yielding["torque"] == pytest.approx(rule.first * 1e-3 + rule.yielding * 1e-3)
+    yielding = stated(1.001, 1.0, softness=Softness(1.0, 1e-3, 1.0))
+    assert yielding["torque"] == pytest.approx(rule.first * 1e-3 + SOFTER * 1e-3)
     assert yielding["pressure"] == 0.0  # which does not differ at all
     assert stated(1.001, 1.0, lost=2e-3)["torque"] == pytest.approx(rule.first * 1e-3 + 2e-3)
 
@@ -131,7 +131,7 @@ def test_torque_reaction_and_peak_have_a_share_of_the_error_of_the_pressure(brak
     def scaled(f):
         nearly = 1 + 1e-9 * f
         shoes = [replace(s, pressure=f * s.pressure, peak_pressure=nearly * s.peak_pressure, torque=nearly * s.torque,
-                         hinge_reaction=nearly * s.hinge_reaction) for s in last.shoes]  # fmt: skip
+                         hinge_reaction=nearly * s.hinge_reaction, normal_force=1.0) for s in last.shoes]  # fmt: skip
         return replace(last, shoes=tuple(shoes))
 
     series = (1.01, 1.0), (1.02, 1.01, 1.0)

@@ -253,13 +253,13 @@ def _answer(
     closed, dragged = (float(work[:, 0] @ p) for work in group.closings[k])  # by its first motion, per unit
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
-    softness = float(coupling.lever @ change) / pressed if pressed else 0.0
+    softer = float(coupling.lever @ change) / pressed if pressed else 0.0
     phi, mean = line.along(p)
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"
         if math.isinf(penalty)
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
-        f"which changes its {effect_words(flat=shoe.flat)[0]} by {softness:+.1e} of it"
+        f"which changes its {effect_words(flat=shoe.flat)[0]} by {softer:+.1e} of it"
     )
     if refined:
         note += f"; {REFINED}"
@@ -279,21 +279,30 @@ def _answer(
         reaction_moment=frame.sense * twist,
         motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
         surface=line.surface(p),
-        softness=Softness(_softening(group, k, p, change), abs(softness)),
+        softness=_softness(group, k, p, change, reaction),
     )
     return _Answer(response, balance, steps, note)
 
 
-def _softening(group: ShoeGroup, k: int, p: Floats, change: Floats) -> float:
-    """The size of a change of the pressures p (n,) of shoe `k` in L2, relative to theirs; outside EDGE_ZONE at the
-    lining's ends, unless half of the force is there."""
-    (start, end), body = group.shoes[k].arc, group.bodies[k]
-    phi, area = body.line.phi, body.coupling.area
+def _softness(group: ShoeGroup, k: int, p: Floats, change: Floats, reaction: Floats) -> Softness:
+    """What the penalty changes in shoe `k`, whose pressure it changes to first order by `change` (n,), as p is (n,).
+
+    What the compliance x = 1/alpha of the contact changes goes as x/(1 + x), and the tangent there as x/(1 + x)^2. The
+    pressure counts outside EDGE_ZONE at the lining's ends, unless half of the force is there.
+    """
+    shoe, body = group.shoes[k], group.bodies[k]
+    (start, end), phi, area, lever = shoe.arc, body.line.phi, body.coupling.area, body.coupling.lever
     zone = min(EDGE_ZONE, 0.25 * (end - start))
     weight = np.where((phi > start + zone) & (phi < end - zone), area, 0.0)
     if weight @ p < 0.5 * (area @ p):
         weight = area
-    return math.sqrt(float(weight @ change**2) / (float(weight @ p**2) or 1.0))
+    yielded = held(body, change, group.brake.drag_on(shoe), np.zeros(3))
+    parts = [
+        (math.sqrt(float(weight @ change**2)), math.sqrt(float(weight @ p**2))),
+        (abs(float(lever @ change)), float(lever @ p)),
+        (math.hypot(*yielded[:2]), math.hypot(*reaction)),
+    ]
+    return Softness(*((1 + 1 / group.penalty) * part / (whole or 1.0) for part, whole in parts))
 
 
 def _touching(group: ShoeGroup, k: int, start: Response) -> Bools:

@@ -46,14 +46,15 @@ class Deformation(NamedTuple):
 
 
 class Softness(NamedTuple):
-    """The parts of a shoe's `pressure` (L2, outside EDGE_ZONE at the lining's ends) and `torque` by which the
-    contact's penalty changes them; 0 of exact contact."""
+    """The parts of a shoe's `pressure` (L2, outside EDGE_ZONE at the lining's ends), `torque` and `reaction` by which
+    the contact's penalty changes them; 0 of exact contact."""
 
     pressure: float
     torque: float
+    reaction: float
 
 
-EXACT = Softness(0.0, 0.0)
+EXACT = Softness(0.0, 0.0, 0.0)
 
 
 class Surface(NamedTuple):

@@ -9,7 +9,7 @@ of the first step, which shows no r, e_1 <= `first` d_1. On random brakes of eve
 and is below 0.3 to 0.5 in 95 %: errors fall by a factor of 4 to 8. Where d is small by chance, as the difference of two
 numbers may be, what was estimated before counts, less the factor `fastest`, a share of the error of p, and for the
 torque one of the reaction's: both are resultants of p. The factors come from those brakes, against finer levels
-(`RULES`). To all are added what the elimination has lost and what the contact's penalty changes, p and torque by
+(`RULES`). To all are added what the elimination has lost and what the contact's penalty changes, by
 `ShoeResponse.softness`.
 """
 
@@ -38,8 +38,7 @@ SLOWEST = 1.3  # factor by which errors fall from level to level at least, where
 class Rule(NamedTuple):
     """How an error is estimated, see above: least parts of the `first` step and of `later` ones that it may be,
     `corner` of the first where a block stands on a beam or a grip holds a back, as their corners slow forces down;
-    `fastest`; `share_first` and `share` of the error of p that it is at least, on two levels and on more; `yielding`:
-    times the softness, that of p for p and its peak, else that of the torque, that is added."""
+    `fastest`; `share_first` and `share` of the error of p that it is at least, on two levels and on more."""
 
     first: float
     corner: float
@@ -47,14 +46,13 @@ class Rule(NamedTuple):
     fastest: float
     share_first: float
     share: float
-    yielding: float
 
 
 RULES = {
-    "pressure": Rule(first=0.58, corner=0.58, later=0.54, fastest=30, share_first=0, share=0, yielding=1),
-    "torque": Rule(first=0.72, corner=1.2, later=0.48, fastest=30, share_first=0, share=1.3e-3, yielding=1.5),
-    "peak": Rule(first=0.3, corner=0.3, later=0.2, fastest=70, share_first=1.14, share=0.74, yielding=1),
-    "reaction": Rule(first=0.72, corner=1.0, later=0.48, fastest=30, share_first=6e-3, share=6e-3, yielding=4),
+    "pressure": Rule(first=0.58, corner=0.58, later=0.54, fastest=30, share_first=0, share=0),
+    "torque": Rule(first=0.72, corner=1.2, later=0.48, fastest=30, share_first=7e-4, share=1.3e-3),
+    "peak": Rule(first=0.3, corner=0.3, later=0.2, fastest=70, share_first=1.14, share=0.74),
+    "reaction": Rule(first=0.72, corner=1.0, later=0.48, fastest=30, share_first=6e-3, share=6e-3),
 }
 """Of 1200 random brakes of all kinds: about 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often. Forces
@@ -62,7 +60,9 @@ are stated at some seven times their error in the median: what corners far from 
 and hides behind what falls fast."""
 FASTEST = 12.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
 LEAST_REACTION = 1.7  # with such a corner, times the error of the torque: a guide's reaction moves late
-LEAST_TORQUE = 0.25, 0.05  # times the error of the reaction, on two levels and on more
+LEAST_TORQUE = 0.25, 0.05  # times the error of the reaction in parts of the contact's force, on two levels and on more
+NO_FORCE = 1e-6  # of the contact's: a smaller reaction is none
+SOFTER = 2.0  # times the softness: what the penalty changes at most
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 ROUND_OFF = 10.0  # times what the elimination has lost of a unit force: what that may be in p
 
@@ -138,24 +138,25 @@ def estimate(responses: Sequence[Response], lost: float = 0.0, *, corner: bool =
     found = _from_steps(np.array([distances(a, b) for a, b in pairwise(responses)]), rules, corner=corner)
     own = found[1 :: len(QUANTITIES)]  # of p
     own = np.array([own.max(), *np.repeat(own, len(QUANTITIES))])
-    soft = [(of.pressure, of.torque, of.pressure, of.torque) for of in (shoe.softness for shoe in last.shoes)]
+    soft = [(of.pressure, of.torque, of.pressure, of.reaction) for of in (shoe.softness for shoe in last.shoes)]
     softness = np.array([max(of[1] for of in soft), *chain(*soft)])
-    share_first, share, yielding = rules[:, 4:].T
+    share_first, share = rules[:, 4:].T
     least = (share_first if only else share) * own
-    found = np.where(found > 0, np.maximum(found, least) + lost + yielding * softness, found)
+    found = np.where(found > 0, np.maximum(found, least) + lost + SOFTER * softness, found)
     by_shoe = dict(zip(QUANTITIES, found[1:].reshape(len(last.shoes), -1).T, strict=True))
     parts = np.array([shoe.torque for shoe in last.shoes]) / (last.torque or 1.0)
-    least = np.where(parts > 0, LEAST_TORQUE[0 if only else 1] * by_shoe["reaction"], 0.0)
-    by_shoe["torque"] = np.maximum(by_shoe["torque"], least)
+    moved = np.array([min(_held(of) / (of.normal_force or 1.0), 1.0) for of in last.shoes]) * by_shoe["reaction"]
+    of_reaction = np.where(parts > 0, LEAST_TORQUE[0 if only else 1] * moved, 0.0)
+    by_shoe["torque"] = np.maximum(by_shoe["torque"], of_reaction)
     if corner:
         by_shoe["reaction"] = np.maximum(by_shoe["reaction"], LEAST_REACTION * by_shoe["torque"])
     by_shoe["peak"] = np.where([_cornered(shoe) for shoe in last.shoes], 1.0, by_shoe["peak"])
     shoes = [dict(zip(by_shoe, row, strict=True)) for row in np.array(list(by_shoe.values())).T.tolist()]
-    return _errors(max(float(found[0]), float(parts @ least)), shoes)
+    return _errors(max(float(found[0]), float(parts @ of_reaction)), shoes)
 
 
 def _from_steps(series: Floats, rules: Floats, *, corner: bool) -> Floats:
-    """Errors (q,) that the steps (k, q) of a series tell of, by their rules (q, 7)."""
+    """Errors (q,) that the steps (k, q) of a series tell of, by their rules (q, 6)."""
     first, on_corner, later, fastest = rules[:, :4].T
     found = (on_corner if corner else first) * series[0]
     slow = np.minimum(fastest, FASTEST) if corner else fastest
@@ -206,9 +207,14 @@ def distances(a: Response, b: Response) -> Floats:
 def _of(a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
     zone = min(EDGE_ZONE, 0.25 * float(b.theta[-1] - b.theta[0]))
     p = pressure_distance(a, b, zone) if b.pressure.any() else float(a.pressure.any())
-    reaction = float(np.linalg.norm(a.hinge_reaction - b.hinge_reaction) / (np.linalg.norm(b.hinge_reaction) or 1.0))
+    reaction = float(np.linalg.norm(a.hinge_reaction - b.hinge_reaction)) / _held(b)
     peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0)
     return p, abs(a.torque - b.torque) / (b.torque or 1.0), peak, reaction
+
+
+def _held(shoe: ShoeResponse) -> float:
+    """The size of a reaction that its errors are parts of [N]; that of nothing is compared with the contact's force."""
+    return max(math.hypot(*shoe.hinge_reaction), NO_FORCE * shoe.normal_force) or 1.0
 
 
 def check_tolerance(brake: Brake, tolerance: float) -> None:

@@ -20,8 +20,8 @@ from drumlin.brake.drum_brake import Shoe
 from drumlin.response.response import EDGE_ZONE
 
 FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: smaller ones lose too many digits
-FADES, COARSEST = 1.5, 0.6  # power of the distance by which corners beyond a short contact are divided more coarsely,
-# up to this part of a length
+FADES = 1.5  # power of the distance by which corners beyond a short contact are divided more coarsely
+COARSEST = 0.6  # part of a length up to which they are
 SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
 
@@ -127,8 +127,8 @@ def graded(length: float, left: float, right: float, ratio: float, largest: floa
 def faded(part: float, distance: float) -> float:
     """The part of a length to which a corner is divided, at a distance from the contact in lengths of the contact.
 
-    Stresses fall as the inverse distance beyond a short contact, and what a corner adds to the error with their square.
-    In powers of two, as the columns at the ends of the contact: see `_mark`.
+    In a layer on a rigid shoe stresses fall at least as the inverse distance beyond a short contact, and what a corner
+    adds to the error with their square. In powers of two, as the columns at the ends of the contact: see `_mark`.
     """
     return max(part, min(COARSEST, part * 2.0 ** math.floor(FADES * math.log2(max(distance, 1.0)))))
 
@@ -166,8 +166,8 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     contact = [x for x, _, kink in places if not kink] or [start, end]
     least, reached = FINEST * t, _reached(start, end, places)
     pressed = max((max(size, least) for _, size, kink in places if not kink), default=end - start)
-    if isinstance(shoe.body, Beam):  # bent, its corners feel a force from afar
-        pressed = end - start
+    if shoe.body is not None or 2 * sum(layer.thickness for layer in layers) > radius * (end - start):
+        pressed = math.inf  # an elastic shoe bends, and a column bears a force down to its foot: corners there feel it
     beyond = contact[0] - start, end - contact[-1]
     left, right = (
         min(max(scale, faded(level.back, x / pressed) * min(t, x)), max(level.edge * length, least))
