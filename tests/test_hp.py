@@ -11,14 +11,14 @@ from scipy.spatial import cKDTree
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
 from drumlin.brake.fields import Material
-from drumlin.brake.file import vary
+from drumlin.brake.file import brake_from, vary
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Cache, materials_of, prepare
 from drumlin.fem.body import FRAME, condense
 from drumlin.fem.fields import fields, ring_fields
 from drumlin.fem.group import groups_of
 from drumlin.fem.holding import full_slip_rotation, hold
-from drumlin.fem.hp import division
+from drumlin.fem.hp import division, levels, places
 from drumlin.fem.hp.adapt import DEFAULT, adapt, estimate
 from drumlin.fem.hp.arc import arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack, turned
@@ -322,6 +322,40 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
     assert response.error["pressure"] <= 1e-3
 
 
+def test_a_short_contact_is_found_in_few_passes(monkeypatch):
+    """A third more are needed where its ends are taken beside the few nodes that press; next to none from where a
+    similar brake has it."""
+    made = []
+    monkeypatch.setattr(levels, "scene", lambda *args: made.append(scene(*args)) or made[-1])
+
+    def passes(seed, few, like=None):
+        monkeypatch.setattr(places, "FEW", few)
+        made.clear()
+        found = next(steps(random_brake(seed, "small contact"), respond, like=like)).response
+        return len(made), found
+
+    counts = np.array([[passes(seed, few)[0] for few in (0, places.FEW)] for seed in range(6)])
+    assert 1.2 * counts[:, 1].sum() < counts[:, 0].sum()
+    (_, like) = passes(3, 2)
+    assert passes(3, 2, like)[0] == 1
+
+
+@pytest.mark.parametrize("thick", [0.1, 0.3])
+def test_a_block_deeper_than_long_bears_down_to_its_foot(thick):
+    """Its corners at the back feel the force however far they are: the torque's error stays below the stated one."""
+    lining = {"start": -0.1, "end": 0.1, "thickness": thick, "width": 0.1, "material": {"E": 3e8, "nu": 0.1}}
+    block = {
+        "name": "block", "side": "external", "hinge": {"radius": 1.4, "angle": -0.6}, "lining": lining,
+        "actuation": {"direction": 3.3, "point": {"radius": 1.4, "angle": 0.6}, "force": 600.0},
+    }  # fmt: skip
+    brake = brake_from(
+        {"title": "block", "rotation": "clockwise", "friction": 0.2, "drum": {"radius": 1.0}, "shoe": [block]}
+    )
+    found = [step.response for step, _ in zip(steps(brake, respond), range(5), strict=False)]
+    for k in (2, 3, 4):
+        assert abs(found[k - 1].torque / found[-1].torque - 1) < estimate(found[:k]).brake["torque"]
+
+
 def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypatch):
     """Divided as finely as those near it they are a third of the unknowns and move p by less than its level's error."""
     brake, found = random_brake(5, "small contact"), []
@@ -548,9 +582,9 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
         (guide | {"shoe[0].actuation.point": {"x": 0.1, "y": 0.0}}, {}),
         (guide | {"shoe[0].actuation.point": {"x": 0.05, "y": 0.0}}, {}),
     ]
-    for changes, places in cases:
+    for changes, where in cases:
         own = vary(ringed, changes)
-        kept, anew = (scene(own, LEVELS[0], places, which) for which in (cache, None))
+        kept, anew = (scene(own, LEVELS[0], where, which) for which in (cache, None))
         for a, b in zip(kept.bodies, anew.bodies, strict=True):
             for name in ("closing_pressed", "closing_dragged", "held_pressed", "turned", "load_centre"):
                 mine, theirs = getattr(a, name), getattr(b, name)

@@ -19,6 +19,7 @@ from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import EXACT, Softness
+from drumlin.response.resultants import cross
 from drumlin.verification.random_brake import KINDS, random_brake
 from drumlin.verification.stated_true import QUANTITIES, Truth, by_columns, errors, limit, ratio, row, summary
 from drumlin.verification.triangles import Level, sequence
@@ -188,6 +189,39 @@ def test_the_penalty_changes_torque_and_pressure_as_a_response_says(brake, index
     assert abs(soft.torque / firm.torque - 1) == pytest.approx(soft.softness.torque, rel=0.02)
     assert pressure_distance(soft, firm) == pytest.approx(soft.softness.pressure, rel=0.05)
     assert soft.softness.torque > 1e-9 and firm.softness == EXACT
+
+
+@pytest.mark.parametrize("penalty", [30.0, 1.0, 0.1, 1e-3])
+def test_what_a_soft_contact_changes_is_stated(brake, penalty):
+    """Down to one a thousand times as soft as the lining, whose pressure hardly hangs on it any more."""
+    level = scene(brake, COLUMNS[2])
+    firm, soft = (respond(level, brake, penalty=each).shoes for each in (math.inf, penalty))
+    for a, b in zip(soft, firm, strict=True):
+        reaction = float(np.hypot(*(a.hinge_reaction - b.hinge_reaction)) / np.hypot(*b.hinge_reaction))
+        true = pressure_distance(a, b), abs(a.torque / b.torque - 1), reaction
+        if penalty == 30:
+            np.testing.assert_allclose(a.softness, true, rtol=0.1)
+        assert true[0] < SOFTER * a.softness.pressure and true[2] < SOFTER * a.softness.reaction
+
+
+def test_a_shoe_without_reaction_has_a_torque(brake):
+    """Its actuation aims along the resultant of the contact: the pin bears nothing, the torque is as certain."""
+    single = vary(brake.model_copy(update={"shoes": brake.shoes[:1]}), {"shoe.body": None})
+    for _ in range(4):
+        found = solve(single, penalty=math.inf)
+        (shoe,), pin, at = single.shoes, single.shoes[0].pin.xy, single.shoes[0].actuation.point.xy
+        force, reaction = shoe.actuation.vector, found.shoes[0].hinge_reaction
+        contact = -(force + reaction)
+        moment = -(cross(at, force) + cross(pin, reaction))
+        point = moment * np.array([contact[1], -contact[0]]) / (contact @ contact)
+        aim = -contact / np.hypot(*contact)
+        place = {"x": point[0], "y": point[1]}
+        new = {"direction": math.atan2(aim[1], aim[0]), "point": place, "force": 1e3}
+        single = vary(single, {"shoe[0].actuation": new})
+    assert np.hypot(*reaction) < 1e-6 * found.shoes[0].normal_force
+    fine = solve(single, penalty=math.inf, tolerance=1e-4)
+    assert abs(found.torque / fine.torque - 1) < found.error["torque"] <= 1e-4
+    assert found.error["torque"] == found.shoes[0].error["torque"]
 
 
 def test_columns_are_a_truth_that_triangles_share(brake, truth):
