@@ -340,18 +340,21 @@ def test_a_short_contact_is_found_in_few_passes(monkeypatch):
     assert passes(3, 2, like)[0] == 1
 
 
-@pytest.mark.parametrize("thick", [0.1, 0.3])
-def test_a_block_deeper_than_long_bears_down_to_its_foot(thick):
+@pytest.mark.parametrize(
+    ("length", "thickness", "backing", "E", "mu"),
+    [(0.1901, 0.2205, 0.2733, 1.95e9, 0.011), (0.0628, 0.1235, 0.1191, 1.6e9, 0.246)],
+)
+def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, backing, E, mu):
     """Its corners at the back feel the force however far they are: the torque's error stays below the stated one."""
-    lining = {"start": -0.1, "end": 0.1, "thickness": thick, "width": 0.1, "material": {"E": 3e8, "nu": 0.1}}
     block = {
-        "name": "block", "side": "external", "hinge": {"radius": 1.4, "angle": -0.6}, "lining": lining,
-        "actuation": {"direction": 3.3, "point": {"radius": 1.4, "angle": 0.6}, "force": 600.0},
+        "name": "block", "side": "internal", "hinge": {"radius": 0.6, "angle": -0.5 * length - 0.7},
+        "lining": {"start": -0.5 * length, "end": 0.5 * length, "thickness": thickness, "width": 0.1,
+                   "material": {"E": 3e8, "nu": 0.1}},
+        "backing": {"thickness": backing, "material": {"E": E, "nu": 0.3}},
+        "actuation": {"direction": 0.1, "point": {"radius": 0.6, "angle": 0.5 * length + 0.7}, "force": 3e3 * length},
     }  # fmt: skip
-    brake = brake_from(
-        {"title": "block", "rotation": "clockwise", "friction": 0.2, "drum": {"radius": 1.0}, "shoe": [block]}
-    )
-    found = [step.response for step, _ in zip(steps(brake, respond), range(5), strict=False)]
+    data = {"title": "block", "rotation": "clockwise", "friction": mu, "drum": {"radius": 1.0}, "shoe": [block]}
+    found = [step.response for step, _ in zip(steps(brake_from(data), respond), range(5), strict=False)]
     for k in (2, 3, 4):
         assert abs(found[k - 1].torque / found[-1].torque - 1) < estimate(found[:k]).brake["torque"]
 
