@@ -9,8 +9,8 @@ bound where K0 + mu K1 is singular: at an eigenvalue of the pencil, the smallest
 set changes on the way there, and so does the eigenvalue: the answer is followed from mu = 0, and the limit is the
 eigenvalue of a set that holds right up to it. It does not depend on force or clearance then, which nothing keeps
 beside pressures without bound. Else the answer ends where it turns back: at a change of the contact set beyond which
-the determinant has the other sign. Other answers may stand beyond, to which the contact would leap: so a step over
-which the set changes is short enough that pressures grow by less than QUIET of themselves.
+the determinant has the other sign. Other answers may stand beyond, to which the contact would leap and grow: so a
+step over which the set changes is short enough that pressures grow by less than QUIET of themselves.
 """
 
 from collections.abc import Callable

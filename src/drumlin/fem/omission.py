@@ -215,7 +215,8 @@ def _without(
     respond: Respond,
     cache: assembly.Cache | None,
 ) -> tuple[Response, bool]:
-    """The response of a brake without `names`, and whether its error stays within the tolerance."""
+    """The response of a brake without `names`, and whether its error stays within the tolerance; where the sketch has
+    not resolved the contact, that of the first level."""
     simple = simplified(brake, names)
     along = steps(simple, respond, cache)
 
@@ -238,10 +239,8 @@ def _without(
         f"p by {predicted.pressure:.1e} (L2); on the final mesh {seen.shoes:.1e} and {seen.pressure:.1e}"
     ]
     kept = [line for line in found.left_out if line not in assembly.lacking(simple)]
-    left_out = (*kept, *assembly.lacking(brake), *lines)
-    return replace(found, error=error, shoes=shoes, left_out=left_out), max(
-        error["pressure"], error["torque"]
-    ) <= tolerance
+    within = max(error["pressure"], error["torque"]) <= tolerance
+    return replace(found, error=error, shoes=shoes, left_out=(*kept, *assembly.lacking(brake), *lines)), within
 
 
 def _with(error: Mapping[str, float] | None, more: Mapping[str, float]) -> dict[str, float]:
