@@ -114,6 +114,9 @@ def adapt(
         missed += f", the next level: {refusal}"
     if must:
         said = f"estimated error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}"
+        soft = SOFTER * max(shoe.softness.pressure for shoe in responses[-1].shoes)
+        if soft > 0.5 * tolerance.pressure:
+            said += f"; the penalty makes {soft:.1e} of it; a larger --penalty makes less"
         raise NoAnswer(f"{missed} on {len(responses)} meshes of up to {unknowns} unknowns a shoe: {said}")
     return Step(scene, _final(responses, error, unknowns, missed))
 
