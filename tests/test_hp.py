@@ -270,6 +270,16 @@ def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
     assert pressure_distance(mine.shoes[0], theirs.shoes[0]) < 5e-3
 
 
+def test_a_torque_whose_levels_agree_by_chance_is_no_more_certain_than_the_reaction(flexible):
+    (_, one), (_, other) = steps(flexible, respond, levels=LEVELS[:2])
+    seen = estimate([one, other])
+    shoes = tuple(replace(a, torque=b.torque) for a, b in zip(one.shoes, other.shoes, strict=True))
+    lucky = estimate([replace(one, shoes=shoes), other])
+    for own, by_chance in zip(seen.shoes, lucky.shoes, strict=True):
+        assert by_chance["torque"] > 0.05 * own["reaction"]
+    assert lucky.brake["torque"] > 0.05 * min(own["reaction"] for own in seen.shoes)
+
+
 @pytest.mark.slow
 def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     """Errors against the finest level: p falls at least threefold a level; what is stated is more, and not ten

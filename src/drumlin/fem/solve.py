@@ -40,8 +40,8 @@ def solve(
     of what is left out for it; NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is
     reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind`
     on meshes of that kind. BadInput is raised for elements and a tolerance together, and for elements or a kind where
-    all shoes have mesh files. finite_width: the linings' moduli
-    corrected for the widths of the shoes, see fem/finite_width.py. cache: bodies of earlier solves.
+    all shoes have mesh files. finite_width: the linings' moduli corrected for the widths of the shoes, see
+    fem/finite_width.py. cache: bodies of earlier solves.
     """
     if finite_width:
         other = corrected(brake)
@@ -51,7 +51,6 @@ def solve(
     if tolerance is not None and elements is not None:
         raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
     own, answer = on_drum(brake), partial(respond, penalty=penalty)
-    _check_divided(own, elements, kind)
     if tolerance is not None and kind is not None:  # a studied method
         found = adapt_meshes(own, tolerance, answer, kind)
     elif tolerance is not None:
@@ -89,7 +88,9 @@ def scene_of(
 
     A brake that has no answer as it slides is divided by the second level. Raises BadInput as `solve`.
     """
-    _check_divided(brake, elements, kind)
+    for key, value in (("elements", elements), ("kind", kind)):
+        if value is not None and all(shoe.mesh for shoe in brake.shoes):
+            raise BadInput(f"--{key} = {value}: all shoes have mesh files, whose elements stay as they are")
     if not _levelled(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
@@ -97,12 +98,6 @@ def scene_of(
         return adapt(brake, DEFAULT, respond, must=False, cache=cache).scene
     except NoAnswer:
         return hp.scene(brake, LEVELS[1], cache=cache)
-
-
-def _check_divided(brake: Brake, elements: int | None, kind: str | None) -> None:
-    for key, value in (("elements", elements), ("kind", kind)):
-        if value is not None and all(shoe.mesh for shoe in brake.shoes):
-            raise BadInput(f"--{key} = {value}: all shoes have mesh files, whose elements stay as they are")
 
 
 def _levelled(brake: Brake, elements: int | None, kind: str | None) -> bool:
