@@ -13,10 +13,14 @@ from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import materials_of, prepare
 from drumlin.fem.body import stiffness
 from drumlin.fem.group import ShoeGroup
-from drumlin.fem.model import REFINED, refined_group, respond
+from drumlin.fem.hp.adapt import ROUND_OFF, Tolerance, adapt
+from drumlin.fem.model import LARGEST_LOSS, MOST_LOSS, REFINED, refined_group, respond
+from drumlin.fem.solve import solve
 from drumlin.journal import Journal
 from drumlin.studies import load
 from drumlin.verification.extreme_cases import Case, cases
+from drumlin.verification.random_brake import random_brake
+from drumlin.verification.stated_true import by_triangles, errors
 from drumlin.verification.trial import trial
 
 
@@ -119,6 +123,24 @@ def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
 def test_digits_that_no_arithmetic_keeps_are_refused_with_the_reason():
     with pytest.raises(NoAnswer, match=r"lost digits.*certain only to .*too far apart"):
         answer(Case(shoe=1e-13, elements=16))
+
+
+def test_digits_that_condensation_loses_on_a_fine_division_are_part_of_the_error():
+    """Too many unknowns to refine: the answer stands, and what it may be off by."""
+    scene, found = adapt(random_brake(2474), Tolerance(1e-3, 1e-3), respond)
+    lost = max(body.condensed.lost for body in scene.bodies)
+    assert LARGEST_LOSS < lost < MOST_LOSS
+    assert min(found.error.values()) > ROUND_OFF * lost
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [2342, 2474])
+def test_triangles_agree_where_digits_were_lost(seed):
+    brake = random_brake(seed)
+    found, true = solve(brake, tolerance=1e-3), by_triangles(brake)
+    off = errors(brake, found.shoes, true.shoes)
+    for name, error in off.items():
+        assert error <= found.error[name] + true.unsure[name]
 
 
 def test_wide_gaps_on_tiny_compressions_keep_their_digits():
