@@ -45,7 +45,9 @@ class System(NamedTuple):
 
     def on(self, active: Bools) -> Bools:
         """The unknowns (n + k,) of a contact set (n,): its pressures and all motions."""
-        return np.concatenate([active, np.ones(len(self.r) - self.n, dtype=bool)])
+        on = np.empty(len(self.r), dtype=bool)
+        on[: self.n], on[self.n :] = active, True
+        return on
 
 
 def equilibrated(problem: Problem) -> System:
@@ -53,19 +55,16 @@ def equilibrated(problem: Problem) -> System:
     A, q, B, C, h = problem
     n, k = B.shape
     d = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), TINY))
-    K = np.empty((n + k, n + k))
-    even, opened, balanced = K[:n, :n], K[:n, n:], K[n:, :n]
+    beside = np.concatenate([B, C.T], axis=1) * d[:, None]
+    size = 1 / np.maximum(np.abs(beside).max(axis=0), TINY)
+    beside *= size
+    down, across = np.concatenate([d, size[k:]]), np.concatenate([d, size[:k]])
+    K = np.zeros((n + k, n + k))
+    even = K[:n, :n]
     np.multiply(A, d[:, None], out=even)
     even *= d  # in place: where there are many nodes, half of the time is that of new memory
-    np.multiply(B, d[:, None], out=opened)
-    np.multiply(C, d, out=balanced)
-    column = 1 / np.maximum(np.abs(opened).max(axis=0), TINY)
-    row = 1 / np.maximum(np.abs(balanced).max(axis=1), TINY)
-    opened *= column
-    balanced *= row[:, None]
-    K[n:, n:] = 0.0
-    r = np.concatenate([d * q, -row * h])
-    return System(K, r, np.concatenate([d, row]), np.concatenate([d, column]), n)
+    K[:n, n:], K[n:, :n] = beside[:, :k], beside[:, k:].T
+    return System(K, down * np.concatenate([q, -h]), down, across, n)
 
 
 def condition(problem: Problem, active: Bools) -> float:

@@ -22,6 +22,7 @@ from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
 from drumlin.files import content_digest
+from drumlin.response.response import edge_zone
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
 
@@ -282,7 +283,7 @@ class Assembled:
 
 def line_of(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
     """The contact line of a shoe on the `facets` of a scalar basis; radius [m]: of the drum."""
-    return contact_line(basis, facets, sum(shoe.arc) / 2, radius if shoe.flat else None)
+    return contact_line(basis, facets, sum(shoe.arc) / 2, radius if shoe.flat else None, edge_zone(shoe, radius))
 
 
 def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Assembled:

@@ -11,14 +11,15 @@ of the traction on the same arc to round-off, on any mesh.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
 from drumlin.response.response import Surface
-from drumlin.response.resultants import GAUSS, WEIGHTS, angle_near, at_gauss, shape, slopes
+from drumlin.response.resultants import GAUSS, WEIGHTS, Inside, angle_near, at_gauss, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
 
@@ -28,13 +29,14 @@ class ContactLine:
     """The lining's friction surface in the shoe's frame, nodes sorted by angle.
 
     `nodes` (n,): numbers in the mesh; `xy` (2, n) [m]; `phi` (n,) [rad]; `pieces` (order + 1, m): positions
-    in `nodes` of the nodes of each edge, by growing angle.
+    in `nodes` of the nodes of each edge, by growing angle; `edge` [rad]: the zone at its ends that makes no peak.
     """
 
     nodes: Ints
     xy: Floats
     phi: Floats
     pieces: Ints
+    edge: float = field(default=0.0, kw_only=True)
 
     @property
     def order(self) -> int:
@@ -44,6 +46,11 @@ class ContactLine:
     def couple(self, width: float, directions: Directions) -> "Coupling":
         """The coupling with a counterface of known directions, the lining being `width` [m] wide."""
         return couple(self, width, directions)
+
+    @cached_property
+    def inside(self) -> Inside:
+        """Where its pressure may peak."""
+        return Inside(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] and pressure (n,) [Pa] along the line; of a face its mean over the width."""
@@ -92,10 +99,10 @@ def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> tu
     return psi, xy @ psi, np.hypot(*(xy @ slope)) * weights
 
 
-def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = None) -> ContactLine:
+def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = None, edge: float = 0.0) -> ContactLine:
     """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad].
 
-    unit [m]: on a plane, whose "angles" are x/unit.
+    unit [m]: on a plane, whose "angles" are x/unit; edge [rad]: see ContactLine.
     """
     dofs = edge_nodes(basis, facets)
     nodes = np.unique(dofs)
@@ -107,7 +114,7 @@ def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = N
     place[nodes] = np.arange(len(nodes))
     pieces = place[dofs]
     pieces = np.where(phi[pieces[0]] < phi[pieces[-1]], pieces, pieces[::-1])
-    return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces[:, np.argsort(phi[pieces[0]])])
+    return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces[:, np.argsort(phi[pieces[0]])], edge=edge)
 
 
 def radial(sign: int) -> Directions:

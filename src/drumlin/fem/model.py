@@ -269,6 +269,7 @@ def _answer(
         frame.theta(phi),
         mean,
         order=line.order,
+        peak=line.inside.peak(mean),
         torque=abs(drag) * pressed,
         normal_force=math.hypot(*normal.sum(axis=0)),
         self_energising=math.copysign(1.0, motions.work[0]) * drag * dragged > NEITHER * abs(closed),

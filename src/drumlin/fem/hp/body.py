@@ -14,6 +14,7 @@ from drumlin.fem.hp.grid import Block, Grid
 from drumlin.fem.hp.shoe import end_load, line_of
 from drumlin.fem.interface import ContactLine
 from drumlin.lapack import dpotrf, dtrtrs, solve_lower
+from drumlin.response.response import edge_zone
 
 MOVED = 0.01  # of how far round-off moves the contact under a rigid motion, relative to that motion. The error of p is
 # a few percent of that, which adapt.ROUND_OFF times this covers; about half of it where the shoe is far softer
@@ -89,4 +90,5 @@ def contact_line(shoe: Shoe, radius: float, div: Division) -> ContactLine:
         shoe.at(np.zeros(1), phi, radius),
         phi,
         pieces,
+        edge=edge_zone(shoe, radius),
     )
