@@ -77,6 +77,18 @@ class Body:
         """Number of displacement unknowns of the mesh."""
         return int(2 * self.basis.N)
 
+    @cached_property
+    def turning(self) -> tuple[Floats, Floats]:
+        """N u and T u (n, 1) of a turn by one radian."""
+        return self.coupling.N @ self.turned[:, None], self.coupling.T @ self.turned[:, None]
+
+    @cached_property
+    def forces(self) -> Floats:
+        """Force x, y and moment about the centre (2, 3, n) of the nodal forces N^T and T^T."""
+        (x, y), none, ones = self.line.xy, np.zeros(self.line.xy.shape[1]), np.ones(self.line.xy.shape[1])
+        rigid = np.array([[ones, none], [none, ones], [-y, x]]).transpose(0, 2, 1).reshape(3, -1)
+        return np.array([rigid @ self.coupling.N.T, rigid @ self.coupling.T.T])
+
 
 @dataclass(frozen=True)
 class Scene:

@@ -73,7 +73,7 @@ class Coupling:
     T: Floats
     lever: Floats
 
-    @property
+    @cached_property
     def area(self) -> Floats:
         """b Int psi_i ds (n,) [m^2]."""
         return self.M.sum(axis=1)
