@@ -340,7 +340,7 @@ def coupled(
     n = len(line.nodes)
     coupling = line.couple(shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
     forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
-    Y = condensed.half(np.hstack(forces))
+    Y = condensed.half(np.concatenate(forces, axis=1))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
     pressed, loaded, dragged = slice(n), slice(n, n + 3), slice(n + 3, None)
     x, y = line.xy - shoe.own_pin[:, None]
@@ -348,7 +348,7 @@ def coupled(
         coupling=coupling,
         condensed=condensed,
         load_centre=centre,
-        turned=np.column_stack([-y, x]).ravel(),
+        turned=np.array([-y, x]).T.ravel(),
         closing_pressed=closing[:, pressed],
         closing_loaded=closing[:, loaded],
         closing_dragged=closing[:, dragged] if friction else None,

@@ -142,7 +142,7 @@ def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
     blocks = (factors @ (psi[:, None] * psi).reshape(len(psi) ** 2, -1).T).reshape(len(factors), -1)  # (.., m a b)
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()
     M, *parts = (_summed(at, block, n * n).reshape(n, n) for block in blocks)
-    N, T = (np.stack(parts[k : k + 2], axis=-1).reshape(n, 2 * n) for k in (0, 2))
+    N, T = (np.ascontiguousarray(np.array(pair).transpose(1, 2, 0)).reshape(n, 2 * n) for pair in (parts[:2], parts[2:]))
     return Coupling(M, N, T, _summed(line.pieces.T.ravel(), (weight * r) @ psi.T, n))
 
 

@@ -105,8 +105,8 @@ def merge(A: Piece, B: Piece, shared: int, extra: int = 0) -> Piece:
     rest = slice(before - shared, None)
     K[:before, :before] = A.K[:before, :before]
     C[:, :before] = A.K[before:, :before]
-    K[rest, rest] += B.K[beyond:, beyond:]
-    C[:, rest] += B.K[extra:beyond, beyond:]
+    for target, part in ((K[rest, rest], B.K[beyond:, beyond:]), (C[:, rest], B.K[extra:beyond, beyond:])):
+        target += part  # target[...] += would write it twice
     if extra:
         K[:extra, :extra] += B.K[:extra, :extra]
         K[:extra, rest] += B.K[:extra, beyond:]
