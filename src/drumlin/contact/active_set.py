@@ -39,8 +39,8 @@ class Contact:
 
     `regular`: on the contact set every free motion meets resistance, as it does without friction: the determinant
     has its sign and no motion's resistance is negative. Followed from mu = 0 this is lost where the brake locks
-    itself. `tangent(dq)`: change of p where the weighted gaps
-    change by dq (n,) and the contact set stays.
+    itself. `system`: the problem equilibrated. `tangent(dq)`: change of p where the weighted gaps change by dq (n,) and
+    the contact set stays.
     """
 
     p: Floats
@@ -49,6 +49,7 @@ class Contact:
     active: Bools
     steps: int
     regular: bool
+    system: System
     tangent: Callable[[Floats], Floats]
 
 
@@ -75,12 +76,13 @@ class NotSettled(NoAnswer):
         self.steps = steps
 
 
-def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) -> Contact:
+def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS, like: System | None = None) -> Contact:
     """The answer that changing all wrong nodes at once leads to from `start`, in at most `most` steps.
 
-    Raises NotSettled where the wrong nodes do not become fewer, NoAnswer where nothing balances the actuation.
+    like: see `equilibrated`. Raises NotSettled where the wrong nodes do not become fewer, NoAnswer where nothing
+    balances the actuation.
     """
-    system = equilibrated(problem)
+    system = equilibrated(problem, like)
     K, r, n = system.K, system.r, system.n
     active = np.ones(n, dtype=bool) if start is None else start.copy()
     fewest, patience = n + 1, PATIENCE
@@ -114,6 +116,7 @@ def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS)
                 active=active,
                 steps=step,
                 regular=regular(equations, system),
+                system=system,
                 tangent=partial(_tangent, equations, system),
             )
         fewest, patience = (wrong, PATIENCE) if wrong < fewest else (fewest, patience - 1)

@@ -50,21 +50,26 @@ class System(NamedTuple):
         return on
 
 
-def equilibrated(problem: Problem) -> System:
-    """The problem with unit diagonal of A, unit columns of B and rows of C. Signs, and so the answer, stay."""
+def equilibrated(problem: Problem, like: System | None = None) -> System:
+    """The problem with unit diagonal of A, unit columns of B and rows of C, or with the scales that these have in a
+    problem `like` it. Signs, and so the answer, stay."""
     A, q, B, C, h = problem
     n, k = B.shape
-    d = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), TINY))
-    beside = np.concatenate([B, C.T], axis=1) * d[:, None]
-    size = 1 / np.maximum(np.abs(beside).max(axis=0), TINY)
-    beside *= size
-    down, across = np.concatenate([d, size[k:]]), np.concatenate([d, size[:k]])
+    down, across = _scales(problem) if like is None else (like.down, like.across)
     K = np.zeros((n + k, n + k))
-    even = K[:n, :n]
-    np.multiply(A, d[:, None], out=even)
-    even *= d  # in place: where there are many nodes, half of the time is that of new memory
-    K[:n, n:], K[n:, :n] = beside[:, :k], beside[:, k:].T
+    np.multiply(A, down[:n, None], out=K[:n, :n])
+    K[:n, n:], K[n:, :n] = B * down[:n, None], C * across[:n] * down[n:, None]
+    rows = K[:n]
+    rows *= across  # in place: where there are many nodes, half of the time is that of new memory
     return System(K, down * np.concatenate([q, -h]), down, across, n)
+
+
+def _scales(problem: Problem) -> tuple[Floats, Floats]:
+    A, _, B, C, _ = problem
+    d = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), TINY))
+    size = 1 / np.maximum(np.abs(np.concatenate([B, C.T], axis=1) * d[:, None]).max(axis=0), TINY)
+    k = B.shape[1]
+    return np.concatenate([d, size[k:]]), np.concatenate([d, size[:k]])
 
 
 def condition(problem: Problem, active: Bools) -> float:

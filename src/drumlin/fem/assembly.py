@@ -17,7 +17,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Point
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, edge_nodes, edge_points, radial, straight
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, end_loads, radial, straight
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
@@ -358,23 +358,6 @@ def coupled(
         held_loaded=holding[:, loaded] - condensed.load_f,
         held_dragged=holding[:, dragged] if friction else None,
     )
-
-
-def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
-    """Nodal forces (2 nodes, 3) of unit force x, unit force y and unit couple on the loaded end, and its centre.
-
-    The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows linearly from it.
-    """
-    nodes = edge_nodes(basis, facets)
-    psi, x, ds = edge_points(basis.doflocs[:, nodes])
-    centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
-    arm = x - centre[:, None, None]
-    turn = np.array([-arm[1], arm[0]]) / float((arm**2 * ds).sum())
-    ones, zeros = np.full(ds.shape, 1 / ds.sum()), np.zeros(ds.shape)
-    tractions = np.array([[ones, zeros], [zeros, ones], turn])
-    loads = np.zeros((basis.N, 2, 3))
-    np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, tractions, ds))
-    return loads.reshape(-1, 3), centre
 
 
 def materials_of(shoe: Shoe) -> dict[str, tuple[Material, float]]:

@@ -99,6 +99,23 @@ def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> tu
     return psi, xy @ psi, np.hypot(*(xy @ slope)) * weights
 
 
+def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
+    """Nodal forces (2 nodes, 3) of unit force x, unit force y and unit couple on the loaded end, and its centre.
+
+    The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows linearly from it.
+    """
+    nodes = edge_nodes(basis, facets)
+    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
+    arm = x - centre[:, None, None]
+    turn = np.array([-arm[1], arm[0]]) / float((arm**2 * ds).sum())
+    ones, zeros = np.full(ds.shape, 1 / ds.sum()), np.zeros(ds.shape)
+    tractions = np.array([[ones, zeros], [zeros, ones], turn])
+    loads = np.zeros((basis.N, 2, 3))
+    np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, tractions, ds))
+    return loads.reshape(-1, 3), centre
+
+
 def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = None, edge: float = 0.0) -> ContactLine:
     """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad].
 
@@ -142,7 +159,7 @@ def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
     blocks = (factors @ (psi[:, None] * psi).reshape(len(psi) ** 2, -1).T).reshape(len(factors), -1)  # (.., m a b)
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()
     M, *parts = (_summed(at, block, n * n).reshape(n, n) for block in blocks)
-    N, T = (np.ascontiguousarray(np.array(pair).transpose(1, 2, 0)).reshape(n, 2 * n) for pair in (parts[:2], parts[2:]))
+    N, T = (np.array(parts[k : k + 2]).transpose(1, 2, 0).reshape(n, 2 * n) for k in (0, 2))
     return Coupling(M, N, T, _summed(line.pieces.T.ravel(), (weight * r) @ psi.T, n))
 
 

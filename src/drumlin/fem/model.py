@@ -135,7 +135,7 @@ def _grips(brake: Brake) -> Iterator[str]:
             length = (grip[1] - grip[0]) * shoe.back(brake.drum.radius)  # a short back has less than is asked for
             said = f"its {shoe.held_by} grips {mm(round(length, 4))} of the back of its body"
         else:
-            away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - shoe.own_pin)))
+            away = math.dist(shoe.end_face(brake.drum.radius), shoe.own_pin)
             joined = "" if away < 0.5 * shoe.body.depth else ", joined by a rigid arm"
             what = "pin" if shoe.held_by == "hinge" else "foot"
             said = f"its {what} holds the end face of its body, {mm(round(away, 4))} from the face's middle{joined}"
@@ -299,7 +299,7 @@ def _softness(group: ShoeGroup, k: int, p: Floats, change: Floats, reaction: Flo
         weight = area
     yielded = held(body, change, group.brake.drag_on(shoe), np.zeros(3))
     parts = [
-        (math.sqrt(float(weight @ change**2)), math.sqrt(float(weight @ p**2))),
+        (math.sqrt(weight @ change**2), math.sqrt(weight @ p**2)),
         (abs(float(lever @ change)), float(lever @ p)),
         (math.hypot(*yielded[:2]), math.hypot(*reaction)),
     ]

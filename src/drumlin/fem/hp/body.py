@@ -39,7 +39,8 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
         places = line_of(ends, p)
         inner = np.arange(count, count + (rows - first * p) * (len(places) - 1)).reshape(rows - first * p, -1)
         count += inner.size
-        blocks.append(Block(np.concatenate([faces[k][:, None], inner], axis=1), depth[first * p :], places, div.part[first:]))
+        nodes = np.concatenate([faces[k][:, None], inner], axis=1)
+        blocks.append(Block(nodes, depth[first * p :], places, div.part[first:]))
         faces[k] = inner[:, -1]
     grip = shoe.grip(radius)
     if grip is None:
