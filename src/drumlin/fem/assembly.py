@@ -22,6 +22,7 @@ from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
 from drumlin.files import content_digest
+from drumlin.laws import rigid
 from drumlin.response.response import edge_zone
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
@@ -109,6 +110,11 @@ class Scene:
     def shapes(self) -> list[tuple[object, ...]]:
         """The shape of each shoe, see `shape_of`."""
         return [shape_of(self.brake, shoe) for shoe in self.brake.shoes]
+
+    @cached_property
+    def laws(self) -> list[float]:
+        """mu_lock of each shoe by the rigid-shoe law."""
+        return [rigid.locking_friction(self.brake, shoe) for shoe in self.brake.shoes]
 
 
 def why_not(brake: Brake) -> str | None:

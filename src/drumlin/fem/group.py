@@ -246,7 +246,7 @@ class ShoeGroup:
         """
         for body, shoe, gap, load in zip(self.bodies, self.shoes, self.gaps, self.loads, strict=True):
             reach.check_pin(shoe, body.line.xy, gap, load[1])
-        law = min(rigid.locking_friction(self.brake, shoe) for shoe in self.shoes)
+        law = min(self._law(i) for i in self.members)
         try:
             found = self_locking.answer(self.problem_at, self.brake.friction, first, law=law, brake="elastic as it is")
         except NoAnswer as error:
@@ -254,6 +254,12 @@ class ShoeGroup:
         for shoe, gap, amounts in zip(self.shoes, self.gaps, self.amounts(found), strict=True):
             reach.check_turns(shoe, gap, self.unit_force * amounts)
         return found
+
+    def _law(self, i: int) -> float:
+        """mu_lock of a shoe by the rigid-shoe law: that of the scene for a hinged one dragged the same way."""
+        (shoe, spin), (known, other) = ((brake.shoes[i], brake.spin) for brake in (self.brake, self.scene.brake))
+        same = shoe.held_by == known.held_by == "hinge" and spin * shoe.frame.sense == other * known.frame.sense
+        return self.scene.laws[i] if same else rigid.locking_friction(self.brake, shoe)
 
     def settled(self, first: Bools | None = None) -> tuple["ShoeGroup", active_set.Contact]:
         """The group with the friction at its abutments as its answer has it, and that answer.
