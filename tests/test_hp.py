@@ -20,7 +20,7 @@ from drumlin.fem.group import groups_of
 from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.hp import division, levels, places
 from drumlin.fem.hp.adapt import DEFAULT, adapt, estimate
-from drumlin.fem.hp.arc import arc_columns, elements
+from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack, turned
 from drumlin.fem.hp.division import divide, graded
 from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
@@ -142,7 +142,7 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     of = stack(p, 3, contact=contact, held=held)
     theirs = columns(condensed_elements(nodes_of(place, depths, angles, p), lame, p), of)
     nodes = p + 1 if contact else 0
-    ours = arc_columns(elements(radii, angles, lame, p), p, contact=contact, held=held)
+    ours = arc_columns(elements(radii, angular(angles, p), lame, p), p, contact=contact, held=held)
     for K, own, side in zip(theirs, ours, half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []

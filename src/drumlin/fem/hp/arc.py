@@ -84,8 +84,9 @@ def _folded(V: Floats, p: int) -> Floats:
     return np.asarray(fold.reshape(2, *(1,) * (V.ndim - 2), *fold.shape[1:]) @ V)
 
 
-def _along(angles: Floats, p: int, *, flat: bool) -> Floats:
-    """A_kl and 2 A'_kl (2 c, (p + 1)^2, 8) of columns with nodes at `angles` (c, p + 1) about their middle [rad]."""
+def angular(angles: Floats, p: int, *, flat: bool = False) -> Floats:
+    """A_kl and 2 A'_kl (2, c, (p + 1)^2, 8) of columns with nodes at `angles` (c, p + 1) about their middle [rad],
+    on a plane in lengths."""
     of, (count, n) = functions(p), angles.shape
     circle = np.array([np.cos(angles), np.sin(angles)])
     at, by = circle @ of.values, circle @ of.slopes  # (2, c, q)
@@ -109,7 +110,7 @@ def _along(angles: Floats, p: int, *, flat: bool) -> Floats:
     found = np.empty((2 * count, n, n, 2, 2, 2))
     for k, each in enumerate((trace, whole)):
         found[:, :, :, k] = (each @ each.swapaxes(1, 2)).reshape(-1, 2, n, 2, n).transpose(0, 2, 4, 1, 3)
-    return found.reshape(-1, n * n, 8)
+    return found.reshape(2, count, n * n, 8)
 
 
 def _across(radii: Floats, lame: Floats, p: int, plane: float | None) -> Floats:
@@ -124,14 +125,14 @@ def _across(radii: Floats, lame: Floats, p: int, plane: float | None) -> Floats:
     return (lame[:, :, None, None, None] * B[:, None]).reshape(len(lame), 8, -1)
 
 
-def elements(radii: Floats, angles: Floats, lame: Floats, p: int, plane: float | None = None) -> Floats:
+def elements(radii: Floats, A: Floats, lame: Floats, p: int, plane: float | None = None) -> Floats:
     """Stiffness (l, 2, c, 4 p, 4 p) of elements on their symmetric and their antisymmetric boundary unknowns, between
-    the radii (l + 1,) [m] and with nodes at the angles (c, p + 1) about their middle [rad].
+    the radii (l + 1,) [m] and with the `angular` parts A of their columns.
 
     lame (l, 2): lambda and mu of plane stress times the width [N/m]; plane: of elements on a plane, whose angles are
     lengths, by what [m]. Displacements of the left and the right side count along the radius and across it there.
     """
-    of, A = functions(p), _along(angles, p, flat=plane is not None)
+    of, A = functions(p), A.reshape(-1, *A.shape[2:])
     found = np.empty((len(lame), len(A), 4 * p, 4 * p))
     for layer, B in enumerate(_across(radii, lame, p, plane)):
         K = (A @ B).reshape(len(A), -1)

@@ -12,7 +12,7 @@ from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.body import FRAME
-from drumlin.fem.hp.arc import arc_columns, elements
+from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.element import condensed_elements, element
@@ -126,7 +126,7 @@ def _columns(shoe: Shoe, radius: float, div: Division, materials: dict[str, tupl
         which = np.arange(len(along))
     else:
         sizes, which = distinct(np.concatenate([ends[1:] - ends[:-1] for ends in parts]))
-        along = 0.5 * sizes[:, None] * lobatto(p)
+        A = angular(0.5 * sizes[:, None] * lobatto(p), p, flat=shoe.flat)
     lame, plane = lame_of(materials, div.part), radius if shoe.flat else None
 
     def made(row: Ints, layer: int, *, contact: bool, held: bool) -> list[Piece]:
@@ -134,11 +134,12 @@ def _columns(shoe: Shoe, radius: float, div: Division, materials: dict[str, tupl
         if not len(row):
             return []
         kinds = np.flatnonzero(np.bincount(row))  # np.unique loads np.ma
-        depths, at, of = div.depths[layer:], along[kinds], stack(p, div.layers - layer, contact=contact, held=held)
+        depths, of = div.depths[layer:], stack(p, div.layers - layer, contact=contact, held=held)
         if beam:
-            found = columns(condensed_elements(nodes_of(map_of(shoe, radius), depths, at, p), lame[layer:], p), of)
+            xy = nodes_of(map_of(shoe, radius), depths, along[kinds], p)
+            found = columns(condensed_elements(xy, lame[layer:], p), of)
         else:
-            own = elements(radius - shoe.sign * depths, at, lame[layer:], p, plane)
+            own = elements(radius - shoe.sign * depths, A[:, kinds], lame[layer:], p, plane)
             found = arc_columns(own, p, contact=contact, held=held)
         pieces = {kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)}
         return [pieces[kind] for kind in row.tolist()]
