@@ -53,9 +53,9 @@ def settled_sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     sizes: list[int] = []
     settle = self_locking.settle
 
-    def counted(problem: Problem, *rest: Any) -> Contact:
+    def counted(problem: Problem, *rest: Any, **more: Any) -> Contact:
         sizes.append(len(problem.q))
-        return settle(problem, *rest)
+        return settle(problem, *rest, **more)
 
     monkeypatch.setattr(self_locking, "settle", counted)
     return sizes

@@ -12,10 +12,10 @@ from skfem.models.elasticity import linear_elasticity, plane_stress
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import end_loads, materials_of, prepare
+from drumlin.fem.assembly import materials_of, prepare
 from drumlin.fem.body import FRAME, condense, scalar_basis, stiffness, tie
 from drumlin.fem.elimination import dissection, eliminate
-from drumlin.fem.interface import contact_line
+from drumlin.fem.interface import contact_line, end_loads
 from drumlin.fem.mesh.arc import shoe_mesh
 
 STEEL = Material(E=210e9, nu=0.3)

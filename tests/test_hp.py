@@ -20,7 +20,7 @@ from drumlin.fem.group import groups_of
 from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.hp import division, levels, places
 from drumlin.fem.hp.adapt import DEFAULT, adapt, estimate
-from drumlin.fem.hp.arc import arc_columns, elements
+from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack, turned
 from drumlin.fem.hp.division import divide, graded
 from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
@@ -33,7 +33,7 @@ from drumlin.fem.sensitivity import sensitivity
 from drumlin.fem.solve import scene_of, solve
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance
-from drumlin.response.resultants import largest, lobatto
+from drumlin.response.resultants import Inside, largest, lobatto
 from drumlin.sweeps.cases import Case, solved
 from drumlin.verification.random_brake import random_brake
 from drumlin.wear.worn_in import solve as solve_worn_in
@@ -142,7 +142,7 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     of = stack(p, 3, contact=contact, held=held)
     theirs = columns(condensed_elements(nodes_of(place, depths, angles, p), lame, p), of)
     nodes = p + 1 if contact else 0
-    ours = arc_columns(elements(radii, angles, lame, p), p, contact=contact, held=held)
+    ours = arc_columns(elements(radii, angular(angles, p), lame, p), p, contact=contact, held=held)
     for K, own, side in zip(theirs, ours, half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
@@ -505,8 +505,8 @@ def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():
     theta = np.concatenate([0.5 * (x + 1), 1 + 0.5 * (x[1:] + 1)])
     values = 3.0 - (theta - 0.3) ** 2
     assert largest(theta, values, 4) == pytest.approx(3.0, abs=1e-6)
-    assert largest(theta, values, 4, zone=0.5) == pytest.approx(3.0 - 0.04, abs=1e-6)
-    assert largest(theta, values, 4, zone=5.0) == pytest.approx(3.0, abs=1e-6)
+    assert Inside(theta, 4, 0.5).largest(values) == pytest.approx(3.0 - 0.04, abs=1e-6)
+    assert Inside(theta, 4, 5.0).largest(values) == pytest.approx(3.0, abs=1e-6)
 
 
 def test_fields_recovered_on_a_grid_are_in_balance(brake):

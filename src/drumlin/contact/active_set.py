@@ -39,8 +39,8 @@ class Contact:
 
     `regular`: on the contact set every free motion meets resistance, as it does without friction: the determinant
     has its sign and no motion's resistance is negative. Followed from mu = 0 this is lost where the brake locks
-    itself. `tangent(dq)`: change of p where the weighted gaps
-    change by dq (n,) and the contact set stays.
+    itself. `system`: the problem equilibrated. `tangent(dq)`: change of p where the weighted gaps change by dq (n,) and
+    the contact set stays.
     """
 
     p: Floats
@@ -49,6 +49,7 @@ class Contact:
     active: Bools
     steps: int
     regular: bool
+    system: System
     tangent: Callable[[Floats], Floats]
 
 
@@ -75,20 +76,20 @@ class NotSettled(NoAnswer):
         self.steps = steps
 
 
-def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS) -> Contact:
+def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS, like: System | None = None) -> Contact:
     """The answer that changing all wrong nodes at once leads to from `start`, in at most `most` steps.
 
-    Raises NotSettled where the wrong nodes do not become fewer, NoAnswer where nothing balances the actuation.
+    like: see `equilibrated`. Raises NotSettled where the wrong nodes do not become fewer, NoAnswer where nothing
+    balances the actuation.
     """
-    system = equilibrated(problem)
+    system = equilibrated(problem, like)
     K, r, n = system.K, system.r, system.n
-    free, moved = len(r) - n, problem.B != 0
     active = np.ones(n, dtype=bool) if start is None else start.copy()
     fewest, patience = n + 1, PATIENCE
     largest_q = np.abs(r[:n]).max()
     base: Equations | None = None
     for step in range(1, most + 1):
-        if free and not _resisted(moved, active):  # a motion that nothing resists yet
+        if not _resisted(problem.B, active):  # a motion that nothing resists yet
             active = active | _first_touch(system.problem)
         on = system.on(active)
         if base is not None and few_changed(base, on):
@@ -97,14 +98,16 @@ def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS)
             equations = base = Equations(K, on)
         x = equations.solve(r)
         p, closed, opened = x[:n], K[:, :n] @ x[:n], K[:n, n:] @ x[n:]
-        w = r[:n] + closed[:n] + opened
-        p_slack = SLACK * np.abs(p).max(initial=0.0)
-        w_slack = SLACK * max(largest_q, np.abs(opened).max(initial=0.0), np.abs(closed[:n]).max())
+        left = r + closed  # w, and what the equilibria are out of balance by
+        w = left[:n]
+        w += opened
+        p_slack = SLACK * np.abs(p).max()
+        w_slack = SLACK * max(largest_q, np.abs(opened).max(), np.abs(closed[:n]).max())
         change = np.where(active, p < -p_slack, w < -w_slack)
         wrong = int(np.count_nonzero(change))
         if not wrong:
             # One step of refinement: p and y balance to round-off even where wide gaps close on tiny compressions.
-            x = (x + equations.solve(np.concatenate([w, r[n:] + closed[n:]]))) * system.across
+            x = (x + equations.solve(left)) * system.across
             w[active] = 0.0
             return Contact(
                 p=np.maximum(x[:n], 0.0),
@@ -113,6 +116,7 @@ def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS)
                 active=active,
                 steps=step,
                 regular=regular(equations, system),
+                system=system,
                 tangent=partial(_tangent, equations, system),
             )
         fewest, patience = (wrong, PATIENCE) if wrong < fewest else (fewest, patience - 1)
@@ -222,13 +226,14 @@ def _tangent(equations: Equations, system: System, dq: Floats) -> Floats:
     return (system.across * equations.solve(system.down * dr))[: system.n]
 
 
-def _resisted(moved: Bools, active: Bools) -> bool:
-    """Whether each free motion meets a node of the contact set, motions of the same nodes one each; moved (n, k)."""
-    touched = moved[active]
-    if moved.shape[1] < 2:
-        return bool(touched.any())
+def _resisted(B: Floats, active: Bools) -> bool:
+    """Whether each free motion meets a node of the contact set, motions of the same nodes one each; B (n, k)."""
+    touched = B[active]
+    if B.shape[1] < 2:
+        return bool(touched.any()) or not B.size
+    touched = touched != 0
     return bool(touched.any(axis=0).all()) and all(
-        np.count_nonzero(touched[:, of].any(axis=1)) >= len(of) for of in _together(moved)
+        np.count_nonzero(touched[:, of].any(axis=1)) >= len(of) for of in _together(B != 0)
     )
 
 

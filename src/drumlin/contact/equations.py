@@ -45,27 +45,31 @@ class System(NamedTuple):
 
     def on(self, active: Bools) -> Bools:
         """The unknowns (n + k,) of a contact set (n,): its pressures and all motions."""
-        return np.concatenate([active, np.ones(len(self.r) - self.n, dtype=bool)])
+        on = np.empty(len(self.r), dtype=bool)
+        on[: self.n], on[self.n :] = active, True
+        return on
 
 
-def equilibrated(problem: Problem) -> System:
-    """The problem with unit diagonal of A, unit columns of B and rows of C. Signs, and so the answer, stay."""
+def equilibrated(problem: Problem, like: System | None = None) -> System:
+    """The problem with unit diagonal of A, unit columns of B and rows of C, or with the scales that these have in a
+    problem `like` it. Signs, and so the answer, stay."""
     A, q, B, C, h = problem
     n, k = B.shape
+    down, across = _scales(problem) if like is None else (like.down, like.across)
+    K = np.zeros((n + k, n + k))
+    np.multiply(A, down[:n, None], out=K[:n, :n])
+    K[:n, n:], K[n:, :n] = B * down[:n, None], C * across[:n] * down[n:, None]
+    rows = K[:n]
+    rows *= across  # in place: where there are many nodes, half of the time is that of new memory
+    return System(K, down * np.concatenate([q, -h]), down, across, n)
+
+
+def _scales(problem: Problem) -> tuple[Floats, Floats]:
+    A, _, B, C, _ = problem
     d = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), TINY))
-    K = np.empty((n + k, n + k))
-    even, opened, balanced = K[:n, :n], K[:n, n:], K[n:, :n]
-    np.multiply(A, d[:, None], out=even)
-    even *= d  # in place: where there are many nodes, half of the time is that of new memory
-    np.multiply(B, d[:, None], out=opened)
-    np.multiply(C, d, out=balanced)
-    column = 1 / np.maximum(np.abs(opened).max(axis=0), TINY)
-    row = 1 / np.maximum(np.abs(balanced).max(axis=1), TINY)
-    opened *= column
-    balanced *= row[:, None]
-    K[n:, n:] = 0.0
-    r = np.concatenate([d * q, -row * h])
-    return System(K, r, np.concatenate([d, row]), np.concatenate([d, column]), n)
+    size = 1 / np.maximum(np.abs(np.concatenate([B, C.T], axis=1) * d[:, None]).max(axis=0), TINY)
+    k = B.shape[1]
+    return np.concatenate([d, size[k:]]), np.concatenate([d, size[:k]])
 
 
 def condition(problem: Problem, active: Bools) -> float:

@@ -136,7 +136,7 @@ def answer(
         stable = found.regular and friction < law
         reason = "self-locking, no stable equilibrium"
         if stable:
-            half = settle(problem_at(0.5 * friction), found.active)
+            half = settle(problem_at(0.5 * friction), found.active, like=found.system)
             if _quiet(found, half):
                 return found
     except NoAnswer as error:
@@ -176,7 +176,7 @@ def _as_coarser(problem: Problem, still: Problem, friction: float, start: Bools 
 def _sure(problem_at: Callable[[float], Problem], friction: float, found: Contact) -> bool:
     """Whether an answer at a friction coefficient, below the limit of the rigid shoe, is the one that is followed."""
     try:
-        return found.regular and _quiet(found, settle(problem_at(0.5 * friction), found.active))
+        return found.regular and _quiet(found, settle(problem_at(0.5 * friction), found.active, like=found.system))
     except NoAnswer:
         return False
 

@@ -17,11 +17,13 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Point
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, edge_nodes, edge_points, radial, straight
+from drumlin.fem.interface import ContactLine, Coupling, contact_line, end_loads, radial, straight
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.ring import RingBody, ring_body
 from drumlin.files import content_digest
+from drumlin.laws import rigid
+from drumlin.response.response import edge_zone
 
 ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
 
@@ -76,6 +78,18 @@ class Body:
         """Number of displacement unknowns of the mesh."""
         return int(2 * self.basis.N)
 
+    @cached_property
+    def turning(self) -> tuple[Floats, Floats]:
+        """N u and T u (n, 1) of a turn by one radian."""
+        return self.coupling.N @ self.turned[:, None], self.coupling.T @ self.turned[:, None]
+
+    @cached_property
+    def forces(self) -> Floats:
+        """Force x, y and moment about the centre (2, 3, n) of the nodal forces N^T and T^T."""
+        (x, y), none, ones = self.line.xy, np.zeros(self.line.xy.shape[1]), np.ones(self.line.xy.shape[1])
+        rigid = np.array([[ones, none], [none, ones], [-y, x]]).transpose(0, 2, 1).reshape(3, -1)
+        return np.array([rigid @ self.coupling.N.T, rigid @ self.coupling.T.T])
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -96,6 +110,11 @@ class Scene:
     def shapes(self) -> list[tuple[object, ...]]:
         """The shape of each shoe, see `shape_of`."""
         return [shape_of(self.brake, shoe) for shoe in self.brake.shoes]
+
+    @cached_property
+    def laws(self) -> list[float]:
+        """mu_lock of each shoe by the rigid-shoe law."""
+        return [rigid.locking_friction(self.brake, shoe) for shoe in self.brake.shoes]
 
 
 def why_not(brake: Brake) -> str | None:
@@ -282,7 +301,7 @@ class Assembled:
 
 def line_of(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
     """The contact line of a shoe on the `facets` of a scalar basis; radius [m]: of the drum."""
-    return contact_line(basis, facets, sum(shoe.arc) / 2, radius if shoe.flat else None)
+    return contact_line(basis, facets, sum(shoe.arc) / 2, radius if shoe.flat else None, edge_zone(shoe, radius))
 
 
 def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Assembled:
@@ -327,7 +346,7 @@ def coupled(
     n = len(line.nodes)
     coupling = line.couple(shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
     forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
-    Y = condensed.half(np.hstack(forces))
+    Y = condensed.half(np.concatenate(forces, axis=1))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
     pressed, loaded, dragged = slice(n), slice(n, n + 3), slice(n + 3, None)
     x, y = line.xy - shoe.own_pin[:, None]
@@ -335,7 +354,7 @@ def coupled(
         coupling=coupling,
         condensed=condensed,
         load_centre=centre,
-        turned=np.column_stack([-y, x]).ravel(),
+        turned=np.array([-y, x]).T.ravel(),
         closing_pressed=closing[:, pressed],
         closing_loaded=closing[:, loaded],
         closing_dragged=closing[:, dragged] if friction else None,
@@ -345,23 +364,6 @@ def coupled(
         held_loaded=holding[:, loaded] - condensed.load_f,
         held_dragged=holding[:, dragged] if friction else None,
     )
-
-
-def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
-    """Nodal forces (2 nodes, 3) of unit force x, unit force y and unit couple on the loaded end, and its centre.
-
-    The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows linearly from it.
-    """
-    nodes = edge_nodes(basis, facets)
-    psi, x, ds = edge_points(basis.doflocs[:, nodes])
-    centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
-    arm = x - centre[:, None, None]
-    turn = np.array([-arm[1], arm[0]]) / float((arm**2 * ds).sum())
-    ones, zeros = np.full(ds.shape, 1 / ds.sum()), np.zeros(ds.shape)
-    tractions = np.array([[ones, zeros], [zeros, ones], turn])
-    loads = np.zeros((basis.N, 2, 3))
-    np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, tractions, ds))
-    return loads.reshape(-1, 3), centre
 
 
 def materials_of(shoe: Shoe) -> dict[str, tuple[Material, float]]:

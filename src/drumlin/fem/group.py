@@ -100,20 +100,21 @@ class ShoeGroup:
     def closings(self) -> tuple[tuple[Floats, Floats], ...]:
         """Of each shoe and the motions that its equilibria are tested on N u and T u (n_i, k)."""
         return tuple(
-            (body.coupling.N @ at.tested, body.coupling.T @ at.tested)
-            for body, at in zip(self.bodies, self.motions, strict=True)
+            body.turning if shoe.held_by == "hinge" else (body.coupling.N @ at.tested, body.coupling.T @ at.tested)
+            for body, shoe, at in zip(self.bodies, self.shoes, self.motions, strict=True)
         )
 
     @cached_property
     def loaded(self) -> tuple[tuple[Floats, Floats, Floats], ...]:
         """q (n_i,), B (n_i, k) and h (k,) of each shoe: they hang on no friction coefficient."""
         found = []
-        for body, shoe, at, gap, (load, _) in zip(
-            self.bodies, self.shoes, self.motions, self.gaps, self.loads, strict=True
+        for body, shoe, at, gap, (load, _), (tested, _) in zip(
+            self.bodies, self.shoes, self.motions, self.gaps, self.loads, self.closings, strict=True
         ):
             own = abs(shoe.actuation.force) / self.unit_force
             q = body.coupling.M @ (gap / self.unit_force) - own * (body.closing_loaded @ load)
-            found.append((q, -(body.coupling.N @ at.moved), -own * at.work))
+            closing = tested if at.moved is at.tested else body.coupling.N @ at.moved
+            found.append((q, -closing, -own * at.work))
         return tuple(found)
 
     @cached_property
@@ -181,11 +182,11 @@ class ShoeGroup:
 
     def _pushed_shoe(self, k: int, friction: float) -> Pushed:
         body, shoe, motions = self.bodies[k], self.shoes[k], self.motions[k]
-        drag, coupling = self._drag_on(shoe, friction), body.coupling
+        drag = self._drag_on(shoe, friction)
         load, _ = self.loads[k]
         tip = -(load @ body.closing_loaded.T) + (0.0 if body.tip_dragged is None else drag * (load @ body.tip_dragged))
-        nodal = (drag * coupling.T - coupling.N).reshape(len(tip), -1, 2).sum(axis=1)  # (n, 2) per pressure
-        bearing = np.zeros(len(tip)) if shoe.abutment is None else -shoe.frame.to_brake(nodal) @ shoe.bearing
+        contact = (drag * body.forces[1] - body.forces[0])[:2].T  # (n, 2) per pressure
+        bearing = np.zeros(len(tip)) if shoe.abutment is None else -shoe.frame.to_brake(contact) @ shoe.bearing
         direct = 0.0 if shoe.abutment is None else -float(shoe.bearing @ shoe.actuation.direction_vector)
         return Pushed(
             part=self.parts[k], rows=self.rows[k], opened=-(body.closing_loaded @ load), tip=tip,
@@ -245,7 +246,7 @@ class ShoeGroup:
         """
         for body, shoe, gap, load in zip(self.bodies, self.shoes, self.gaps, self.loads, strict=True):
             reach.check_pin(shoe, body.line.xy, gap, load[1])
-        law = min(rigid.locking_friction(self.brake, shoe) for shoe in self.shoes)
+        law = min(self._law(i) for i in self.members)
         try:
             found = self_locking.answer(self.problem_at, self.brake.friction, first, law=law, brake="elastic as it is")
         except NoAnswer as error:
@@ -253,6 +254,12 @@ class ShoeGroup:
         for shoe, gap, amounts in zip(self.shoes, self.gaps, self.amounts(found), strict=True):
             reach.check_turns(shoe, gap, self.unit_force * amounts)
         return found
+
+    def _law(self, i: int) -> float:
+        """mu_lock of a shoe by the rigid-shoe law: that of the scene for a hinged one dragged the same way."""
+        (shoe, spin), (known, other) = ((brake.shoes[i], brake.spin) for brake in (self.brake, self.scene.brake))
+        same = shoe.held_by == known.held_by == "hinge" and spin * shoe.frame.sense == other * known.frame.sense
+        return self.scene.laws[i] if same else rigid.locking_friction(self.brake, shoe)
 
     def settled(self, first: Bools | None = None) -> tuple["ShoeGroup", active_set.Contact]:
         """The group with the friction at its abutments as its answer has it, and that answer.
@@ -281,9 +288,9 @@ class ShoeGroup:
         if shoe.abutment is None:
             return True
         drag, p = self.brake.drag_on(shoe), found.p[self.parts[k]]
-        nodal = (drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p).reshape(-1, 2)
+        normal, dragged = body.forces @ p
         push = self.forces(found.p)[k] * shoe.actuation.direction_vector
-        reaction = -shoe.frame.to_brake(nodal.sum(axis=0)) - push
+        reaction = -shoe.frame.to_brake((drag * dragged - normal)[:2]) - push
         return shoe.stands(reaction, self.senses[k] if self.senses else 1, float(self.amounts(found)[k][-1]))
 
 
@@ -357,7 +364,7 @@ def turns_towards(body: Body, shoe: Shoe) -> bool:
     if shoe.actuation.force == 0:
         return False
     _, moment = actuation(body, shoe)
-    approach = body.coupling.N @ body.turned
+    approach, _ = body.turning
     return bool(abs(moment) > 1e-14 * np.abs(body.line.xy).max() and (moment * approach > 0).any())
 
 

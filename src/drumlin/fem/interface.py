@@ -11,14 +11,15 @@ of the traction on the same arc to round-off, on any mesh.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
 from drumlin.response.response import Surface
-from drumlin.response.resultants import GAUSS, WEIGHTS, angle_near, at_gauss, shape, slopes
+from drumlin.response.resultants import GAUSS, WEIGHTS, Inside, angle_near, at_gauss, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
 
@@ -28,13 +29,14 @@ class ContactLine:
     """The lining's friction surface in the shoe's frame, nodes sorted by angle.
 
     `nodes` (n,): numbers in the mesh; `xy` (2, n) [m]; `phi` (n,) [rad]; `pieces` (order + 1, m): positions
-    in `nodes` of the nodes of each edge, by growing angle.
+    in `nodes` of the nodes of each edge, by growing angle; `edge` [rad]: the zone at its ends that makes no peak.
     """
 
     nodes: Ints
     xy: Floats
     phi: Floats
     pieces: Ints
+    edge: float = field(default=0.0, kw_only=True)
 
     @property
     def order(self) -> int:
@@ -44,6 +46,11 @@ class ContactLine:
     def couple(self, width: float, directions: Directions) -> "Coupling":
         """The coupling with a counterface of known directions, the lining being `width` [m] wide."""
         return couple(self, width, directions)
+
+    @cached_property
+    def inside(self) -> Inside:
+        """Where its pressure may peak."""
+        return Inside(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] and pressure (n,) [Pa] along the line; of a face its mean over the width."""
@@ -66,7 +73,7 @@ class Coupling:
     T: Floats
     lever: Floats
 
-    @property
+    @cached_property
     def area(self) -> Floats:
         """b Int psi_i ds (n,) [m^2]."""
         return self.M.sum(axis=1)
@@ -92,10 +99,27 @@ def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> tu
     return psi, xy @ psi, np.hypot(*(xy @ slope)) * weights
 
 
-def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = None) -> ContactLine:
+def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
+    """Nodal forces (2 nodes, 3) of unit force x, unit force y and unit couple on the loaded end, and its centre.
+
+    The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows linearly from it.
+    """
+    nodes = edge_nodes(basis, facets)
+    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
+    arm = x - centre[:, None, None]
+    turn = np.array([-arm[1], arm[0]]) / float((arm**2 * ds).sum())
+    ones, zeros = np.full(ds.shape, 1 / ds.sum()), np.zeros(ds.shape)
+    tractions = np.array([[ones, zeros], [zeros, ones], turn])
+    loads = np.zeros((basis.N, 2, 3))
+    np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, tractions, ds))
+    return loads.reshape(-1, 3), centre
+
+
+def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = None, edge: float = 0.0) -> ContactLine:
     """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad].
 
-    unit [m]: on a plane, whose "angles" are x/unit.
+    unit [m]: on a plane, whose "angles" are x/unit; edge [rad]: see ContactLine.
     """
     dofs = edge_nodes(basis, facets)
     nodes = np.unique(dofs)
@@ -107,7 +131,7 @@ def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = N
     place[nodes] = np.arange(len(nodes))
     pieces = place[dofs]
     pieces = np.where(phi[pieces[0]] < phi[pieces[-1]], pieces, pieces[::-1])
-    return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces[:, np.argsort(phi[pieces[0]])])
+    return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces[:, np.argsort(phi[pieces[0]])], edge=edge)
 
 
 def radial(sign: int) -> Directions:
@@ -135,7 +159,7 @@ def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
     blocks = (factors @ (psi[:, None] * psi).reshape(len(psi) ** 2, -1).T).reshape(len(factors), -1)  # (.., m a b)
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()
     M, *parts = (_summed(at, block, n * n).reshape(n, n) for block in blocks)
-    N, T = (np.stack(parts[k : k + 2], axis=-1).reshape(n, 2 * n) for k in (0, 2))
+    N, T = (np.array(parts[k : k + 2]).transpose(1, 2, 0).reshape(n, 2 * n) for k in (0, 2))
     return Coupling(M, N, T, _summed(line.pieces.T.ravel(), (weight * r) @ psi.T, n))
 
 

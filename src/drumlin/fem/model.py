@@ -137,7 +137,7 @@ def _grips(brake: Brake) -> Iterator[str]:
             length = (grip[1] - grip[0]) * shoe.back(brake.drum.radius)  # a short back has less than is asked for
             said = f"its {shoe.held_by} grips {mm(round(length, 4))} of the back of its body"
         else:
-            away = float(np.hypot(*(shoe.end_face(brake.drum.radius) - shoe.own_pin)))
+            away = math.dist(shoe.end_face(brake.drum.radius), shoe.own_pin)
             joined = "" if away < 0.5 * shoe.body.depth else ", joined by a rigid arm"
             what = "pin" if shoe.held_by == "hinge" else "foot"
             said = f"its {what} holds the end face of its body, {mm(round(away, 4))} from the face's middle{joined}"
@@ -237,24 +237,24 @@ def _answer(
         raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, what pushes it would have to pull")
     load, moment = abs(force) * load, abs(force) * moment
     drag = brake.drag_on(shoe)
-    normal = (coupling.N.T @ p).reshape(-1, 2)
-    nodal = drag * (coupling.T.T @ p).reshape(-1, 2) - normal  # on the lining [N]
+    normal, dragged = body.forces @ p
+    whole = drag * dragged - normal  # on the lining: force [N], and moment about the centre [N m]
     refined = reaction is not None
     if reaction is None:
         reaction = held(body, p, drag, load)
     pin, motions = shoe.own_pin, group.motions[k]
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
     # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
-    whole, turning = nodal.sum(axis=0), float((line.xy[0] * nodal[:, 1] - line.xy[1] * nodal[:, 0]).sum())
-    moments = [turning, float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))]
+    moments = [float(whole[2]), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))]
     if shoe.guide is not None:
         moments += [twist, *borne(force, brake.drum.radius * (shoe.lining.end - shoe.lining.start))]
-    balance = relative_balance([whole, reaction, load[:2]], moments)
+    balance = relative_balance([whole[:2], reaction, load[:2]], moments)
     if shoe.held_by != "hinge":
-        acting, work = nodal.ravel()[:, None] * motions.tested, abs(force) * motions.work
+        nodal, work = drag * (coupling.T.T @ p) - coupling.N.T @ p, abs(force) * motions.work
+        acting = nodal[:, None] * motions.tested
         left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
-    closed, dragged = (float(work[:, 0] @ p) for work in group.closings[k])  # by its first motion, per unit
+    closed, rubbed = (float(work[:, 0] @ p) for work in group.closings[k])  # by its first motion, per unit
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
     softer = float(coupling.lever @ change) / pressed if pressed else 0.0
@@ -273,13 +273,14 @@ def _answer(
         frame.theta(phi),
         mean,
         order=line.order,
+        peak=line.inside.peak(mean),
         torque=abs(drag) * pressed,
-        normal_force=math.hypot(*normal.sum(axis=0)),
-        self_energising=math.copysign(1.0, motions.work[0]) * drag * dragged > NEITHER * abs(closed),
+        normal_force=math.hypot(*normal[:2]),
+        self_energising=math.copysign(1.0, motions.work[0]) * drag * rubbed > NEITHER * abs(closed),
         hinge_reaction=frame.to_brake(reaction),
         turn=frame.sense * float(motions.of[2] @ y),
         force=None if group.sharing is None else force,
-        pivot_reaction=-frame.to_brake(whole) if shoe.pivot is not None else None,
+        pivot_reaction=-frame.to_brake(whole[:2]) if shoe.pivot is not None else None,
         reaction_moment=frame.sense * twist,
         motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
         surface=line.surface(p),
@@ -302,7 +303,7 @@ def _softness(group: ShoeGroup, k: int, p: Floats, change: Floats, reaction: Flo
         weight = area
     yielded = held(body, change, group.brake.drag_on(shoe), np.zeros(3))
     parts = [
-        (math.sqrt(float(weight @ change**2)), math.sqrt(float(weight @ p**2))),
+        (math.sqrt(weight @ change**2), math.sqrt(weight @ p**2)),
         (abs(float(lever @ change)), float(lever @ p)),
         (math.hypot(*yielded[:2]), math.hypot(*reaction)),
     ]

@@ -15,9 +15,9 @@ import numpy as np
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import BadInput
-from drumlin.fem.assembly import end_loads, materials_of
+from drumlin.fem.assembly import materials_of
 from drumlin.fem.group import gap_at
-from drumlin.fem.interface import edge_nodes
+from drumlin.fem.interface import edge_nodes, end_loads
 from drumlin.fem.mesh.abaqus import NAMES
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.peers.peer import Loaded

@@ -12,7 +12,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import FlatBrake, FlatShoe
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
-from drumlin.response.resultants import Resultant, by_piece, contact_arcs, edge_left_out, largest
+from drumlin.response.resultants import Inside, Resultant, by_piece, contact_arcs, edge_left_out
 from drumlin.response.show import as_html, as_text, plot
 
 EDGE_ZONE = math.radians(0.2)
@@ -292,18 +292,24 @@ def pressed_shoe(
     hinge_reaction: Floats,
     turn: float | None = None,
     located: bool = True,
+    peak: float | None = None,
     surface: Surface | None = None,
     **more: Any,
 ) -> ShoeResponse:
     """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
 
-    radius: of the drum [m]; located: the ends of the contact and the peak are located within their elements; surface:
-    its rows as the angles; more: other attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
+    radius: of the drum [m]; located: the ends of the contact and the peak are located within their elements; peak: its
+    pressure [Pa], where it is known; surface: its rows as the angles; more: other attributes of ShoeResponse. Raises
+    NoAnswer beyond LARGEST_STRAIN.
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
-    zone = edge_left_out(theta, pressure, order, edge_zone(shoe, radius))
-    peak = largest(theta, pressure, order, zone) if located else nodal_peak(theta, pressure, zone)
+    if peak is None:
+        zone = edge_zone(shoe, radius)
+        if located:
+            peak = Inside(theta, order, zone).peak(pressure)
+        else:
+            peak = nodal_peak(theta, pressure, edge_left_out(theta, pressure, order, zone))
     check_strain(shoe, peak)
     return ShoeResponse(
         name=shoe.name,

@@ -1,13 +1,14 @@
 """Resultants of a pressure distribution, and where it ends: integrals of piecewise polynomials over an arc."""
 
 import math
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 
-from drumlin.arrays import Floats
+from drumlin.arrays import Floats, Ints
 
 GAUSS, WEIGHTS = legendre.leggauss(12)
 
@@ -83,6 +84,12 @@ def at_gauss(order: int) -> tuple[Floats, Floats]:
     return shape(order, GAUSS), slopes(order, GAUSS)
 
 
+@cache
+def _weights(order: int) -> Floats:
+    """Integrals (order + 1,) of these shape functions over a piece of length 1."""
+    return np.asarray(at_gauss(order)[0] @ WEIGHTS / 2, dtype=float)
+
+
 def gauss_points(theta: Floats, values: Floats, order: int) -> tuple[Floats, Floats, Floats]:
     """Angles, values and weights (pieces, points) of a Gauss rule on every piece of a piecewise polynomial."""
     ends = theta[::order]
@@ -107,49 +114,77 @@ def _at_samples(order: int) -> Floats:
     return shape(order, SAMPLES)
 
 
-def largest(theta: Floats, values: Floats, order: int, zone: float = 0.0) -> float:
-    """Largest value of a piecewise polynomial more than `zone` [rad] from its ends; everywhere where nothing else
-    is.
-    """
-    first, last = float(theta[0]) + zone, float(theta[-1]) - zone
-    ends = theta[::order]
-    low, high = (ends[:-1], ends[1:]) if first >= last else (np.maximum(ends[:-1], first), np.minimum(ends[1:], last))
-    on = np.flatnonzero(low < high)
-    pieces = by_piece(values, order)
-    found = pieces[on] @ _at_samples(order)
-    cut = ((low > ends[:-1]) | (high < ends[1:]))[on].nonzero()[0]  # by the end of a zone
-    if len(cut):
-        a, b, start, end = (x[on[cut], None] for x in (low, high, ends[:-1], ends[1:]))
+@dataclass(frozen=True)
+class Inside:
+    """The part of a line more than `zone` [rad] from its ends, for all piecewise polynomials on its nodes theta (n,),
+    growing; none where nothing is so far away."""
+
+    theta: Floats
+    order: int
+    zone: float
+
+    @cached_property
+    def weights(self) -> Floats:
+        """Integrals (2, n) over the whole line and over this part of it, per nodal value."""
+        ends, order = self.theta[:: self.order], self.order
+        zone = min(self.zone, 0.5 * float(ends[-1] - ends[0]))
+        half = 0.5 * (ends[1:] - ends[:-1])
+        at = np.array([ends[0], ends[0] + zone, ends[-1] - zone, ends[-1]])
+        xi = np.minimum(np.maximum((at[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)  # in each piece
+        up_to = half[:, None] * (_integrals(order) @ _legendre(order + 1, xi).swapaxes(0, 1)).swapaxes(1, 2)
+        own = up_to[3:1:-1] - up_to[:2]
+        found = np.zeros((2, len(self.theta)))
+        found[:, :-1] = own[:, :, :-1].reshape(2, -1)
+        found[:, order::order] += own[:, :, -1]
+        return found
+
+    def part(self, values: Floats) -> float:
+        """The part of the integral that is inside."""
+        whole, inside = (self.weights @ values).tolist()
+        return float(inside / (whole or 1.0))
+
+    @cached_property
+    def samples(self) -> tuple[slice, Ints, Floats]:
+        """The pieces that reach inside; which of these zones cut (c,), and the shape functions (c, order + 1, s) where
+        what is left of them is looked at."""
+        ends, whole = self.theta[:: self.order], 2 * self.zone >= self.theta[-1] - self.theta[0]
+        start, end, zone = ends[:-1], ends[1:], 0.0 if whole else self.zone
+        low, high = np.maximum(start, ends[0] + zone), np.minimum(end, ends[-1] - zone)
+        on = (low < high).nonzero()[0]
+        cut = ((low > start) | (high < end))[on].nonzero()[0]
+        a, b, start, end = (x[on[cut], None] for x in (low, high, start, end))
         xi = (a + b - start - end + (b - a) * SAMPLES) / (end - start)
-        found[cut] = (pieces[on[cut], None] @ shape(order, xi).swapaxes(0, 1))[:, 0]
-    i, j = divmod(int(found.argmax()), len(SAMPLES))
-    if j in {0, len(SAMPLES) - 1}:
-        return float(found[i, j])
-    (before, x, after), (below, top, beyond) = SAMPLES[j - 1 : j + 2].tolist(), found[i, j - 1 : j + 2].tolist()
-    left, right = (top - below) / (x - before), (beyond - top) / (after - x)
-    bend = (right - left) / (after - before)
-    slope = left + bend * (x - before)
-    return float(max(top, top - slope * slope / (4 * bend))) if bend < 0 else float(top)
+        return slice(int(on[0]), int(on[-1]) + 1), cut, shape(self.order, xi).swapaxes(0, 1)
+
+    def largest(self, values: Floats) -> float:
+        """The largest value inside; everywhere where nothing is."""
+        on, cut, at = self.samples
+        pieces = by_piece(values, self.order)[on]
+        found = pieces @ _at_samples(self.order)
+        if len(cut):
+            found[cut] = (pieces[cut, None] @ at)[:, 0]
+        i, j = divmod(int(found.argmax()), len(SAMPLES))
+        if j in {0, len(SAMPLES) - 1}:
+            return float(found[i, j])
+        (before, x, after), (below, top, beyond) = SAMPLES[j - 1 : j + 2].tolist(), found[i, j - 1 : j + 2].tolist()
+        left, right = (top - below) / (x - before), (beyond - top) / (after - x)
+        bend = (right - left) / (after - before)
+        slope = left + bend * (x - before)
+        return float(max(top, top - slope * slope / (4 * bend))) if bend < 0 else float(top)
+
+    def peak(self, pressure: Floats) -> float:
+        """The largest value inside; everywhere where less than half of the force is there."""
+        return self.largest(pressure) if self.part(pressure) > 0.5 else largest(self.theta, pressure, self.order)
+
+
+def largest(theta: Floats, values: Floats, order: int) -> float:
+    """Largest value of a piecewise polynomial."""
+    return Inside(theta, order, 0.0).largest(values)
 
 
 def edge_left_out(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
     """The zone [rad] at the ends that may be left out of judging p(theta): none where half of the force is there."""
-    return zone if part_inside(theta, pressure, order, zone) > 0.5 else 0.0
-
-
-def part_inside(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
-    """The part of the force that is borne more than `zone` [rad] from the lining's ends."""
-    if 2 * zone >= theta[-1] - theta[0]:
-        return 0.0
-    ends, pieces = theta[::order], by_piece(pressure, order)
-    half = 0.5 * (ends[1:] - ends[:-1])
-    up_to = np.zeros(len(ends))
-    np.cumsum(half * (pieces @ (at_gauss(order)[0] @ WEIGHTS)), out=up_to[1:])
-    at = np.array([theta[0] + zone, theta[-1] - zone])
-    k = np.minimum(ends.searchsorted(at, side="right"), len(half)) - 1  # the pieces in which the zones end
-    within = pieces[k] @ _integrals(order) * _legendre(order + 1, (at - ends[k]) / half[k] - 1).T
-    first, last = up_to[k] + half[k] * within.sum(axis=1)
-    return float((last - first) / (up_to[-1] or 1.0))
+    return zone if Inside(theta, order, zone).part(pressure) > 0.5 else 0.0
 
 
 def integrate(theta: Floats, values: Floats, order: int) -> float:
@@ -207,8 +242,8 @@ def _end(theta: Floats, pressure: Floats, node: int, order: int) -> float:
     near, far = i + order, i + 2 * order
     if far >= len(theta):
         return float(theta[node])
-    _, p, w = gauss_points(theta[i : far + 1], pressure[i : far + 1], order)
-    first, second = (p * w).sum(axis=1).tolist()
+    first, second = (by_piece(pressure[i : far + 1], order) @ _weights(order)).tolist()
+    first, second = first * (theta[near] - theta[i]), second * (theta[far] - theta[near])
     f = [max(force, 0.0) ** (2 / 3) for force in (first, first + second)]
     if f[1] <= f[0]:
         return float(theta[node])

@@ -84,8 +84,9 @@ def _folded(V: Floats, p: int) -> Floats:
     return np.asarray(fold.reshape(2, *(1,) * (V.ndim - 2), *fold.shape[1:]) @ V)
 
 
-def _along(angles: Floats, p: int, *, flat: bool) -> Floats:
-    """A_kl and 2 A'_kl (2 c, (p + 1)^2, 8) of columns with nodes at `angles` (c, p + 1) about their middle [rad]."""
+def angular(angles: Floats, p: int, *, flat: bool = False) -> Floats:
+    """A_kl and 2 A'_kl (2, c, (p + 1)^2, 8) of columns with nodes at `angles` (c, p + 1) about their middle [rad],
+    on a plane in lengths."""
     of, (count, n) = functions(p), angles.shape
     circle = np.array([np.cos(angles), np.sin(angles)])
     at, by = circle @ of.values, circle @ of.slopes  # (2, c, q)
@@ -94,40 +95,44 @@ def _along(angles: Floats, p: int, *, flat: bool) -> Floats:
         at[0] = 1.0
     root = np.sqrt(of.weights / (at[0] * by[1] - at[1] * by[0]))
     tangent, normal = np.array([-at[1], at[0]]) * root, np.array([by[1], -by[0]]) * root
-    gradient = np.stack([tangent[:, :, None] * of.slopes, normal[:, :, None] * of.values])  # (k, 2, c, a, q)
+    gradient = np.empty((2, count, 2, n, len(of.x)))
+    gradient[:, :, 0], gradient[:, :, 1] = tangent[:, :, None] * of.slopes, normal[:, :, None] * of.values
     turn = np.zeros((count, n))
-    turn[:, [0, -1]] = 0.0 if flat else angles[:, [0, -1]]  # of the sides along the radius and across it there
-    c, s = np.cos(turn)[..., None], np.sin(turn)[..., None]
-    dx, dy = gradient[:, 0], gradient[:, 1]  # (k, c, a, q)
-    xx, yy = np.stack([c * dx, -s * dx], axis=3), np.stack([s * dy, c * dy], axis=3)
-    xy = np.sqrt(0.5) * np.stack([c * dy + s * dx, c * dx - s * dy], axis=3)
-    strain = np.stack([xx, yy, xy], axis=4).transpose(1, 0, 2, 3, 4, 5).reshape(count, 2, 2 * n, -1)
-    strain = _folded(strain, p).reshape(2 * count, 2 * n, 3, -1)  # (2 c, k a, 3, q)
-    trace, whole = strain[:, :, 0] + strain[:, :, 1], strain.reshape(2 * count, 2 * n, -1)
-    found = np.stack([each @ each.swapaxes(1, 2) for each in (trace, np.sqrt(2) * whole)], axis=1)
-    return np.ascontiguousarray(found.reshape(-1, 2, 2, n, 2, n).transpose(0, 3, 5, 1, 2, 4)).reshape(-1, n * n, 8)
+    turn[:, ::p] = 0.0 if flat else angles[:, ::p]  # of the sides along the radius and across it there
+    c, s = np.array([np.cos(turn), np.sin(turn)])[:, :, None, :, None]
+    (cx, cy), (sy, sx) = c * gradient, s * gradient[::-1]
+    strain = np.empty((count, 2, n, 2, 3, len(of.x)))  # xx, yy and xy times the root of 2, of either component
+    strain[..., 0, 0, :], strain[..., 1, 0, :] = cx, -sx
+    strain[..., 0, 1, :], strain[..., 1, 1, :] = sy, cy
+    strain[..., 0, 2, :], strain[..., 1, 2, :] = np.sqrt(0.5) * (cy + sx), np.sqrt(0.5) * (cx - sy)
+    strain = _folded(strain.reshape(count, 2, 2 * n, -1), p).reshape(2 * count, 2 * n, 3, -1)  # (2 c, k a, 3, q)
+    trace, whole = strain[:, :, 0] + strain[:, :, 1], np.sqrt(2) * strain.reshape(2 * count, 2 * n, -1)
+    found = np.empty((2 * count, n, n, 2, 2, 2))
+    for k, each in enumerate((trace, whole)):
+        found[:, :, :, k] = (each @ each.swapaxes(1, 2)).reshape(-1, 2, n, 2, n).transpose(0, 2, 4, 1, 3)
+    return found.reshape(2, count, n * n, 8)
 
 
 def _across(radii: Floats, lame: Floats, p: int, plane: float | None) -> Floats:
     """lambda B_kl, mu B_kl (l, 8, (p + 1)^2) of layers between the radii (l + 1,) [m]; lame, plane: of `elements`."""
     x, w, values, slopes, *_ = functions(p)
-    step = np.diff(radii)[:, None, None]
+    step = (radii[1:] - radii[:-1])[:, None, None]
     r, size = radii[:-1, None, None] + step * x if plane is None else plane, np.abs(step)
     mixed = np.sign(step) * ((w * values) @ slopes.T)
-    B = np.stack(
-        [(size * w / r * values) @ values.T, mixed, mixed.swapaxes(1, 2), (w * r / size * slopes) @ slopes.T], axis=1
-    )
+    B = np.array(
+        [(size * w / r * values) @ values.T, mixed, mixed.swapaxes(1, 2), (w * r / size * slopes) @ slopes.T]
+    ).swapaxes(0, 1)
     return (lame[:, :, None, None, None] * B[:, None]).reshape(len(lame), 8, -1)
 
 
-def elements(radii: Floats, angles: Floats, lame: Floats, p: int, plane: float | None = None) -> Floats:
+def elements(radii: Floats, A: Floats, lame: Floats, p: int, plane: float | None = None) -> Floats:
     """Stiffness (l, 2, c, 4 p, 4 p) of elements on their symmetric and their antisymmetric boundary unknowns, between
-    the radii (l + 1,) [m] and with nodes at the angles (c, p + 1) about their middle [rad].
+    the radii (l + 1,) [m] and with the `angular` parts A of their columns.
 
     lame (l, 2): lambda and mu of plane stress times the width [N/m]; plane: of elements on a plane, whose angles are
     lengths, by what [m]. Displacements of the left and the right side count along the radius and across it there.
     """
-    of, A = functions(p), _along(angles, p, flat=plane is not None)
+    of, A = functions(p), A.reshape(-1, *A.shape[2:])
     found = np.empty((len(lame), len(A), 4 * p, 4 * p))
     for layer, B in enumerate(_across(radii, lame, p, plane)):
         K = (A @ B).reshape(len(A), -1)
@@ -148,7 +153,8 @@ def arc_columns(parts: Floats, p: int, *, contact: bool, held: bool, loads: Floa
     own = extra + of.line
     left, lines, middle, right = slice(own), slice(extra, own), slice(own, own + n), slice(own + n, None)
     found, (S, A) = np.empty((K.shape[1], own + n + of.line, own + n + of.line)), K
-    mirror = np.tile([1.0, -1.0], of.line // 2)
+    mirror = np.ones(of.line)
+    mirror[1::2] = -1.0
     np.add(S[:, left, left], A[:, left, left], out=found[:, left, left])
     for rows, along, to, by in ((left, lines, (left, right), mirror), (lines, left, (right, left), mirror[:, None])):
         part = found[:, *to]

@@ -1,5 +1,6 @@
 """The body of a parametric shoe of columns, as contact, response, sweeps and wear need it."""
 
+import math
 from functools import partial
 
 import numpy as np
@@ -14,6 +15,7 @@ from drumlin.fem.hp.grid import Block, Grid
 from drumlin.fem.hp.shoe import end_load, line_of
 from drumlin.fem.interface import ContactLine
 from drumlin.lapack import dpotrf, dtrtrs, solve_lower
+from drumlin.response.response import edge_zone
 
 MOVED = 0.01  # of how far round-off moves the contact under a rigid motion, relative to that motion. The error of p is
 # a few percent of that, which adapt.ROUND_OFF times this covers; about half of it where the shoe is far softer
@@ -37,7 +39,8 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
         places = line_of(ends, p)
         inner = np.arange(count, count + (rows - first * p) * (len(places) - 1)).reshape(rows - first * p, -1)
         count += inner.size
-        blocks.append(Block(np.column_stack([faces[k], inner]), depth[first * p :], places, div.part[first:]))
+        nodes = np.concatenate([faces[k][:, None], inner], axis=1)
+        blocks.append(Block(nodes, depth[first * p :], places, div.part[first:]))
         faces[k] = inner[:, -1]
     grip = shoe.grip(radius)
     if grip is None:
@@ -57,7 +60,7 @@ def condensed(shoe: Shoe, div: Division, found: shoes.Condensed, line: ContactLi
     inside = partial(_inside, shoe, div, grid)
     moved = dtrtrs(L, solve_lower(L, found.missed), lower=1, trans=1)[0]
     still = shoes.rigid(line.xy, shoe.own_pin)
-    lost = max(found.lost, MOVED * float((np.linalg.norm(moved, axis=0) / np.linalg.norm(still, axis=0)).max()))
+    lost = max(found.lost, MOVED * math.sqrt(((moved**2).sum(axis=0) / (still**2).sum(axis=0)).max()))
     return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, lost)
 
 
@@ -89,4 +92,5 @@ def contact_line(shoe: Shoe, radius: float, div: Division) -> ContactLine:
         shoe.at(np.zeros(1), phi, radius),
         phi,
         pieces,
+        edge=edge_zone(shoe, radius),
     )

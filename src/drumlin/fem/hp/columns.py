@@ -105,8 +105,9 @@ def merge(A: Piece, B: Piece, shared: int, extra: int = 0) -> Piece:
     rest = slice(before - shared, None)
     K[:before, :before] = A.K[:before, :before]
     C[:, :before] = A.K[before:, :before]
-    K[rest, rest] += B.K[beyond:, beyond:]
-    C[:, rest] += B.K[extra:beyond, beyond:]
+    own, coupling = K[rest, rest], C[:, rest]  # K[...] += would write them twice
+    own += B.K[beyond:, beyond:]
+    coupling += B.K[extra:beyond, beyond:]
     if extra:
         K[:extra, :extra] += B.K[:extra, :extra]
         K[:extra, rest] += B.K[:extra, beyond:]

@@ -13,7 +13,7 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, tie
 from drumlin.fem.elimination import SINGULAR
-from drumlin.fem.hp.arc import arc_columns, elements
+from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Level, ends_of, graded
 from drumlin.fem.hp.grid import Block, Grid
@@ -101,7 +101,7 @@ def _columns(
     sizes, which = distinct(np.diff(div.angles))
     along = 0.5 * sizes[:, None] * lobatto(p)
     lame = np.repeat(lame_of({"drum": (section.material, section.width)}, ("drum",)), layers, axis=0)
-    K = elements(radius + sign * div.depths, along, lame, p)
+    K = elements(radius + sign * div.depths, angular(along, p), lame, p)
     loads = None
     if free:
         loads = _rim_loads(radius + sign * section.thickness, along, p)

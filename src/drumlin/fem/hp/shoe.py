@@ -12,12 +12,12 @@ from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.body import FRAME
-from drumlin.fem.hp.arc import arc_columns, elements
+from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.element import condensed_elements, element
 from drumlin.fem.shapes import plane_stress
-from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto, shape
+from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
 Map = Callable[[Floats, Floats], Floats]  # depth, place along -> points (2, ...) [m] in the shoe's frame
 
@@ -118,15 +118,15 @@ class _Columns(NamedTuple):
 
 
 def _columns(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> _Columns:
-    p, beyond, beam = div.degree, [np.sort(div.before), np.sort(div.after)], isinstance(shoe.body, Beam)
+    p, beyond, beam = div.degree, [div.before[::-1], div.after], isinstance(shoe.body, Beam)
     parts = [div.angles, *beyond] if div.first < div.layers else [div.angles]
     under, before = len(div.angles) - 1, len(div.before) - 1
     if beam:
         along = np.concatenate([within(ends, p) for ends in parts])  # (columns, p + 1)
         which = np.arange(len(along))
     else:
-        sizes, which = distinct(np.concatenate([np.diff(ends) for ends in parts]))
-        along = 0.5 * sizes[:, None] * lobatto(p)
+        sizes, which = distinct(np.concatenate([ends[1:] - ends[:-1] for ends in parts]))
+        A = angular(0.5 * sizes[:, None] * lobatto(p), p, flat=shoe.flat)
     lame, plane = lame_of(materials, div.part), radius if shoe.flat else None
 
     def made(row: Ints, layer: int, *, contact: bool, held: bool) -> list[Piece]:
@@ -134,18 +134,19 @@ def _columns(shoe: Shoe, radius: float, div: Division, materials: dict[str, tupl
         if not len(row):
             return []
         kinds = np.flatnonzero(np.bincount(row))  # np.unique loads np.ma
-        depths, at, of = div.depths[layer:], along[kinds], stack(p, div.layers - layer, contact=contact, held=held)
+        depths, of = div.depths[layer:], stack(p, div.layers - layer, contact=contact, held=held)
         if beam:
-            found = columns(condensed_elements(nodes_of(map_of(shoe, radius), depths, at, p), lame[layer:], p), of)
+            xy = nodes_of(map_of(shoe, radius), depths, along[kinds], p)
+            found = columns(condensed_elements(xy, lame[layer:], p), of)
         else:
-            own = elements(radius - shoe.sign * depths, at, lame[layer:], p, plane)
+            own = elements(radius - shoe.sign * depths, A[:, kinds], lame[layer:], p, plane)
             found = arc_columns(own, p, contact=contact, held=held)
         pieces = {kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)}
         return [pieces[kind] for kind in row.tolist()]
 
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
-    free = made(np.r_[which[:a], which[b:under]], 0, contact=True, held=div.first == div.layers)
+    free = made(np.concatenate([which[:a], which[b:under]]), 0, contact=True, held=div.first == div.layers)
     gripped = made(which[a:b], 0, contact=True, held=True)
     rest = made(which[under:], div.first, contact=False, held=False)
     return _Columns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
@@ -154,7 +155,9 @@ def _columns(shoe: Shoe, radius: float, div: Division, materials: dict[str, tupl
 def directions(ends: Floats, p: int) -> Floats:
     """Angles (m p + 1,) of the directions of contact nodes: of those between the ends (m + 1,) of columns, in their
     column's middle."""
-    return np.append(np.column_stack([ends[:-1], *[0.5 * (ends[1:] + ends[:-1])] * (p - 1)]).ravel(), ends[-1])
+    found = np.append(np.repeat(0.5 * (ends[1:] + ends[:-1]), p), 0.0)
+    found[::p] = ends
+    return found
 
 
 def _angle_at(shoe: Shoe, phi: Floats) -> Floats:
@@ -192,7 +195,7 @@ def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tupl
     lost = float(np.abs(on_frame + A[frame, loads])[:2, :2].max())
     whole = _balanced(S, R)
     missed = turned_rows(A[frame, contact], back).T - whole[FRAME:, :FRAME]
-    return Condensed(whole, np.vstack([on_frame, load]), -A[loads, loads], centre, missed, lost)
+    return Condensed(whole, np.concatenate([on_frame, load]), -A[loads, loads], centre, missed, lost)
 
 
 def _between(row: list[Piece], left: Floats | None = None, right: Floats | None = None) -> Floats:
@@ -246,10 +249,11 @@ def _loaded(after: list[Piece], load: Floats) -> Floats:
 def _tied(piece: Piece, held: Floats) -> Piece:
     """A piece the last unknowns of whose left line move with the frame by `held` (n, 3): [left line | frame | ...]."""
     left = piece.left - len(held)
-    rest = np.r_[:left, piece.left : len(piece.K)]
-    at = slice(left, piece.left)
-    n = len(rest) + FRAME
-    frame, others = slice(left, left + FRAME), np.r_[:left, left + FRAME : n]
+    at, frame = slice(left, piece.left), slice(left, left + FRAME)
+    rest = np.arange(len(piece.K) - len(held))
+    others, n = rest.copy(), len(rest) + FRAME
+    rest[left:] += len(held)
+    others[left:] += FRAME
     K = np.empty((n, n))
     K[others[:, None], others] = piece.K[rest[:, None], rest]
     K[frame, frame] = held.T @ piece.K[at, at] @ held
@@ -261,12 +265,14 @@ def _tied(piece: Piece, held: Floats) -> Piece:
 def _balanced(S: Floats, R: Floats) -> Floats:
     """Stiffness on [frame | contact nodes] from that of the contact nodes: rigid motions R (2n, 3) strain nothing."""
     SR = S @ R
-    return np.block([[R.T @ SR, -SR.T], [-SR, S]])
+    whole = np.empty((FRAME + len(S), FRAME + len(S)))
+    whole[:FRAME, :FRAME], whole[:FRAME, FRAME:], whole[FRAME:, :FRAME], whole[FRAME:, FRAME:] = R.T @ SR, -SR.T, -SR, S
+    return whole
 
 
 def _local(V: Floats, angle: Floats) -> Floats:
     """Vectors V (2n, m) in directions turned by one angle."""
-    return turned_rows(V.T, np.full(len(V) // 2, angle)).T
+    return turned_rows(V.T, np.reshape(angle, 1)).T
 
 
 def end_load(xy: Floats, depths: Floats, p: int) -> tuple[Floats, Floats]:
@@ -278,7 +284,7 @@ def end_load(xy: Floats, depths: Floats, p: int) -> tuple[Floats, Floats]:
     """
     ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5  # from -1/2 to 1/2
     at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
-    psi, half = shape(p, GAUSS), 0.5 * np.diff(ends)[:, None]
+    (psi, _), half = at_gauss(p), 0.5 * (ends[1:] - ends[:-1])[:, None]
     where = ends[:-1, None] + half * (1 + GAUSS)
     even = np.bincount(at.ravel(), ((half * WEIGHTS) @ psi.T).ravel())
     turning = np.bincount(at.ravel(), ((half * WEIGHTS * where) @ psi.T).ravel()) * 12

@@ -13,10 +13,10 @@ import scipy.sparse as sp
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.fem.assembly import Body, Seconds, clock, coupled, end_loads, line_of, materials_of
+from drumlin.fem.assembly import Body, Seconds, clock, coupled, line_of, materials_of
 from drumlin.fem.body import FRAME, Ties, condense, stiffness
 from drumlin.fem.elimination import dissection
-from drumlin.fem.interface import edge_nodes
+from drumlin.fem.interface import edge_nodes, end_loads
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
 from drumlin.fem.solid.mesh import Solid, solid_mesh
 

@@ -68,6 +68,7 @@ def contact_face(line: ContactLine, node: Ints, z: Floats) -> ContactFace:
         xy=np.repeat(line.xy, len(z), axis=1),
         phi=np.repeat(line.phi, len(z)),
         pieces=line.pieces,
+        edge=line.edge,
         line=line,
         z=z,
     )
