@@ -271,8 +271,9 @@ def test_meshes_of_every_kind_are_written_and_solved(tmp_path, suffix):
     ]
     assert torques[0] == torques[1]
     assert "torque" in torques[0]
-    refused = drumlin("solve", tmp_path / "filed.toml", "--elements", 40)
-    assert refused.returncode == 2 and "--elements = 40: all shoes have mesh files" in refused.stderr
+    for command in (["solve"], ["mesh"], ["export", "--to", "calculix"], ["cost"]):
+        refused = drumlin(*command, tmp_path / "filed.toml", "--elements", 40)
+        assert refused.returncode == 2 and "--elements = 40: all shoes have mesh files" in refused.stderr
     again = drumlin("mesh", tmp_path / "filed.toml", "--output", tmp_path, "--name", "brake", "--format", suffix)
     assert again.returncode == 2 and "must not be written over" in again.stderr
 

@@ -23,6 +23,7 @@ def cost(
     """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
     from drumlin.brake.plane_brake import read_any
     from drumlin.brake.unrolled import on_drum
+    from drumlin.fem.assembly import check_divided
     from drumlin.models import pick
     from drumlin.verification.cost import measure, solid_table, table
 
@@ -31,6 +32,7 @@ def cost(
         raise BadInput(f"--model = {model!r}: has no cost to print; allowed: fem, solid")
     pick(model, given)
     brake = on_drum(given)
+    check_divided(brake, elements=elements)
     options = fem_options(elements, penalty=penalty)
     if by_size and options:
         raise BadInput("--table chooses the elements itself; leave out --elements and --penalty")

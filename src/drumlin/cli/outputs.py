@@ -45,17 +45,18 @@ def mesh(
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
     from drumlin.brake.plane_brake import read_any
     from drumlin.brake.unrolled import on_drum
-    from drumlin.fem.assembly import prepare
+    from drumlin.fem.assembly import check_divided, prepare
     from drumlin.fem.mesh.file import write_mesh
     from drumlin.files import check_outputs
 
     if name is not None and Path(name).name != name:
         raise BadInput(f"--name = {name!r}: must be a word without folders; --output names the folder")
-    brake = on_drum(read_any(brake_file))
+    brake, options = on_drum(read_any(brake_file)), fem_options(elements, kind=kind)
+    check_divided(brake, **options)
     paths = [output / f"{name or brake_file.stem}_{shoe.name}.{suffix}" for shoe in brake.shoes]
     check_outputs(*paths)
     with busy("meshing"):
-        scene = prepare(brake, **fem_options(elements, kind=kind))
+        scene = prepare(brake, **options)
         for path, shoe, body in zip(paths, brake.shoes, scene.bodies, strict=True):
             write_mesh(path, body.mesh, shoe)
             tell(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
@@ -71,6 +72,7 @@ def export(
 ) -> None:
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
     from drumlin.brake.plane_brake import read_drum
+    from drumlin.fem.assembly import check_divided
     from drumlin.files import check_folder
     from drumlin.peers import calculix, solid_deck
 
@@ -80,11 +82,12 @@ def export(
         raise BadInput("--kind belongs to --model fem; solid shoes are of hexahedra")
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
-    brake = read_drum(brake_file, "export")
+    brake, options = read_drum(brake_file, "export"), fem_options(elements, kind=kind)
+    check_divided(brake, **options)
     check_folder(output)
     with busy("writing"):
         write = calculix.export if model == "fem" else solid_deck.export
-        paths, apart = write(brake, output, brake_file.stem, **fem_options(elements, kind=kind))
+        paths, apart = write(brake, output, brake_file.stem, **options)
     for path in paths:
         tell(str(path))
     for name in apart:

@@ -8,7 +8,7 @@ from drumlin.brake.plane_brake import AnyBrake
 from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import adapt as adapt_meshes
-from drumlin.fem.assembly import ELEMENTS, Cache, Scene, prepare
+from drumlin.fem.assembly import ELEMENTS, Cache, Scene, check_divided, prepare
 from drumlin.fem.finite_width import finite_width as corrected
 from drumlin.fem.finite_width import said
 from drumlin.fem.hp import scene as hp
@@ -39,9 +39,9 @@ def solve(
     tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the division and
     of what is left out for it; NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is
     reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind`
-    on meshes of that kind. BadInput is raised for elements and a tolerance together, and for elements or a kind where
-    all shoes have mesh files. finite_width: the linings' moduli corrected for the widths of the shoes, see
-    fem/finite_width.py. cache: bodies of earlier solves.
+    on meshes of that kind. BadInput is raised for elements and a tolerance together, and as by `check_divided`.
+    finite_width: the linings' moduli corrected for the widths of the shoes, see fem/finite_width.py. cache: bodies of
+    earlier solves.
     """
     if finite_width:
         other = corrected(brake)
@@ -88,9 +88,7 @@ def scene_of(
 
     A brake that has no answer as it slides is divided by the second level. Raises BadInput as `solve`.
     """
-    for key, value in (("elements", elements), ("kind", kind)):
-        if value is not None and all(shoe.mesh for shoe in brake.shoes):
-            raise BadInput(f"--{key} = {value}: all shoes have mesh files, whose elements stay as they are")
+    check_divided(brake, elements=elements, kind=kind)
     if not _levelled(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
