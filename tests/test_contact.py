@@ -335,3 +335,17 @@ def test_pairs_of_nodes_that_carry_no_two_motions_are_passed_over_in_silence():
         with pytest.raises(NoAnswer, match="cannot balance"):
             active_set._first_pair(np.full(4, 0.1), B, -B.T, np.array(h))
     assert active_set._first_pair(np.full(4, 0.1), B, -B.T, np.array([-1.0, -0.3])).sum() == 2
+
+
+def test_with_the_scales_of_another_problem_the_answer_is_the_same():
+    rng = np.random.default_rng(5)
+    A, x = p_matrix(rng, 6, 0.2), rng.random(6)
+    one = Problem(A, -rng.random(6), -x[:, None], -x[None], np.array([-5.0]))
+    other = one._replace(A=3 * A + np.eye(6), C=-0.5 * x[None])
+    found, like = active_set.settle(other), active_set.settle(one).system
+    scaled = active_set.settle(other, like=like)
+    assert equilibrated(other, like).down is like.down and not np.array_equal(found.system.down, like.down)
+    np.testing.assert_array_equal(scaled.active, found.active)
+    np.testing.assert_allclose(scaled.p, found.p, rtol=1e-12)
+    np.testing.assert_allclose(scaled.y, found.y, rtol=1e-12)
+    assert scaled.regular == found.regular

@@ -190,6 +190,20 @@ def test_of_a_large_problem_the_fine_answer_is_solved_once(flexible, monkeypatch
     assert sizes.count(len(group.problem.q)) == 1 and len(sizes) > 2
 
 
+@pytest.mark.parametrize("changes", [{}, {"friction": 0.1}, {"rotation": "clockwise"}])
+def test_the_law_that_is_kept_with_a_scene_is_that_of_the_brake_at_hand(brake, changes, monkeypatch):
+    scene, other = prepare(brake, elements=8), vary(brake, changes)
+    turned = other.model_copy(update={"shoes": other.shoes[::-1]})  # a mirror image in each place
+    for at_hand in (other, turned):
+        expected = [rigid.locking_friction(at_hand, shoe) for shoe in at_hand.shoes]
+        assert math.inf in expected and min(expected) < 10
+        laws = [group.law(group.members[0]) for group in groups_of(scene, at_hand, 1e6)]
+        assert laws == pytest.approx(expected, rel=1e-9)
+    monkeypatch.setattr(rigid, "locking_friction", None)  # nothing is computed again of a hinged shoe
+    laws = [group.law(group.members[0]) for group in groups_of(scene, brake, 1e6)]
+    assert min(laws) < 10
+
+
 def test_below_the_first_singular_set_every_load_has_one_answer(brake):
     one = vary(brake, {"shoe": [brake.model_dump(by_alias=True)["shoe"][1]]})
     problems = ShoeGroup(prepare(one, elements=2), one, (0,)).sliding

@@ -246,7 +246,7 @@ class ShoeGroup:
         """
         for body, shoe, gap, load in zip(self.bodies, self.shoes, self.gaps, self.loads, strict=True):
             reach.check_pin(shoe, body.line.xy, gap, load[1])
-        law = min(self._law(i) for i in self.members)
+        law = min(self.law(i) for i in self.members)
         try:
             found = self_locking.answer(self.problem_at, self.brake.friction, first, law=law, brake="elastic as it is")
         except NoAnswer as error:
@@ -255,7 +255,7 @@ class ShoeGroup:
             reach.check_turns(shoe, gap, self.unit_force * amounts)
         return found
 
-    def _law(self, i: int) -> float:
+    def law(self, i: int) -> float:
         """mu_lock of a shoe by the rigid-shoe law: that of the scene for a hinged one dragged the same way."""
         (shoe, spin), (known, other) = ((brake.shoes[i], brake.spin) for brake in (self.brake, self.scene.brake))
         same = shoe.held_by == known.held_by == "hinge" and spin * shoe.frame.sense == other * known.frame.sense

@@ -27,7 +27,7 @@ class Stack(NamedTuple):
     `sides` of these, with `line` in a line; `inside` (layers,) of its `rest`, by edges from the contact inwards."""
 
     kept: tuple[tuple[Place, ...], ...]
-    inside: tuple[tuple[Place, ...], ...]
+    inside: tuple[Place, ...]
     sides: int
     rest: int
     line: int
@@ -41,7 +41,7 @@ def stack(p: int, layers: int, *, contact: bool, held: bool, sides: int = 2) -> 
     """
     side, edge, node = 2 * (p + 1), sides * (p - 1), 2 * contact
     line = 2 * (layers * p + (not held)) - node
-    first, last = (slice(sides * side + k * edge, sides * side + (k + 1) * edge) for k in (0, 1))
+    own = sides * side  # where the edges of an element begin
     far = line + (edge + sides * node if contact else 0)  # where the right line begins
     kept, inside = [], []
     for k in range(layers):
@@ -51,15 +51,13 @@ def stack(p: int, layers: int, *, contact: bool, held: bool, sides: int = 2) -> 
         places = [
             (slice(i * side + skipped, i * side + count), slice(i * far + start, i * far + stop)) for i in range(sides)
         ]
-        edges = [(own, slice(i * edge, (i + 1) * edge)) for own, i in ((first, k - contact), (last, k + 1 - contact))]
         if k == 0 and contact:
-            del edges[0]
             corners = [(slice(node), slice(line, line + node)), (slice(side, side + node), slice(far - node, far))]
-            places += [*corners[:sides], (first, slice(line + node, line + node + edge))]
-        if k + 1 == layers and held:
-            del edges[-1]
+            places += [*corners[:sides], (slice(own, own + edge), slice(line + node, line + node + edge))]
+        a, b = (k == 0 and contact) * edge, (2 - (k + 1 == layers and held)) * edge
+        above = (k - contact) * edge
         kept.append(tuple(places))
-        inside.append(tuple(edges))
+        inside.append((slice(own + a, own + b), slice(above + a, above + b)))
     return Stack(tuple(kept), tuple(inside), far + (sides - 1) * line, edge * (layers + 1 - contact - held), line)
 
 
@@ -74,7 +72,7 @@ def columns(elements: Floats, of: Stack, loads: Floats | None = None) -> Floats:
     inner = np.zeros((count, of.rest, of.rest))
     sides, coupling = K[:, extra:, extra:], C[:, :, extra:]
     for part, kept, inside in zip(elements, of.kept, of.inside, strict=True):
-        for places, others, target in ((kept, kept, sides), (inside, kept, coupling), (inside, inside, inner)):
+        for places, others, target in ((kept, kept, sides), ([inside], kept, coupling), ([inside], [inside], inner)):
             for own, at in places:
                 for other, to in others:
                     view = target[:, at, to]  # target[...] += would look it up twice
