@@ -23,7 +23,7 @@ def cost(
     """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
     from drumlin.brake.plane_brake import read_any
     from drumlin.brake.unrolled import on_drum
-    from drumlin.fem.assembly import check_divided
+    from drumlin.fem.solve import check_divided
     from drumlin.models import pick
     from drumlin.verification.cost import measure, solid_table, table
 

@@ -45,8 +45,9 @@ def mesh(
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
     from drumlin.brake.plane_brake import read_any
     from drumlin.brake.unrolled import on_drum
-    from drumlin.fem.assembly import check_divided, prepare
+    from drumlin.fem.assembly import prepare
     from drumlin.fem.mesh.file import write_mesh
+    from drumlin.fem.solve import check_divided
     from drumlin.files import check_outputs
 
     if name is not None and Path(name).name != name:
@@ -72,7 +73,7 @@ def export(
 ) -> None:
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
     from drumlin.brake.plane_brake import read_drum
-    from drumlin.fem.assembly import check_divided
+    from drumlin.fem.solve import check_divided
     from drumlin.files import check_folder
     from drumlin.peers import calculix, solid_deck
 

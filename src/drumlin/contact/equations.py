@@ -65,6 +65,7 @@ def equilibrated(problem: Problem, like: System | None = None) -> System:
 
 
 def _scales(problem: Problem) -> tuple[Floats, Floats]:
+    """By what the rows and the columns of a problem are multiplied (n + k,), `down` and `across` of System."""
     A, _, B, C, _ = problem
     d = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), TINY))
     size = 1 / np.maximum(np.abs(np.concatenate([B, C.T], axis=1) * d[:, None]).max(axis=0), TINY)

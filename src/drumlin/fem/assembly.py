@@ -218,13 +218,6 @@ def bare_shoe(shoe: Shoe) -> Shoe:
     )
 
 
-def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None = None) -> None:
-    """Raise BadInput for elements or a kind that are asked for where no part is divided by them."""
-    for option, value in (("elements", elements), ("kind", kind)):
-        if value is not None and brake.drum.ring is None and all(shoe.mesh for shoe in brake.shoes):
-            raise BadInput(f"--{option} = {value}: all shoes have mesh files, whose elements stay as they are")
-
-
 def prepare(
     brake: Brake,
     *,

@@ -169,13 +169,13 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     solid = group.scene.model == "solid"  # whose whole system is not put together
     small = sum(body.unknowns * body.line.order**2 for body in group.bodies) <= MAX_REFINED
     lost = max(body.condensed.lost for body in group.bodies)
-    if lost < LARGEST_LOSS and _imbalance(answers) < (REFINED_FROM if small and not solid else LARGEST_IMBALANCE):
+    refinable = not solid and (small or max(body.line.order for body in group.bodies) <= 2)  # else the factors fill
+    most = LARGEST_LOSS if solid or refinable else MOST_LOSS
+    if lost < most and _imbalance(answers) < (REFINED_FROM if small and not solid else LARGEST_IMBALANCE):
         return answers
-    if solid or (not small and max(body.line.order for body in group.bodies) > 2):  # the factors fill: minutes
-        if not solid and lost < MOST_LOSS and _imbalance(answers) < LARGEST_IMBALANCE:
-            return answers
+    if not refinable:
         balance = f"it balances only to {_imbalance(answers):.1e}"
-        why = f"its stiffness is certain only to {lost:.1e}" if lost >= MOST_LOSS else balance
+        why = f"its stiffness is certain only to {lost:.1e}" if lost >= most else balance
         raise NoAnswer(f"{group.names}: lost digits, {why}; {TOO_FAR}")
     try:
         refined = refined_group(group, found.active)

@@ -8,7 +8,7 @@ from drumlin.brake.plane_brake import AnyBrake
 from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adapt import adapt as adapt_meshes
-from drumlin.fem.assembly import ELEMENTS, Cache, Scene, check_divided, prepare
+from drumlin.fem.assembly import ELEMENTS, Cache, Scene, prepare
 from drumlin.fem.finite_width import finite_width as corrected
 from drumlin.fem.finite_width import said
 from drumlin.fem.hp import scene as hp
@@ -96,6 +96,13 @@ def scene_of(
         return adapt(brake, DEFAULT, respond, must=False, cache=cache).scene
     except NoAnswer:
         return hp.scene(brake, LEVELS[1], cache=cache)
+
+
+def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None = None) -> None:
+    """Raise BadInput for elements or a kind that are asked for where no part is divided by them."""
+    for option, value in (("elements", elements), ("kind", kind)):
+        if value is not None and brake.drum.ring is None and all(shoe.mesh for shoe in brake.shoes):
+            raise BadInput(f"--{option} = {value}: all shoes have mesh files, whose elements stay as they are")
 
 
 def _levelled(brake: Brake, elements: int | None, kind: str | None) -> bool:

@@ -56,7 +56,7 @@ RULES = {
 }
 """Of 1200 random brakes of all kinds: about 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often. Forces
-are stated at five to nine times their error in the median: what corners far from the contact change in them falls
+are stated at four to nine times their error in the median: what corners far from the contact change in them falls
 slowly, and hides behind what falls fast."""
 FASTEST = 12.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
 LEAST_REACTION = 1.7  # with such a corner, times the error of the torque: a guide's reaction moves late
