@@ -16,7 +16,7 @@ from drumlin.fem.assembly import prepare
 from drumlin.fem.mesh.abaqus import read_inp
 from drumlin.fem.mesh.arc import KINDS, shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
-from drumlin.fem.solve import solve
+from drumlin.fem.solve import check_divided, solve
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance
 
@@ -45,6 +45,22 @@ def test_every_format_gives_the_answer_of_the_mesh_that_was_written(tmp_path, br
     for x, y in zip(a.shoes, b.shoes, strict=True):
         assert y.order == x.order == int(kind[-1])
         assert y.pressure == pytest.approx(x.pressure, rel=1e-5, abs=10 * rel * x.pressure.max())
+
+
+def test_what_no_part_is_divided_by_is_refused(tmp_path, brake):
+    """Of shoes with mesh files a ring alone is divided, and has elements of one kind."""
+    written = filed(brake, tmp_path, "quad2", "msh")
+    ringed = vary(written, {"drum.ring": {"thickness": 0.01, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}}})
+    partly = vary(brake, {"shoe[0].mesh": str(written.shoes[0].mesh)})
+    for option in ({"elements": 8}, {"kind": "tri2"}):
+        with pytest.raises(BadInput, match=r"--\w+ = \w+: all shoes have mesh files"):
+            check_divided(written, **option)
+        check_divided(partly, **option)
+    check_divided(ringed, elements=8)
+    coarse, fine = (prepare(ringed, elements=n).ring.mesh.nelements for n in (8, 16))
+    assert coarse < fine
+    with pytest.raises(BadInput, match="--kind = tri2"):
+        check_divided(ringed, elements=8, kind="tri2")
 
 
 @pytest.mark.parametrize("options", [("gmsh22", False), ("gmsh22", True)])

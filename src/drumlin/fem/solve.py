@@ -99,9 +99,10 @@ def scene_of(
 
 
 def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None = None) -> None:
-    """Raise BadInput for elements or a kind that are asked for where no part is divided by them."""
-    for option, value in (("elements", elements), ("kind", kind)):
-        if value is not None and brake.drum.ring is None and all(shoe.mesh for shoe in brake.shoes):
+    """Raise BadInput for elements or a kind where no part is divided by them; a ring has elements, but one kind."""
+    given = {"kind": kind} if brake.drum.ring else {"elements": elements, "kind": kind}
+    for option, value in given.items():
+        if value is not None and all(shoe.mesh for shoe in brake.shoes):
             raise BadInput(f"--{option} = {value}: all shoes have mesh files, whose elements stay as they are")
 
 
