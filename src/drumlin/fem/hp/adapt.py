@@ -49,16 +49,16 @@ class Rule(NamedTuple):
 
 
 RULES = {
-    "pressure": Rule(first=0.58, corner=0.58, later=0.54, fastest=30, share_first=0, share=0),
-    "torque": Rule(first=0.72, corner=1.2, later=0.48, fastest=30, share_first=7e-4, share=1.3e-3),
-    "peak": Rule(first=0.3, corner=0.3, later=0.2, fastest=70, share_first=1.14, share=0.74),
-    "reaction": Rule(first=0.72, corner=1.0, later=0.48, fastest=30, share_first=6e-3, share=6e-3),
+    "pressure": Rule(first=0.65, corner=0.6, later=0.54, fastest=30, share_first=0, share=0),
+    "torque": Rule(first=0.85, corner=1.0, later=0.48, fastest=30, share_first=7e-4, share=1.3e-3),
+    "peak": Rule(first=0.3, corner=0.3, later=0.2, fastest=70, share_first=1.4, share=0.8),
+    "reaction": Rule(first=0.8, corner=1.0, later=0.48, fastest=30, share_first=4e-3, share=6e-3),
 }
 """Of 1200 random brakes of all kinds: about 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often. Forces
 are stated at four to nine times their error in the median: what corners far from the contact change in them falls
 slowly, and hides behind what falls fast."""
-FASTEST = 12.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
+FASTEST = 8.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
 LEAST_REACTION = 1.7  # with such a corner, times the error of the torque: a guide's reaction moves late
 LEAST_TORQUE = 0.25, 0.05  # times the error of the reaction in parts of the contact's force, on two levels and on more
 NO_FORCE = 1e-6  # of the contact's: a smaller reaction is none

@@ -30,10 +30,10 @@ Place = tuple[float, float, bool]  # phi, the length over which the pressure cha
 class Level:
     """How finely a body is divided. Sizes next to singular places, as parts of the length that rules there:
 
-    `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, where this is less than `edge`;
+    `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, columns where this is less than `edge`;
     `edge`: columns at the lining's ends, of its thickness; `end`: columns at ends of the contact and kinks, of the
-    thickness or the contact's length, whichever is less; `face`, `back`: layers at the lining's face and at the ends of
-    layers, of the thinner layer; `hinge`: columns and layers at the face that the hinge holds, of the body's thickness.
+    thickness or the contact's length, whichever is less; `back`: layers at the ends of layers, of the thinner layer;
+    `hinge`: columns and layers at the face that the hinge holds, of the body's thickness.
     Sizes grow by 1/`ratio` along and 1/`through` through the layers; `largest` [rad]: of a column.
     """
 
@@ -43,7 +43,6 @@ class Level:
     end: float
     ratio: float
     largest: float
-    face: float
     back: float
     hinge: float
     through: float
@@ -201,7 +200,7 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     depths, part = _depths(
         layers,
         level,
-        radius * min(max(level.face * min(t, end - start, *reached), least), level.zone * EDGE_ZONE),
+        radius * max(level.zone * min(EDGE_ZONE, t, end - start, *reached), least),
         radius * pressed,
         straight=isinstance(shoe.body, Beam),
     )
