@@ -49,7 +49,7 @@ class Rule(NamedTuple):
 
 
 RULES = {
-    "pressure": Rule(first=0.65, corner=0.6, later=0.54, fastest=30, share_first=0, share=0),
+    "pressure": Rule(first=0.65, corner=0.6, later=0.48, fastest=30, share_first=0, share=0),
     "torque": Rule(first=0.85, corner=1.0, later=0.48, fastest=30, share_first=7e-4, share=1.3e-3),
     "peak": Rule(first=0.3, corner=0.3, later=0.2, fastest=70, share_first=1.4, share=0.8),
     "reaction": Rule(first=0.8, corner=1.0, later=0.48, fastest=30, share_first=4e-3, share=6e-3),
