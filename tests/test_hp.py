@@ -19,7 +19,7 @@ from drumlin.fem.fields import fields, ring_fields
 from drumlin.fem.group import groups_of
 from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.hp import division, levels, places
-from drumlin.fem.hp.adapt import DEFAULT, adapt, estimate
+from drumlin.fem.hp.adapt import ROUND_OFF, DEFAULT, adapt, estimate
 from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack, turned
 from drumlin.fem.hp.division import divide, graded
@@ -285,15 +285,16 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     """Errors against the finest level: p falls at least threefold a level; what is stated is more, and not ten
     times.
     """
-    responses = [step.response for step in steps(flexible, respond)][:5]  # the last one has less digits than the others
-    truth = responses[-1]
+    made = list(steps(flexible, respond))[:5]  # the last one has less digits than the others
+    responses, truth = [step.response for step in made], made[-1].response
+    lost = ROUND_OFF * max(body.condensed.lost for body in made[-1].scene.bodies)  # of the truth itself
     errors = [max(pressure_distance(a, b) for a, b in zip(r.shoes, truth.shoes, strict=True)) for r in responses]
     for k in range(1, len(responses) - 1):
         stated = estimate(responses[: k + 1])
         assert errors[k] < 0.6 * errors[k - 1]
         assert errors[k] <= stated.brake["pressure"] < 20 * errors[k]
-        assert abs(responses[k].torque / truth.torque - 1) <= stated.brake["torque"]
-    assert errors[0] / errors[3] > 40
+        assert abs(responses[k].torque / truth.torque - 1) <= stated.brake["torque"] + lost
+    assert lost < 1e-5 and errors[0] / errors[3] > 40
 
 
 @pytest.mark.slow

@@ -21,7 +21,6 @@ from drumlin.response.response import EDGE_ZONE
 
 FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: smaller ones lose too many digits
 FADES = 1.5  # power of the distance by which corners beyond a short contact are divided more coarsely
-KINKED = 1.6  # power of `end` by which columns at a kink are graded, where p may be unbounded
 COARSEST = 0.6  # part of a length up to which they are
 SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
@@ -176,7 +175,7 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     marks = _marks(
         (start, left),
         (end, right),
-        [_mark(max(level.end ** (KINKED if kink else 1) * min(t, size), least), x, kink) for x, size, kink in places],
+        [_mark(max(level.end * min(t, size), least), x, kink) for x, size, kink in places],
     )
     grip = shoe.grip(radius)
     if grip is not None:
