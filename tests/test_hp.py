@@ -19,7 +19,7 @@ from drumlin.fem.fields import fields, ring_fields
 from drumlin.fem.group import groups_of
 from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.hp import division, levels, places
-from drumlin.fem.hp.adapt import ROUND_OFF, DEFAULT, adapt, estimate
+from drumlin.fem.hp.adapt import DEFAULT, ROUND_OFF, adapt, estimate
 from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack, turned
 from drumlin.fem.hp.division import divide, graded
