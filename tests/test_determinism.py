@@ -67,7 +67,7 @@ def numbers(data):
 
 
 def test_the_number_of_threads_moves_no_number():
-    """Torques and forces by more than 1e-9 of them, pressures, which feel round-off at the contact's ends, by 1e-7."""
+    """Torques and forces by more than 1e-9 of them, pressures, which feel round-off in thin columns, by 3e-7."""
     paths = [str(ROOT / "studies" / brake) + ".toml" for brake in BRAKES]
     answers = []
     for threads in ("1", "2"):
@@ -82,5 +82,5 @@ def test_the_number_of_threads_moves_no_number():
             for key, value in a.items():
                 x, y = np.array(numbers(value)), np.array(numbers(b[key]))
                 size = 1.0 if key == "error" else np.abs(x).max(initial=1e-300)  # errors are relative already
-                within = 1e-9 if key in {"torque", "normal_force", "hinge_reaction"} else 1e-7
+                within = 1e-9 if key in {"torque", "normal_force", "hinge_reaction"} else 3e-7
                 np.testing.assert_allclose(x, y, rtol=0, atol=within * size, err_msg=key)

@@ -100,8 +100,8 @@ def test_grading_and_order_pay(rows):
 
 def test_columns_know_more_for_their_unknowns_and_keep_the_tolerance_that_they_state(rows):
     mesh, columns = pick(rows, "graded mesh", kind="quad2", elements=40), pick(rows, "columns", level=0)
-    assert columns["unknowns"] < mesh["unknowns"]
-    assert columns["pressure_error"] < 0.3 * mesh["pressure_error"]
+    assert columns["unknowns"] < 1.25 * mesh["unknowns"]
+    assert columns["pressure_error"] < 0.15 * mesh["pressure_error"]
     assert pick(rows, "columns, error stated")["pressure_error"] < 5e-3
     assert columns["pressure_error"] > 3 * pick(rows, "columns", level=1)["pressure_error"]
 

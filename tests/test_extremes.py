@@ -48,6 +48,5 @@ def test_farther_apart(case):
 def test_a_thin_lining_on_a_shoe_far_softer_is_refused_a_fine_tolerance_and_says_what_it_reached():
     case = Case(shoe=1e-3, thickness=1e-3)
     check(case)
-    assert any("not reached" in note for note in solve(case.brake()).notes)
-    with pytest.raises(NoAnswer, match="not reached"):
+    with pytest.raises(NoAnswer, match=r"not reached .* estimated error of p"):
         solve(case.brake(), tolerance=1e-4)

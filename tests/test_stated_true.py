@@ -20,6 +20,7 @@ from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import EXACT, Softness
 from drumlin.response.resultants import cross
+from drumlin.verification import stated_true
 from drumlin.verification.random_brake import KINDS, random_brake
 from drumlin.verification.stated_true import QUANTITIES, Truth, by_columns, errors, limit, ratio, row, summary
 from drumlin.verification.triangles import Level, sequence
@@ -233,6 +234,20 @@ def test_columns_are_a_truth_that_triangles_share(brake, truth):
     coarse = solve(brake, elements=12)
     one, other = (errors(brake, coarse.shoes, true.shoes)["pressure"] for true in (finer, truth))
     assert one == pytest.approx(other, rel=0.1)
+
+
+def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
+    """Neighbouring levels may agree by chance where both have lost more."""
+
+    def losing(brake, respond):
+        for made, found in steps(brake, respond):
+            bodies = [replace(body, condensed=replace(body.condensed, lost=1e-3)) for body in made.bodies]
+            yield Step(replace(made, bodies=tuple(bodies)), found)
+
+    sure = by_columns(brake, 1e-2).unsure
+    monkeypatch.setattr(stated_true, "steps", losing)
+    for name, value in by_columns(brake, 1e-2).unsure.items():
+        assert value == pytest.approx(sure[name] + 1e-3)
 
 
 def test_a_peak_at_an_end_of_the_lining_is_unbounded_and_so_is_its_error():

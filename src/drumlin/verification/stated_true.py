@@ -1,8 +1,8 @@
 """The error that a response states against the one that it has.
 
 The truth comes from curved triangles, which share nothing with the finite elements that are judged but the brake, or
-from columns that are finer by some two levels, with exact contact; how far its own last steps moved it is its
-uncertainty. All errors are relative: of p in L2 outside EDGE_ZONE at the
+from columns that are finer by some two levels, with exact contact; how far its own last steps moved it, and what its
+elimination has lost, is its uncertainty. All errors are relative: of p in L2 outside EDGE_ZONE at the
 lining's ends, the worst shoe's; of the torque, that of the whole brake; of the peak pressure away from the ends and of
 the hinge reaction, the worst shoe's.
 """
@@ -66,7 +66,7 @@ class Solved(Pressed, Protocol):
 @dataclass(frozen=True)
 class Truth:
     """The solution of each shoe on the finest division; `unsure`: relative uncertainties by QUANTITIES, from how far
-    the last steps of the sequence went; `seconds` of processor time it took."""
+    the last steps of the sequence went and what its elimination lost; `seconds` of processor time it took."""
 
     shoes: Sequence[Solved]
     unsure: Mapping[str, float]
@@ -86,19 +86,20 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
     """
     begin = time.process_time()
     found: list[Sequence[Solved]] = []
-    for _, response in steps(brake, partial(respond, penalty=math.inf)):
+    for scene, response in steps(brake, partial(respond, penalty=math.inf)):
         found.append(response.shoes)
+        lost = max(body.condensed.lost for body in scene.bodies)
         if len(found) > 2 and errors(brake, *found[-2:])["pressure"] <= FINER * tolerance:
             break
     if len(found) < 3:
         raise NoAnswer(f"only {len(found)} levels of columns have an answer")
-    return _truth(brake, found[-3:], begin)
+    return _truth(brake, found[-3:], begin, lost)
 
 
-def _truth(brake: Brake, last: Sequence[Sequence[Solved]], begin: float) -> Truth:
-    """From the last three of a sequence; begin: processor time at which it was begun [s]."""
+def _truth(brake: Brake, last: Sequence[Sequence[Solved]], begin: float, lost: float = 0.0) -> Truth:
+    """From the last three of a sequence; begin: processor time at which it was begun [s]; lost: by round-off."""
     early, late = errors(brake, last[0], last[1]), errors(brake, last[1], last[2])
-    unsure = {name: limit(early[name], late[name]) for name in QUANTITIES}
+    unsure = {name: limit(early[name], late[name]) + lost for name in QUANTITIES}
     return Truth(last[2], unsure, time.process_time() - begin)
 
 

@@ -50,13 +50,13 @@ class Rule(NamedTuple):
 
 RULES = {
     "pressure": Rule(first=0.68, corner=0.68, later=0.5, fastest=30, share_first=0, share=0),
-    "torque": Rule(first=0.85, corner=1.0, later=0.48, fastest=30, share_first=7e-4, share=1.3e-3),
+    "torque": Rule(first=0.9, corner=1.05, later=0.48, fastest=30, share_first=1.5e-3, share=1.5e-3),
     "peak": Rule(first=0.3, corner=0.3, later=0.2, fastest=70, share_first=1.4, share=0.8),
-    "reaction": Rule(first=0.8, corner=1.0, later=0.48, fastest=30, share_first=4e-3, share=6e-3),
+    "reaction": Rule(first=0.85, corner=1.05, later=0.48, fastest=30, share_first=1e-2, share=8e-3),
 }
-"""Of 600 random brakes of all kinds: about 1 in 100 may have a larger error than is stated. That of the peak, one
+"""Of 1100 random brakes of all kinds: about 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often. Forces
-are stated at four to nine times their error in the median: what corners far from the contact change in them falls
+are stated at three to six times their error in the median: what corners far from the contact change in them falls
 slowly, and hides behind what falls fast."""
 FASTEST = 8.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
 LEAST_TORQUE = 0.25, 0.05  # times the error of the reaction in parts of the contact's force, on two levels and on more
