@@ -29,8 +29,8 @@ from drumlin.fem.assembly import Cache
 from drumlin.fem.hp.division import FINEST
 from drumlin.fem.hp.levels import Respond, Step, steps
 from drumlin.response.norms import pressure_distance
-from drumlin.response.response import EDGE_ZONE, Response, ShoeResponse
-from drumlin.response.resultants import largest
+from drumlin.response.response import EDGE_ZONE, Response, ShoeResponse, edge_zone
+from drumlin.response.resultants import edge_left_out, largest
 
 SLOWEST = 1.3  # factor by which errors fall from level to level at least, where they do not stay
 
@@ -63,6 +63,7 @@ LEAST_TORQUE = 0.25, 0.05  # times the error of the reaction in parts of the con
 NO_FORCE = 1e-6  # of the contact's: a smaller reaction is none
 SOFTER = 2.0  # times the softness: what the penalty changes at most
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
+NEAR = 0.5  # of the peak: p in a column at an end of the lining, where it grows without end
 ROUND_OFF = 10.0  # times what the elimination has lost of a unit force: what that may be in p
 
 
@@ -150,7 +151,6 @@ def estimate(responses: Sequence[Response], lost: float = 0.0, *, corner: bool =
     moved = np.array([min(_held(of) / (of.normal_force or 1.0), 1.0) for of in last.shoes]) * by_shoe["reaction"]
     of_reaction = np.where(parts > 0, LEAST_TORQUE[0 if only else 1] * moved, 0.0)
     by_shoe["torque"] = np.maximum(by_shoe["torque"], of_reaction)
-    by_shoe["peak"] = np.where([_cornered(shoe) for shoe in last.shoes], 1.0, by_shoe["peak"])
     shoes = [dict(zip(by_shoe, row, strict=True)) for row in np.array(list(by_shoe.values())).T.tolist()]
     return _errors(max(float(found[0]), float(parts @ of_reaction)), shoes)
 
@@ -166,11 +166,17 @@ def _from_steps(series: Floats, rules: Floats, *, corner: bool) -> Floats:
     return np.asarray(found)
 
 
-def _cornered(shoe: ShoeResponse) -> bool:
-    """Whether p is largest in a column at an end of the lining that is pressed: there it is unbounded."""
+def _cornered(shoe: ShoeResponse, zone: float) -> bool:
+    """Whether p is largest in a column at an end of the lining that is pressed: there it is unbounded.
+
+    zone [rad]: see `edge_zone`. Where the ends count, p near its peak there will be so on a finer level.
+    """
     theta, p, order = shoe.theta, shoe.pressure, shoe.order
     ends = [part for end, part in ((0, slice(order + 1)), (-1, slice(-order - 1, None))) if p[end] > 0]
-    return any(math.isclose(largest(theta[part], p[part], order), shoe.peak_pressure) for part in ends)
+    heights = [largest(theta[part], p[part], order) / shoe.peak_pressure for part in ends]
+    if any(math.isclose(height, 1.0) for height in heights):
+        return True
+    return max(heights, default=0.0) > NEAR and edge_left_out(theta, p, order, zone) == 0
 
 
 def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
@@ -180,16 +186,19 @@ def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
 
 
 def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
-    """The errors, and in words where a contact is so short that its pressure and peak are not known at all."""
+    """The errors, of 1 what is not known at all: a peak at a lining's end, and the pressure of a contact so short that
+    this is said in words."""
     shoes, said = list(error.shoes), ""
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
+        unknown = {"peak"} if _cornered(found, edge_zone(shoe, brake.drum.radius)) else set()
         length = min((end - start for start, end in found.contact_arcs), default=math.inf) * brake.drum.radius
         if length < SHORTEST * shoe.lining.thickness:
             said = (
                 f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know its pressure; "
                 "torque and forces do not need it"
             )
-            shoes[i] = {name: max(e, float(name in {"pressure", "peak"})) for name, e in shoes[i].items()}
+            unknown = {"pressure", "peak"}
+        shoes[i] = {name: 1.0 if name in unknown else e for name, e in shoes[i].items()}
     return _errors(error.brake["torque"], shoes), said
 
 
