@@ -252,6 +252,20 @@ def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
         assert value == pytest.approx(sure[name] + 1e-3)
 
 
+def test_a_level_that_moves_away_again_is_no_truth(brake, monkeypatch):
+    """Of a post with a ring the finest columns lose digits, and p gets a spike where the lining is open."""
+
+    def straying(brake, respond):
+        for k, (made, found) in enumerate(steps(brake, respond)):
+            shoes = tuple(replace(shoe, pressure=1.1 * shoe.pressure) for shoe in found.shoes)
+            yield Step(made, replace(found, shoes=shoes) if k == 3 else found)
+
+    before = by_columns(brake, 1e-2)
+    monkeypatch.setattr(stated_true, "steps", straying)
+    for own, other in zip(by_columns(brake, 1e-5).shoes, before.shoes, strict=True):
+        np.testing.assert_array_equal(own.pressure, other.pressure)
+
+
 def test_a_peak_at_an_end_of_the_lining_is_unbounded_and_so_is_its_error():
     """A lining that bears at its ends alone: finer columns raise the peak there without end."""
     brake = random_brake(1)

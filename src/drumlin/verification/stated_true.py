@@ -80,16 +80,22 @@ def by_triangles(brake: Brake) -> Truth:
 
 
 def by_columns(brake: Brake, tolerance: float) -> Truth:
-    """The truth of a brake by levels that go on until p moves by FINER of the tolerance, or the levels end.
+    """The truth of a brake by levels that go on until p moves by FINER of the tolerance, or by more than from the level
+    before, as round-off does, or the levels end.
 
     Raises NoAnswer where fewer than three have one.
     """
     begin = time.process_time()
     found: list[Sequence[Solved]] = []
+    moved, lost = [math.inf], 0.0
     for scene, response in steps(brake, partial(respond, penalty=math.inf)):
+        if found:
+            moved.append(errors(brake, found[-1], response.shoes)["pressure"])
+        if len(found) > 2 and moved[-1] > moved[-2]:
+            break  # it has lost more than it adds
         found.append(response.shoes)
         lost = max(body.condensed.lost for body in scene.bodies)
-        if len(found) > 2 and errors(brake, *found[-2:])["pressure"] <= FINER * tolerance:
+        if len(found) > 2 and moved[-1] <= FINER * tolerance:
             break
     if len(found) < 3:
         raise NoAnswer(f"only {len(found)} levels of columns have an answer")
