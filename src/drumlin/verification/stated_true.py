@@ -2,9 +2,9 @@
 
 The truth comes from curved triangles, which share nothing with the finite elements that are judged but the brake, or
 from columns that are finer by some two levels, with exact contact; how far its own last steps moved it, and what its
-elimination has lost, is its uncertainty. All errors are relative: of p in L2 outside EDGE_ZONE at the
-lining's ends, the worst shoe's; of the torque, that of the whole brake; of the peak pressure away from the ends and of
-the hinge reaction, the worst shoe's.
+elimination has lost, is its uncertainty. All errors are relative: of p in L2 outside EDGE_ZONE at the lining's ends,
+the worst shoe's; of the torque, that of the whole brake; of the peak pressure away from the ends and of the hinge
+reaction, the worst shoe's.
 """
 
 import math

@@ -190,15 +190,15 @@ def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]
     this is said in words."""
     shoes, said = list(error.shoes), ""
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        unknown = {"peak"} if _cornered(found, edge_zone(shoe, brake.drum.radius)) else set()
+        if _cornered(found, edge_zone(shoe, brake.drum.radius)):
+            shoes[i] = {**shoes[i], "peak": 1.0}
         length = min((end - start for start, end in found.contact_arcs), default=math.inf) * brake.drum.radius
         if length < SHORTEST * shoe.lining.thickness:
             said = (
                 f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know its pressure; "
                 "torque and forces do not need it"
             )
-            unknown = {"pressure", "peak"}
-        shoes[i] = {name: 1.0 if name in unknown else e for name, e in shoes[i].items()}
+            shoes[i] = {name: max(e, float(name in {"pressure", "peak"})) for name, e in shoes[i].items()}
     return _errors(error.brake["torque"], shoes), said
 
 
