@@ -32,8 +32,9 @@ class Level:
 
     `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, columns where this is less than `edge`;
     `edge`: columns at the lining's ends, of its thickness; `end`: columns at ends of the contact and kinks, of the
-    thickness or the contact's length, whichever is less; `back`: layers at the ends of layers, of the thinner layer;
-    `hinge`: columns and layers at the face that the hinge holds, of the body's thickness.
+    contact's length, or of its geometric mean with the thickness where this is less: p rises from an end over the
+    thickness, and the longer the contact, the less of p is there; `back`: layers at the ends of layers, of the thinner
+    layer; `hinge`: columns and layers at the face that the hinge holds, of the body's thickness.
     Sizes grow by 1/`ratio` along and 1/`through` through the layers; `largest` [rad]: of a column.
     """
 
@@ -175,7 +176,7 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     marks = _marks(
         (start, left),
         (end, right),
-        [_mark(max(level.end * min(t, size), least), x, kink) for x, size, kink in places],
+        [_mark(max(level.end * min(size, math.sqrt(t * size)), least), x, kink) for x, size, kink in places],
     )
     grip = shoe.grip(radius)
     if grip is not None:
