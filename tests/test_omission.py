@@ -1,4 +1,4 @@
-"""What is left out of a brake: exact where it is said to be, predicted where not, within the tolerance where unseen."""
+"""What is left out of a brake: exact where it is said to be, predicted where not; for a tolerance, nothing is."""
 
 import math
 from dataclasses import replace
@@ -10,16 +10,14 @@ from conftest import STUDY, partly
 from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
 from drumlin.errors import BadInput
-from drumlin.fem import omission
 from drumlin.fem.assembly import prepare
 from drumlin.fem.hp.adapt import Tolerance, adapt
 from drumlin.fem.model import respond
 from drumlin.fem.omission import change, predict, scene_without, simplified
-from drumlin.fem.reduced import SHORT, ring_modes, sketcher, with_closed_forms
+from drumlin.fem.reduced import SHORT, ring_modes, sketcher
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.omission_table import omissions, prediction_ratios, time_saved, worst_straight
-from drumlin.verification.random_brake import random_brake
 
 BRAKE = read_brake(STUDY / "brake.toml")
 POST = read_brake(STUDY.parent / "post_brake" / "brake.toml")
@@ -110,7 +108,7 @@ LADDER = {
     "case", partly(LADDER, {"shoe stiff", "ring fixed", "ring free", "backing", "drag, stiff shoe"})
 )
 def test_predictions_are_within_a_factor_two_of_the_truth(case):
-    """p and the shoes' torques, between 1e-4 and 0.3; what adapt_without uses is never 1.5 times too small."""
+    """p and the shoes' torques, between 1e-4 and 0.3; never 1.5 times too small."""
     brake, part = LADDER[case]
 
     def make(spec):
@@ -122,7 +120,7 @@ def test_predictions_are_within_a_factor_two_of_the_truth(case):
     assert judged
     for a, b in judged:
         assert b < 0.3
-        assert b / omission.SAFETY < a < 2 * b
+        assert b / 1.5 < a < 2 * b
 
 
 WITHIN = {
@@ -139,43 +137,20 @@ WITHIN = {
     "shoe stiffest, ring": alone(vary(BRAKE, {"shoe.body.material.E": 2.1e15} | ringed("fixed", 0.005))),
     "rigid shoe, ring, mu 0": alone(vary(BRAKE, RIGID | ringed("fixed") | {"friction": 0.0})),
 }
-OMITTED = {  # what is left out for 1e-1, 1e-2, 1e-3
-    "ring fixed": ("ring", "ring", ""),
-    "ring fixed, soft": ("ring", "", ""),
-    "ring free": ("", "", ""),
-    "shoe": ("", "", ""),
-    "shoe stiffest, ring": ("ring and shoe", "ring and shoe", "ring"),
-}
 
 
 @pytest.mark.parametrize("case", partly(WITHIN, {"ring fixed", "shoe", "shoe stiffest, ring"}))
-def test_the_true_error_stays_within_the_tolerance_with_what_is_left_out_for_it(case):
+def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
     brake = WITHIN[case]
     truth = adapt(brake, Tolerance(2e-4, 5e-6), respond).response
-    for i, tolerance in enumerate((1e-1, 1e-2, 1e-3)):
+    for tolerance in (1e-1, 1e-2, 1e-3):
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
         true = change(response, truth)
         assert max(true.pressure, true.torque) <= tolerance
         assert max(response.error["pressure"], response.error["torque"]) <= tolerance
         assert true.torque <= response.error["torque"] + 1e-6
-        said = [line for line in response.left_out if "predicted to change" in line]
-        if case in OMITTED:
-            assert [line.split(":")[0] for line in said] == [OMITTED[case][i]] * bool(OMITTED[case][i])
         assert any("no [drum.ring]" in line for line in response.left_out) == (brake.drum.ring is None)
-
-
-def test_what_is_left_out_unseen_counts_in_the_error_with_its_safety(monkeypatch):
-    """A factor greater by 1 adds what leaving the ring out changes, by fine solves of both brakes, to the error."""
-    brake, fine = WITHIN["ring fixed"], Tolerance(2e-4, 5e-6)
-    simple, whole = (adapt(each, fine, respond).response for each in (simplified(brake, ["ring"]), brake))
-    true, stated = change(simple, whole), []
-    for safety in (omission.SAFETY, omission.SAFETY + 1):
-        monkeypatch.setattr(omission, "SAFETY", safety)
-        stated.append(solve(brake, tolerance=1e-1, penalty=math.inf))
-    assert all(any("predicted to change" in line for line in response.left_out) for response in stated)
-    less, more = (response.error for response in stated)
-    assert more["pressure"] - less["pressure"] == pytest.approx(true.pressure, rel=0.2)
-    assert more["torque"] - less["torque"] == pytest.approx(true.shoes, rel=0.2)
+        assert any("no [shoe.body]" in line for line in response.left_out) == (brake.shoes[0].body is None)
 
 
 def test_a_change_is_that_of_the_shoe_that_changes_most():
@@ -186,34 +161,6 @@ def test_a_change_is_that_of_the_shoe_that_changes_most():
                  for f, shoe in zip(factors, whole.shoes, strict=True)]  # fmt: skip
         found = change(replace(whole, shoes=tuple(shoes)), whole)
         assert [found.pressure, found.peak, found.each, found.reaction] == pytest.approx([0.1] * 4)
-
-
-def test_what_proves_larger_afterwards_than_predicted_is_put_back(monkeypatch):
-    brake = alone(vary(BRAKE, ringed("fixed", E=1e9)))
-    nothing = change(*[solve(BRAKE, elements=8)] * 2)
-    monkeypatch.setattr(omission, "_chosen", lambda *_: (("ring",), nothing))
-    solved = []
-    monkeypatch.setattr(omission, "adapt", lambda own, *args, **more: solved.append(own) or adapt(own, *args, **more))
-    response = solve(brake, tolerance=2e-2)
-    assert not any("predicted" in line for line in response.left_out)
-    assert response.torque == pytest.approx(solve(brake, elements=60).torque, rel=1e-3)
-    assert solved == [brake], "seen on the first level, before the simpler brake is refined"
-
-
-def test_a_ring_under_a_short_contact_is_predicted_too():
-    """Closed form on the mesh without it, against its finite elements: what it changes of p. The contact is 6 mm long,
-    the ring 13 mm thick: waves shorter than its thickness count.
-    """
-    brake, tolerance = random_brake(698), Tolerance(3e-3, 1e-3)
-    scene, without = adapt(simplified(brake, ["ring"]), tolerance, respond)
-    ((start, stop),) = without.shoes[0].contact_arcs
-    assert brake.drum.ring is not None
-    assert (stop - start) * brake.drum.radius < 0.5 * brake.drum.ring.thickness
-    seen = change(without, respond(with_closed_forms(scene, brake, stop - start), brake, start=without))
-    true = change(without, adapt(brake, tolerance, respond).response)
-    assert seen.pressure == pytest.approx(true.pressure, rel=0.1)
-    assert seen.peak == pytest.approx(true.peak, rel=0.1)
-    assert seen.shoes == pytest.approx(true.shoes, rel=0.5)  # 3e-5, of a tolerance of 1e-3
 
 
 def test_omissions_compose_and_their_words_are_checked():

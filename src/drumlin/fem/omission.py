@@ -1,15 +1,13 @@
 """What can be left out of a brake, and how much that changes: predicted beforehand on a sketch of the brake.
 
-The prediction is the difference between two sketches (sketch.py), one of the brake and one of what is left of it.
+A solve leaves none of it out: on columns of high degree the whole brake takes no longer than to find out what may be.
+The prediction is the difference between two sketches (reduced.py), one of the brake and one of what is left of it.
 To first order it is the pressure's answer to the gap  F p  that the omitted flexibility F opened under it, so that
 it goes as the ratio of stiffnesses; but contact may also open or close, and nothing is calibrated.
 """
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,20 +15,14 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.components import Beam, Body
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.errors import BadInput, NoAnswer
+from drumlin.errors import BadInput
 from drumlin.fem import assembly
 from drumlin.fem.assembly import Scene
-from drumlin.fem.hp.adapt import Tolerance, adapt, check_tolerance
-from drumlin.fem.hp.levels import Respond, steps
+from drumlin.fem.hp.levels import Respond
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.reduced import sketcher, with_closed_forms
+from drumlin.fem.reduced import sketcher
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response
-
-SAVING = (("ring", "shoe"), ("ring",), ("shoe",))
-"""What takes a third of a solve or more, in the order in which it is tried; the other parts cost next to nothing."""
-SHARE = 0.5  # of a tolerance that may be spent on leaving out; the mesh has the rest
-SAFETY = 1.5  # on predictions that are used unseen: on brakes from stiff to soft they are 0.9 to 1.15 times the truth
 
 Make = Callable[[Brake], Scene]
 
@@ -186,89 +178,3 @@ def predict(brake: Brake, names: Sequence[str], respond: Respond, sketch: Make |
     sketch = sketch or sketcher()
     whole = respond(sketch(brake), brake)
     return change(respond(*scene_without(brake, names, sketch)), whole)
-
-
-def adapt_without(brake: Brake, tolerance: float, respond: Respond, cache: assembly.Cache | None = None) -> Response:
-    """`adapt`, without the ring and the shoes' elasticity where that is predicted to stay below the tolerance.
-
-    Predicted changes count SAFETY times and are part of the response's error. Afterwards what is left out is added
-    in closed form to the final meshes: where that changes more than the tolerance leaves room for, the brake is
-    solved again with everything.
-    """
-    check_tolerance(brake, tolerance)
-    names, predicted = _chosen(brake, SHARE * tolerance, respond)
-    like: Response | None = None
-    if names:
-        with suppress(NoAnswer):  # of the simpler brake, or of the whole one: then it says so itself
-            like, within = _without(brake, names, predicted, tolerance, respond, cache)
-            if within:
-                return like
-    along = steps(brake, respond, cache, like=like)
-    return adapt(brake, Tolerance(tolerance, tolerance), respond, along=along).response
-
-
-def _without(
-    brake: Brake,
-    names: Sequence[str],
-    predicted: Change,
-    tolerance: float,
-    respond: Respond,
-    cache: assembly.Cache | None,
-) -> tuple[Response, bool]:
-    """The response of a brake without `names`, and whether its error stays within the tolerance; where the sketch has
-    not resolved the contact, that of the first level."""
-    simple = simplified(brake, names)
-    along = steps(simple, respond, cache)
-
-    def seen_on(scene: Scene, found: Response) -> Change:
-        shortest = min((b - a for shoe in found.shoes for a, b in shoe.contact_arcs), default=math.tau)
-        return change(found, respond(with_closed_forms(scene, brake, shortest), brake, start=found))
-
-    first = next(along)
-    if _size(seen_on(*first)) > tolerance:  # the sketch did not resolve the contact
-        return first.response, False
-    left = Tolerance(*[tolerance - _size(predicted)] * 2)
-    scene, found = adapt(simple, left, respond, along=chain([first], along))
-    seen = seen_on(scene, found)
-    largest = Change(*map(max, predicted, seen))
-    more = {"pressure": largest.pressure, "torque": largest.each, "peak": largest.peak, "reaction": largest.reaction}
-    shoes = tuple(replace(shoe, error=_with(shoe.error, more)) for shoe in found.shoes)
-    error = _with(found.error, more | {"torque": largest.shoes})
-    lines = [
-        f"{' and '.join(names)}: taken as rigid, predicted to change torque by at most {predicted.shoes:.1e}, "
-        f"p by {predicted.pressure:.1e} (L2); on the final mesh {seen.shoes:.1e} and {seen.pressure:.1e}"
-    ]
-    kept = [line for line in found.left_out if line not in assembly.lacking(simple)]
-    within = max(error["pressure"], error["torque"]) <= tolerance
-    return replace(found, error=error, shoes=shoes, left_out=(*kept, *assembly.lacking(brake), *lines)), within
-
-
-def _with(error: Mapping[str, float] | None, more: Mapping[str, float]) -> dict[str, float]:
-    """Errors with what was left out."""
-    return {name: value + SAFETY * more[name] for name, value in (error or {}).items()}
-
-
-def _size(predicted: Change) -> float:
-    """What of a tolerance a prediction takes."""
-    return SAFETY * max(predicted.shoes, predicted.pressure)
-
-
-def _chosen(brake: Brake, allowed: float, respond: Respond) -> tuple[tuple[str, ...], Change]:
-    """What of SAVING may be left out within `allowed`, and the change that is predicted; () where nothing may."""
-    nothing, has = Change(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), present(brake)
-    unsketched = (shoe.mesh or shoe.flat or shoe.grip(brake.drum.radius) for shoe in brake.shoes)
-    if any(unsketched) or assembly.why_not(brake) is not None:
-        return (), nothing
-    candidates = [names for names in SAVING if set(names) <= set(has)]
-    if not candidates:
-        return (), nothing
-    try:
-        sketch = sketcher()
-        whole = respond(sketch(brake), brake)
-        for names in candidates:
-            predicted = change(respond(*scene_without(brake, names, sketch)), whole)
-            if _size(predicted) <= allowed:
-                return names, predicted
-    except NoAnswer:
-        pass
-    return (), nothing

@@ -56,13 +56,13 @@ def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], assembly.Scene]:
         bare = _rigid(brake)
         if bare not in meshed:
             meshed[bare] = assembly.prepare(bare, elements=elements, kind=DEFAULT_KIND)
-        return with_closed_forms(meshed[bare], brake, min(end - start for start, end in (s.arc for s in brake.shoes)))
+        return _with_closed_forms(meshed[bare], brake, min(end - start for start, end in (s.arc for s in brake.shoes)))
 
     return sketch
 
 
-def with_closed_forms(scene: assembly.Scene, brake: Brake, shortest: float) -> assembly.Scene:
-    """A scene of rigid shoes or of a rigid drum with the flexibilities added that `brake` has and its own has not.
+def _with_closed_forms(scene: assembly.Scene, brake: Brake, shortest: float) -> assembly.Scene:
+    """A scene of rigid shoes on a rigid drum with the flexibilities added that `brake` has and its own has not.
 
     shortest [rad]: contact that the ring's waves are to resolve. Raises NoAnswer where that takes too many.
     """

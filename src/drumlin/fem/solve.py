@@ -12,11 +12,10 @@ from drumlin.fem.assembly import ELEMENTS, Cache, Scene, prepare
 from drumlin.fem.finite_width import finite_width as corrected
 from drumlin.fem.finite_width import said
 from drumlin.fem.hp import scene as hp
-from drumlin.fem.hp.adapt import DEFAULT, adapt
+from drumlin.fem.hp.adapt import DEFAULT, Tolerance, adapt, check_tolerance
 from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, respond
-from drumlin.fem.omission import adapt_without
 from drumlin.response.balance import balance_of, loaded, worst
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
@@ -36,10 +35,10 @@ def solve(
 ) -> Response:
     """Divide, condense and solve a brake, finer and finer until its estimated errors are below a tolerance.
 
-    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque, of the division and
-    of what is left out for it; NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is
-    reached. With `elements` a brake is solved on one mesh, without estimate, as one with a mesh file is; with a `kind`
-    on meshes of that kind. BadInput is raised for elements and a tolerance together, and as by `check_divided`.
+    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque; NoAnswer is raised
+    where it is not reached. By default DEFAULT, or the error that is reached. With `elements` a brake is solved on one
+    mesh, without estimate, as one with a mesh file is; with a `kind` on meshes of that kind. BadInput is raised for
+    elements and a tolerance together, and as by `check_divided`.
     finite_width: the linings' moduli corrected for the widths of the shoes, see fem/finite_width.py. cache: bodies of
     earlier solves.
     """
@@ -54,7 +53,8 @@ def solve(
     if tolerance is not None and kind is not None:  # a studied method
         found = adapt_meshes(own, tolerance, answer, kind)
     elif tolerance is not None:
-        found = adapt_without(own, tolerance, answer, cache)
+        check_tolerance(own, tolerance)
+        found = adapt(own, Tolerance(tolerance, tolerance), answer, cache=cache).response
     elif _levelled(own, elements, kind):
         found = adapt(own, DEFAULT, answer, must=False, cache=cache).response
     else:

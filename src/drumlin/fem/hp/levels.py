@@ -51,16 +51,14 @@ def steps(
     respond: Respond,
     cache: assembly.Cache | None = None,
     levels: Sequence[Level] = (),
-    like: Response | None = None,
 ) -> Iterator[Step]:
     """The brake on all levels, or on those given, finer and finer; cache: see `scene`.
 
-    like: of a similar brake, whose contact is where the first division looks for it. Raises NoAnswer where two levels
-    have none.
+    Raises NoAnswer where two levels have none.
     """
-    last = like
+    last: Response | None = None
     alike = assembly.alike(brake)
-    refused, places = 0, places_of(brake, like, alike)
+    refused, places = 0, places_of(brake, None, alike)
     for level in levels or LEVELS:
         for _ in range(MOST_PASSES):
             made = scene(brake, level, places, cache, alike)
