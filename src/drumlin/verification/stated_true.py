@@ -80,26 +80,28 @@ def by_triangles(brake: Brake) -> Truth:
 
 
 def by_columns(brake: Brake, tolerance: float) -> Truth:
-    """The truth of a brake by levels that go on until p moves by FINER of the tolerance, or by more than from the level
-    before, as round-off does, or the levels end.
+    """The truth of a brake by levels that go on until p moves by FINER of the tolerance or the levels end: the one to
+    which p has moved least, as the finest may have lost more to round-off than they add.
 
-    Raises NoAnswer where fewer than three have one.
+    Raises NoAnswer where fewer than three have an answer.
     """
     begin = time.process_time()
     found: list[Sequence[Solved]] = []
-    moved, lost = [math.inf], 0.0
-    for scene, response in steps(brake, partial(respond, penalty=math.inf)):
-        if found:
-            moved.append(errors(brake, found[-1], response.shoes)["pressure"])
-        if len(found) > 2 and moved[-1] > moved[-2]:
-            break  # it has lost more than it adds
-        found.append(response.shoes)
-        lost = max(body.condensed.lost for body in scene.bodies)
-        if len(found) > 2 and moved[-1] <= FINER * tolerance:
-            break
+    moved, lost = [], []
+    try:
+        for scene, response in steps(brake, partial(respond, penalty=math.inf)):
+            moved.append(errors(brake, found[-1], response.shoes)["pressure"] if found else math.inf)
+            found.append(response.shoes)
+            lost.append(max(body.condensed.lost for body in scene.bodies))
+            if len(found) > 2 and moved[-1] <= FINER * tolerance:
+                break
+    except NoAnswer:  # of the finest
+        if len(found) < 3:
+            raise
     if len(found) < 3:
         raise NoAnswer(f"only {len(found)} levels of columns have an answer")
-    return _truth(brake, found[-3:], begin, lost)
+    best = 2 + int(np.argmin(moved[2:]))
+    return _truth(brake, found[best - 2 : best + 1], begin, lost[best])
 
 
 def _truth(brake: Brake, last: Sequence[Sequence[Solved]], begin: float, lost: float = 0.0) -> Truth:
