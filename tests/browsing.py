@@ -26,7 +26,10 @@ def served(program=PROGRAM, brake_file=STUDY / "brake.toml", **process):
             yield server.stdout.readline().rsplit(" ", 1)[1].strip()
         finally:
             server.send_signal(signal.SIGINT)
-            assert server.wait(10) == 0
+            try:
+                assert server.wait(10) == 0
+            finally:
+                server.kill()  # Popen would wait for it without end
 
 
 @contextmanager

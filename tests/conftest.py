@@ -1,6 +1,7 @@
 """The brakes that the tests share, and what becomes of tests that are skipped."""
 
 import os
+import signal
 from collections.abc import Container, Generator, Iterable
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is loaded: the dense systems are many and small
@@ -16,6 +17,10 @@ from drumlin.brake.file import read_brake
 from drumlin.contact import self_locking
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
+
+for number in (signal.SIGINT, signal.SIGHUP):  # a job in the background ignores them, and what it starts would as well
+    if signal.getsignal(number) is signal.SIG_IGN:
+        signal.signal(number, signal.SIG_DFL)
 
 ROOT = Path(__file__).resolve().parents[1]
 STUDY = ROOT / "studies" / "double_shoe"
