@@ -51,7 +51,7 @@ def order_rows(brake: Brake, case: str, kind: str, sizes: Sequence[int], referen
     return rows
 
 
-COARSE = Level(2, 0.9, 0.3, 0.4, 0.15, math.radians(30), 1.0, 1.0, 0.1)
+COARSE = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1)
 """Columns so coarse that they are off by some per cent: where the row of levels begins."""
 
 

@@ -22,7 +22,9 @@ from drumlin.response.response import EDGE_ZONE
 FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: smaller ones lose too many digits
 FADES = 1.5  # power of the distance by which corners beyond a short contact are divided more coarsely
 COARSEST = 0.6  # part of a length up to which they are
+FACE = 0.07  # of the length of a short contact: it rules the layer at the face as EDGE_ZONE does under a long one
 SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
+Mark = tuple[float, float, float]  # phi where columns end, their size there [rad], the ratio by which they grow
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
 
 
@@ -30,12 +32,14 @@ Place = tuple[float, float, bool]  # phi, the length over which the pressure cha
 class Level:
     """How finely a body is divided. Sizes next to singular places, as parts of the length that rules there:
 
-    `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, columns where this is less than `edge`;
+    `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, columns where this is less than `edge`,
+    layers of FACE where the contact is short;
     `edge`: columns at the lining's ends, of its thickness; `end`: columns at ends of the contact and kinks, of the
     contact's length, or of its geometric mean with the thickness where this is less: p rises from an end over the
     thickness, and the longer the contact, the less of p is there; `back`: layers at the ends of layers, of the thinner
     layer; `hinge`: columns and layers at the face that the hinge holds, of the body's thickness.
-    Sizes grow by 1/`ratio` along and 1/`through` through the layers; `largest` [rad]: of a column.
+    Sizes grow by 1/`ratio` along, by 1/`opening` from ends of a contact that is shorter than the lining is thick, and by
+    1/`through` through the layers; `largest` [rad]: of a column.
     """
 
     degree: int
@@ -43,6 +47,7 @@ class Level:
     edge: float
     end: float
     ratio: float
+    opening: float
     largest: float
     back: float
     hinge: float
@@ -103,10 +108,13 @@ class Division:
         return 2 * (under + over)
 
 
-def graded(length: float, left: float, right: float, ratio: float, largest: float) -> list[float]:
-    """Sizes over `length` that grow by 1/ratio from `left` and `right` at its ends; even ones up to `largest`
-    between.
+def graded(
+    length: float, left: float, right: float, ratio: float, largest: float, beyond: float | None = None
+) -> list[float]:
+    """Sizes over `length` that grow by 1/ratio from `left` and by 1/beyond, where given, from `right` at its ends; even
+    ones up to `largest` between.
     """
+    beyond = beyond or ratio
     first: list[float] = []
     last: list[float] = []
     while True:
@@ -119,7 +127,7 @@ def graded(length: float, left: float, right: float, ratio: float, largest: floa
             left /= ratio
         else:
             last.append(right)
-            right /= ratio
+            right /= beyond
     count = max(1, math.ceil(rest / min(largest, 1.6 * least) - 1e-9))
     return [*first, *[rest / count] * count, *last[::-1]]
 
@@ -166,6 +174,7 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     contact = [x for x, _, kink in places if not kink] or [start, end]
     least, reached = FINEST * t, _reached(start, end, places)
     pressed = max((max(size, least) for _, size, kink in places if not kink), default=end - start)
+    shortest = min((size for _, size, kink in places if not kink), default=math.inf)
     if shoe.body is not None or 2 * sum(layer.thickness for layer in layers) > radius * (end - start):
         pressed = math.inf  # an elastic shoe bends, and a column bears a force down to its foot: corners there feel it
     beyond = contact[0] - start, end - contact[-1]
@@ -174,18 +183,25 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
         for x, length in zip(beyond, reached, strict=True)
     )
     marks = _marks(
-        (start, left),
-        (end, right),
-        [_mark(max(level.end * min(size, math.sqrt(t * size)), least), x, kink) for x, size, kink in places],
+        (start, left, level.ratio),
+        (end, right, level.ratio),
+        [
+            _mark(
+                max(level.end * min(size, math.sqrt(t * size)), least),
+                x,
+                level.ratio if kink or size > t else level.opening,
+                kink,
+            )
+            for x, size, kink in places
+        ],
     )
     grip = shoe.grip(radius)
     if grip is not None:
         size = level.hinge * layers[-1].thickness / radius
         kept = [mark for mark in marks[1:-1] if min(abs(mark[0] - x) for x in grip) > max(mark[1], size)]
-        marks = [marks[0], *sorted([*kept, *((x, size) for x in grip)]), marks[-1]]
+        marks = [marks[0], *sorted([*kept, *((x, size, level.ratio) for x in grip)]), marks[-1]]
     angles = [
-        ends_of(graded(b[0] - a[0], a[1], b[1], level.ratio, level.largest), a[0], b[0])[:-1]
-        for a, b in pairwise(marks)
+        ends_of(graded(b[0] - a[0], a[1], b[1], a[2], level.largest, b[2]), a[0], b[0])[:-1] for a, b in pairwise(marks)
     ]
     near, far = _beyond(shoe, radius, start, end)
     before, after = np.array([start]), np.array([end])
@@ -201,18 +217,18 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     depths, part = _depths(
         layers,
         level,
-        radius * max(level.zone * min(EDGE_ZONE, t, end - start, *reached), least),
+        radius * max(level.zone * min(EDGE_ZONE, t, end - start, *reached, FACE * shortest), least),
         radius * pressed,
         straight=isinstance(shoe.body, Beam),
     )
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
 
 
-def _mark(size: float, x: float, kink: bool) -> tuple[float, float]:
-    """Where columns end, and their size there: an end of the contact to half a column, so that bodies of brakes that
-    differ by less are one and the same."""
+def _mark(size: float, x: float, ratio: float, kink: bool) -> Mark:
+    """The mark of a place: an end of the contact to half a column, so that bodies of brakes that differ by less are one
+    and the same."""
     size = 2.0 ** math.floor(math.log2(size))
-    return (x if kink else round(2 * x / size) * size / 2), size
+    return x if kink else round(2 * x / size) * size / 2, size, ratio
 
 
 def _reached(start: float, end: float, places: Sequence[Place]) -> tuple[float, float]:
@@ -222,19 +238,17 @@ def _reached(start: float, end: float, places: Sequence[Place]) -> tuple[float, 
     return min(near, default=math.inf), min(far, default=math.inf)
 
 
-Mark = tuple[float, float]  # phi and the size of columns there [rad]
-
-
 def _marks(start: Mark, end: Mark, places: Sequence[Mark]) -> list[Mark]:
     """Ends and places without those that lie in the column at an end or at the place before."""
     marks = [start]
-    for x, size in places:
+    for place in places:
+        x, size, ratio = place
         if end[0] - x <= max(end[1], size):
             break
         if x - marks[-1][0] > max(marks[-1][1], size):
-            marks.append((x, size))
+            marks.append(place)
         elif len(marks) > 1 and size < marks[-1][1]:
-            marks[-1] = (marks[-1][0], size)
+            marks[-1] = marks[-1][0], size, max(marks[-1][2], ratio)
     return [*marks, end]
 
 

@@ -15,13 +15,13 @@ from drumlin.response.response import Response
 DEG = math.pi / 180
 LEVELS = tuple(
     Level(*row)
-    for row in (  # degree, zone, edge, end, ratio, largest, back, hinge, through
-        (3, 0.4, 0.11, 0.06, 0.32, 20 * DEG, 0.35, 0.5, 0.1),
-        (4, 0.2, 0.06, 0.012, 0.35, 17 * DEG, 0.2, 0.15, 0.16),
-        (5, 0.07, 0.025, 0.0025, 0.4, 16 * DEG, 0.09, 0.05, 0.17),
-        (6, 0.025, 0.01, 0.0008, 0.42, 15 * DEG, 0.03, 0.015, 0.2),
-        (7, 0.008, 0.004, 0.0004, 0.45, 15 * DEG, 0.011, 0.005, 0.24),
-        (7, 0.0025, 0.0015, 0.0002, 0.5, 12 * DEG, 0.004, 0.002, 0.32),
+    for row in (  # degree, zone, edge, end, ratio, opening, largest, back, hinge, through
+        (3, 0.4, 0.11, 0.06, 0.32, 0.32, 20 * DEG, 0.35, 0.5, 0.1),
+        (4, 0.2, 0.06, 0.008, 0.35, 0.25, 17 * DEG, 0.2, 0.15, 0.16),
+        (5, 0.07, 0.025, 0.0025, 0.4, 0.24, 16 * DEG, 0.09, 0.05, 0.17),
+        (6, 0.025, 0.01, 0.0008, 0.42, 0.25, 15 * DEG, 0.03, 0.015, 0.2),
+        (7, 0.008, 0.004, 0.0004, 0.45, 0.27, 15 * DEG, 0.011, 0.005, 0.24),
+        (7, 0.0025, 0.0015, 0.0002, 0.5, 0.3, 12 * DEG, 0.004, 0.002, 0.32),
     )
 )
 """Each has about a quarter of the error of the one before it, also of what the growth of the sizes leaves: that of the
@@ -29,7 +29,7 @@ degree p and the ratio q goes as ((1 - sqrt q)/(1 + sqrt q))^p, and two levels t
 feel the corners behind the lining and at the hinge, whose sizes shrink so evenly that what is left of a level's error
 of a force is a part of its step that can be foretold."""
 MOST_PASSES = 8
-SETTLED = 0.1  # of the length of the contact: an end of it is located by the first level where it moves by less
+SETTLED = 0.02  # of the length of the contact: an end of it is located by the first level where it moves by less
 
 
 class Respond(Protocol):
