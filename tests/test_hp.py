@@ -380,6 +380,27 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
     assert last.response.torque == pytest.approx(fine.response.torque, rel=1e-7)
 
 
+def test_a_short_contact_is_graded_faster_and_found_more_closely(monkeypatch):
+    """Its pressure rises from its ends as a root: columns that grow as those under a long contact are more by a fifth
+    and change p by less than its level's error. A layer at the face as under a long contact makes p worse.
+    """
+    brake = random_brake(2, "small contact")
+    true = [step.response for step in steps(brake, respond)][-1]
+    places = places_of(brake, true)
+
+    def solved(level):
+        made = scene(brake, level, places)
+        found = respond(made, brake).shoes[0]
+        return made.bodies[0].unknowns, pressure_distance(found, true.shoes[0])
+
+    level = LEVELS[2]
+    unknowns, error = solved(level)
+    more, as_well = solved(replace(level, opening=level.ratio))
+    assert 1.2 * unknowns < more and 0.8 * error < as_well
+    monkeypatch.setattr(division, "FACE", math.inf)
+    assert solved(level)[1] > 1.3 * error
+
+
 @pytest.mark.slow
 def test_what_a_level_cannot_reach_is_said(brake):
     with pytest.raises(
@@ -397,6 +418,8 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     assert max(b / a for a, b in pairwise(sizes)) < 2.6
     assert min(b / a for a, b in pairwise(sizes)) > 1 / 2.6
     assert sizes[0] == 1e-4 and sizes[-1] == pytest.approx(1e-3)
+    apart = graded(1.0, 1e-4, 1e-3, 0.4, 0.2, 0.25)
+    assert apart[1] / apart[0] == pytest.approx(2.5) and apart[-2] / apart[-1] == pytest.approx(4.0)
     shoe = brake.shoes[0]
     div = divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False)])
     assert 1.0 in div.angles

@@ -38,8 +38,8 @@ class Level:
     contact's length, or of its geometric mean with the thickness where this is less: p rises from an end over the
     thickness, and the longer the contact, the less of p is there; `back`: layers at the ends of layers, of the thinner
     layer; `hinge`: columns and layers at the face that the hinge holds, of the body's thickness.
-    Sizes grow by 1/`ratio` along, by 1/`opening` from ends of a contact that is shorter than the lining is thick, and by
-    1/`through` through the layers; `largest` [rad]: of a column.
+    Sizes grow along by 1/`ratio`, from ends of a contact shorter than the lining is thick by 1/`opening`, and through
+    the layers by 1/`through`; `largest` [rad]: of a column.
     """
 
     degree: int
