@@ -49,10 +49,10 @@ class Rule(NamedTuple):
 
 
 RULES = {
-    "pressure": Rule(first=0.64, corner=0.7, later=0.52, fastest=30, share_first=0, share=0),
-    "torque": Rule(first=0.82, corner=1.05, later=0.48, fastest=30, share_first=1.5e-3, share=1.5e-3),
-    "peak": Rule(first=0.4, corner=0.4, later=0.25, fastest=70, share_first=1.5, share=0.85),
-    "reaction": Rule(first=0.8, corner=1.05, later=0.48, fastest=30, share_first=1e-2, share=8e-3),
+    "pressure": Rule(first=0.68, corner=0.72, later=0.56, fastest=30, share_first=0, share=0),
+    "torque": Rule(first=0.84, corner=1.05, later=0.5, fastest=30, share_first=1.5e-3, share=1.5e-3),
+    "peak": Rule(first=0.45, corner=0.45, later=0.28, fastest=70, share_first=1.6, share=0.9),
+    "reaction": Rule(first=0.84, corner=1.05, later=0.5, fastest=30, share_first=1e-2, share=8e-3),
 }
 """Of 1100 random brakes of all kinds: about 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often. Forces

@@ -2,11 +2,13 @@
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
 from drumlin.brake import Brake, Shoe, clearance
+from drumlin.brake.file import vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.verification.triangles.contact import contact
 from drumlin.verification.triangles.face import Face, face, shaped
@@ -21,6 +23,7 @@ NARROWEST = 1e-4  # contact to whose width triangles are made
 
 
 FINDING, PASSES = Level(3, 8, 1.4, 1.0), 6  # the contact's ends, found again and again
+LESS = (0.0, 0.5)  # of the friction
 SAME = 2e-3  # of an arc, by which its ends still move when they are found
 LEVELS = (Level(3, 10, 1.2, 1.0), Level(4, 13, 0.7, 0.8), Level(5, 15, 0.7, 0.8))
 
@@ -101,11 +104,15 @@ def _touching(one: Face, before: ShoeSolution | None) -> Bools:
 
 def sequence(brake: Brake, levels: Sequence[Level] = LEVELS) -> list[list[ShoeSolution]]:
     """The solutions on a sequence of meshes, each graded to the ends of the contact that the one before found; before
-    them coarse ones until these ends settle.
+    them coarse ones until these ends settle. The first ones have less friction, from none on: with much of it other
+    answers may stand beside the one that grows from there.
 
     Raises as `solve`.
     """
     before = None
+    for part in LESS:
+        with suppress(NoAnswer):
+            before = solve(vary(brake, {"friction": part * brake.friction}), FINDING, before)
     for _ in range(PASSES):
         after = solve(brake, FINDING, before)
         same = before is not None and all(_same_arcs(a.arcs, b.arcs) for a, b in zip(before, after, strict=True))
