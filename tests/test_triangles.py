@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.errors import NoAnswer
 from drumlin.fem.solve import solve
+from drumlin.verification.random_brake import random_brake
 from drumlin.verification.stated_true import pressure_error
 from drumlin.verification.triangles import Level, contact, lagrange, levels, sequence
 from drumlin.verification.triangles.face import along, edge_nodes, shaped
@@ -146,6 +147,15 @@ def pressed_circle(half):
             }],
         }
     )  # fmt: skip
+
+
+def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():
+    """A shoe that presses with its end; another answer, with the whole lining, has 3.5 times its torque."""
+    brake = random_brake(5820)
+    *_, (found,) = sequence(brake, SMALL[:1])
+    assert found.torque == pytest.approx(solve(brake, tolerance=1e-3).torque, rel=1e-3)
+    (other,) = levels.solve(brake, levels.FINDING)
+    assert other.torque > 3 * found.torque
 
 
 def test_a_small_contact_is_hertzs():
