@@ -285,7 +285,7 @@ def test_a_peak_at_an_end_of_the_lining_is_unbounded_and_so_is_its_error():
 def test_a_peak_that_finer_columns_find_at_an_end_is_unknown_before():
     """A lining that bears at its ends: the largest p is inside on two levels, at its end, and growing, on the third."""
     brake = random_brake(4334, "arc")
-    rough, fine = (solve(brake, tolerance=tolerance).shoes[0] for tolerance in (1e-2, 1e-3))
+    rough, fine = (solve(brake, tolerance=tolerance).shoes[0] for tolerance in (1e-2, 5e-4))
     assert max(rough.pressure[0], rough.pressure[-1]) < 0.99 * rough.peak_pressure
     assert fine.peak_pressure == pytest.approx(max(fine.pressure[0], fine.pressure[-1]), rel=1e-9)
     assert fine.peak_pressure > 1.05 * rough.peak_pressure
