@@ -21,7 +21,7 @@ from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.verification.reference import FINE, Refinement, responses
+from drumlin.verification.reference import Refinement, responses
 
 RIGID = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}  # E x 10^4 of steel, lining of R/50
 Row = dict[str, Any]
@@ -55,7 +55,18 @@ COARSE = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1)
 """Columns so coarse that they are off by some per cent: where the row of levels begins."""
 
 
-def level_rows(brake: Brake, refinement: Refinement = FINE) -> list[Row]:
+FINER = Refinement(
+    3,
+    (
+        Level(8, 0.002, 0.0015, 3e-4, 0.5, 0.5, math.radians(12), 0.003, 0.0015, 0.4),
+        Level(9, 0.001, 7e-4, 1e-4, 0.5, 0.5, math.radians(12), 0.0015, 7e-4, 0.4),
+    ),
+    (),
+)
+"""Columns against which the errors of all but the finest level are known to within a half."""
+
+
+def level_rows(brake: Brake, refinement: Refinement = FINER) -> list[Row]:
     """Errors of columns, level by level, their ends of the contact known from the reference; exact contact.
 
     `root`: the cube root of the unknowns of a shoe, over which the logarithm of the error falls straight where every

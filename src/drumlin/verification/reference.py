@@ -44,7 +44,7 @@ ALONE = (
 
 class Refinement(NamedTuple):
     """How finely a reference is solved: two divisions into columns, the second one cited, after `first` levels that
-    find the ends of the contact; the meshes of triangles."""
+    find the ends of the contact; the meshes of triangles, where there are any."""
 
     first: int
     levels: tuple[Level, Level]
@@ -96,7 +96,7 @@ def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
 
 def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Response | None:
     """The finest solution by triangles in the form of `like`; None where they do not cover the brake, as on a plane."""
-    if any(shoe.flat for shoe in brake.shoes):
+    if not refinement.triangles or any(shoe.flat for shoe in brake.shoes):
         return None
     try:
         *_, solutions = triangles.sequence(brake, refinement.triangles)
