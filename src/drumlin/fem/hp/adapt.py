@@ -54,7 +54,7 @@ RULES = {
     "peak": Rule(first=0.45, corner=0.45, later=0.28, fastest=70, share_first=1.6, share=0.9),
     "reaction": Rule(first=0.84, corner=1.05, later=0.5, fastest=30, share_first=1e-2, share=8e-3),
 }
-"""Of 1100 random brakes of all kinds: about 1 in 100 may have a larger error than is stated. That of the peak, one
+"""Of 600 random brakes of all kinds: about 1 in 100 may have a larger error than is stated. That of the peak, one
 value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often. Forces
 are stated at three to six times their error in the median: what corners far from the contact change in them falls
 slowly, and hides behind what falls fast."""
