@@ -380,7 +380,7 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
     assert last.response.torque == pytest.approx(fine.response.torque, rel=1e-7)
 
 
-def test_a_short_contact_is_graded_faster_and_found_more_closely(monkeypatch):
+def test_a_short_contact_is_graded_faster_and_has_a_thinner_layer_at_its_face(monkeypatch):
     """Its pressure rises from its ends as a root: columns that grow as those under a long contact are more by a fifth
     and change p by less than its level's error. A layer at the face as under a long contact makes p worse.
     """
