@@ -63,7 +63,7 @@ FINER = Refinement(
     ),
     (),
 )
-"""Columns against which the errors of all but the finest level are known to within a half."""
+"""Columns against which the errors of the first four levels are known to within a half."""
 
 
 def level_rows(brake: Brake, refinement: Refinement = FINER) -> list[Row]:

@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,8 +25,15 @@ FADES = 1.5  # power of the distance by which corners beyond a short contact are
 COARSEST = 0.6  # part of a length up to which they are
 FACE = 0.07  # of the length of a short contact: it rules the layer at the face as EDGE_ZONE does under a long one
 SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
-Mark = tuple[float, float, float]  # phi where columns end, their size there [rad], the ratio by which they grow
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
+
+
+class Mark(NamedTuple):
+    """Where columns end, at phi, their size there [rad] and the ratio by which they grow."""
+
+    at: float
+    size: float
+    ratio: float
 
 
 @dataclass(frozen=True)
@@ -172,9 +180,9 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
     contact = [x for x, _, kink in places if not kink] or [start, end]
+    lengths = [length for _, length, kink in places if not kink]
     least, reached = FINEST * t, _reached(start, end, places)
-    pressed = max((max(size, least) for _, size, kink in places if not kink), default=end - start)
-    shortest = min((size for _, size, kink in places if not kink), default=math.inf)
+    pressed = max(*lengths, least) if lengths else end - start
     if shoe.body is not None or 2 * sum(layer.thickness for layer in layers) > radius * (end - start):
         pressed = math.inf  # an elastic shoe bends, and a column bears a force down to its foot: corners there feel it
     beyond = contact[0] - start, end - contact[-1]
@@ -183,25 +191,18 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
         for x, length in zip(beyond, reached, strict=True)
     )
     marks = _marks(
-        (start, left, level.ratio),
-        (end, right, level.ratio),
-        [
-            _mark(
-                max(level.end * min(size, math.sqrt(t * size)), least),
-                x,
-                level.ratio if kink or size > t else level.opening,
-                kink,
-            )
-            for x, size, kink in places
-        ],
+        Mark(start, left, level.ratio),
+        Mark(end, right, level.ratio),
+        [_mark(level, t, *place) for place in places],
     )
     grip = shoe.grip(radius)
     if grip is not None:
         size = level.hinge * layers[-1].thickness / radius
-        kept = [mark for mark in marks[1:-1] if min(abs(mark[0] - x) for x in grip) > max(mark[1], size)]
-        marks = [marks[0], *sorted([*kept, *((x, size, level.ratio) for x in grip)]), marks[-1]]
+        kept = [mark for mark in marks[1:-1] if min(abs(mark.at - x) for x in grip) > max(mark.size, size)]
+        marks = [marks[0], *sorted([*kept, *(Mark(x, size, level.ratio) for x in grip)]), marks[-1]]
     angles = [
-        ends_of(graded(b[0] - a[0], a[1], b[1], a[2], level.largest, b[2]), a[0], b[0])[:-1] for a, b in pairwise(marks)
+        ends_of(graded(b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio), a.at, b.at)[:-1]
+        for a, b in pairwise(marks)
     ]
     near, far = _beyond(shoe, radius, start, end)
     before, after = np.array([start]), np.array([end])
@@ -217,18 +218,20 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     depths, part = _depths(
         layers,
         level,
-        radius * max(level.zone * min(EDGE_ZONE, t, end - start, *reached, FACE * shortest), least),
+        radius * max(level.zone * min(EDGE_ZONE, t, end - start, *reached, *(FACE * x for x in lengths)), least),
         radius * pressed,
         straight=isinstance(shoe.body, Beam),
     )
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
 
 
-def _mark(size: float, x: float, ratio: float, kink: bool) -> Mark:
-    """The mark of a place: an end of the contact to half a column, so that bodies of brakes that differ by less are one
-    and the same."""
-    size = 2.0 ** math.floor(math.log2(size))
-    return x if kink else round(2 * x / size) * size / 2, size, ratio
+def _mark(level: Level, t: float, x: float, length: float, kink: bool) -> Mark:
+    """The mark of a place under a lining of thickness t [rad]: an end of the contact to half a column, so that bodies
+    of brakes that differ by less are one and the same."""
+    size = 2.0 ** math.floor(math.log2(max(level.end * min(length, math.sqrt(t * length)), FINEST * t)))
+    if kink:
+        return Mark(x, size, level.ratio)
+    return Mark(round(2 * x / size) * size / 2, size, level.opening if length <= t else level.ratio)
 
 
 def _reached(start: float, end: float, places: Sequence[Place]) -> tuple[float, float]:
@@ -241,14 +244,14 @@ def _reached(start: float, end: float, places: Sequence[Place]) -> tuple[float, 
 def _marks(start: Mark, end: Mark, places: Sequence[Mark]) -> list[Mark]:
     """Ends and places without those that lie in the column at an end or at the place before."""
     marks = [start]
-    for place in places:
-        x, size, ratio = place
-        if end[0] - x <= max(end[1], size):
+    for mark in places:
+        last = marks[-1]
+        if end.at - mark.at <= max(end.size, mark.size):
             break
-        if x - marks[-1][0] > max(marks[-1][1], size):
-            marks.append(place)
-        elif len(marks) > 1 and size < marks[-1][1]:
-            marks[-1] = marks[-1][0], size, max(marks[-1][2], ratio)
+        if mark.at - last.at > max(last.size, mark.size):
+            marks.append(mark)
+        elif len(marks) > 1 and mark.size < last.size:
+            marks[-1] = Mark(last.at, mark.size, max(last.ratio, mark.ratio))
     return [*marks, end]
 
 
