@@ -348,6 +348,17 @@ def test_a_short_contact_is_found_in_few_passes(monkeypatch):
     assert 1.2 * counts[:, 1].sum() < counts[:, 0].sum()
 
 
+@pytest.mark.parametrize("seed", [1, 19])
+def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
+    """To 2 % of its length, within which the pressure rises from nothing to much of its peak."""
+    brake = random_brake(seed, "small contact")
+    found = next(steps(brake, respond))
+    line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
+    first, last = shoe.contact_arcs[0]
+    ends = brake.shoes[0].frame.theta(line.phi[:: line.order])
+    assert max(np.abs(ends - x).min() for x in (first, last)) <= 0.02 * (last - first)
+
+
 @pytest.mark.parametrize(
     ("length", "thickness", "backing", "E", "mu"),
     [(0.1901, 0.2205, 0.2733, 1.95e9, 0.011), (0.0628, 0.1235, 0.1191, 1.6e9, 0.246)],
