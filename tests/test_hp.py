@@ -378,14 +378,17 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
         assert abs(found[k - 1].torque / found[-1].torque - 1) < estimate(found[:k]).brake["torque"]
 
 
-def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypatch):
-    """Divided as finely as those near it they are a third of the unknowns and move p by less than its level's error."""
-    brake, found = random_brake(5, "small contact"), []
-    for power in (division.FADES, 0.0):
-        monkeypatch.setattr(division, "FADES", power)
-        found.append([step for step, _ in zip(steps(brake, respond), range(4), strict=False)])
+@pytest.mark.parametrize(("seed", "name", "near", "part"), [(5, "FADES", 0.0, 0.8), (23, "BENT", 1.0, 0.9)])
+def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypatch, seed, name, near, part):
+    """Divided as finely as those near it they are a third of the unknowns in a layer on a rigid shoe, a seventh on an
+    elastic one, and move p by less than its level's error.
+    """
+    brake, found = random_brake(seed, "small contact"), []
+    for value in (getattr(division, name), near):
+        monkeypatch.setattr(division, name, value)
+        found.append([step for step, _ in zip(steps(brake, respond), range(3), strict=False)])
     (*_, before, last), (*_, fine) = found
-    assert last.scene.bodies[0].unknowns < 0.8 * fine.scene.bodies[0].unknowns
+    assert last.scene.bodies[0].unknowns < part * fine.scene.bodies[0].unknowns
     step = pressure_distance(before.response.shoes[0], last.response.shoes[0])
     assert pressure_distance(last.response.shoes[0], fine.response.shoes[0]) < 0.1 * step
     assert last.response.torque == pytest.approx(fine.response.torque, rel=1e-7)

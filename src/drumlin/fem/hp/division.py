@@ -23,6 +23,7 @@ from drumlin.response.response import EDGE_ZONE
 FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: smaller ones lose too many digits
 FADES = 1.5  # power of the distance by which corners beyond a short contact are divided more coarsely
 COARSEST = 0.6  # part of a length up to which they are
+BENT = 2.0  # times the size at most on an elastic shoe: it bends, which corners feel however far they are
 FACE = 0.07  # of the length of a short contact: it rules the layer at the face as EDGE_ZONE does under a long one
 SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
@@ -140,13 +141,15 @@ def graded(
     return [*first, *[rest / count] * count, *last[::-1]]
 
 
-def faded(part: float, distance: float) -> float:
-    """The part of a length to which a corner is divided, at a distance from the contact in lengths of the contact.
+def faded(part: float, distance: float, most: float) -> float:
+    """The part of a length to which a corner is divided, at a distance from the contact in lengths of the contact: at
+    most `most` times `part`.
 
     In a layer on a rigid shoe stresses fall at least as the inverse distance beyond a short contact, and what a corner
     adds to the error with their square. In powers of two, as the columns at the ends of the contact: see `_mark`.
     """
-    return max(part, min(COARSEST, part * 2.0 ** math.floor(FADES * math.log2(max(distance, 1.0)))))
+    coarser = min(most, 2.0 ** math.floor(FADES * math.log2(max(distance, 1.0))))
+    return max(part, min(COARSEST, part * coarser))
 
 
 def ends_of(sizes: Sequence[float], start: float, end: float) -> Floats:
@@ -183,11 +186,15 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     lengths = [length for _, length, kink in places if not kink]
     least, reached = FINEST * t, _reached(start, end, places)
     pressed = max(*lengths, least) if lengths else end - start
-    if shoe.body is not None or 2 * sum(layer.thickness for layer in layers) > radius * (end - start):
-        pressed = math.inf  # an elastic shoe bends, and a column bears a force down to its foot: corners there feel it
+    if 2 * sum(layer.thickness for layer in layers) > radius * (end - start):
+        most = 1.0  # a column bears a force down to its foot: corners there feel it
+    elif shoe.body is None:
+        most = math.inf
+    else:  # the force of one short contact follows from balance, that of others from how the shoe bends
+        most = BENT if len(lengths) == 2 and pressed < t else 1.0
     beyond = contact[0] - start, end - contact[-1]
     left, right = (
-        min(max(scale, faded(level.back, x / pressed) * min(t, x)), max(level.edge * length, least))
+        min(max(scale, faded(level.back, x / pressed, most) * min(t, x)), max(level.edge * length, least))
         for x, length in zip(beyond, reached, strict=True)
     )
     marks = _marks(
@@ -220,6 +227,7 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
         level,
         radius * max(level.zone * min(EDGE_ZONE, t, end - start, *reached, *(FACE * x for x in lengths)), least),
         radius * pressed,
+        most,
         straight=isinstance(shoe.body, Beam),
     )
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
@@ -269,14 +277,14 @@ def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float,
 
 
 def _depths(
-    layers: list[Layer], level: Level, face: float, pressed: float, *, straight: bool
+    layers: list[Layer], level: Level, face: float, pressed: float, most: float, *, straight: bool
 ) -> tuple[Floats, tuple[str, ...]]:
     depths, part, at = [np.zeros(1)], [], 0.0
     deep = np.cumsum([layer.thickness for layer in layers]) / pressed
     for k, layer in enumerate(layers):
         t = layer.thickness
-        outer = face if k == 0 else faded(level.back, deep[k - 1]) * min(t, layers[k - 1].thickness)
-        inner = faded(level.back, deep[k]) * (min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t)
+        outer = face if k == 0 else faded(level.back, deep[k - 1], most) * min(t, layers[k - 1].thickness)
+        inner = faded(level.back, deep[k], most) * (min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t)
         if layer.part == "shoe":  # the last layer is held
             inner = level.hinge * t
         sizes = graded(t, outer, inner, level.through, t)

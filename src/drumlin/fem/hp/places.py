@@ -18,7 +18,8 @@ from drumlin.response.response import Response, ShoeResponse
 
 MOST_KINKS = 12  # a table of clearances with more rows, such as that of a worn lining, is a curve
 SEEN = 1e-3  # of the length of its contact that an opening must be to be a place
-FEW = 2  # nodes that a contact must have more of
+FEW = 4  # nodes that a contact must have more of
+SHORTER = 0.15  # part of where one of so few nodes presses that its contact likely is
 DIGITS = 20  # binary ones of an end of the contact
 
 
@@ -53,14 +54,15 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
 
 def _arcs(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
     """Where the lining is pressed. One end is beside the last node that presses, so what FEW nodes press is likely
-    shorter: half of that, about these."""
+    shorter: SHORTER of that for each, about these."""
     phi, p, found = shoe.frame.phi(response.theta), response.pressure, []
     for arc in response.contact_arcs:
         a, b = sorted(shoe.frame.phis(arc))
         on = (p > 0) & (phi >= a) & (phi <= b)
-        if np.count_nonzero(on) <= FEW:
-            middle = float(phi[on] @ p[on] / p[on].sum())
-            a, b = 0.5 * (a + middle), 0.5 * (b + middle)
+        pressing = np.count_nonzero(on)
+        if pressing <= FEW:
+            middle, part = float(phi[on] @ p[on] / p[on].sum()), SHORTER * pressing
+            a, b = middle + part * (a - middle), middle + part * (b - middle)
         found.append([a, b])
     return found
 
