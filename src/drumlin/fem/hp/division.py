@@ -174,10 +174,11 @@ def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
     return found
 
 
-def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()) -> Division:
+def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = (), *, tip: bool = False) -> Division:
     """The division of a shoe. `places`, growing: where the pressure is not smooth; it may be unbounded at a kink of the
     gap. An end of the lining that is known to bear nothing is graded as the ends of other layers, all of them more
-    coarsely beyond a contact that is short, see `faded`."""
+    coarsely beyond a contact that is short, see `faded`. `tip`: whether it matters how far its loaded end goes, which
+    then is graded too: the contact feels only what force is there."""
     start, end = shoe.arc
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
@@ -220,7 +221,8 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
             sizes = graded(start - near, left, held, level.ratio, max(body, level.largest))
             before = start - ends_of(sizes, 0.0, start - near)
         if far - end > 1e-9:
-            sizes = graded(far - end, right, far - end, level.ratio, max(body, level.largest))
+            last = min(held, far - end) if tip else far - end
+            sizes = graded(far - end, right, last, level.ratio, max(body, level.largest))
             after = end + ends_of(sizes, 0.0, far - end)
     depths, part = _depths(
         layers,

@@ -45,7 +45,8 @@ def scene(
     seconds: assembly.Seconds = {}
     alike = alike or assembly.alike(brake)
     shoes = {i: brake.shoes[i] for i in alike}  # the first of each shape
-    divided = {i: divide(shoe, radius, level, (places or {}).get(i, ())) for i, shoe in shoes.items()}
+    cam = brake.actuation is not None and brake.actuation.is_cam
+    divided = {i: divide(shoe, radius, level, (places or {}).get(i, ()), tip=cam) for i, shoe in shoes.items()}
     together = sum if brake.drum.ring is not None else max
     nodes = together(divided[i].contact_nodes for i in alike)
     if nodes > MOST_NODES:
