@@ -282,6 +282,21 @@ def test_a_peak_at_an_end_of_the_lining_is_unbounded_and_so_is_its_error():
     assert shoe.error["peak"] == 1.0 and shoe.error["pressure"] < 5e-3
 
 
+@pytest.mark.parametrize("tip", [True, False])
+def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, tip):
+    """Where a table of clearances has a kink towards the drum p grows as under a wedge: as the logarithm of columns."""
+    (shoe, *_), gap = brake.shoes, 1e-4
+    middle, ends = shoe.lining.middle, (shoe.lining.start, shoe.lining.end)
+    rows = ((ends[0], gap), (middle, 0.0 if tip else gap), (ends[1], gap))
+    kinked = vary(brake, {"shoe[0].lining.clearance": rows})
+    rough, fine = (solve(kinked, tolerance=tolerance).shoes[0] for tolerance in (1e-2, 1e-3))
+    if tip:
+        assert fine.peak_pressure > 1.02 * rough.peak_pressure
+        assert rough.error["peak"] == fine.error["peak"] == 1.0 and rough.error["pressure"] < 1e-2
+    else:
+        assert abs(fine.peak_pressure / rough.peak_pressure - 1) < rough.error["peak"] < 0.1
+
+
 def test_a_peak_that_finer_columns_find_at_an_end_is_unknown_before():
     """A lining that bears at its ends: the largest p is inside on two levels, at its end, and growing, on the third."""
     brake = random_brake(4334, "arc")

@@ -19,6 +19,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Point
 from drumlin.brake.file import vary
 
+ROUND = 1e-9  # of the largest slope: a smaller kink is round-off
 T = TypeVar("T")
 
 
@@ -84,6 +85,16 @@ def kinks(lining: Lining) -> list[float]:
     table = lining.clearance if isinstance(lining.clearance, tuple) else ()
     ends = (begin + half for begin, _ in lining.misfit.blocks for half in (-lining.step / 2, lining.step / 2))
     return [*(angle for angle, _ in table), *ends]
+
+
+def tips(lining: Lining) -> list[float]:
+    """Angles [rad] at which a lining's gap has a kink that points to the drum, where a pressure is unbounded."""
+    if not isinstance(lining.clearance, tuple):
+        return []
+    angle, gap = np.array(lining.clearance).T
+    slopes = np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]])  # level beyond the table
+    found: list[float] = angle[np.diff(slopes) > ROUND * np.abs(slopes).max()].tolist()
+    return found
 
 
 def surface(drum: Drum, theta: Floats) -> Floats:

@@ -22,12 +22,14 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
+from drumlin.brake import clearance
 from drumlin.brake.components import Beam
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Cache
 from drumlin.fem.hp.division import FINEST
 from drumlin.fem.hp.levels import Respond, Step, steps
+from drumlin.fem.hp.places import MOST_KINKS
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import EDGE_ZONE, Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
@@ -179,6 +181,17 @@ def _cornered(shoe: ShoeResponse, zone: float) -> bool:
     return max(heights, default=0.0) > NEAR and edge_left_out(theta, p, order, zone) == 0
 
 
+def _wedged(shoe: Shoe, found: ShoeResponse) -> bool:
+    """Whether p is largest in a column beside a tip of the gap: there it is unbounded, as under a wedge."""
+    phi, order = shoe.frame.phi(found.theta), found.order
+    tips = shoe.frame.phis(clearance.tips(shoe.lining))
+    for k in (int(np.abs(phi[::order] - tip).argmin()) * order for tip in (tips if len(tips) <= MOST_KINKS else [])):
+        part = slice(max(k - order, 0), k + order + 1)
+        if math.isclose(largest(found.theta[part], found.pressure[part], order), found.peak_pressure):
+            return True
+    return False
+
+
 def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
     """The worst shoe's errors and that of the brake's torque, with those of the shoes."""
     worst = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
@@ -186,11 +199,11 @@ def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
 
 
 def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
-    """The errors, of 1 what is not known at all: a peak at a lining's end, and the pressure of a contact so short that
-    this is said in words."""
+    """The errors, of 1 what is not known at all: a peak at a lining's end or under a tip of its gap, and the pressure
+    of a contact so short that this is said in words."""
     shoes, said = list(error.shoes), ""
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        if _cornered(found, edge_zone(shoe, brake.drum.radius)):
+        if _cornered(found, edge_zone(shoe, brake.drum.radius)) or _wedged(shoe, found):
             shoes[i] = {**shoes[i], "peak": 1.0}
         length = min((end - start for start, end in found.contact_arcs), default=math.inf) * brake.drum.radius
         if length < SHORTEST * shoe.lining.thickness:
