@@ -10,14 +10,19 @@ from drumlin.brake.units import deg, mm
 from drumlin.errors import NoAnswer
 
 LARGE_STRAIN = 0.05  # of the lining, p/E; small displacements are off by about as much
-LARGEST_STRAIN = 10.0  # beyond it no scaled load is meant: the force or its unit is wrong
+LARGEST_STRAIN = 10.0  # in the mean; beyond it no scaled load is meant: the force or its unit is wrong
 
 
-def check_strain(shoe: Shoe, peak: float) -> None:
-    """Raise NoAnswer where the peak pressure [Pa] would press the lining in by many times its thickness."""
-    if peak > LARGEST_STRAIN * shoe.lining.material.E:
+def check_strain(shoe: Shoe, radius: float, force: float, contact: float) -> None:
+    """Raise NoAnswer where a force [N] on a contact of a length [rad] would press the lining in by many times its
+    thickness: in the mean, and where the contact is shorter than that, over as much as the lining has. Its peak may be
+    at a corner, where it only tells how fine the mesh is. radius: of the drum [m]."""
+    lining = shoe.lining
+    length = max(radius * contact, min(lining.thickness, radius * (lining.end - lining.start)))
+    strain = force / (lining.width * length * lining.material.E)
+    if strain > LARGEST_STRAIN:
         raise NoAnswer(
-            f"shoe {shoe.name!r}: the lining would be pressed in by {peak / shoe.lining.material.E:.3g} times its "
+            f"shoe {shoe.name!r}: the lining would be pressed in by {strain:.3g} times its "
             f"thickness; must be at most {LARGEST_STRAIN:g}, and small displacements are good up to {LARGE_STRAIN:g}"
         )
 

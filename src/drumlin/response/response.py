@@ -310,7 +310,8 @@ def pressed_shoe(
             peak = Inside(theta, order, zone).peak(pressure)
         else:
             peak = nodal_peak(theta, pressure, edge_left_out(theta, pressure, order, zone))
-    check_strain(shoe, peak)
+    arcs = contact_arcs(theta, pressure, order, located=located)
+    check_strain(shoe, radius, normal_force, sum(end - start for start, end in arcs))
     return ShoeResponse(
         name=shoe.name,
         torque=torque,
@@ -318,7 +319,7 @@ def pressed_shoe(
         self_energising=self_energising,
         peak_pressure=peak,
         hinge_reaction=hinge_reaction,
-        contact_arcs=contact_arcs(theta, pressure, order, located=located),
+        contact_arcs=arcs,
         theta=theta,
         pressure=pressure,
         order=order,
