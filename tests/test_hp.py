@@ -512,6 +512,11 @@ def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
     assert places_of(brake, narrow) == places_of(brake, response)
 
 
+    ((a, b),) = shoe.contact_arcs
+    for gap, seen in ((1e-6, 0), (0.1, 2)):  # two ends more, of an opening that two nodes show
+        arcs = (a, theta[i] - gap / 2), (theta[i] + gap / 2, b)
+        split = replace(response, shoes=(replace(shoe, contact_arcs=arcs), *response.shoes[1:]))
+        assert len(places_of(brake, split)[0]) == len(places_of(brake, response)[0]) + seen
 def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_the_tolerance(brake, monkeypatch):
     monkeypatch.setattr("drumlin.fem.hp.scene.MOST_NODES", 110)
     with pytest.raises(NoAnswer, match=r"not reached, the next level: its \d+ contact nodes are more than the 110"):

@@ -152,7 +152,8 @@ def test_the_shortest_contact_of_a_shoe_and_one_corner_of_a_brake_count(brake):
     found = respond(made, gripped, penalty=math.inf)
     one, other = found.shoes
     before = replace(found, shoes=(replace(one, torque=1.001 * one.torque), other))
-    arcs = (one.contact_arcs[0], (one.theta[-1] - 1e-8, one.theta[-1]))
+    last = one.theta[one.pressure > 0][-1]
+    arcs = (one.theta[0], last - 0.1), (last - 1e-8, last)
 
     def error(last):
         along = [Step(made, before), Step(made, last)]

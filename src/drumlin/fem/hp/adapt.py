@@ -29,7 +29,7 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Cache
 from drumlin.fem.hp.division import FINEST
 from drumlin.fem.hp.levels import Respond, Step, steps
-from drumlin.fem.hp.places import MOST_KINKS
+from drumlin.fem.hp.places import MOST_KINKS, pressed_arcs
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import EDGE_ZONE, Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
@@ -205,7 +205,7 @@ def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         if _cornered(found, edge_zone(shoe, brake.drum.radius)) or _wedged(shoe, found):
             shoes[i] = {**shoes[i], "peak": 1.0}
-        length = min((end - start for start, end in found.contact_arcs), default=math.inf) * brake.drum.radius
+        length = min((end - start for start, end in pressed_arcs(shoe, found)), default=math.inf) * brake.drum.radius
         if length < SHORTEST * shoe.lining.thickness:
             said = (
                 f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know its pressure; "

@@ -2,7 +2,8 @@
 
 One open node between two that press is an opening that the columns there are too wide to show: its ends are anywhere
 between, and the error that it makes does not fall from level to level until it is seen. Its node is a place as ends
-are.
+are. But an opening that is nothing beside its contact is none: where p is all but 0, round-off opens nodes, and places
+there would only make more of them.
 """
 
 import math
@@ -17,7 +18,7 @@ from drumlin.fem.hp.division import Place
 from drumlin.response.response import Response, ShoeResponse
 
 MOST_KINKS = 12  # a table of clearances with more rows, such as that of a worn lining, is a curve
-SEEN = 1e-3  # of the length of its contact that an opening must be to be a place
+SEEN = 1e-3  # of the length of its contact that an opening must be to be one
 FEW = 4  # nodes that a contact must have more of
 SHORTER = 0.15  # part of where one of so few nodes presses that its contact likely is
 DIGITS = 20  # binary ones of an end of the contact
@@ -37,7 +38,7 @@ def places_of(brake: Brake, response: Response | None, alike: Sequence[int] = ()
 
 def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     (start, end), frame = shoe.arc, shoe.frame
-    arcs = [] if response is None else _arcs(shoe, response)
+    arcs = [] if response is None else _likely(shoe, response)
     kinks = frame.phis(clearance.kinks(shoe.lining))
     kinks = [x for x in kinks if start < x < end] if len(kinks) <= MOST_KINKS else []
     # Where nothing presses, or nearly, a kink is nothing; but within a column a block's step would swing beyond itself.
@@ -52,18 +53,30 @@ def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     return found
 
 
-def _arcs(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
-    """Where the lining is pressed. One end is beside the last node that presses, so what FEW nodes press is likely
+def pressed_arcs(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
+    """Where the lining is pressed [rad], growing, without openings that are nothing beside their contact."""
+    found: list[list[float]] = []
+    for a, b in sorted(sorted(shoe.frame.phis(arc)) for arc in response.contact_arcs):
+        if found and a - found[-1][1] < SEEN * (b - found[-1][0]):
+            found[-1][1] = b
+        else:
+            found.append([a, b])
+    return found
+
+
+def _likely(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
+    """The arcs that are pressed [rad]. One end is beside the last node that presses, so what FEW nodes press is likely
     shorter: SHORTER of that for each, about these."""
-    phi, p, found = shoe.frame.phi(response.theta), response.pressure, []
-    for arc in response.contact_arcs:
-        a, b = sorted(shoe.frame.phis(arc))
-        on = (p > 0) & (phi >= a) & (phi <= b)
+    phi, p = shoe.frame.phi(response.theta), response.pressure
+    found: list[list[float]] = []
+    for arc in pressed_arcs(shoe, response):
+        on = (p > 0) & (phi >= arc[0]) & (phi <= arc[1])
         pressing = np.count_nonzero(on)
         if pressing <= FEW:
             middle, part = float(phi[on] @ p[on] / p[on].sum()), SHORTER * pressing
-            a, b = middle + part * (a - middle), middle + part * (b - middle)
-        found.append([a, b])
+            found.append([middle + part * (end - middle) for end in arc])
+        else:
+            found.append(arc)
     return found
 
 
