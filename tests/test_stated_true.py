@@ -297,6 +297,8 @@ def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, t
     else:
         assert abs(fine.peak_pressure / rough.peak_pressure - 1) < rough.error["peak"] < 0.1
 
+        with pytest.raises(NoAnswer, match=r"not reached on 3 .* p is unbounded at .* or a tip of the gap of '\w+'$"):
+            adapt(kinked, Tolerance(1e-6, 1e-6), respond, along=list(islice(steps(kinked, respond), 3)))
 
 def test_a_peak_that_finer_columns_find_at_an_end_is_unknown_before():
     """A lining that bears at its ends: the largest p is inside on two levels, at its end, and growing, on the third."""

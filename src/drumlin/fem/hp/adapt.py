@@ -113,14 +113,16 @@ def adapt(
     except NoAnswer as refusal:  # of finer levels
         if not error.brake:
             raise
+    unbounded = [repr(shoe.name) for shoe, own in zip(brake.shoes, error.shoes, strict=True) if own["peak"] == 1.0]
+    why = f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}" if unbounded else ""
         missed += f", the next level: {refusal}"
     if must:
         said = f"estimated error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}"
         soft = SOFTER * max(shoe.softness.pressure for shoe in responses[-1].shoes)
         if soft > 0.5 * tolerance.pressure:
             said += f"; the penalty makes {soft:.1e} of it; a larger --penalty makes less"
-        raise NoAnswer(f"{missed} on {len(responses)} meshes of up to {unknowns} unknowns a shoe: {said}")
-    return Step(scene, _final(responses, error, unknowns, missed))
+        raise NoAnswer(f"{missed} on {len(responses)} meshes of up to {unknowns} unknowns a shoe: {said}{why}")
+    return Step(scene, _final(responses, error, unknowns, missed + why))
 
 
 class Errors(NamedTuple):
