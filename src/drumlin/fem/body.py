@@ -45,7 +45,8 @@ class Condensed:
 
     `L_cc` (2n, 2n) lower triangular, `L_fc` (3, 2n): see above. `load_c` (2n, l) and `load_f` (3, l): unit loads
     condensed to contact and frame; `load_work` (l, l): their work with both held. `inside`: makes, where it is asked
-    for, what recovers the inside. `lost`: the relative error that round-off of the elimination leaves, as far as known.
+    for, what recovers the inside. `lost`: by how much round-off of the elimination puts a unit force out of balance,
+    and `moved` (2n, 3): how far it moves the contact [m] as the frame moves by one; as far as known.
     """
 
     L_cc: Floats
@@ -55,6 +56,7 @@ class Condensed:
     load_work: Floats
     inside: Callable[[], Inside]
     lost: float = 0.0
+    moved: Floats | None = None
 
     @property
     def ties(self) -> Ties:

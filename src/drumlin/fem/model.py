@@ -5,7 +5,7 @@ force, line of action, clearance and penalty, in milliseconds on the same scene.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from drumlin.arrays import Bools, Floats
 from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.units import mm
+from drumlin.contact.active_set import Contact
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Scene, clock, held, shape_of
 from drumlin.fem.group import ShoeGroup, groups_of
@@ -24,9 +25,9 @@ from drumlin.response.response import (
     EDGE_ZONE,
     NEITHER,
     Balance,
+    Change,
     Response,
     ShoeResponse,
-    Softness,
     pressed_shoe,
     untouched,
 )
@@ -45,8 +46,8 @@ REFINED_FROM = 1e-9  # relative imbalance from which on the condensed bodies hav
 MAX_REFINED = 240_000  # unknowns of a group of shoes, times their degree squared, up to which that is done before it
 # must be: it takes seconds
 LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
-LARGEST_LOSS = 1e-6  # relative, of a condensed body, from which on it is refined
-MOST_LOSS = 1e-4  # where that cannot be done: the stated error has it ten times over
+LARGEST_LOSS = 1e-5  # relative, of the pressure, from which on it is refined
+MOST_LOSS = 1e-3  # where that cannot be done: the stated error has it ten times over
 LARGEST_CORRECTION = 1e-6  # relative, of the pressures, by the last step of a refinement
 PULLED = 1e-9  # of the largest force: a shared one below it does not push
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
@@ -156,35 +157,34 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     first = None if start is None else np.concatenate([_touching(group, k, start) for k in range(len(group.members))])
     group, found = group.settled(first)
     size = group.unit_force
-    soft = zip(group.bodies, group.stiffnesses, group.parts, strict=True)
-    opened = np.concatenate([(body.coupling.M @ found.p[part]) / stiffness for body, stiffness, part in soft])
-    change = size * found.tangent(opened)  # by the penalty's compliance
     answers, amounts, forces = {}, group.amounts(found), size * group.forces(found.p)
+    changes = size * _changes(group, found, amounts)
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
-        answers[i] = _answer(group, k, size * found.p[part], size * amounts[k], change[part], found.steps, forces[k])
+        p, y = size * found.p[part], size * amounts[k]
+        answers[i] = _answer(group, k, p, y, changes[:, part], found.steps, forces[k])
     if group.sharing is not None:
         if not _imbalance(answers) < LARGEST_IMBALANCE:
             raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
         return answers
     solid = group.scene.model == "solid"  # whose whole system is not put together
     small = sum(body.unknowns * body.line.order**2 for body in group.bodies) <= MAX_REFINED
-    lost = max(body.condensed.lost for body in group.bodies)
+    lost = max(answer.response.lost.pressure for answer in answers.values())
     refinable = not solid and (small or max(body.line.order for body in group.bodies) <= 2)  # else the factors fill
     most = LARGEST_LOSS if solid or refinable else MOST_LOSS
     if lost < most and _imbalance(answers) < (REFINED_FROM if small and not solid else LARGEST_IMBALANCE):
         return answers
     if not refinable:
         balance = f"it balances only to {_imbalance(answers):.1e}"
-        why = f"its stiffness is certain only to {lost:.1e}" if lost >= most else balance
+        why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
         raise NoAnswer(f"{group.names}: lost digits, {why}; {TOO_FAR}")
     try:
         refined = refined_group(group, found.active)
     except NoAnswer as error:
         raise NoAnswer(f"{group.names}: lost digits, {TOO_FAR}; refined: {error}") from error
-    steps = found.steps + refined.sets
+    steps, changes[1] = found.steps + refined.sets, 0.0
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
         p, y, reaction = size * refined.p[k], size * refined.motions[k], size * refined.reactions[k]
-        answers[i] = _answer(group, k, p, y, change[part], steps, forces[k], reaction)
+        answers[i] = _answer(group, k, p, y, changes[:, part], steps, forces[k], reaction)
     left = _imbalance(answers)
     if refined.correction > LARGEST_CORRECTION or not left < LARGEST_IMBALANCE:
         raise NoAnswer(
@@ -220,15 +220,15 @@ def _answer(
     k: int,
     p: Floats,
     y: Floats,
-    change: Floats,
+    changes: Floats,
     steps: int,
     force: float,
     reaction: Floats | None = None,
 ) -> _Answer:
     """What shoe `k` of a group does under the pressure p (n,), its free motions y and its force [N], in its own frame.
 
-    change (n,): of the pressure by the penalty; reaction (3,): of the frame, where it is known otherwise than from the
-    condensed body.
+    changes (2, n): see `_changes`; reaction (3,): of the frame, where it is known otherwise than from the condensed
+    body.
     """
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
@@ -257,7 +257,7 @@ def _answer(
     closed, rubbed = (float(work[:, 0] @ p) for work in group.closings[k])  # by its first motion, per unit
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
-    softer = float(coupling.lever @ change) / pressed if pressed else 0.0
+    softer = float(coupling.lever @ changes[0]) / pressed if pressed else 0.0
     phi, mean = line.along(p)
     note = f"shoe {shoe.name!r}: " + (
         "exact contact, no penetration"
@@ -267,6 +267,9 @@ def _answer(
     )
     if refined:
         note += f"; {REFINED}"
+    softness, lost = _changed(group, k, p, changes, reaction)
+    if not refined:
+        lost = Change(*(max(part, body.condensed.lost) for part in lost))
     response = pressed_shoe(
         shoe,
         brake.drum.radius,
@@ -284,16 +287,30 @@ def _answer(
         reaction_moment=frame.sense * twist,
         motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
         surface=line.surface(p),
-        softness=_softness(group, k, p, change, reaction),
+        softness=softness,
+        lost=lost,
     )
     return _Answer(response, balance, steps, note)
 
 
-def _softness(group: ShoeGroup, k: int, p: Floats, change: Floats, reaction: Floats) -> Softness:
-    """What the penalty changes in shoe `k`, whose pressure it changes to first order by `change` (n,), as p is (n,).
+def _changes(group: ShoeGroup, found: Contact, amounts: Sequence[Floats]) -> Floats:
+    """To first order how the penalty changes the pressure (n,), and how what the elimination has lost does: (2, n).
 
-    What the compliance x = 1/alpha of the contact changes goes as x/(1 + x), and the tangent there as x/(1 + x)^2. The
-    pressure counts outside EDGE_ZONE at the lining's ends, unless half of the force is there.
+    What the compliance x = 1/alpha of the contact changes goes as x/(1 + x), and the tangent there as x/(1 + x)^2. Lost
+    digits move the contact as if it had strained under the motions of the frame.
+    """
+    opened, strayed = [], []
+    for k, (body, part) in enumerate(zip(group.bodies, group.parts, strict=True)):
+        opened.append((1 + 1 / group.penalty) * (body.coupling.M @ found.p[part]) / group.stiffnesses[k])
+        moved, frame = body.condensed.moved, group.motions[k].of @ amounts[k]
+        strayed.append(np.zeros(len(opened[k])) if moved is None else body.coupling.N @ (moved @ frame))
+    return np.array([found.tangent(np.concatenate(gaps)) for gaps in (opened, strayed)])
+
+
+def _changed(group: ShoeGroup, k: int, p: Floats, changes: Floats, reaction: Floats) -> list[Change]:
+    """What small changes (m, n) of the pressure p (n,) of shoe `k` do to it.
+
+    The pressure counts outside EDGE_ZONE at the lining's ends, unless half of the force is there.
     """
     shoe, body = group.shoes[k], group.bodies[k]
     (start, end), phi, area, lever = shoe.arc, body.line.phi, body.coupling.area, body.coupling.lever
@@ -301,13 +318,10 @@ def _softness(group: ShoeGroup, k: int, p: Floats, change: Floats, reaction: Flo
     weight = np.where((phi > start + zone) & (phi < end - zone), area, 0.0)
     if weight @ p < 0.5 * (area @ p):
         weight = area
-    yielded = held(body, change, group.brake.drag_on(shoe), np.zeros(3))
-    parts = [
-        (math.sqrt(weight @ change**2), math.sqrt(weight @ p**2)),
-        (abs(float(lever @ change)), float(lever @ p)),
-        (math.hypot(*yielded[:2]), math.hypot(*reaction)),
-    ]
-    return Softness(*((1 + 1 / group.penalty) * part / (whole or 1.0) for part, whole in parts))
+    held_by = held(body, changes.T, group.brake.drag_on(shoe), np.zeros((3, 1)))
+    parts = np.array([np.sqrt(changes**2 @ weight), np.abs(changes @ lever), np.hypot(*held_by[:2])]).T
+    wholes = [math.sqrt(weight @ p**2), float(lever @ p), math.hypot(*reaction)]
+    return [Change(*row) for row in (parts / [whole or 1.0 for whole in wholes]).tolist()]
 
 
 def _touching(group: ShoeGroup, k: int, start: Response) -> Bools:

@@ -45,16 +45,16 @@ class Deformation(NamedTuple):
     z: Floats
 
 
-class Softness(NamedTuple):
+class Change(NamedTuple):
     """The parts of a shoe's `pressure` (L2, outside EDGE_ZONE at the lining's ends), `torque` and `reaction` by which
-    the contact's penalty changes them; 0 of exact contact."""
+    something changes them."""
 
     pressure: float
     torque: float
     reaction: float
 
 
-EXACT = Softness(0.0, 0.0, 0.0)
+NONE = Change(0.0, 0.0, 0.0)
 
 
 class Surface(NamedTuple):
@@ -82,7 +82,7 @@ class ShoeResponse:
     `deformation` of beam and ring, of the foundation model. `surface` of a solid: its `pressure` is then the mean over
     the width, in `peak_pressure` too. `error`: estimated relative errors "pressure" (L2 outside
     the edge zones), "torque", "peak" and "reaction", None where nothing was estimated; `softness`: what the contact's
-    penalty changes.
+    penalty changes; `lost`: about what the round-off of the elimination changes, as far as known.
 
     Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes by a force.
     """
@@ -106,7 +106,8 @@ class ShoeResponse:
     deformation: Deformation | None = None
     surface: Surface | None = None
     error: Mapping[str, float] | None = None
-    softness: Softness = EXACT
+    softness: Change = NONE
+    lost: Change = NONE
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""

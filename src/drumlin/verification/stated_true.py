@@ -19,9 +19,10 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.hp.adapt import ROUND_OFF
 from drumlin.fem.hp.levels import steps
 from drumlin.fem.model import respond
-from drumlin.response.response import EDGE_ZONE, Response, edge_zone
+from drumlin.response.response import EDGE_ZONE, NONE, Change, Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out
 from drumlin.verification import triangles
 
@@ -86,13 +87,12 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
     Raises NoAnswer where fewer than three have an answer.
     """
     begin = time.process_time()
-    found: list[Sequence[Solved]] = []
-    moved, lost = [], []
+    found: list[Sequence[ShoeResponse]] = []
+    moved: list[float] = []
     try:
-        for scene, response in steps(brake, partial(respond, penalty=math.inf)):
+        for _, response in steps(brake, partial(respond, penalty=math.inf)):
             moved.append(errors(brake, found[-1], response.shoes)["pressure"] if found else math.inf)
             found.append(response.shoes)
-            lost.append(max(body.condensed.lost for body in scene.bodies))
             if len(found) > 2 and moved[-1] <= FINER * tolerance:
                 break
     except NoAnswer:  # of the finest
@@ -101,13 +101,14 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
     if len(found) < 3:
         raise NoAnswer(f"only {len(found)} levels of columns have an answer")
     best = 2 + int(np.argmin(moved[2:]))
-    return _truth(brake, found[best - 2 : best + 1], begin, lost[best])
+    lost = Change(*(ROUND_OFF * max(parts) for parts in zip(*(shoe.lost for shoe in found[best]), strict=True)))
+    return _truth(brake, found[best - 2 : best + 1], begin, lost)
 
 
-def _truth(brake: Brake, last: Sequence[Sequence[Solved]], begin: float, lost: float = 0.0) -> Truth:
+def _truth(brake: Brake, last: Sequence[Sequence[Solved]], begin: float, lost: Change = NONE) -> Truth:
     """From the last three of a sequence; begin: processor time at which it was begun [s]; lost: by round-off."""
     early, late = errors(brake, last[0], last[1]), errors(brake, last[1], last[2])
-    unsure = {name: limit(early[name], late[name]) + lost for name in QUANTITIES}
+    unsure = {name: limit(early[name], late[name]) + getattr(lost, name, lost.pressure) for name in QUANTITIES}
     return Truth(last[2], unsure, time.process_time() - begin)
 
 

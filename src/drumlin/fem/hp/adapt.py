@@ -10,7 +10,7 @@ and is in 95 % below 0.4 for p, 0.9 for forces: errors fall by a factor of 4 to 
 difference of two numbers may be, what was estimated before counts, less the factor `fastest`, a share of the error of
 p, and for the torque one of the reaction's: both are resultants of p. The factors come from those brakes, against finer
 levels (`RULES`). To all are added what the elimination has lost and what the contact's penalty changes, by
-`ShoeResponse.softness`.
+`ShoeResponse.lost` and `softness`.
 """
 
 import math
@@ -66,7 +66,7 @@ NO_FORCE = 1e-6  # of the contact's: a smaller reaction is none
 SOFTER = 2.0  # times the softness: what the penalty changes at most
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 NEAR = 0.5  # of the peak: p in a column at an end of the lining, where it grows without end
-ROUND_OFF = 10.0  # times what the elimination has lost of a unit force: what that may be in p
+ROUND_OFF = 10.0  # times what the elimination has lost, of which one sample is known
 
 
 class Tolerance(NamedTuple):
@@ -103,8 +103,7 @@ def adapt(
             responses.append(found)
             unknowns = max(body.unknowns for body in scene.bodies)
             if len(responses) > 1:
-                lost = max(body.condensed.lost for body in scene.bodies)
-                error, unseen = _seen(estimate(responses, ROUND_OFF * lost, corner=corner), brake, found)
+                error, unseen = _seen(estimate(responses, corner=corner), brake, found)
                 if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
                     return Step(scene, _final(responses, error, unknowns, ""))
                 if unseen:
@@ -113,9 +112,9 @@ def adapt(
     except NoAnswer as refusal:  # of finer levels
         if not error.brake:
             raise
+        missed += f", the next level: {refusal}"
     unbounded = [repr(shoe.name) for shoe, own in zip(brake.shoes, error.shoes, strict=True) if own["peak"] == 1.0]
     why = f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}" if unbounded else ""
-        missed += f", the next level: {refusal}"
     if must:
         said = f"estimated error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}"
         soft = SOFTER * max(shoe.softness.pressure for shoe in responses[-1].shoes)
@@ -135,21 +134,20 @@ class Errors(NamedTuple):
     shoes: tuple[Mapping[str, float], ...]
 
 
-def estimate(responses: Sequence[Response], lost: float = 0.0, *, corner: bool = False) -> Errors:
+def estimate(responses: Sequence[Response], *, corner: bool = False) -> Errors:
     """Upper values of the errors of the last of the responses, each on a finer level than the one before.
 
-    lost: by round-off; corner: see Rule.
+    corner: see Rule.
     """
     last, only = responses[-1], len(responses) == 2
     rules = np.array([RULES[name] for name in ("torque", *QUANTITIES * len(last.shoes))])
     found = _from_steps(np.array([distances(a, b) for a, b in pairwise(responses)]), rules, corner=corner)
     own = found[1 :: len(QUANTITIES)]  # of p
     own = np.array([own.max(), *np.repeat(own, len(QUANTITIES))])
-    soft = [(of.pressure, of.torque, of.pressure, of.reaction) for of in (shoe.softness for shoe in last.shoes)]
-    softness = np.array([max(of[1] for of in soft), *chain(*soft)])
+    beside = SOFTER * _of_quantities(last.shoes, "softness") + ROUND_OFF * _of_quantities(last.shoes, "lost")
     share_first, share = rules[:, 4:].T
     least = (share_first if only else share) * own
-    found = np.where(found > 0, np.maximum(found, least) + lost + SOFTER * softness, found)
+    found = np.where(found > 0, np.maximum(found, least) + beside, found)
     by_shoe = dict(zip(QUANTITIES, found[1:].reshape(len(last.shoes), -1).T, strict=True))
     parts = np.array([shoe.torque for shoe in last.shoes]) / (last.torque or 1.0)
     moved = np.array([min(_held(of) / (of.normal_force or 1.0), 1.0) for of in last.shoes]) * by_shoe["reaction"]
@@ -157,6 +155,12 @@ def estimate(responses: Sequence[Response], lost: float = 0.0, *, corner: bool =
     by_shoe["torque"] = np.maximum(by_shoe["torque"], of_reaction)
     shoes = [dict(zip(by_shoe, row, strict=True)) for row in np.array(list(by_shoe.values())).T.tolist()]
     return _errors(max(float(found[0]), float(parts @ of_reaction)), shoes)
+
+
+def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
+    """A Change of each shoe, by its name, in the order of `distances`."""
+    changes = [(of.pressure, of.torque, of.pressure, of.reaction) for of in (getattr(shoe, name) for shoe in shoes)]
+    return np.array([max(of[1] for of in changes), *chain(*changes)])
 
 
 def _from_steps(series: Floats, rules: Floats, *, corner: bool) -> Floats:

@@ -1,6 +1,5 @@
 """The body of a parametric shoe of columns, as contact, response, sweeps and wear need it."""
 
-import math
 from functools import partial
 
 import numpy as np
@@ -16,9 +15,6 @@ from drumlin.fem.hp.shoe import end_load, line_of
 from drumlin.fem.interface import ContactLine
 from drumlin.lapack import dpotrf, dtrtrs, solve_lower
 from drumlin.response.response import edge_zone
-
-MOVED = 0.01  # of how far round-off moves the contact under a rigid motion, relative to that motion. The error of p is
-# a few percent of that, which adapt.ROUND_OFF times this covers; about half of it where the shoe is far softer
 
 
 def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
@@ -59,9 +55,7 @@ def condensed(shoe: Shoe, div: Division, found: shoes.Condensed, line: ContactLi
     L_fc = solve_lower(L, S[FRAME:, :FRAME]).T
     inside = partial(_inside, shoe, div, grid)
     moved = dtrtrs(L, solve_lower(L, found.missed), lower=1, trans=1)[0]
-    still = shoes.rigid(line.xy, shoe.own_pin)
-    lost = max(found.lost, MOVED * math.sqrt(((moved**2).sum(axis=0) / (still**2).sum(axis=0)).max()))
-    return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, lost)
+    return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, found.lost, moved)
 
 
 def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
