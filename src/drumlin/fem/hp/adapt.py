@@ -7,10 +7,12 @@ from level to level, then d_k >= e_(k-1) - e_k = (r - 1) e_k, so that
 
 of the first step, which shows no r, e_1 <= `first` d_1. On random brakes of every kind e_k / d_k has the median 0.2
 and is in 95 % below 0.4 for p, 0.9 for forces: errors fall by a factor of 4 to 8. Where d is small by chance, as the
-difference of two numbers may be, what was estimated before counts, less the factor `fastest`, a share of the error of
-p, and for the torque one of the reaction's: both are resultants of p. The factors come from those brakes, against finer
-levels (`RULES`). To all are added what the elimination has lost and what the contact's penalty changes, by
-`ShoeResponse.lost` and `softness`.
+difference of two numbers may be, what was estimated before counts, less the factor `fastest`, and d says what it is of:
+forces are resultants of p, and in what two levels differ by, columns cancel by chance; the peak is one value of a
+curve. So CHANCE of what the columns of p would change, had they signs by chance, is added to the distance of forces,
+and that of peaks is the mean of how far p is apart near the peak, and in L2. The factors come from those brakes,
+against finer levels (`RULES`). To all are added what the elimination has lost and what the contact's penalty changes,
+by `ShoeResponse.lost` and `softness`.
 """
 
 import math
@@ -30,7 +32,7 @@ from drumlin.fem.assembly import Cache
 from drumlin.fem.hp.division import FINEST
 from drumlin.fem.hp.levels import Respond, Step, steps
 from drumlin.fem.hp.places import MOST_KINKS, pressed_arcs
-from drumlin.response.norms import pressure_distance
+from drumlin.response.norms import Difference
 from drumlin.response.response import EDGE_ZONE, Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
 
@@ -39,29 +41,27 @@ SLOWEST = 1.3  # factor by which errors fall from level to level at least, where
 
 class Rule(NamedTuple):
     """How an error is estimated, see above: least parts of the `first` step and of `later` ones that it may be,
-    `corner` of the first where a block stands on a beam or a grip holds a back, as their corners slow forces down;
-    `fastest`; `share_first` and `share` of the error of p that it is at least, on two levels and on more."""
+    `corner` of the first where a block stands on a beam, a grip holds a back or a cam pushes tips, as their corners
+    slow forces down; `fastest`."""
 
     first: float
     corner: float
     later: float
     fastest: float
-    share_first: float
-    share: float
 
 
+OF_FORCES = Rule(first=0.66, corner=0.95, later=0.42, fastest=30)
 RULES = {
-    "pressure": Rule(first=0.68, corner=0.72, later=0.56, fastest=30, share_first=0, share=0),
-    "torque": Rule(first=0.84, corner=1.05, later=0.5, fastest=30, share_first=1.5e-3, share=1.5e-3),
-    "peak": Rule(first=0.45, corner=0.45, later=0.28, fastest=70, share_first=1.6, share=0.9),
-    "reaction": Rule(first=0.84, corner=1.05, later=0.5, fastest=30, share_first=1e-2, share=8e-3),
+    "pressure": Rule(first=0.68, corner=0.72, later=0.6, fastest=30),
+    "torque": OF_FORCES,
+    "peak": Rule(first=0.62, corner=0.62, later=0.5, fastest=30),
+    "reaction": OF_FORCES,
 }
-"""Of 600 random brakes of all kinds: about 1 in 100 may have a larger error than is stated. That of the peak, one
-value of a curve, comes from the error of p: how far two levels' peaks are apart is small by chance too often. Forces
-are stated at three to six times their error in the median: what corners far from the contact change in them falls
-slowly, and hides behind what falls fast."""
+"""Of 1500 random brakes of all kinds: about 1 in 200 has a larger error than is stated, and the median is three to
+five times the error."""
 FASTEST = 8.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
-LEAST_TORQUE = 0.25, 0.05  # times the error of the reaction in parts of the contact's force, on two levels and on more
+CHANCE = 0.02  # of what a step of p changes of a force, were its columns' signs chance: so much does not cancel
+NEAR_PEAK = 0.8  # of the peak: p that is near it
 NO_FORCE = 1e-6  # of the contact's: a smaller reaction is none
 SOFTER = 2.0  # times the softness: what the penalty changes at most
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
@@ -97,13 +97,12 @@ def adapt(
     error = Errors({}, ())
     unknowns = 0
     missed = f"tolerance {tolerance.pressure:g} not reached"
-    corner = any(isinstance(shoe.body, Beam) or shoe.grip(brake.drum.radius) is not None for shoe in brake.shoes)
     try:
         for scene, found in along or steps(brake, respond, cache):
             responses.append(found)
             unknowns = max(body.unknowns for body in scene.bodies)
             if len(responses) > 1:
-                error, unseen = _seen(estimate(responses, corner=corner), brake, found)
+                error, unseen = _seen(estimate(brake, responses), brake, found)
                 if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
                     return Step(scene, _final(responses, error, unknowns, ""))
                 if unseen:
@@ -134,27 +133,17 @@ class Errors(NamedTuple):
     shoes: tuple[Mapping[str, float], ...]
 
 
-def estimate(responses: Sequence[Response], *, corner: bool = False) -> Errors:
-    """Upper values of the errors of the last of the responses, each on a finer level than the one before.
-
-    corner: see Rule.
-    """
-    last, only = responses[-1], len(responses) == 2
+def estimate(brake: Brake, responses: Sequence[Response]) -> Errors:
+    """Upper values of the errors of the last of a brake's responses, each on a finer level than the one before."""
+    last = responses[-1]
     rules = np.array([RULES[name] for name in ("torque", *QUANTITIES * len(last.shoes))])
-    found = _from_steps(np.array([distances(a, b) for a, b in pairwise(responses)]), rules, corner=corner)
-    own = found[1 :: len(QUANTITIES)]  # of p
-    own = np.array([own.max(), *np.repeat(own, len(QUANTITIES))])
+    cam = brake.actuation is not None and brake.actuation.is_cam
+    corner = cam or any(isinstance(of.body, Beam) or of.grip(brake.drum.radius) is not None for of in brake.shoes)
+    found = _from_steps(np.array([distances(brake, a, b) for a, b in pairwise(responses)]), rules, corner=corner)
     beside = SOFTER * _of_quantities(last.shoes, "softness") + ROUND_OFF * _of_quantities(last.shoes, "lost")
-    share_first, share = rules[:, 4:].T
-    least = (share_first if only else share) * own
-    found = np.where(found > 0, np.maximum(found, least) + beside, found)
-    by_shoe = dict(zip(QUANTITIES, found[1:].reshape(len(last.shoes), -1).T, strict=True))
-    parts = np.array([shoe.torque for shoe in last.shoes]) / (last.torque or 1.0)
-    moved = np.array([min(_held(of) / (of.normal_force or 1.0), 1.0) for of in last.shoes]) * by_shoe["reaction"]
-    of_reaction = np.where(parts > 0, LEAST_TORQUE[0 if only else 1] * moved, 0.0)
-    by_shoe["torque"] = np.maximum(by_shoe["torque"], of_reaction)
-    shoes = [dict(zip(by_shoe, row, strict=True)) for row in np.array(list(by_shoe.values())).T.tolist()]
-    return _errors(max(float(found[0]), float(parts @ of_reaction)), shoes)
+    found = np.where(found > 0, found + beside, found)
+    shoes = [dict(zip(QUANTITIES, own, strict=True)) for own in np.reshape(found[1:], (-1, len(QUANTITIES))).tolist()]
+    return _errors(float(found[0]), shoes)
 
 
 def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
@@ -224,20 +213,32 @@ def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]
 QUANTITIES = ("pressure", "torque", "peak", "reaction")
 
 
-def distances(a: Response, b: Response) -> Floats:
+def distances(brake: Brake, a: Response, b: Response) -> Floats:
     """Relative distances of a from b: of the torque, shoes not cancelling, then of each shoe the QUANTITIES."""
-    off = [abs(x.torque - y.torque) for x, y in zip(a.shoes, b.shoes, strict=True)]
-    return np.array(
-        [sum(off) / (b.torque or 1.0), *(d for x, y in zip(a.shoes, b.shoes, strict=True) for d in _of(x, y))]
-    )
+    R = brake.drum.radius
+    own = np.array([_of(edge_zone(of, R), x, y) for of, x, y in zip(brake.shoes, a.shoes, b.shoes, strict=True)])
+    parts = np.array([abs(shoe.torque) for shoe in b.shoes]) / (b.torque or 1.0)
+    return np.array([parts @ own[:, 1], *own.ravel()])
 
 
-def _of(a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
-    zone = min(EDGE_ZONE, 0.25 * float(b.theta[-1] - b.theta[0]))
-    p = pressure_distance(a, b, zone) if b.pressure.any() else float(a.pressure.any())
-    reaction = float(np.linalg.norm(a.hinge_reaction - b.hinge_reaction)) / _held(b)
+def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
+    """Of a shoe, whose peak is not looked for in this zone [rad] at the lining's ends."""
+    held = _held(b)
+    torque = abs(a.torque - b.torque) / (b.torque or 1.0)
     peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0)
-    return p, abs(a.torque - b.torque) / (b.torque or 1.0), peak, reaction
+    reaction = math.dist(a.hinge_reaction, b.hinge_reaction) / held
+    if not b.pressure.any():
+        return float(a.pressure.any()), torque, peak, reaction
+    edge, zone = (
+        edge_left_out(b.theta, b.pressure, b.order, x)
+        for x in (min(EDGE_ZONE, 0.25 * float(b.theta[-1] - b.theta[0])), zone)
+    )
+    step = Difference.of(a, b, edge, zone)
+    reach = b.contact_arcs[-1][1] - b.contact_arcs[0][0]  # the longest lever that balance leaves to move a force by
+    p, chance = step.distance(edge), CHANCE * min(step.by_chance(), reach)
+    near = max(peak, step.near_peak(zone, NEAR_PEAK))
+    torque += chance if b.torque else 0.0
+    return p, torque, math.sqrt(p * near), reaction + chance * b.normal_force / held
 
 
 def _held(shoe: ShoeResponse) -> float:
