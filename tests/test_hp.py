@@ -469,6 +469,25 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
     assert first(start + 0.1, end) == pytest.approx(level.back * t, rel=1e-9)  # nothing presses there
 
 
+@pytest.mark.parametrize("at_start", [True, False])
+def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, at_start):
+    """A contact that ends at 0.4 % of its length from there ends between two columns, on every level."""
+    shoe, R = brake.shoes[0], brake.drum.radius
+    start, end = shoe.arc
+    length, gap = 2e-3, 8e-6
+    contact = (start + gap, start + gap + length) if at_start else (end - gap - length, end - gap)
+    for level in LEVELS:
+        angles = divide(shoe, R, level, [(x, length, False) for x in contact]).angles
+        off = np.abs(angles - contact[0 if at_start else -1])
+        assert off.min() < 0.15 * gap and np.count_nonzero(off < 1.5 * gap) >= 3
+
+
+def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
+    """0.4 % of its length from there: where no column ends with it, p is 0.3 % off on the fourth level."""
+    *_, one, other = (step.response.shoes[0] for step in steps(random_brake(7986), respond, levels=LEVELS[:5]))
+    assert pressure_distance(one, other) < 5e-4
+
+
 def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
     response = solve(kinked, elements=40)

@@ -6,11 +6,10 @@ from level to level, then d_k >= e_(k-1) - e_k = (r - 1) e_k, so that
     e_k <= d_k / (r - 1),   r = d_(k-1) / d_k as observed, at least SLOWEST, and 1 / (r - 1) at least `later`;
 
 of the first step, which shows no r, e_1 <= `first` d_1. On random brakes of every kind e_k / d_k has the median 0.2
-and is in 95 % below 0.4 for p, 0.9 for forces: errors fall by a factor of 4 to 8. Where d is small by chance, as the
-difference of two numbers may be, what was estimated before counts, less the factor `fastest`, and d says what it is of:
-forces are resultants of p, and in what two levels differ by, columns cancel by chance; the peak is one value of a
-curve. So CHANCE of what the columns of p would change, had they signs by chance, is added to the distance of forces,
-and that of peaks is the mean of how far p is apart near the peak, and in L2. The factors come from those brakes,
+and is in 95 % below 0.4 for p, 0.9 for forces: errors fall by a factor of 4 to 8. The difference of two numbers may be
+small by chance. So what was estimated before counts too, less the factor `fastest`; a force is a resultant of p whose
+columns may cancel, and CHANCE of what they would change it by, were their signs chance, is added to its distance; and
+that of peaks is the geometric mean of how far p is apart near the peak and in L2. The factors come from those brakes,
 against finer levels (`RULES`). To all are added what the elimination has lost and what the contact's penalty changes,
 by `ShoeResponse.lost` and `softness`.
 """

@@ -194,14 +194,15 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     else:  # the force of one short contact follows from balance, that of others from how the shoe bends
         most = BENT if len(lengths) == 2 and pressed < t else 1.0
     beyond = contact[0] - start, end - contact[-1]
+    apart = [0.5 * x if x > 0 and math.isinf(length) else math.inf for x, length in zip(beyond, reached, strict=True)]
     left, right = (
-        min(max(scale, faded(level.back, x / pressed, most) * min(t, x)), max(level.edge * length, least))
-        for x, length in zip(beyond, reached, strict=True)
+        min(max(min(scale, away), faded(level.back, x / pressed, most) * min(t, x)), max(level.edge * length, least))
+        for x, away, length in zip(beyond, apart, reached, strict=True)
     )
     marks = _marks(
         Mark(start, left, level.ratio),
         Mark(end, right, level.ratio),
-        [_mark(level, t, *place) for place in places],
+        [_mark(level, t, place, min(place[0] - start, end - place[0])) for place in places],
     )
     grip = shoe.grip(radius)
     if grip is not None:
@@ -235,10 +236,13 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
 
 
-def _mark(level: Level, t: float, x: float, length: float, kink: bool) -> Mark:
-    """The mark of a place under a lining of thickness t [rad]: an end of the contact to half a column, so that bodies
-    of brakes that differ by less are one and the same."""
-    size = 2.0 ** math.floor(math.log2(max(level.end * min(length, math.sqrt(t * length)), FINEST * t)))
+def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
+    """The mark of a place under a lining of thickness t [rad], so far from the lining's end [rad] that this gap is
+    columns of its own: an end of the contact to half a column, so that bodies of brakes that differ by less are one
+    and the same."""
+    x, length, kink = place
+    size = min(level.end * min(length, math.sqrt(t * length)), max(0.5 * gap, SAME * length))
+    size = 2.0 ** math.floor(math.log2(max(size, FINEST * t)))
     if kink:
         return Mark(x, size, level.ratio)
     return Mark(round(2 * x / size) * size / 2, size, level.opening if length <= t else level.ratio)
