@@ -127,7 +127,7 @@ def test_digits_that_no_arithmetic_keeps_are_refused_with_the_reason():
 
 def test_digits_that_condensation_loses_on_a_fine_division_are_part_of_the_error():
     """Too many unknowns to refine: the answer stands, and what it may be off by."""
-    _, found = adapt(random_brake(2474), Tolerance(1e-3, 1e-3), respond)
+    _, found = adapt(random_brake(7246), Tolerance(1e-3, 1e-3), respond, must=False)
     (shoe,) = found.shoes
     assert LARGEST_LOSS < shoe.lost.pressure < MOST_LOSS
     for name, lost in shoe.lost._asdict().items():

@@ -19,6 +19,7 @@ from drumlin.fem.hp.element import condensed_elements, element
 from drumlin.fem.shapes import plane_stress
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
+LEFT = 0.02  # of forces that round-off made, what may be left of it where they are none
 Map = Callable[[Floats, Floats], Floats]  # depth, place along -> points (2, ...) [m] in the shoe's frame
 
 
@@ -26,9 +27,9 @@ class Condensed(NamedTuple):
     """Stiffness `S` (3 + 2n, 3 + 2n) on [frame | contact nodes x, y], unit actuations `loads` (3 + 2n, 3) on them,
     their `work` (3, 3) with both held, and the centre (2,) [m] that they act on.
 
-    What round-off did before the frame's rows were made to balance: `missed` (2n, 3), forces on the contact by rigid
-    motions, which strain nothing, and `lost`, by how much a unit force was out of balance. Where
-    the frame is the back itself they are not known, and zero.
+    What round-off left: about the forces `missed` (2n, 3) on the contact by rigid motions, which strain nothing; and
+    `lost`, by how much a unit force was out of balance. Where the frame is the back itself they are not known, and
+    zero.
     """
 
     S: Floats
@@ -191,11 +192,12 @@ def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tupl
     S, load = turned(A[contact, contact], back), -turned_rows(A[loads, contact], back).T
     arm = centre - pin
     unit = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-arm[1], arm[0], 1.0]])
-    on_frame = unit - R.T @ load
-    lost = float(np.abs(on_frame + A[frame, loads])[:2, :2].max())
-    whole = _balanced(S, R)
-    missed = turned_rows(A[frame, contact], back).T - whole[FRAME:, :FRAME]
-    return Condensed(whole, np.concatenate([on_frame, load]), -A[loads, loads], centre, missed, lost)
+    on_frame = -A[frame, loads]
+    off = unit - on_frame - R.T @ load
+    load += R @ np.linalg.solve(R.T @ R, off)
+    S, missed = _still(S, R, turned_rows(A[frame, contact], back).T)
+    lost = float(np.abs(off[:2, :2]).max())
+    return Condensed(_balanced(S, R), np.concatenate([on_frame, load]), -A[loads, loads], centre, missed, lost)
 
 
 def _between(row: list[Piece], left: Floats | None = None, right: Floats | None = None) -> Floats:
@@ -260,6 +262,24 @@ def _tied(piece: Piece, held: Floats) -> Piece:
     K[frame, others] = held.T @ piece.K[at][:, rest]
     K[others, frame] = K[frame, others].T
     return Piece(K, left, piece.right)
+
+
+def _still(S: Floats, R: Floats, held: Floats) -> tuple[Floats, Floats]:
+    """The stiffness S (2n, 2n) of the contact nodes without what round-off made of it, and about the forces (2n, 3)
+    that this leaves: those half way, and LEFT of those before.
+
+    The forces `held` (2n, 3) on the contact by motions of the frame are small beside the stiffness of thin columns, and
+    have more digits: moved with the frame by R (2n, 3) the contact strains nothing, S R = -held. First each node's own
+    part is corrected, where most was lost; then all by the least change, symmetric, that leaves nothing.
+    """
+    S, own = S.copy(), np.arange(len(S)).reshape(-1, 2)
+    before = S @ R + held
+    node = before[:, :2].reshape(-1, 2, 2)
+    S[own[:, :, None], own[:, None]] -= 0.5 * (node + node.swapaxes(1, 2))
+    after = S @ R + held
+    back = R @ np.linalg.inv(R.T @ R)
+    change, moment = back @ after.T, R.T @ after
+    return S - change - change.T + back @ (0.5 * (moment + moment.T)) @ back.T, after + LEFT * before
 
 
 def _balanced(S: Floats, R: Floats) -> Floats:
