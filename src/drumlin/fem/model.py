@@ -183,8 +183,8 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
         raise NoAnswer(f"{group.names}: lost digits, {TOO_FAR}; refined: {error}") from error
     steps, changes[1] = found.steps + refined.sets, 0.0
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
-        p, y, reaction = size * refined.p[k], size * refined.motions[k], size * refined.reactions[k]
-        answers[i] = _answer(group, k, p, y, changes[:, part], steps, forces[k], reaction)
+        p, y = size * refined.p[k], size * refined.motions[k]
+        answers[i] = _answer(group, k, p, y, changes[:, part], steps, forces[k], refined.correction)
     left = _imbalance(answers)
     if refined.correction > LARGEST_CORRECTION or not left < LARGEST_IMBALANCE:
         raise NoAnswer(
@@ -223,12 +223,11 @@ def _answer(
     changes: Floats,
     steps: int,
     force: float,
-    reaction: Floats | None = None,
+    correction: float | None = None,
 ) -> _Answer:
     """What shoe `k` of a group does under the pressure p (n,), its free motions y and its force [N], in its own frame.
 
-    changes (2, n): see `_changes`; reaction (3,): of the frame, where it is known otherwise than from the condensed
-    body.
+    changes (2, n): see `_changes`; correction: the last one of a pressure that was refined, relative.
     """
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
@@ -239,10 +238,11 @@ def _answer(
     drag = brake.drag_on(shoe)
     normal, dragged = body.forces @ p
     whole = drag * dragged - normal  # on the lining: force [N], and moment about the centre [N m]
-    refined = reaction is not None
-    if reaction is None:
-        reaction = held(body, p, drag, load)
     pin, motions = shoe.own_pin, group.motions[k]
+    if correction is None:
+        reaction = held(body, p, drag, load)
+    else:  # by equilibrium: a refined pressure has more digits than the strains where the frame is held
+        reaction = -np.append(whole[:2] + load[:2], whole[2] + moment - cross(pin, whole[:2]))
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
     # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
     moments = [float(whole[2]), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))]
@@ -265,11 +265,11 @@ def _answer(
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
         f"which changes its {effect_words(flat=shoe.flat)[0]} by {softer:+.1e} of it"
     )
-    if refined:
+    if correction is not None:
         note += f"; {REFINED}"
     softness, lost = _changed(group, k, p, changes, reaction)
-    if not refined:
-        lost = Change(*(max(part, body.condensed.lost) for part in lost))
+    least = body.condensed.lost if correction is None else correction
+    lost = Change(*(max(part, least) for part in lost))
     response = pressed_shoe(
         shoe,
         brake.drum.radius,

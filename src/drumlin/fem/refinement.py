@@ -45,15 +45,13 @@ MOST_SETS = 40  # contact sets tried from the one that is given
 class Refined(NamedTuple):
     """Solution of the whole system for a group of shoes, per newton of their largest force.
 
-    `p`: pressures (n_i,) of each shoe; `motions` (k_i,); `reactions` (shoes, 3) on the frames in the shoes' own;
-    `torque` [m]: of all shoes. `gap` (n,): weighted gaps of all nodes over the largest term in them. `correction`:
-    the last one of the pressures, relative; `corrections` their number; `sets`: contact sets tried. `condition`: the
-    torque's own, relative to each entry of the assembled system.
+    `p`: pressures (n_i,) of each shoe; `motions` (k_i,); `torque` [m]: of all shoes. `gap` (n,): weighted gaps of all
+    nodes over the largest term in them. `correction`: the last one of the pressures, relative; `corrections` their
+    number; `sets`: contact sets tried. `condition`: the torque's own, relative to each entry of the assembled system.
     """
 
     p: tuple[Floats, ...]
     motions: tuple[Floats, ...]
-    reactions: Floats
     torque: float
     gap: Floats
     correction: float
@@ -66,16 +64,14 @@ class Refined(NamedTuple):
 class Whole:
     """The system of a group of shoes: `matrix` and `right` in long double, rows of the pressures last.
 
-    `pressures`: place of each shoe's pressures; `motions`: places of its free motions; `held`: for each shoe the place
-    of its first unknown, and the rows (3, unknowns) and loads (3,) of what holds its frame; `lever` (unknowns,):
-    torque = lever . x; `scale` (unknowns,): of the unknowns, and of the rows.
+    `pressures`: place of each shoe's pressures; `motions`: places of its free motions; `lever` (unknowns,): torque =
+    lever . x; `scale` (unknowns,): of the unknowns, and of the rows.
     """
 
     matrix: Any
     right: Any
     pressures: tuple[slice, ...]
     motions: tuple[slice, ...]
-    held: tuple[tuple[int, Any, Any], ...]
     lever: Floats
     scale: Floats
 
@@ -125,7 +121,6 @@ def whole(group: ShoeGroup, *, carried: bool = True) -> Whole:
             slice(int(end) - motions.work.size, int(end))
             for end, motions in zip(starts[1 : len(members) + 1], group.motions, strict=True)
         ),
-        held=tuple((int(at), part.held, part.held_load) for at, part in zip(starts, sections, strict=False)),
         lever=lever,
         scale=_scale(matrix, int(firsts[0])),
     )
@@ -133,14 +128,12 @@ def whole(group: ShoeGroup, *, carried: bool = True) -> Whole:
 
 class _ShoeBlock(NamedTuple):
     """One shoe: stiffness on (inner, contact, free motions), pressures -> its rows, displacements -> closing (n, .),
-    load; and the rows of the frame with their load. The free motions have no stiffness."""
+    load. The free motions have no stiffness."""
 
     K: Any
     pushed: Any
     closed: Any
     load: Any
-    held: Any
-    held_load: Any
 
 
 def _shoe_block(scene: Scene, brake: Brake, index: int, size: float, motions: Motions, carried: bool) -> _ShoeBlock:
@@ -161,15 +154,12 @@ def _shoe_block(scene: Scene, brake: Brake, index: int, size: float, motions: Mo
     closed = _placed(N.T, shape, row=first)
     if carried:
         closed = closed + _placed((N @ moved).T, shape, row=inside)
-    along = None if carried else (A[:, inside:] @ sp.csr_matrix(of)).tocsr()
-    held = A[inside:, :inside] if along is None else sp.hstack([A[inside:, :inside], along[inside:]]).tocsr()
+    along = None if carried else (A[:inside, inside:] @ sp.csr_matrix(of)).tocsr()
     return _ShoeBlock(
-        K=_joined([[A[:inside, :inside], along if along is None else along[:inside]], [None, None]], [inside, free]),
+        K=_joined([[A[:inside, :inside], along], [None, None]], [inside, free]),
         pushed=_placed(pushing, shape, row=first) + _placed(tested.T @ pushing, shape, row=inside),
         closed=closed.T.tocsr(),
         load=np.append(load[:inside], share * motions.work.astype(LONG)),
-        held=held,
-        held_load=load[inside:],
     )
 
 
@@ -273,11 +263,9 @@ class _Solution(NamedTuple):
 def _refined(system: Whole, on: Bools, solution: _Solution, gap: Floats, sets: int) -> Refined:
     x = solution.x
     torque = float(system.lever @ x)
-    reactions = [(rows @ x[start : start + rows.shape[1]] - load).astype(float) for start, rows, load in system.held]
     return Refined(
         p=tuple(np.maximum(x[part].astype(float), 0.0) for part in system.pressures),
         motions=tuple(x[part].astype(float) for part in system.motions),
-        reactions=np.array(reactions),
         torque=torque,
         gap=gap,
         correction=solution.correction,

@@ -65,7 +65,7 @@ NO_FORCE = 1e-6  # of the contact's: a smaller reaction is none
 SOFTER = 2.0  # times the softness: what the penalty changes at most
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 NEAR = 0.5  # of the peak: p in a column at an end of the lining, where it grows without end
-ROUND_OFF = 10.0  # times what the elimination has lost, of which one sample is known
+ROUND_OFF = 10.0  # times what the elimination has lost by its own account: up to 8 times that, refined brakes say
 
 
 class Tolerance(NamedTuple):
