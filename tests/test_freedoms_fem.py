@@ -103,6 +103,15 @@ def test_what_holds_an_elastic_shoe_bears_what_it_can() -> None:
             assert abs(x * math.cos(0.1) + y * math.sin(0.1)) < 1e-9 * math.hypot(x, y)
 
 
+def test_a_foot_that_friction_holds_is_a_pin_also_where_the_lining_stands_off() -> None:
+    foot = {"point": {"x": 0.025, "y": -0.08}, "direction": 0.0, "friction": 1.0}
+    off = {"lining": THIN | {"start": -0.95, "end": 0.95, "clearance": 1e-4}}
+    stuck = drumlin.solve(brake_of("rough abutment", 1, abutment=foot, **off))
+    pinned = drumlin.solve(brake_of("rough abutment", 1, abutment=None, hinge=foot["point"], **off))
+    assert stuck.torque == pytest.approx(pinned.torque, rel=1e-9)
+    assert stuck.shoes[0].hinge_reaction == pytest.approx(pinned.shoes[0].hinge_reaction, rel=1e-9)
+
+
 @pytest.mark.slow
 def test_the_whole_system_refined_is_the_same_answer() -> None:
     from drumlin.fem.group import groups_of
