@@ -18,7 +18,7 @@ from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
-from drumlin.response.response import NONE, Change
+from drumlin.response.response import NONE, Change, reaction_size
 from drumlin.response.resultants import cross, integrate
 from drumlin.verification import stated_true
 from drumlin.verification.random_brake import KINDS, random_brake
@@ -342,3 +342,9 @@ def test_a_peak_that_finer_columns_find_at_an_end_is_unknown_before():
     assert fine.peak_pressure == pytest.approx(max(fine.pressure[0], fine.pressure[-1]), rel=1e-9)
     assert fine.peak_pressure > 1.05 * rough.peak_pressure
     assert rough.error["peak"] == fine.error["peak"] == 1.0 and rough.error["pressure"] < 1e-2
+
+
+def test_errors_of_a_reaction_that_vanishes_are_parts_of_the_force_of_the_contact():
+    assert reaction_size(np.array([3.0, 4.0]), 1e3) == 5.0
+    assert reaction_size(np.array([3e-9, 4e-9]), 1e3) == pytest.approx(1e-3)
+    assert reaction_size(np.zeros(2), 0.0) == 1.0

@@ -22,13 +22,14 @@ from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import (
-    EDGE_ZONE,
     NEITHER,
     Balance,
     Change,
     Response,
     ShoeResponse,
     pressed_shoe,
+    reaction_size,
+    singular_zone,
     untouched,
 )
 from drumlin.response.resultants import cross
@@ -241,7 +242,8 @@ def _answer(
     pin, motions = shoe.own_pin, group.motions[k]
     if correction is None:
         reaction = held(body, p, drag, load)
-    else:  # by equilibrium: a refined pressure has more digits than the strains where the frame is held
+    else:  # by equilibrium, of which moments or work are left to check: a refined pressure has more digits than the
+        # strains where the frame is held
         reaction = -np.append(whole[:2] + load[:2], whole[2] + moment - cross(pin, whole[:2]))
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
     # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
@@ -314,13 +316,14 @@ def _changed(group: ShoeGroup, k: int, p: Floats, changes: Floats, reaction: Flo
     """
     shoe, body = group.shoes[k], group.bodies[k]
     (start, end), phi, area, lever = shoe.arc, body.line.phi, body.coupling.area, body.coupling.lever
-    zone = min(EDGE_ZONE, 0.25 * (end - start))
+    zone = singular_zone(end - start)
     weight = np.where((phi > start + zone) & (phi < end - zone), area, 0.0)
     if weight @ p < 0.5 * (area @ p):
         weight = area
     held_by = held(body, changes.T, group.brake.drag_on(shoe), np.zeros((3, 1)))
     parts = np.array([np.sqrt(changes**2 @ weight), np.abs(changes @ lever), np.hypot(*held_by[:2])]).T
-    wholes = [math.sqrt(weight @ p**2), float(lever @ p), math.hypot(*reaction)]
+    normal_force = math.hypot(*(body.forces[0, :2] @ p))
+    wholes = [math.sqrt(weight @ p**2), float(lever @ p), reaction_size(reaction, normal_force)]
     return [Change(*row) for row in (parts / [whole or 1.0 for whole in wholes]).tolist()]
 
 

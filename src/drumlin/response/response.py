@@ -55,6 +55,12 @@ class Change(NamedTuple):
 
 
 NONE = Change(0.0, 0.0, 0.0)
+NO_FORCE = 1e-6  # of the contact's: a smaller reaction is none
+
+
+def reaction_size(reaction: Floats, normal_force: float) -> float:
+    """What errors of a reaction (2,) are parts of [N]: its size, or where it is none, NO_FORCE of the contact's."""
+    return max(math.hypot(*reaction), NO_FORCE * normal_force) or 1.0
 
 
 class Surface(NamedTuple):
@@ -335,6 +341,11 @@ def edge_zone(shoe: Shoe | FlatShoe, radius: float) -> float:
     of its length where that is all of it. On a plane [m], radius 1."""
     zone, length = (shoe.lining.thickness or 0.0) / (2 * radius), shoe.lining.end - shoe.lining.start
     return zone if 2 * zone < length else 0.25 * length
+
+
+def singular_zone(length: float) -> float:
+    """EDGE_ZONE at each end of a lining of this length [rad], a quarter of a short one."""
+    return min(EDGE_ZONE, 0.25 * length)
 
 
 class Place(NamedTuple):

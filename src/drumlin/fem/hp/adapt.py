@@ -32,7 +32,7 @@ from drumlin.fem.hp.division import FINEST
 from drumlin.fem.hp.levels import Respond, Step, steps
 from drumlin.fem.hp.places import MOST_KINKS, pressed_arcs
 from drumlin.response.norms import Difference
-from drumlin.response.response import EDGE_ZONE, Response, ShoeResponse, edge_zone
+from drumlin.response.response import Response, ShoeResponse, edge_zone, reaction_size, singular_zone
 from drumlin.response.resultants import edge_left_out, largest
 
 SLOWEST = 1.3  # factor by which errors fall from level to level at least, where they do not stay
@@ -61,7 +61,6 @@ five times the error."""
 FASTEST = 8.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
 CHANCE = 0.02  # of what a step of p changes of a force, were its columns' signs chance: so much does not cancel
 NEAR_PEAK = 0.8  # of the peak: p that is near it
-NO_FORCE = 1e-6  # of the contact's: a smaller reaction is none
 SOFTER = 2.0  # times the softness: what the penalty changes at most
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 NEAR = 0.5  # of the peak: p in a column at an end of the lining, where it grows without end
@@ -111,7 +110,8 @@ def adapt(
         if not error.brake:
             raise
         missed += f", the next level: {refusal}"
-    unbounded = [repr(shoe.name) for shoe, own in zip(brake.shoes, error.shoes, strict=True) if own["peak"] == 1.0]
+    last = zip(brake.shoes, responses[-1].shoes, strict=True)
+    unbounded = [repr(shoe.name) for shoe, found in last if _unbounded(shoe, brake.drum.radius, found)]
     why = f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}" if unbounded else ""
     if must:
         said = f"estimated error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}"
@@ -186,6 +186,11 @@ def _wedged(shoe: Shoe, found: ShoeResponse) -> bool:
     return False
 
 
+def _unbounded(shoe: Shoe, radius: float, found: ShoeResponse) -> bool:
+    """Whether the peak of p is at a lining's end or under a tip of its gap, where it grows without end."""
+    return _cornered(found, edge_zone(shoe, radius)) or _wedged(shoe, found)
+
+
 def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
     """The worst shoe's errors and that of the brake's torque, with those of the shoes."""
     worst = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
@@ -197,7 +202,7 @@ def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]
     of a contact so short that this is said in words."""
     shoes, said = list(error.shoes), ""
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        if _cornered(found, edge_zone(shoe, brake.drum.radius)) or _wedged(shoe, found):
+        if _unbounded(shoe, brake.drum.radius, found):
             shoes[i] = {**shoes[i], "peak": 1.0}
         length = min((end - start for start, end in pressed_arcs(shoe, found)), default=math.inf) * brake.drum.radius
         if length < SHORTEST * shoe.lining.thickness:
@@ -222,15 +227,14 @@ def distances(brake: Brake, a: Response, b: Response) -> Floats:
 
 def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
     """Of a shoe, whose peak is not looked for in this zone [rad] at the lining's ends."""
-    held = _held(b)
+    held = reaction_size(b.hinge_reaction, b.normal_force)
     torque = abs(a.torque - b.torque) / (b.torque or 1.0)
     peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0)
     reaction = math.dist(a.hinge_reaction, b.hinge_reaction) / held
     if not b.pressure.any():
         return float(a.pressure.any()), torque, peak, reaction
     edge, zone = (
-        edge_left_out(b.theta, b.pressure, b.order, x)
-        for x in (min(EDGE_ZONE, 0.25 * float(b.theta[-1] - b.theta[0])), zone)
+        edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular_zone(float(b.theta[-1] - b.theta[0])), zone)
     )
     step = Difference.of(a, b, edge, zone)
     reach = b.contact_arcs[-1][1] - b.contact_arcs[0][0]  # the longest lever that balance leaves to move a force by
@@ -238,11 +242,6 @@ def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
     near = max(peak, step.near_peak(zone, NEAR_PEAK))
     torque += chance if b.torque else 0.0
     return p, torque, math.sqrt(p * near), reaction + chance * b.normal_force / held
-
-
-def _held(shoe: ShoeResponse) -> float:
-    """The size of a reaction that its errors are parts of [N]; that of nothing is compared with the contact's force."""
-    return max(math.hypot(*shoe.hinge_reaction), NO_FORCE * shoe.normal_force) or 1.0
 
 
 def check_tolerance(brake: Brake, tolerance: float) -> None:
