@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import asdict
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -15,10 +16,12 @@ from drumlin.fem.assembly import materials_of, prepare
 from drumlin.fem.body import stiffness
 from drumlin.fem.group import ShoeGroup
 from drumlin.fem.hp.adapt import ROUND_OFF, Tolerance, adapt
+from drumlin.fem.hp.levels import steps
 from drumlin.fem.model import LARGEST_LOSS, MOST_LOSS, REFINED, refined_group, respond
 from drumlin.fem.solve import solve
 from drumlin.journal import Journal
 from drumlin.studies import load
+from drumlin.verification import triangles
 from drumlin.verification.extreme_cases import Case, cases
 from drumlin.verification.random_brake import random_brake
 from drumlin.verification.random_kinds import KINDS, random_kind
@@ -164,6 +167,22 @@ def test_triangles_agree_where_digits_were_lost(seed):
     off = errors(brake, found.shoes, true.shoes)
     for name, error in off.items():
         assert error <= found.error[name] + true.unsure[name]
+
+
+@pytest.mark.slow
+def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
+    """A lining forty times as stiff as its shoe: p stays uncertain by 2e-5 in the corners, forces by 3e-10."""
+    monkeypatch.setattr(model, "REFINED_FROM", 0.0)  # it balances as the number of threads has it
+    brake = random_brake(8326)
+    along, (true,) = islice(steps(brake, respond), 2), triangles.sequence(brake, triangles.LEVELS[:1])
+    found = adapt(brake, Tolerance(1e-6, 1e-6), respond, must=False, along=along).response
+    (shoe,) = found.shoes
+    assert any(REFINED in note for note in found.notes)
+    assert max(shoe.lost.torque, shoe.lost.reaction) < 1e-4 * shoe.lost.pressure
+    assert 1e-6 < ROUND_OFF * shoe.lost.pressure < found.error["pressure"]
+    assert shoe.torque == pytest.approx(true[0].torque, rel=found.error["torque"])
+    off = math.dist(shoe.hinge_reaction, true[0].hinge_reaction)
+    assert off < found.error["reaction"] * math.hypot(*true[0].hinge_reaction)
 
 
 def test_wide_gaps_on_tiny_compressions_keep_their_digits():

@@ -48,8 +48,7 @@ MAX_REFINED = 240_000  # unknowns of a group of shoes, times their degree square
 # must be: it takes seconds
 LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
 LARGEST_LOSS = 1e-5  # relative, of the pressure, from which on it is refined
-MOST_LOSS = 1e-3  # where that cannot be done: the stated error has it ten times over
-LARGEST_CORRECTION = 1e-6  # relative, of the pressures, by the last step of a refinement
+MOST_LOSS = 1e-3  # that is left or cannot be refined: the stated error has it ten times over
 PULLED = 1e-9  # of the largest force: a shared one below it does not push
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
@@ -182,15 +181,15 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
         refined = refined_group(group, found.active)
     except NoAnswer as error:
         raise NoAnswer(f"{group.names}: lost digits, {TOO_FAR}; refined: {error}") from error
-    steps, changes[1] = found.steps + refined.sets, 0.0
+    steps, changes[1] = found.steps + refined.sets, size * np.concatenate(refined.last)
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
         p, y = size * refined.p[k], size * refined.motions[k]
-        answers[i] = _answer(group, k, p, y, changes[:, part], steps, forces[k], refined.correction)
-    left = _imbalance(answers)
-    if refined.correction > LARGEST_CORRECTION or not left < LARGEST_IMBALANCE:
+        answers[i] = _answer(group, k, p, y, changes[:, part], steps, forces[k], refined=True)
+    lost, left = max(answer.response.lost.pressure for answer in answers.values()), _imbalance(answers)
+    if lost >= MOST_LOSS or not left < LARGEST_IMBALANCE:
         raise NoAnswer(
-            f"{group.names}: lost digits, even refined the pressures are certain only to "
-            f"{refined.correction:.1e} and balance to {left:.1e}; {TOO_FAR}"
+            f"{group.names}: lost digits, even refined its pressure is certain only to {lost:.1e} and balances to "
+            f"{left:.1e}; {TOO_FAR}"
         )
     return answers
 
@@ -224,11 +223,12 @@ def _answer(
     changes: Floats,
     steps: int,
     force: float,
-    correction: float | None = None,
+    *,
+    refined: bool = False,
 ) -> _Answer:
     """What shoe `k` of a group does under the pressure p (n,), its free motions y and its force [N], in its own frame.
 
-    changes (2, n): see `_changes`; correction: the last one of a pressure that was refined, relative.
+    changes (2, n): see `_changes`; of a pressure that was `refined` the second is the last correction.
     """
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
@@ -240,7 +240,7 @@ def _answer(
     normal, dragged = body.forces @ p
     whole = drag * dragged - normal  # on the lining: force [N], and moment about the centre [N m]
     pin, motions = shoe.own_pin, group.motions[k]
-    if correction is None:
+    if not refined:
         reaction = held(body, p, drag, load)
     else:  # by equilibrium, of which moments or work are left to check: a refined pressure has more digits than the
         # strains where the frame is held
@@ -267,10 +267,10 @@ def _answer(
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
         f"which changes its {effect_words(flat=shoe.flat)[0]} by {softer:+.1e} of it"
     )
-    if correction is not None:
+    if refined:
         note += f"; {REFINED}"
     softness, lost = _changed(group, k, p, changes, reaction)
-    least = body.condensed.lost if correction is None else correction
+    least = 0.0 if refined else body.condensed.lost
     lost = Change(*(max(part, least) for part in lost))
     response = pressed_shoe(
         shoe,

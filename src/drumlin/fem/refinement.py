@@ -46,11 +46,13 @@ class Refined(NamedTuple):
     """Solution of the whole system for a group of shoes, per newton of their largest force.
 
     `p`: pressures (n_i,) of each shoe; `motions` (k_i,); `torque` [m]: of all shoes. `gap` (n,): weighted gaps of all
-    nodes over the largest term in them. `correction`: the last one of the pressures, relative; `corrections` their
-    number; `sets`: contact sets tried. `condition`: the torque's own, relative to each entry of the assembled system.
+    nodes over the largest term in them. `last`: the last correction of the pressures (n_i,), `correction` the largest
+    part of it, relative to the largest pressure; `corrections` their number; `sets`: contact sets tried. `condition`:
+    the torque's own, relative to each entry of the assembled system.
     """
 
     p: tuple[Floats, ...]
+    last: tuple[Floats, ...]
     motions: tuple[Floats, ...]
     torque: float
     gap: Floats
@@ -252,9 +254,11 @@ def refine(system: Whole, active: Bools, order: str = "COLAMD") -> Refined:
 
 
 class _Solution(NamedTuple):
-    """x (unknowns,) in long double, the last correction and their number, the factors on the scaled unknowns."""
+    """x (unknowns,) in long double, its last correction, that of the pressures, relative, and how many there were, the
+    factors on the scaled unknowns."""
 
     x: Any
+    last: Any
     correction: float
     corrections: int
     factors: Any
@@ -265,6 +269,7 @@ def _refined(system: Whole, on: Bools, solution: _Solution, gap: Floats, sets: i
     torque = float(system.lever @ x)
     return Refined(
         p=tuple(np.maximum(x[part].astype(float), 0.0) for part in system.pressures),
+        last=tuple(solution.last[part].astype(float) for part in system.pressures),
         motions=tuple(x[part].astype(float) for part in system.motions),
         torque=torque,
         gap=gap,
@@ -298,9 +303,9 @@ def _solution(system: Whole, on: Bools, order: str) -> _Solution:
         if correction < SETTLED or (corrections > 2 and correction > SLOWEST * last):
             break
         last = correction
-    whole_x = np.zeros(len(on), dtype=LONG)
-    whole_x[at] = scale * x
-    return _Solution(whole_x, correction, corrections, factors)
+    found = np.zeros((2, len(on)), dtype=LONG)
+    found[:, at] = scale * x, scale * dx
+    return _Solution(found[0], found[1], correction, corrections, factors)
 
 
 def _condition(system: Whole, on: Bools, solution: _Solution, torque: float) -> float:
