@@ -8,11 +8,10 @@ import pytest
 
 from drumlin.brake.file import vary
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.adapt import estimate
 from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
-from drumlin.fem.mesh.grading import apart, refine
+from drumlin.fem.mesh.grading import refine
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.reference import responses
@@ -99,23 +98,6 @@ def test_finer_meshes_start_from_coarser_ones_and_shoes_share_their_mesh(brake):
     assert solve(brake, elements=10).as_dict()["error"] is None
 
 
-def test_an_estimate_bounds_errors_that_fall_steadily_and_distrusts_a_lucky_step(brake):
-    """Torques 1 + c r^-k: the estimate is the true error for r = 2, and does not collapse where two values agree."""
-    response = solve(brake, elements=10)
-
-    def with_torque(total):
-        scale = total / response.torque
-        shoes = [vars(shoe) | {"torque": shoe.torque * scale} for shoe in response.shoes]
-        return type(response)(**vars(response) | {"shoes": tuple(type(response.shoes[0])(**s) for s in shoes)})
-
-    steady = [with_torque(1 + 1e-3 * 2.0**-k) for k in range(3)]
-    assert estimate(steady)["torque"] == pytest.approx(1e-3 / 4, rel=1e-3)
-    lucky = [with_torque(t) for t in (1.001, 1.0, 1.0)]
-    assert estimate(lucky)["torque"] > 1e-4
-    still = [with_torque(1.0)] * 3
-    assert estimate(still) == {"pressure": 0.0, "torque": 0.0}
-
-
 def test_without_contact_or_friction_there_is_no_error_to_estimate(brake):
     assert solve(vary(brake, {"shoe.actuation.force": 0.0}), tolerance=1e-2).error == dict.fromkeys(NAMES, 0.0)
     assert solve(vary(brake, {"friction": 0.0}), tolerance=1e-2).error["torque"] == 0
@@ -129,19 +111,22 @@ def test_kinks_of_a_clearance_are_refined(brake):
         assert np.diff(theta)[np.abs(theta[:-1] - angle).argmin()] < np.diff(theta).max() / 10
 
 
-def test_refined_divisions_contain_their_points_and_shrink_towards_them(brake):
+def test_refined_divisions_shrink_towards_the_edges_the_more_the_finer_they_are(brake):
     shoe, radius = brake.shoes[0], brake.drum.radius
-    division = refine(shoe, radius, 60, 6, [0.7, 0.70001, 1.2])
-    angles, steps = division.angles, np.diff(division.angles)
-    assert (steps > 0).all()
-    assert steps.max() <= division.step * (1 + 1e-9)
-    for point in (0.7, 1.2):
-        at = int(np.abs(angles - point).argmin())
-        assert angles[at] == point
-        assert max(steps[at - 1], steps[at]) < division.step / 10
-    assert 0.70001 not in angles
-    assert len(division.depths) == 7
-    assert apart([0.0, 1e-9, 0.5, 1 - 1e-9, 1.0], 1e-6) == [0.0, 0.5, 1.0]
+    coarse, fine = (refine(shoe, radius, elements, 6) for elements in (36, 72))
+    for division in (coarse, fine):
+        steps = np.diff(division.angles)
+        assert (steps > 0).all() and steps.max() <= division.step * (1 + 1e-9)
+        assert (division.angles[0], division.angles[-1]) == shoe.arc
+        assert len(division.depths) == 7
+    edge, finer = (np.diff(division.angles)[[0, -1]] for division in (coarse, fine))
+    assert (3 * finer < edge).all()  # twice as many, with half the part of one
+
+
+def test_a_mesh_of_a_kind_has_no_estimate_and_is_not_asked_for_a_tolerance(brake):
+    assert solve(brake, elements=10, kind="tri2").error is None
+    with pytest.raises(BadInput, match=r"--tolerance = 0.01: chooses the elements; leave out --kind = tri2"):
+        solve(brake, tolerance=1e-2, kind="tri2")
 
 
 def test_a_tolerance_that_cannot_be_met_is_refused_with_what_was_reached(brake, monkeypatch):

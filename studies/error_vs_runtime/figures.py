@@ -16,7 +16,6 @@ COLORS = {
     "foundation": GREEN,
     "even mesh": GREY,
     "graded mesh": BLUE,
-    "adapted mesh": INK,
     "columns": RED,
     "columns, error stated": RED,
     "weak penalty": SKY,

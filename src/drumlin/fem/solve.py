@@ -7,7 +7,6 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import AnyBrake
 from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.adapt import adapt as adapt_meshes
 from drumlin.fem.assembly import ELEMENTS, Cache, Scene, prepare
 from drumlin.fem.finite_width import finite_width as corrected
 from drumlin.fem.finite_width import said
@@ -36,9 +35,9 @@ def solve(
     """Divide, condense and solve a brake, finer and finer until its estimated errors are below a tolerance.
 
     tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque; NoAnswer is raised
-    where it is not reached. By default DEFAULT, or the error that is reached. With `elements` a brake is solved on one
-    mesh, without estimate, as one with a mesh file is; with a `kind` on meshes of that kind. BadInput is raised for
-    elements and a tolerance together, and as by `check_divided`.
+    where it is not reached. By default DEFAULT, or the error that is reached. With `elements` or a `kind` a brake is
+    solved on one mesh, without estimate, as one with a mesh file is. BadInput is raised for these and a tolerance
+    together, and as by `check_divided`.
     finite_width: the linings' moduli corrected for the widths of the shoes, see fem/finite_width.py. cache: bodies of
     earlier solves.
     """
@@ -47,12 +46,11 @@ def solve(
         found = solve(other, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache)
         return replace(found, notes=(*found.notes, said(brake, other)))
     check_penalty(penalty)
-    if tolerance is not None and elements is not None:
-        raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --elements = {elements}")
+    for option, value in {"elements": elements, "kind": kind}.items():
+        if tolerance is not None and value is not None:
+            raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --{option} = {value}")
     own, answer = on_drum(brake), partial(respond, penalty=penalty)
-    if tolerance is not None and kind is not None:  # a studied method
-        found = adapt_meshes(own, tolerance, answer, kind)
-    elif tolerance is not None:
+    if tolerance is not None:
         check_tolerance(own, tolerance)
         found = adapt(own, Tolerance(tolerance, tolerance), answer, cache=cache).response
     elif _levelled(own, elements, kind):

@@ -12,7 +12,6 @@ def methods(brake: Brake, *, peers: bool = False, short: bool = False) -> list[M
     kinds = ("quad2", "tri1") if short else tuple(KINDS)
     elastic = any(shoe.body is not None for shoe in brake.shoes) and brake.drum.ring is None  # a ring costs much more
     sizes = (20, 40) if short else (20, 40, 80, 160) if elastic else (20, 40, 80)
-    tolerances = (1e-2,) if short else (3e-2, 1e-2, 3e-3, 1e-3)
     penalties = (1e3, 1e6) if short else (1e1, 1e3, 1e6)
     found = [Method("law", law, {"model": law}) for law in ("sine", "cosine", "uniform")]
     if "foundation" not in refusals(brake):
@@ -24,10 +23,6 @@ def methods(brake: Brake, *, peers: bool = False, short: bool = False) -> list[M
         ]
     found += [_meshed("even mesh", kind, n, even=True) for kind in ("quad2", "tri1") for n in sizes]
     found += [_meshed("graded mesh", kind, n) for kind in kinds for n in sizes]
-    found += [
-        Method("adapted mesh", f"quad2, tolerance {tolerance:g}", {"kind": "quad2", "tolerance": tolerance})
-        for tolerance in tolerances
-    ]
     found += [Method("columns", f"level {level + 1}", {"level": level}) for level in range(2 if short else 5)]
     found += [
         Method("columns, error stated", f"tolerance {tolerance:g}", {"tolerance": tolerance})

@@ -29,7 +29,6 @@ from drumlin.fem.hp.levels import LEVELS, steps
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.mesh.grading import Division, lining_layers, refine
 from drumlin.fem.model import respond
-from drumlin.fem.solve import solve
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, edge_zone
@@ -85,8 +84,8 @@ def even_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
 
 
 def refined_mesh(shoe: Shoe, radius: float, elements: int, layers: int, kind: str) -> Any:
-    """A mesh of a shoe that grows finer towards the lining's ends as fast as an adapted one does."""
-    return shoe_mesh(shoe, radius, refine(shoe, radius, elements=elements, layers=layers, points=()), kind)
+    """A mesh of a shoe whose least elements at the lining's ends are the smaller, the more it has."""
+    return shoe_mesh(shoe, radius, refine(shoe, radius, elements, layers), kind)
 
 
 def _mesh(
@@ -118,10 +117,6 @@ def _estimated(brake: Brake, *, tolerance: float) -> Solved:
     return Solved(response, lambda: answer(scene, _other(brake)), partial(_unknowns, scene))
 
 
-def _adapted(brake: Brake, *, tolerance: float, kind: str | None = None) -> Solved:
-    return Solved(solve(brake, tolerance=tolerance, kind=kind, penalty=math.inf))
-
-
 def _pointwise(brake: Brake, *, elements: int, penalty: float) -> Solved:
     solver = partial(pointwise.solve, elements=elements, penalty=penalty)
     return Solved(solver(brake), lambda: solver(_other(brake)), lambda: _unknowns(prepare(brake, elements=elements)))
@@ -132,7 +127,6 @@ FAMILIES: Mapping[str, Callable[..., Solved]] = {
     "foundation": _model,
     "even mesh": _mesh,
     "graded mesh": _mesh,
-    "adapted mesh": _adapted,
     "columns": _columns,
     "columns, error stated": _estimated,
     "weak penalty": _mesh,

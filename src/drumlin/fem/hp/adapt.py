@@ -254,22 +254,19 @@ def check_tolerance(brake: Brake, tolerance: float) -> None:
 
 
 def _final(responses: Sequence[Response], error: Errors, unknowns: int, missed: str) -> Response:
-    """The last response with its errors, and with a warning where they missed the tolerance."""
-    last = last_of(responses, unknowns)
-    return replace(
-        last,
-        error=error.brake,
-        shoes=tuple(replace(shoe, error=own) for shoe, own in zip(last.shoes, error.shoes, strict=True)),
-        notes=(*last.notes, *([f"warning: {missed}"] if missed else [])),
-    )
-
-
-def last_of(responses: Sequence[Response], unknowns: int) -> Response:
-    """The last response with the time of all meshes and the steps of the longest."""
+    """The last response with its errors, the time of all and the steps of the longest, and with a warning where the
+    errors missed the tolerance."""
+    last = responses[-1]
     seconds: dict[str, float] = {}
     for response in responses:
         for phase, spent in response.seconds.items():
             seconds[phase] = seconds.get(phase, 0.0) + spent
-    note = f"adapted on {len(responses)} meshes, the last with {unknowns} unknowns a shoe"
-    most = max(response.iterations for response in responses)
-    return replace(responses[-1], seconds=seconds, iterations=most, notes=(*responses[-1].notes, note))
+    notes = [f"adapted on {len(responses)} meshes, the last with {unknowns} unknowns a shoe"]
+    return replace(
+        last,
+        error=error.brake,
+        shoes=tuple(replace(shoe, error=own) for shoe, own in zip(last.shoes, error.shoes, strict=True)),
+        seconds=seconds,
+        iterations=max(response.iterations for response in responses),
+        notes=(*last.notes, *notes, *([f"warning: {missed}"] if missed else [])),
+    )

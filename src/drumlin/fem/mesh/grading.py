@@ -1,13 +1,10 @@
 """How a parametric lining is divided into elements: along its arc and through its thickness.
 
-Elements shrink linearly towards the points where the pressure is not smooth: the lining's edges, where it is
-singular, and the ends of the contact, where it falls to zero as the square root of the distance.
+Elements shrink linearly towards the lining's edges, where the pressure is singular.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -16,8 +13,8 @@ from drumlin.brake.drum_brake import Shoe
 
 EDGE_SIZE = 1 / 32  # of an element at the lining's sharp edge, relative to one in its middle
 FACE_SIZE = 1 / 8  # of a layer at the lining's faces, relative to one in its middle
-COARSE = 36  # elements along a lining; on finer meshes that are refined at points both sizes shrink in proportion
-BEHIND = 4  # layers through backing and body each, at least, on meshes that are refined at points
+COARSE = 36  # elements along a lining; on finer meshes that are refined both sizes shrink in proportion
+BEHIND = 4  # layers through backing and body each, at least, on meshes that are refined
 MOST_BEYOND = 200  # elements along the body on either side of the lining
 MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
 MOST_THIN = 80  # the same of linear elements
@@ -103,38 +100,19 @@ def _growth(total: float) -> float:
     return high
 
 
-def refine(shoe: Shoe, radius: float, elements: int, layers: int, points: Sequence[float]) -> Division:
-    """Elements of 1/`elements` of the lining's arc, graded to its edges and to `points` (phi, growing), which
-    become ends of elements; the smallest are the smaller, the finer the mesh is.
-    """
-    start, end = shoe.arc
-    thickness = shoe.lining.thickness
-    step, zone = (end - start) / elements, thickness / radius
+def refine(shoe: Shoe, radius: float, elements: int, layers: int) -> Division:
+    """About `elements` along the lining, graded to its edges: the more there are, the smaller the smallest."""
+    (start, end), zone = shoe.arc, shoe.lining.thickness / radius
     fineness = max(1.0, elements / COARSE)
-    smallest = EDGE_SIZE / fineness
-    pieces = [_piece(a, b, step, zone, smallest) for a, b in pairwise(apart([start, *points, end], smallest * step))]
+    half, smallest = (end - start) / 2, EDGE_SIZE / fineness
+    step = (end - start) / elements
+    count = max(2, math.ceil(2 * _parts(half, half, zone, smallest) / step))
     return Division(
-        angles=np.concatenate([*(piece[:-1] for piece in pieces), [end]]),
-        depths=graded(0, thickness, layers, thickness / 2, FACE_SIZE / fineness),
+        angles=graded(start, end, count, zone, smallest),
+        depths=graded(0, shoe.lining.thickness, layers, shoe.lining.thickness / 2, FACE_SIZE / fineness),
         step=step,
         behind=BEHIND,
     )
-
-
-def apart(points: Sequence[float], least: float) -> list[float]:
-    """Growing points without those nearer than `least` to the one kept before them, or to the last one."""
-    first, *inner, last = sorted(points)
-    kept = [first]
-    for point in inner:
-        if point - kept[-1] >= least and last - point >= least:
-            kept.append(point)
-    return [*kept, last]
-
-
-def _piece(start: float, end: float, step: float, zone: float, smallest: float) -> Floats:
-    """Points from start to end, graded to both, no steps longer than `step`."""
-    half = (end - start) / 2
-    return graded(start, end, max(2, math.ceil(2 * _parts(half, half, zone, smallest) / step)), zone, smallest)
 
 
 def graded(start: float, end: float, count: int, zone: float, smallest: float) -> Floats:
