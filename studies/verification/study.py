@@ -33,7 +33,7 @@ CASES: dict[str, dict[str, Any]] = {
 }
 
 
-JUDGED, BRAKES, FEW = 8000, 500, 3  # first seed of those on which the factors of the estimate were not found; how many
+JUDGED, BRAKES, FEW = 8500, 500, 3  # first seed of those on which the factors of the estimate were not found; how many
 TENTH, THIRD = 10, 3  # of the seeds: with triangles as truth, to the last tolerance too
 
 

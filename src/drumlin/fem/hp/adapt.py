@@ -5,13 +5,13 @@ from level to level, then d_k >= e_(k-1) - e_k = (r - 1) e_k, so that
 
     e_k <= d_k / (r - 1),   r = d_(k-1) / d_k as observed, at least SLOWEST, and 1 / (r - 1) at least `later`;
 
-of the first step, which shows no r, e_1 <= `first` d_1. On random brakes of every kind e_k / d_k has the median 0.2
-and is in 95 % below 0.4 for p, 0.9 for forces: errors fall by a factor of 4 to 8. The difference of two numbers may be
-small by chance. So what was estimated before counts too, less the factor `fastest`; a force is a resultant of p whose
-columns may cancel, and CHANCE of what they would change it by, were their signs chance, is added to its distance; and
-that of peaks is the geometric mean of how far p is apart near the peak and in L2. The factors come from those brakes,
-against finer levels (`RULES`). To all are added what the elimination has lost and what the contact's penalty changes,
-by `ShoeResponse.lost` and `softness`.
+of the first step, which shows no r, e_1 <= `first` d_1. On random brakes of every kind e_k / d_k has the median 0.1 to
+0.25 and is in 95 % below 0.4: errors fall by a factor of 5 to 10. The difference of two numbers may be small by chance.
+So what was estimated before counts too, less the factor `fastest`; the distance of peaks is the geometric mean of how
+far p is apart near the peak and in L2; and a force is a resultant of p whose columns may cancel, so that CHANCE of what
+they would change it by, were their signs chance, is added to its error. The factors come from those brakes, against
+finer levels (`RULES`). To all are added what the elimination has lost and what the contact's penalty changes, by
+`ShoeResponse.lost` and `softness`.
 """
 
 import math
@@ -24,7 +24,6 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake import clearance
-from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Cache
@@ -39,27 +38,24 @@ SLOWEST = 1.3  # factor by which errors fall from level to level at least, where
 
 
 class Rule(NamedTuple):
-    """How an error is estimated, see above: least parts of the `first` step and of `later` ones that it may be,
-    `corner` of the first where a block stands on a beam, a grip holds a back or a cam pushes tips, as their corners
-    slow forces down; `fastest`."""
+    """How an error is estimated, see above: least parts of the `first` step and of `later` ones that it may be, and the
+    factor by which estimates fall from level to level at most, as a step may be short by chance: `fastest`."""
 
     first: float
-    corner: float
     later: float
     fastest: float
 
 
-OF_FORCES = Rule(first=0.66, corner=0.95, later=0.42, fastest=30)
+OF_FORCES = Rule(first=0.38, later=0.5, fastest=12)
 RULES = {
-    "pressure": Rule(first=0.68, corner=0.72, later=0.6, fastest=30),
+    "pressure": Rule(first=0.62, later=0.6, fastest=30),
     "torque": OF_FORCES,
-    "peak": Rule(first=0.62, corner=0.62, later=0.5, fastest=30),
+    "peak": Rule(first=0.6, later=0.5, fastest=30),
     "reaction": OF_FORCES,
 }
-"""Of 1500 random brakes of all kinds: about 1 in 200 has a larger error than is stated, and the median is three to
-five times the error."""
-FASTEST = 8.0  # with such a corner: errors do not fall faster there, though a step may be short by chance
-CHANCE = 0.02  # of what a step of p changes of a force, were its columns' signs chance: so much does not cancel
+"""Of 500 random brakes of all kinds: about 1 in 200 has a larger error than is stated, and the median is two to five
+times the error."""
+CHANCE = 0.008  # of what the last step of p changes of a force, were its columns' signs chance: so much does not cancel
 NEAR_PEAK = 0.8  # of the peak: p that is near it
 SOFTER = 2.0  # times the softness: what the penalty changes at most
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
@@ -136,9 +132,8 @@ def estimate(brake: Brake, responses: Sequence[Response]) -> Errors:
     """Upper values of the errors of the last of a brake's responses, each on a finer level than the one before."""
     last = responses[-1]
     rules = np.array([RULES[name] for name in ("torque", *QUANTITIES * len(last.shoes))])
-    cam = brake.actuation is not None and brake.actuation.is_cam
-    corner = cam or any(isinstance(of.body, Beam) or of.grip(brake.drum.radius) is not None for of in brake.shoes)
-    found = _from_steps(np.array([distances(brake, a, b) for a, b in pairwise(responses)]), rules, corner=corner)
+    steps = np.array([distances(brake, a, b) for a, b in pairwise(responses)])
+    found = _from_steps(steps[:, 0], rules) + CHANCE * steps[-1, 1]
     beside = SOFTER * _of_quantities(last.shoes, "softness") + ROUND_OFF * _of_quantities(last.shoes, "lost")
     found = np.where(found > 0, found + beside, found)
     shoes = [dict(zip(QUANTITIES, own, strict=True)) for own in np.reshape(found[1:], (-1, len(QUANTITIES))).tolist()]
@@ -151,14 +146,13 @@ def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
     return np.array([max(of[1] for of in changes), *chain(*changes)])
 
 
-def _from_steps(series: Floats, rules: Floats, *, corner: bool) -> Floats:
-    """Errors (q,) that the steps (k, q) of a series tell of, by their rules (q, 6)."""
-    first, on_corner, later, fastest = rules[:, :4].T
-    found = (on_corner if corner else first) * series[0]
-    slow = np.minimum(fastest, FASTEST) if corner else fastest
+def _from_steps(series: Floats, rules: Floats) -> Floats:
+    """Errors (q,) that the steps (k, q) of a series tell of, by their rules (q, 3)."""
+    first, later, fastest = rules.T
+    found = first * series[0]
     for before, last in pairwise(series):
         falls = np.maximum(before / np.maximum(last, np.finfo(float).tiny), SLOWEST)
-        found = np.maximum(np.maximum(later, 1 / (falls - 1)) * last, found / slow)
+        found = np.maximum(np.maximum(later, 1 / (falls - 1)) * last, found / fastest)
     return np.asarray(found)
 
 
@@ -218,30 +212,34 @@ QUANTITIES = ("pressure", "torque", "peak", "reaction")
 
 
 def distances(brake: Brake, a: Response, b: Response) -> Floats:
-    """Relative distances of a from b: of the torque, shoes not cancelling, then of each shoe the QUANTITIES."""
+    """Relative distances of a from b, and by how much what p differs by would change them by chance: (2, q).
+
+    Of the torque, shoes not cancelling, then of each shoe the QUANTITIES.
+    """
     R = brake.drum.radius
     own = np.array([_of(edge_zone(of, R), x, y) for of, x, y in zip(brake.shoes, a.shoes, b.shoes, strict=True)])
     parts = np.array([abs(shoe.torque) for shoe in b.shoes]) / (b.torque or 1.0)
-    return np.array([parts @ own[:, 1], *own.ravel()])
+    whole = parts @ own[:, :, 1]
+    return np.array([[torque, *shoes.ravel()] for torque, shoes in zip(whole.T, own.swapaxes(0, 1), strict=True)])
 
 
-def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
-    """Of a shoe, whose peak is not looked for in this zone [rad] at the lining's ends."""
+def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[tuple[float, ...], ...]:
+    """Those of a shoe (2, 4), whose peak is not looked for in this zone [rad] at the lining's ends."""
     held = reaction_size(b.hinge_reaction, b.normal_force)
     torque = abs(a.torque - b.torque) / (b.torque or 1.0)
     peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0)
     reaction = math.dist(a.hinge_reaction, b.hinge_reaction) / held
     if not b.pressure.any():
-        return float(a.pressure.any()), torque, peak, reaction
+        return (float(a.pressure.any()), torque, peak, reaction), (0.0,) * len(QUANTITIES)
     edge, zone = (
         edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular_zone(float(b.theta[-1] - b.theta[0])), zone)
     )
     step = Difference.of(a, b, edge, zone)
     reach = b.contact_arcs[-1][1] - b.contact_arcs[0][0]  # the longest lever that balance leaves to move a force by
-    p, chance = step.distance(edge), CHANCE * min(step.by_chance(), reach)
+    p, chance = step.distance(edge), min(step.by_chance(), reach)
     near = max(peak, step.near_peak(zone, NEAR_PEAK))
-    torque += chance if b.torque else 0.0
-    return p, torque, math.sqrt(p * near), reaction + chance * b.normal_force / held
+    by_chance = 0.0, chance if b.torque else 0.0, 0.0, chance * b.normal_force / held
+    return (p, torque, math.sqrt(p * near), reaction), by_chance
 
 
 def check_tolerance(brake: Brake, tolerance: float) -> None:

@@ -24,7 +24,8 @@ FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: s
 FADES = 1.5  # power of the distance by which corners beyond a short contact are divided more coarsely
 COARSEST = 0.6  # part of a length up to which they are
 BENT = 2.0  # times the size at most on an elastic shoe: it bends, which corners feel however far they are
-FACE = 0.07  # of the length of a short contact: it rules the layer at the face as EDGE_ZONE does under a long one
+FACE = 0.035  # of the length of a short contact: it rules the layer at the face as EDGE_ZONE does under a long one
+SHORT = 0.6  # of the length of a short contact: it rules the columns at its ends
 SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
 Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
 
@@ -43,8 +44,8 @@ class Level:
 
     `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, columns where this is less than `edge`,
     layers of FACE where the contact is short;
-    `edge`: columns at the lining's ends, of its thickness; `end`: columns at ends of the contact and kinks, of the
-    contact's length, or of its geometric mean with the thickness where this is less: p rises from an end over the
+    `edge`: columns at the lining's ends, of its thickness; `end`: columns at ends of the contact and kinks, of SHORT of
+    the contact's length, or of its geometric mean with the thickness where this is less: p rises from an end over the
     thickness, and the longer the contact, the less of p is there; `back`: layers at the ends of layers, of the thinner
     layer; `hinge`: columns and layers at the face that the hinge holds, of the body's thickness.
     Sizes grow along by 1/`ratio`, from ends of a contact shorter than the lining is thick by 1/`opening`, and through
@@ -65,7 +66,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Layer:
-    """A layer: the part it belongs to and its thickness [m]; `deepest` [m]: where it varies, the largest."""
+    """A layer: the part it belongs to and its thickness [m]."""
 
     part: str
     thickness: float
@@ -194,7 +195,10 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     else:  # the force of one short contact follows from balance, that of others from how the shoe bends
         most = BENT if len(lengths) == 2 and pressed < t else 1.0
     beyond = contact[0] - start, end - contact[-1]
-    apart = [0.5 * x if x > 0 and math.isinf(length) else math.inf for x, length in zip(beyond, reached, strict=True)]
+    apart = [
+        max(0.5 * x, least) if x > 0 and math.isinf(length) else math.inf
+        for x, length in zip(beyond, reached, strict=True)
+    ]
     left, right = (
         min(max(min(scale, away), faded(level.back, x / pressed, most) * min(t, x)), max(level.edge * length, least))
         for x, away, length in zip(beyond, apart, reached, strict=True)
@@ -241,7 +245,7 @@ def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
     columns of its own: an end of the contact to half a column, so that bodies of brakes that differ by less are one
     and the same."""
     x, length, kink = place
-    size = min(level.end * min(length, math.sqrt(t * length)), max(0.5 * gap, SAME * length))
+    size = min(level.end * min(SHORT * length, math.sqrt(t * length)), max(0.5 * gap, SAME * length))
     size = 2.0 ** math.floor(math.log2(max(size, FINEST * t)))
     if kink:
         return Mark(x, size, level.ratio)
