@@ -1,4 +1,4 @@
-"""Adapted meshes: errors against references made another way, the estimate of them, steps, refusals."""
+"""Levels of columns: errors against references made another way, steps, refusals; meshes that are refined."""
 
 import math
 import time
@@ -39,8 +39,8 @@ def distance(response, truth):
 
 @pytest.mark.parametrize("name", ["brake", "flexible"])
 @pytest.mark.slow
-def test_two_references_agree_and_adapted_meshes_meet_their_tolerance(name, request):
-    """p to 1e-4 and torque to 1e-6 between references; adapted: p within 0.5 % in 0.3 s and 0.1 % in 1 s.
+def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
+    """p to 1e-4 and torque to 1e-6 between references; levels: p within 0.5 % in 0.3 s and 0.1 % in 1 s.
 
     The times are those of a quiet machine; here they only must not be several times as long.
     """

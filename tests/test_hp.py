@@ -455,6 +455,9 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     apart = graded(1.0, 1e-4, 1e-3, 0.4, 0.2, 0.25)
     assert apart[1] / apart[0] == pytest.approx(2.5) and apart[-2] / apart[-1] == pytest.approx(4.0)
     shoe = brake.shoes[0]
+    (start, _), t = shoe.arc, shoe.lining.thickness / brake.drum.radius
+    beside = divide(shoe, brake.drum.radius, LEVELS[2], [(start + x, 1e-7, False) for x in (2e-10, 1e-7)])
+    assert np.diff(beside.angles).min() >= 0.99 * division.FINEST * t  # however near to its end a lining is open
     div = divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False)])
     assert 1.0 in div.angles
     at = int(np.flatnonzero(div.angles == 1.0)[0])

@@ -150,6 +150,12 @@ def test_digits_that_no_arithmetic_keeps_are_refused_with_the_reason():
         answer(Case(shoe=1e-13, elements=16))
 
 
+def test_a_mesh_that_states_no_error_is_refused_where_digits_are_missing():
+    """Refined, p is certain to 2e-5: on columns that would be a part of the stated error."""
+    with pytest.raises(NoAnswer, match=r"even refined its pressure is certain only to [1-9]\.\de-05"):
+        answer(Case(shoe=1e-11, elements=16))
+
+
 def test_digits_that_condensation_loses_on_a_fine_division_are_part_of_the_error():
     """Too many unknowns to refine: the answer stands, and what it may be off by."""
     _, found = adapt(random_brake(7246), Tolerance(1e-3, 1e-3), respond, must=False)

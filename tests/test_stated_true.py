@@ -345,3 +345,19 @@ def test_errors_of_a_reaction_that_vanishes_are_parts_of_the_force_of_the_contac
     assert reaction_size(np.array([3.0, 4.0]), 1e3) == 5.0
     assert reaction_size(np.array([3e-9, 4e-9]), 1e3) == pytest.approx(1e-3)
     assert reaction_size(np.zeros(2), 0.0) == 1.0
+
+
+def test_a_shoe_that_loses_its_contact_moves_the_torque_by_all_of_it(brake, level):
+    one, other = level.shoes
+    lifted = replace(other, torque=0.0, pressure=0.0 * other.pressure, contact_arcs=())
+    stated = estimate(brake, [level, replace(level, shoes=(one, lifted))])
+    assert stated.brake["torque"] == pytest.approx(RULES["torque"].first * other.torque / one.torque, rel=1e-9)
+
+
+def test_p_near_its_peak_beside_a_tip_of_the_gap_leaves_the_peak_unknown(brake):
+    """Three levels find the peak elsewhere, a finer one under the tip, and 6 % higher."""
+    (start, end), g = (brake.shoes[0].lining.start, brake.shoes[0].lining.end), 2.7e-5
+    table = [(start, g), (start + 0.3 * (end - start), 0.0), (end, 0.7 * g / 0.3)]
+    tipped = vary(brake, {"shoe[0].lining.clearance": table})
+    for tolerance in (1e-2, 1e-3):
+        assert solve(tipped, tolerance=tolerance).shoes[0].error["peak"] == 1.0

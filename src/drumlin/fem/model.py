@@ -48,7 +48,8 @@ MAX_REFINED = 240_000  # unknowns of a group of shoes, times their degree square
 # must be: it takes seconds
 LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
 LARGEST_LOSS = 1e-5  # relative, of the pressure, from which on it is refined
-MOST_LOSS = 1e-3  # that is left or cannot be refined: the stated error has it ten times over
+MOST_LOSS = 1e-3  # that is left or cannot be refined, on columns: the stated error has it ten times over
+UNSTATED_LOSS = 1e-6  # that is left on a mesh, which states no error
 PULLED = 1e-9  # of the largest force: a shared one below it does not push
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
@@ -186,7 +187,8 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
         p, y = size * refined.p[k], size * refined.motions[k]
         answers[i] = _answer(group, k, p, y, changes[:, part], steps, forces[k], refined=True)
     lost, left = max(answer.response.lost.pressure for answer in answers.values()), _imbalance(answers)
-    if lost >= MOST_LOSS or not left < LARGEST_IMBALANCE:
+    most = UNSTATED_LOSS if max(body.line.order for body in group.bodies) <= 2 else MOST_LOSS
+    if lost >= most or not left < LARGEST_IMBALANCE:
         raise NoAnswer(
             f"{group.names}: lost digits, even refined its pressure is certain only to {lost:.1e} and balances to "
             f"{left:.1e}; {TOO_FAR}"
@@ -267,9 +269,9 @@ def _answer(
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
         f"which changes its {effect_words(flat=shoe.flat)[0]} by {softer:+.1e} of it"
     )
-    if refined:
-        note += f"; {REFINED}"
     softness, lost = _changed(group, k, p, changes, reaction)
+    if refined:
+        note += f"; {REFINED}, so its pressure is certain to {lost.pressure:.0e}"
     least = 0.0 if refined else body.condensed.lost
     lost = Change(*(max(part, least) for part in lost))
     response = pressed_shoe(

@@ -12,7 +12,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.plane_brake import FlatBrake, FlatShoe
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
-from drumlin.response.resultants import Inside, Resultant, by_piece, contact_arcs, edge_left_out
+from drumlin.response.resultants import Inside, Resultant, by_piece, contact_arcs, edge_left_out, integrate
 from drumlin.response.show import as_html, as_text, plot
 
 EDGE_ZONE = math.radians(0.2)
@@ -318,7 +318,8 @@ def pressed_shoe(
         else:
             peak = nodal_peak(theta, pressure, edge_left_out(theta, pressure, order, zone))
     arcs = contact_arcs(theta, pressure, order, located=located)
-    check_strain(shoe, radius, normal_force, sum(end - start for start, end in arcs))
+    force = shoe.lining.width * radius * integrate(theta, pressure, order)  # not its resultant: opposite sides cancel
+    check_strain(shoe, radius, force, sum(end - start for start, end in arcs))
     return ShoeResponse(
         name=shoe.name,
         torque=torque,

@@ -22,7 +22,7 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.hp.adapt import ROUND_OFF
 from drumlin.fem.hp.levels import steps
 from drumlin.fem.model import respond
-from drumlin.response.response import EDGE_ZONE, NONE, Change, Response, ShoeResponse, edge_zone
+from drumlin.response.response import EDGE_ZONE, NONE, Change, Response, ShoeResponse, edge_zone, reaction_size
 from drumlin.response.resultants import edge_left_out
 from drumlin.verification import triangles
 
@@ -58,6 +58,10 @@ class Solved(Pressed, Protocol):
     @property
     def torque(self) -> float:
         """Torque [N m] on the drum."""
+
+    @property
+    def normal_force(self) -> float:
+        """Resultant [N] of the normal pressure."""
 
     @property
     def hinge_reaction(self) -> Floats:
@@ -128,7 +132,7 @@ def errors(brake: Brake, found: Sequence[Any], true: Sequence[Solved]) -> dict[s
         "torque": abs(off) / torque if torque else 0.0,
         "peak": max(_peak_error(shoe, brake.drum.radius, a, b) for shoe, a, b in trios),
         "reaction": max(
-            float(np.linalg.norm(a.hinge_reaction - b.hinge_reaction) / np.linalg.norm(b.hinge_reaction))
+            math.dist(a.hinge_reaction, b.hinge_reaction) / reaction_size(b.hinge_reaction, b.normal_force)
             for _, a, b in trios
         ),
     }

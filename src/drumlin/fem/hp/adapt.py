@@ -60,7 +60,9 @@ NEAR_PEAK = 0.8  # of the peak: p that is near it
 SOFTER = 2.0  # times the softness: what the penalty changes at most
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 NEAR = 0.5  # of the peak: p in a column at an end of the lining, where it grows without end
-ROUND_OFF = 10.0  # times what the elimination has lost by its own account: up to 8 times that, refined brakes say
+ROUND_OFF = 10.0  # times what the elimination has lost by its own account
+"""Of 55 random answers that lost 3e-9 of p and more, refined ones say so, but for three of shoes and linings as unlike
+as can be: 12, 76 and 378 times, of 1e-4 of p at most."""
 
 
 class Tolerance(NamedTuple):
@@ -170,12 +172,13 @@ def _cornered(shoe: ShoeResponse, zone: float) -> bool:
 
 
 def _wedged(shoe: Shoe, found: ShoeResponse) -> bool:
-    """Whether p is largest in a column beside a tip of the gap: there it is unbounded, as under a wedge."""
+    """Whether p is near its peak in a column beside a tip of the gap: there it is unbounded, as under a wedge, and on a
+    finer level would be higher."""
     phi, order = shoe.frame.phi(found.theta), found.order
     tips = shoe.frame.phis(clearance.tips(shoe.lining))
     for k in (int(np.abs(phi[::order] - tip).argmin()) * order for tip in (tips if len(tips) <= MOST_KINKS else [])):
         part = slice(max(k - order, 0), k + order + 1)
-        if math.isclose(largest(found.theta[part], found.pressure[part], order), found.peak_pressure):
+        if largest(found.theta[part], found.pressure[part], order) > NEAR_PEAK * found.peak_pressure:
             return True
     return False
 
@@ -216,11 +219,12 @@ def distances(brake: Brake, a: Response, b: Response) -> Floats:
 
     Of the torque, shoes not cancelling, then of each shoe the QUANTITIES.
     """
-    R = brake.drum.radius
-    own = np.array([_of(edge_zone(of, R), x, y) for of, x, y in zip(brake.shoes, a.shoes, b.shoes, strict=True)])
-    parts = np.array([abs(shoe.torque) for shoe in b.shoes]) / (b.torque or 1.0)
-    whole = parts @ own[:, :, 1]
-    return np.array([[torque, *shoes.ravel()] for torque, shoes in zip(whole.T, own.swapaxes(0, 1), strict=True)])
+    R, total = brake.drum.radius, b.torque or 1.0
+    pairs = list(zip(a.shoes, b.shoes, strict=True))
+    own = np.array([_of(edge_zone(of, R), x, y) for of, (x, y) in zip(brake.shoes, pairs, strict=True)])
+    moved = sum(abs(x.torque - y.torque) for x, y in pairs) / total
+    by_chance = sum(abs(y.torque) * chance for (_, y), chance in zip(pairs, own[:, 1, 1], strict=True)) / total
+    return np.array([[moved, *own[:, 0].ravel()], [by_chance, *own[:, 1].ravel()]])
 
 
 def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[tuple[float, ...], ...]:
@@ -235,7 +239,7 @@ def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[tuple[float, ...
         edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular_zone(float(b.theta[-1] - b.theta[0])), zone)
     )
     step = Difference.of(a, b, edge, zone)
-    reach = b.contact_arcs[-1][1] - b.contact_arcs[0][0]  # the longest lever that balance leaves to move a force by
+    reach = b.contact_arcs[-1][1] - b.contact_arcs[0][0]  # on so much of the drum what balances moves a force
     p, chance = step.distance(edge), min(step.by_chance(), reach)
     near = max(peak, step.near_peak(zone, NEAR_PEAK))
     by_chance = 0.0, chance if b.torque else 0.0, 0.0, chance * b.normal_force / held

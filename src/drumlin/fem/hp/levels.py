@@ -24,11 +24,11 @@ LEVELS = tuple(
         (7, 0.0025, 0.0015, 0.0002, 0.5, 0.3, 12 * DEG, 0.0038, 0.0016, 0.32),
     )
 )
-"""Each has about a quarter of the error of the one before it, also of what the growth of the sizes leaves: that of the
-degree p and the ratio q goes as ((1 - sqrt q)/(1 + sqrt q))^p, and two levels that share p and q do not see it. Forces
-feel the corners behind the lining and at the hinge, whose sizes shrink so evenly that what is left of a level's error
-of a force is a part of its step that can be foretold. The pressure of a short contact rises from its ends as a root:
-there sizes may grow faster (`opening`)."""
+"""Each has a tenth to a fifth of the error of the one before it, also of what the growth of the sizes leaves: that of
+the degree p and the ratio q goes as ((1 - sqrt q)/(1 + sqrt q))^p, and two levels that share p and q do not see it.
+Forces feel the corners behind the lining and at the hinge, whose sizes shrink so evenly that what is left of a level's
+error of a force is a part of its step that can be foretold. The pressure of a short contact rises from its ends as a
+root: there sizes may grow faster (`opening`)."""
 MOST_PASSES = 8
 SETTLED = 0.02  # of the length of the contact: an end of it is located by the first level where it moves by less
 

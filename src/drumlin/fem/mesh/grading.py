@@ -101,7 +101,7 @@ def _growth(total: float) -> float:
 
 
 def refine(shoe: Shoe, radius: float, elements: int, layers: int) -> Division:
-    """About `elements` along the lining, graded to its edges: the more there are, the smaller the smallest."""
+    """Elements of at most 1/`elements` of the lining, graded to its edges: the more, the smaller the smallest."""
     (start, end), zone = shoe.arc, shoe.lining.thickness / radius
     fineness = max(1.0, elements / COARSE)
     half, smallest = (end - start) / 2, EDGE_SIZE / fineness
