@@ -93,7 +93,7 @@ def _quickest(rows: list[Row], family: str, kind: str) -> Row | None:
         for row in rows
         if (row["family"], row.get("kind")) == (family, kind)
         and row.get("even") != "True"
-        and not row.get("layers")  # nor one of those that grow finer as adapted ones do
+        and not row.get("layers")  # nor a refined one
         and row["pressure_error"] <= HALF
     ]
     return min(fit, key=lambda row: row["seconds"], default=None)

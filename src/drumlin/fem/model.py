@@ -22,6 +22,7 @@ from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import (
+    NEAR_PEAK,
     NEITHER,
     Balance,
     Change,
@@ -38,6 +39,7 @@ from drumlin.response.show import effect_words
 if TYPE_CHECKING:
     from drumlin.fem.refinement import Refined
 
+DOUBLE = float(np.finfo(float).eps)
 OVERLAP = 0.01  # of the lining's thickness, from which on it is said that a mesh lies in the drum
 PENALTY = 1e8
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-8 of the
@@ -49,7 +51,9 @@ MAX_REFINED = 240_000  # unknowns of a group of shoes, times their degree square
 LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
 LARGEST_LOSS = 1e-5  # relative, of the pressure, from which on it is refined
 MOST_LOSS = 1e-3  # that is left or cannot be refined, on columns: the stated error has it ten times over
-UNSTATED_LOSS = 1e-6  # that is left on a mesh, which states no error
+UNSTATED_LOSS = (
+    1e-6  # that is left on a mesh, which states no error, of the largest pressure; it is refined by its balance
+)
 PULLED = 1e-9  # of the largest force: a shared one below it does not push
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
@@ -186,8 +190,11 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
         p, y = size * refined.p[k], size * refined.motions[k]
         answers[i] = _answer(group, k, p, y, changes[:, part], steps, forces[k], refined=True)
-    lost, left = max(answer.response.lost.pressure for answer in answers.values()), _imbalance(answers)
-    most = UNSTATED_LOSS if max(body.line.order for body in group.bodies) <= 2 else MOST_LOSS
+    left = _imbalance(answers)
+    if max(body.line.order for body in group.bodies) <= 2:
+        lost, most = refined.correction, UNSTATED_LOSS
+    else:
+        lost, most = max(answer.response.lost.pressure for answer in answers.values()), MOST_LOSS
     if lost >= most or not left < LARGEST_IMBALANCE:
         raise NoAnswer(
             f"{group.names}: lost digits, even refined its pressure is certain only to {lost:.1e} and balances to "
@@ -271,7 +278,7 @@ def _answer(
     )
     softness, lost = _changed(group, k, p, changes, reaction)
     if refined:
-        note += f"; {REFINED}, so its pressure is certain to {lost.pressure:.0e}"
+        note += f"; {REFINED}, so its pressure is certain to {max(lost.pressure, DOUBLE):.0e}"
     least = 0.0 if refined else body.condensed.lost
     lost = Change(*(max(part, least) for part in lost))
     response = pressed_shoe(
@@ -323,9 +330,12 @@ def _changed(group: ShoeGroup, k: int, p: Floats, changes: Floats, reaction: Flo
     if weight @ p < 0.5 * (area @ p):
         weight = area
     held_by = held(body, changes.T, group.brake.drag_on(shoe), np.zeros((3, 1)))
-    parts = np.array([np.sqrt(changes**2 @ weight), np.abs(changes @ lever), np.hypot(*held_by[:2])]).T
+    top = float(p[weight > 0].max(initial=0.0))
+    near = (weight > 0) & (p >= NEAR_PEAK * top)
+    highest = np.abs(changes[:, near]).max(axis=1, initial=0.0)
+    parts = np.array([np.sqrt(changes**2 @ weight), np.abs(changes @ lever), np.hypot(*held_by[:2]), highest]).T
     normal_force = math.hypot(*(body.forces[0, :2] @ p))
-    wholes = [math.sqrt(weight @ p**2), float(lever @ p), reaction_size(reaction, normal_force)]
+    wholes = [math.sqrt(weight @ p**2), float(lever @ p), reaction_size(reaction, normal_force), top]
     return [Change(*row) for row in (parts / [whole or 1.0 for whole in wholes]).tolist()]
 
 

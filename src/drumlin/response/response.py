@@ -47,14 +47,16 @@ class Deformation(NamedTuple):
 
 class Change(NamedTuple):
     """The parts of a shoe's `pressure` (L2, outside EDGE_ZONE at the lining's ends), `torque` and `reaction` by which
-    something changes them."""
+    something changes them, and of its peak that of the pressure near it, `peak`."""
 
     pressure: float
     torque: float
     reaction: float
+    peak: float = 0.0
 
 
 NONE = Change(0.0, 0.0, 0.0)
+NEAR_PEAK = 0.8  # of the peak: p that is near it
 NO_FORCE = 1e-6  # of the contact's: a smaller reaction is none
 
 

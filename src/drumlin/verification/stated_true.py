@@ -112,7 +112,8 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
 def _truth(brake: Brake, last: Sequence[Sequence[Solved]], begin: float, lost: Change = NONE) -> Truth:
     """From the last three of a sequence; begin: processor time at which it was begun [s]; lost: by round-off."""
     early, late = errors(brake, last[0], last[1]), errors(brake, last[1], last[2])
-    unsure = {name: limit(early[name], late[name]) + getattr(lost, name, lost.pressure) for name in QUANTITIES}
+    digits = lost._asdict() | {"peak": max(lost.pressure, lost.peak)}
+    unsure = {name: limit(early[name], late[name]) + digits[name] for name in QUANTITIES}
     return Truth(last[2], unsure, time.process_time() - begin)
 
 

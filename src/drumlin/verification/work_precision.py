@@ -62,7 +62,7 @@ class Solved(NamedTuple):
     """What a cold solve leaves: `further` solves another friction with what can be reused of it."""
 
     response: Response
-    further: Callable[[], Response] | None = None
+    further: Callable[[], Response]
     unknowns: Callable[[], int] | None = None
 
 
@@ -215,12 +215,11 @@ def measure(brake: Brake, method: Method, truth: Response, unit: Callable[[], ob
     first = time.process_time() - start
     row |= errors(brake, found.response, truth) | {"unknowns": None if found.unknowns is None else found.unknowns()}
     row |= timing(partial(solved, brake, method), unit, first)._asdict()
-    if found.further is not None:
-        try:
-            again = timing(found.further, unit, _spent(found.further))
-            row |= {"further": again.seconds, "further_ratio": again.ratio}
-        except DrumlinError as error:
-            row["note"] = f"further load case: {_said(error)}"
+    try:
+        again = timing(found.further, unit, _spent(found.further))
+        row |= {"further": again.seconds, "further_ratio": again.ratio}
+    except DrumlinError as error:
+        row["note"] = f"further load case: {_said(error)}"
     return row | {"memory": memory(brake, method), "status": "converged"}
 
 

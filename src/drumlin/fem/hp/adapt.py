@@ -31,7 +31,7 @@ from drumlin.fem.hp.division import FINEST
 from drumlin.fem.hp.levels import Respond, Step, steps
 from drumlin.fem.hp.places import MOST_KINKS, pressed_arcs
 from drumlin.response.norms import Difference
-from drumlin.response.response import Response, ShoeResponse, edge_zone, reaction_size, singular_zone
+from drumlin.response.response import NEAR_PEAK, Response, ShoeResponse, edge_zone, reaction_size, singular_zone
 from drumlin.response.resultants import edge_left_out, largest
 
 SLOWEST = 1.3  # factor by which errors fall from level to level at least, where they do not stay
@@ -56,13 +56,12 @@ RULES = {
 """Of 500 random brakes of all kinds: about 1 in 200 has a larger error than is stated, and the median is two to five
 times the error."""
 CHANCE = 0.008  # of what the last step of p changes of a force, were its columns' signs chance: so much does not cancel
-NEAR_PEAK = 0.8  # of the peak: p that is near it
 SOFTER = 2.0  # times the softness: what the penalty changes at most
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
 NEAR = 0.5  # of the peak: p in a column at an end of the lining, where it grows without end
 ROUND_OFF = 10.0  # times what the elimination has lost by its own account
-"""Of 55 random answers that lost 3e-9 of p and more, refined ones say so, but for three of shoes and linings as unlike
-as can be: 12, 76 and 378 times, of 1e-4 of p at most."""
+"""Of 55 random answers that lost 3e-9 of p and more 52 have lost at most so much, by refined ones. Three, of shoes and
+linings as unlike as can be, have lost 12, 76 and 378 times what they say, at most 1e-4 of p."""
 
 
 class Tolerance(NamedTuple):
@@ -144,7 +143,8 @@ def estimate(brake: Brake, responses: Sequence[Response]) -> Errors:
 
 def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
     """A Change of each shoe, by its name, in the order of `distances`."""
-    changes = [(of.pressure, of.torque, of.pressure, of.reaction) for of in (getattr(shoe, name) for shoe in shoes)]
+    every = [getattr(shoe, name) for shoe in shoes]
+    changes = [(of.pressure, of.torque, max(of.pressure, of.peak), of.reaction) for of in every]
     return np.array([max(of[1] for of in changes), *chain(*changes)])
 
 
@@ -171,11 +171,12 @@ def _cornered(shoe: ShoeResponse, zone: float) -> bool:
     return max(heights, default=0.0) > NEAR and edge_left_out(theta, p, order, zone) == 0
 
 
-def _wedged(shoe: Shoe, found: ShoeResponse) -> bool:
+def _wedged(shoe: Shoe, found: ShoeResponse, zone: float) -> bool:
     """Whether p is near its peak in a column beside a tip of the gap: there it is unbounded, as under a wedge, and on a
-    finer level would be higher."""
-    phi, order = shoe.frame.phi(found.theta), found.order
-    tips = shoe.frame.phis(clearance.tips(shoe.lining))
+    finer level would be higher. zone [rad]: see `edge_zone`; in it `_cornered` tells."""
+    (start, end), phi, order = shoe.arc, shoe.frame.phi(found.theta), found.order
+    zone = edge_left_out(found.theta, found.pressure, order, zone)
+    tips = [x for x in shoe.frame.phis(clearance.tips(shoe.lining)) if start + zone < x < end - zone]
     for k in (int(np.abs(phi[::order] - tip).argmin()) * order for tip in (tips if len(tips) <= MOST_KINKS else [])):
         part = slice(max(k - order, 0), k + order + 1)
         if largest(found.theta[part], found.pressure[part], order) > NEAR_PEAK * found.peak_pressure:
@@ -184,8 +185,9 @@ def _wedged(shoe: Shoe, found: ShoeResponse) -> bool:
 
 
 def _unbounded(shoe: Shoe, radius: float, found: ShoeResponse) -> bool:
-    """Whether the peak of p is at a lining's end or under a tip of its gap, where it grows without end."""
-    return _cornered(found, edge_zone(shoe, radius)) or _wedged(shoe, found)
+    """Whether the peak of p is, or is near, what grows without end at a lining's end or under a tip of its gap."""
+    zone = edge_zone(shoe, radius)
+    return _cornered(found, zone) or _wedged(shoe, found, zone)
 
 
 def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
@@ -219,7 +221,7 @@ def distances(brake: Brake, a: Response, b: Response) -> Floats:
 
     Of the torque, shoes not cancelling, then of each shoe the QUANTITIES.
     """
-    R, total = brake.drum.radius, b.torque or 1.0
+    R, total = brake.drum.radius, b.torque or a.torque or 1.0
     pairs = list(zip(a.shoes, b.shoes, strict=True))
     own = np.array([_of(edge_zone(of, R), x, y) for of, (x, y) in zip(brake.shoes, pairs, strict=True)])
     moved = sum(abs(x.torque - y.torque) for x, y in pairs) / total
@@ -230,8 +232,8 @@ def distances(brake: Brake, a: Response, b: Response) -> Floats:
 def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[tuple[float, ...], ...]:
     """Those of a shoe (2, 4), whose peak is not looked for in this zone [rad] at the lining's ends."""
     held = reaction_size(b.hinge_reaction, b.normal_force)
-    torque = abs(a.torque - b.torque) / (b.torque or 1.0)
-    peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0)
+    torque = abs(a.torque - b.torque) / (b.torque or a.torque or 1.0)
+    peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or a.peak_pressure or 1.0)
     reaction = math.dist(a.hinge_reaction, b.hinge_reaction) / held
     if not b.pressure.any():
         return (float(a.pressure.any()), torque, peak, reaction), (0.0,) * len(QUANTITIES)
