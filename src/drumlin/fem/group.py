@@ -251,8 +251,9 @@ class ShoeGroup:
             found = self_locking.answer(self.problem_at, self.brake.friction, first, law=law, brake="elastic as it is")
         except NoAnswer as error:
             raise NoAnswer(f"{self.names}: {error}") from error
-        for shoe, gap, amounts in zip(self.shoes, self.gaps, self.amounts(found), strict=True):
-            reach.check_turns(shoe, gap, self.unit_force * amounts)
+        senses = self.senses or (1,) * len(self.members)
+        for shoe, sense, gap, amounts in zip(self.shoes, senses, self.gaps, self.amounts(found), strict=True):
+            reach.check_turns(shoe, sense, gap, self.unit_force * amounts)
         return found
 
     def law(self, i: int) -> float:

@@ -31,15 +31,16 @@ def check_pin(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
     _check(shoe, float(turns.min()))
 
 
-def check_turns(shoe: Shoe, gap: Floats, amounts: Floats) -> None:
+def check_turns(shoe: Shoe, sense: int, gap: Floats, amounts: Floats) -> None:
     """Raise NoAnswer where a shoe that stands off everywhere, by its `gap` (n,) [m], has turned too far.
 
-    amounts: of its free motions in an answer [rad, m]. Of a pin on a drum `check_pin` knows better.
+    sense: of the friction at its abutment, see `Held.freedoms`; amounts: of its free motions in an answer [rad, m].
+    Of a pin on a drum `check_pin` knows better.
     """
     if (shoe.held_by in {"hinge", "guide"} and not shoe.flat) or (gap <= 0).any():
         return
-    names = shoe.freedoms().names  # the last is how its foot slides: none of a foot that friction holds
-    turns = [turn for turn, name in zip(amounts, names, strict=False) if name in {"turn", "tilt"}]
+    names = shoe.freedoms(sense).names
+    turns = [turn for turn, name in zip(amounts, names, strict=True) if name in {"turn", "tilt"}]
     _check(shoe, max(map(abs, (*turns, sum(turns)))))  # on a pivot the shoe turns with its lever and tilts on it
 
 
