@@ -127,6 +127,7 @@ NORMAL = {"distribution": "normal", "deviation": 0.03}
         ({"friction": [0.3]}, {"model": {"spline": {}}}, ["model.spline: unknown model", "sine"]),
         ({"friction": [0.3]}, {"model": {"sine": {"elements": 8}}}, ["model.sine: unknown key 'elements'"]),
         ({"friction": [0.3]}, {"model": {"fem": {"elements": 0}}}, ["model.fem: elements = 0"]),
+        ({"friction": [0.3]}, {"model": {"fem": {"kind": "tri2", "tolerance": 0.1}}}, ["tolerance chooses the"]),
         ({"friction": [0.3]}, {"model": {"foundation": {}}}, ["model.foundation: does not apply", "straight beam"]),
         ({"friction": MANY, "drum.radius": MANY | {"from": "1 m", "to": "2 m"}}, {}, ["4000000 cases", "1000000"]),
     ],

@@ -1,9 +1,9 @@
 """The options that a sweep file gives a model: those of the command line, by the same names."""
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from drumlin.brake.fields import Part
 from drumlin.fem import solid
@@ -25,6 +25,12 @@ class FemOptions(ContactOptions):
     kind: Literal["quad2", "quad1", "tri2", "tri1"] | None = None
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
     finite_width: bool | None = None
+
+    @model_validator(mode="after")
+    def _divided_one_way(self) -> Self:
+        if self.tolerance is not None and (self.elements is not None or self.kind is not None):
+            raise ValueError("tolerance chooses the elements; leave out elements and kind")
+        return self
 
 
 class SolidOptions(ContactOptions):
