@@ -51,9 +51,7 @@ MAX_REFINED = 240_000  # unknowns of a group of shoes, times their degree square
 LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
 LARGEST_LOSS = 1e-5  # relative, of the pressure, from which on it is refined
 MOST_LOSS = 1e-3  # that is left or cannot be refined, on columns: the stated error has it ten times over
-UNSTATED_LOSS = (
-    1e-6  # that is left on a mesh, which states no error, of the largest pressure; it is refined by its balance
-)
+UNSTATED_LOSS = 1e-6  # of the largest pressure, that is left on a mesh, which states no error
 PULLED = 1e-9  # of the largest force: a shared one below it does not push
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
