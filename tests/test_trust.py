@@ -3,7 +3,6 @@
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,8 +19,6 @@ from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import Inside, cross, edge_left_out, lobatto
 from drumlin.verification.textbook_brakes import hinged
-
-ROOT = Path(__file__).parent.parent
 
 
 def _pressing(pressure):
@@ -110,7 +107,7 @@ def test_of_a_contact_too_short_to_be_seen_the_torque_is_known_and_the_pressure_
 
 def test_a_short_contact_in_the_middle_of_a_lining_is_not_said_to_be_at_its_end():
     crowned = {"shoe.lining.misfit": {"radius": "165 mm"}, "shoe.actuation.force": "1e-8 N"}
-    response = drumlin.solve(vary(drumlin.read_brake(ROOT / "studies" / "brakes" / "block_on_lever.toml"), crowned))
+    response = drumlin.solve(vary(drumlin.read_brake("studies/brakes/block_on_lever.toml"), crowned))
     (warning,) = [note for note in response.notes if "warning" in note]
     assert "too short to know its pressure" in warning and "unbounded" not in warning
 

@@ -42,13 +42,17 @@ class ShoeGroup:
     penalty: float = math.inf
     senses: tuple[int, ...] = ()
 
+    @property
+    def each_sense(self) -> tuple[int, ...]:
+        """The sense of each shoe's friction at its abutment, +1 where none is given."""
+        return self.senses or (1,) * len(self.members)
+
     @cached_property
     def motions(self) -> tuple[Motions, ...]:
         """The free motions of each shoe."""
-        senses = self.senses or (1,) * len(self.members)
         return tuple(
             motions_of(body, shoe, moment, sense)
-            for body, shoe, (_, moment), sense in zip(self.bodies, self.shoes, self.loads, senses, strict=True)
+            for body, shoe, (_, moment), sense in zip(self.bodies, self.shoes, self.loads, self.each_sense, strict=True)
         )
 
     @cached_property
@@ -251,8 +255,7 @@ class ShoeGroup:
             found = self_locking.answer(self.problem_at, self.brake.friction, first, law=law, brake="elastic as it is")
         except NoAnswer as error:
             raise NoAnswer(f"{self.names}: {error}") from error
-        senses = self.senses or (1,) * len(self.members)
-        for shoe, sense, gap, amounts in zip(self.shoes, senses, self.gaps, self.amounts(found), strict=True):
+        for shoe, sense, gap, amounts in zip(self.shoes, self.each_sense, self.gaps, self.amounts(found), strict=True):
             reach.check_turns(shoe, sense, gap, self.unit_force * amounts)
         return found
 
@@ -269,7 +272,7 @@ class ShoeGroup:
         leave its abutment.
         """
         failure = NoAnswer(f"{self.names}: no equilibrium, a foot leaves its abutment")
-        begin = self.senses or (1,) * len(self.members)
+        begin = self.each_sense
         choices = [(own, *(s for s in shoe.senses if s != own)) for own, shoe in zip(begin, self.shoes, strict=True)]
         for k, senses in enumerate(product(*choices)):
             group = self if senses == begin else replace(self, senses=senses)
@@ -292,7 +295,7 @@ class ShoeGroup:
         normal, dragged = body.forces @ p
         push = self.forces(found.p)[k] * shoe.actuation.direction_vector
         reaction = -shoe.frame.to_brake((drag * dragged - normal)[:2]) - push
-        return shoe.stands(reaction, self.senses[k] if self.senses else 1, float(self.amounts(found)[k][-1]))
+        return shoe.stands(reaction, self.each_sense[k], float(self.amounts(found)[k][-1]))
 
 
 def _in_turn(sizes: Iterable[int]) -> tuple[slice, ...]:

@@ -274,7 +274,8 @@ def _answer(
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
         f"which changes its {effect_words(flat=shoe.flat)[0]} by {softer:+.1e} of it"
     )
-    softness, lost = _changed(group, k, p, changes, reaction)
+    normal_force = math.hypot(*normal[:2])
+    softness, lost = _changed(group, k, p, changes, reaction_size(reaction, normal_force))
     if refined:
         note += f"; {REFINED}, so its pressure is certain to {max(lost.pressure, DOUBLE):.0e}"
     least = 0.0 if refined else body.condensed.lost
@@ -287,7 +288,7 @@ def _answer(
         order=line.order,
         peak=line.inside.peak(mean),
         torque=abs(drag) * pressed,
-        normal_force=math.hypot(*normal[:2]),
+        normal_force=normal_force,
         self_energising=math.copysign(1.0, motions.work[0]) * drag * rubbed > NEITHER * abs(closed),
         hinge_reaction=frame.to_brake(reaction),
         turn=frame.sense * float(motions.of[2] @ y),
@@ -316,8 +317,8 @@ def _changes(group: ShoeGroup, found: Contact, amounts: Sequence[Floats]) -> Flo
     return np.array([found.tangent(np.concatenate(gaps)) for gaps in (opened, strayed)])
 
 
-def _changed(group: ShoeGroup, k: int, p: Floats, changes: Floats, reaction: Floats) -> list[Change]:
-    """What small changes (m, n) of the pressure p (n,) of shoe `k` do to it.
+def _changed(group: ShoeGroup, k: int, p: Floats, changes: Floats, held_size: float) -> list[Change]:
+    """What small changes (m, n) of the pressure p (n,) of shoe `k`, whose reaction is so large [N], do to it.
 
     The pressure counts outside EDGE_ZONE at the lining's ends, unless half of the force is there.
     """
@@ -332,8 +333,7 @@ def _changed(group: ShoeGroup, k: int, p: Floats, changes: Floats, reaction: Flo
     near = (weight > 0) & (p >= NEAR_PEAK * top)
     highest = np.abs(changes[:, near]).max(axis=1, initial=0.0)
     parts = np.array([np.sqrt(changes**2 @ weight), np.abs(changes @ lever), np.hypot(*held_by[:2]), highest]).T
-    normal_force = math.hypot(*(body.forces[0, :2] @ p))
-    wholes = [math.sqrt(weight @ p**2), float(lever @ p), reaction_size(reaction, normal_force), top]
+    wholes = [math.sqrt(weight @ p**2), float(lever @ p), held_size, top]
     return [Change(*row) for row in (parts / [whole or 1.0 for whole in wholes]).tolist()]
 
 
