@@ -1,0 +1,37 @@
+"""Two ways of drumlin to the same quantity, held against each other on random brakes.
+
+A holding brake that is turned to full slip must end where the sliding brake is, wear must begin there, and an exact
+slope must be the difference of two solves. Each module `consistency_*` draws the random brake of a seed, takes both
+ways and returns one row for each quantity that it compared.
+"""
+
+from typing import NamedTuple
+
+OUTCOMES = ("agrees", "said", "differs", "refused")
+
+
+class Check(NamedTuple):
+    """One quantity of one random brake, by two ways.
+
+    `check`: what is held against what; `brake`: kind and seed, so that the brake can be drawn again; `quantity`: what
+    is compared; `difference`: relative difference of the two values; `allowed`: the largest difference that counts as
+    agreement; `said`: the line in which drumlin itself says that and why the two differ, or refuses both, empty where
+    drumlin says nothing; `refused`: whether neither way has an answer.
+    """
+
+    check: str
+    brake: str
+    quantity: str
+    difference: float
+    allowed: float
+    said: str = ""
+    refused: bool = False
+
+    @property
+    def outcome(self) -> str:
+        """One of OUTCOMES; "differs" is a fault of drumlin."""
+        if self.refused:
+            return "refused"
+        if self.difference <= self.allowed:
+            return "agrees"
+        return "said" if self.said else "differs"
