@@ -13,7 +13,7 @@ TESTS = -n 2 --dist loadscope --no-skips  # or --skipped for --no-skips: what ma
 SHORT = tests/test_brake.py tests/test_files.py tests/test_fem.py tests/test_laws_examples.py tests/test_page.py
 TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
-.PHONY: study manual test types passes test-all oldest newest packages constraints setup clean
+.PHONY: study manual test types passes test-all oldest newest truths sharpness packages constraints setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
@@ -51,6 +51,14 @@ newest:
 	$(PYTHON) -m venv .venv/newest
 	.venv/newest/bin/python -m pip install --quiet --upgrade --editable '.[dev]'
 	.venv/newest/bin/pytest -o filterwarnings=default $(SHORT)
+
+# Far finer solutions of some forty brakes, by which the tests judge stated errors: ten minutes.
+truths: .venv/ready
+	$(BIN)/python -m drumlin.verification.stored_truth tests/truths
+
+# By how much stated errors are larger than true ones now; the tests notice where this changes.
+sharpness: .venv/ready
+	$(BIN)/python -m drumlin.verification.sharpness tests/truths
 
 # needs uv; writes every version that is the newest now, with the hashes of all its files
 constraints:

@@ -81,7 +81,7 @@ class Truth:
 def by_triangles(brake: Brake) -> Truth:
     """The truth of a brake by triangles. Raises as `triangles.solve`."""
     begin = time.process_time()
-    return _truth(brake, triangles.sequence(brake), begin)
+    return of_last_three(brake, triangles.sequence(brake), begin)
 
 
 def by_columns(brake: Brake, tolerance: float) -> Truth:
@@ -105,12 +105,20 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
     if len(found) < 3:
         raise NoAnswer(f"only {len(found)} levels of columns have an answer")
     best = 2 + int(np.argmin(moved[2:]))
-    lost = Change(*(ROUND_OFF * max(parts) for parts in zip(*(shoe.lost for shoe in found[best]), strict=True)))
-    return _truth(brake, found[best - 2 : best + 1], begin, lost)
+    return of_last_three(brake, found[best - 2 : best + 1], begin, round_off(found[best]))
 
 
-def _truth(brake: Brake, last: Sequence[Sequence[Solved]], begin: float, lost: Change = NONE) -> Truth:
-    """From the last three of a sequence; begin: processor time at which it was begun [s]; lost: by round-off."""
+def round_off(shoes: Sequence[ShoeResponse]) -> Change:
+    """What the elimination may have lost at most of each quantity, over all shoes, relative."""
+    return Change(*(ROUND_OFF * max(parts) for parts in zip(*(shoe.lost for shoe in shoes), strict=True)))
+
+
+def of_last_three(brake: Brake, last: Sequence[Sequence[Solved]], begin: float, lost: Change = NONE) -> Truth:
+    """The truth that the last three solutions of a sequence tell of.
+
+    begin: processor time [s] at which the sequence was begun; lost: relative round-off of the finest solution, which
+    counts as uncertainty besides the steps of the sequence.
+    """
     early, late = errors(brake, last[0], last[1]), errors(brake, last[1], last[2])
     digits = lost._asdict() | {"peak": max(lost.pressure, lost.peak)}
     unsure = {name: limit(early[name], late[name]) + digits[name] for name in QUANTITIES}

@@ -1,0 +1,96 @@
+"""The stated error is held on both sides by solutions that are far finer: never too small, nor needlessly large."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drumlin.brake.unrolled import on_drum
+from drumlin.verification.sharpness import (
+    complaints,
+    judge_folder,
+    read_sharpness,
+    scaled,
+    truth_files,
+)
+from drumlin.verification.stated_true import QUANTITIES
+from drumlin.verification.stored_truth import BRAKES, FINER, make, read
+
+FOLDER = Path(__file__).parent / "truths"
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return judge_folder(FOLDER)
+
+
+@pytest.fixture(scope="module")
+def written():
+    return read_sharpness(FOLDER)
+
+
+def test_stated_errors_are_large_enough_and_no_larger_than_they_were(rows, written):
+    assert len(rows) >= 120
+    assert complaints(rows, written) == []
+
+
+def test_no_stated_error_is_below_half_of_the_true_one(rows):
+    small = {(one.name, one.asked, quantity): one.ratio(quantity) for one in rows for quantity in QUANTITIES}
+    assert {key: value for key, value in small.items() if value < 0.5} == {}
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(rows, written, quantity, factor):
+    said = complaints(scaled(rows, quantity, factor), written)
+    assert said and all(line.startswith(quantity) for line in said)
+
+
+def test_every_quantity_is_judged_by_truths_that_are_known_well_enough(rows):
+    for quantity in QUANTITIES:
+        assert sum(one.certain(quantity) for one in rows) >= 60, quantity
+
+
+def test_every_kind_of_brake_has_a_stored_truth():
+    """Files and list agree; all ways to hold and push shoes, rings of both supports, soft, hard, short and partial."""
+    assert [path.stem for path in truth_files(FOLDER)] == sorted(BRAKES)
+    assert {drawn.kind for drawn in BRAKES.values()} >= {
+        *("arc", "backed", "rigid", "post", "post on ring", "arc on ring", "linings on ring", "misfit"),
+        *("out of round", "small contact", "extreme", "hinge", "abutment", "rough abutment", "pivot", "guide"),
+        *("cylinder", "cam", "strut", "pad on a hinge", "pad on a pivot", "pad on a guide", "pad on an abutment"),
+        *("table", "grip", "chain"),
+    }
+
+
+@pytest.mark.parametrize("name", ["hinge", pytest.param("pad_on_a_guide", marks=pytest.mark.slow)])
+def test_a_stored_truth_is_found_again_by_its_command(name):
+    """To within the uncertainties of both, which would not hold if the file were of another brake or other meshes."""
+    stored = read(FOLDER / f"{name}.json")
+    again = make(name)
+    assert stored.by == again.by
+    for one, other in zip(stored.true.shoes, again.true.shoes, strict=True):
+        np.testing.assert_allclose(one.pressure, other.pressure, rtol=0, atol=1e-6 * other.pressure.max())
+        assert one.torque == pytest.approx(other.torque, rel=1e-9)
+
+
+def test_finer_hp_elements_agree_with_triangles_where_both_have_an_answer():
+    """What stands for the truth on planes is held against the independent solution on a drum."""
+    from drumlin.verification.stated_true import errors
+    from drumlin.verification.stored_truth import by_finer
+
+    stored = read(FOLDER / "hinge.json")
+    assert stored.by == "triangles" and len(FINER) == 3
+    brake = on_drum(stored.brake)
+    finer = by_finer(brake)
+    for quantity, off in errors(brake, finer.shoes, stored.true.shoes).items():
+        assert off <= 2 * (finer.unsure[quantity] + stored.true.unsure[quantity]), quantity
+
+
+def test_files_hold_numbers_that_are_finite_and_brakes_in_si():
+    for path in truth_files(FOLDER):
+        data = json.loads(path.read_text(encoding="utf-8"))
+        assert all(math.isfinite(value) and value >= 0 for value in data["uncertainty"].values()), path.name
+        for shoe in data["shoes"]:
+            assert np.isfinite(shoe["pressure"]).all() and (np.diff(shoe["theta"]) > 0).all(), path.name
