@@ -150,9 +150,14 @@ def answer(
         raise NoAnswer(reason) from None
     if np.isinf(end.friction):
         return end.last
-    raise NoAnswer(
+    raise NoAnswer(locks(friction, end.friction, law=law, brake=brake))
+
+
+def locks(friction: float, limit: float, *, law: float, brake: str) -> str:
+    """The reason of a refusal at a friction coefficient beyond the limit; law, brake: as of `answer`."""
+    return (
         f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "
-        f"mu_lock = {end.friction:.4g} (rigid-shoe law: {law:.4g})"
+        f"mu_lock = {limit:.4g} (rigid-shoe law: {law:.4g})"
     )
 
 

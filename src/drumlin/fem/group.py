@@ -5,10 +5,11 @@ together. Whatever is done with the contact (sliding, holding, wear, sensitivity
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate, pairwise, product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,6 +26,16 @@ from drumlin.fem.sharing import Pushed, Sharing, share
 from drumlin.lapack import block_diag
 from drumlin.laws import rigid
 
+LEAVES = "no equilibrium, a foot leaves its abutment"
+ELASTIC = "elastic as it is"
+NO_PUSH = 1e-9
+"""Fraction of the largest force on a shoe of the group below which the force does not push its shoe: round-off."""
+FRICTION_STEP = self_locking.STEP / 4
+"""Step of the drum's friction, above 1 relative to it, after which feet are asked how they slide and shoes whether they
+are pushed. A foot that leaves and comes back within one step is not seen."""
+NEAR_POLE = 1e-4
+"""Relative distance from the pole of the pressures up to which feet are asked how they slide. A change nearer to the
+pole moves the limit by less than this."""
 ROWS = 64  # of a matrix that are made at a time: of a large one no more stay near the processor
 
 
@@ -33,7 +44,8 @@ class ShoeGroup:
     """The shoes `members` of a brake on a prepared scene, at the contact stiffness `penalty` E/t.
 
     All of its problem is per newton of `unit_force`, so that one force alone enters only through the gap. `senses`: how
-    friction acts at the abutments, one of a shoe.
+    friction acts at the abutments, one of a shoe. They are empty until `settled` has found them. A group with a rough
+    abutment has no problem before that.
     """
 
     scene: Scene
@@ -44,8 +56,18 @@ class ShoeGroup:
 
     @property
     def each_sense(self) -> tuple[int, ...]:
-        """The sense of each shoe's friction at its abutment, +1 where none is given."""
+        """The sense of each shoe's friction at its abutment, +1 of a shoe without.
+
+        Raises RuntimeError where an abutment is rough and its sense is not known yet.
+        """
+        if not self.senses and self.rough:
+            raise RuntimeError(f"{self.names}: friction at the abutment has no sense yet, ask for `settled`")
         return self.senses or (1,) * len(self.members)
+
+    @property
+    def rough(self) -> bool:
+        """Whether friction acts at an abutment of the group."""
+        return any(len(shoe.senses) > 1 for shoe in self.shoes)
 
     @cached_property
     def motions(self) -> tuple[Motions, ...]:
@@ -252,7 +274,7 @@ class ShoeGroup:
             reach.check_pin(shoe, body.line.xy, gap, load[1])
         law = min(self.law(i) for i in self.members)
         try:
-            found = self_locking.answer(self.problem_at, self.brake.friction, first, law=law, brake="elastic as it is")
+            found = self_locking.answer(self.problem_at, self.brake.friction, first, law=law, brake=ELASTIC)
         except NoAnswer as error:
             raise NoAnswer(f"{self.names}: {error}") from error
         for shoe, sense, gap, amounts in zip(self.shoes, self.each_sense, self.gaps, self.amounts(found), strict=True):
@@ -268,14 +290,20 @@ class ShoeGroup:
     def settled(self, first: Bools | None = None) -> tuple["ShoeGroup", active_set.Contact]:
         """The group with the friction at its abutments as its answer has it, and that answer.
 
-        Friction opposes the slide of a foot, or holds it. Raises NoAnswer as `answer` does, and where a foot would
-        leave its abutment.
+        The drum turns already as the force comes on. Friction opposes the whole slide of a foot from where it stood
+        without force, or holds the foot there. The first senses that stand are taken, those of the rigid shoe first;
+        the order does not matter, for no brake is known of which two stand. Raises NoAnswer as `answer` does, and where
+        a foot would leave its abutment.
         """
-        failure = NoAnswer(f"{self.names}: no equilibrium, a foot leaves its abutment")
-        begin = self.each_sense
-        choices = [(own, *(s for s in shoe.senses if s != own)) for own, shoe in zip(begin, self.shoes, strict=True)]
-        for k, senses in enumerate(product(*choices)):
-            group = self if senses == begin else replace(self, senses=senses)
+        try:
+            return self._standing(first)
+        except NoAnswer as error:
+            raise self._refusal(error) from error
+
+    def _standing(self, first: Bools | None = None) -> tuple["ShoeGroup", active_set.Contact]:
+        """`settled`, where it is refused with the reason of the senses that are tried first."""
+        failure = NoAnswer(f"{self.names}: {LEAVES}")
+        for k, group in enumerate(self.ways()):
             try:
                 found = group.answer(first)
             except NoAnswer as error:
@@ -286,16 +314,120 @@ class ShoeGroup:
                 return group, found
         raise failure
 
+    def ways(self) -> Iterator["ShoeGroup"]:
+        """The group with every way in which friction may act at its abutments: its own first, else the rigid shoe's."""
+        begin = self.senses or tuple(_sense(self.brake, shoe) for shoe in self.shoes)
+        choices = [(own, *(s for s in shoe.senses if s != own)) for own, shoe in zip(begin, self.shoes, strict=True)]
+        for senses in product(*choices):
+            yield self if senses == self.senses else replace(self, senses=senses)
+
+    def _refusal(self, failure: NoAnswer) -> NoAnswer:
+        """Why a group does not settle: where feet are rough, what ends the answer that is followed as they slide."""
+        if not self.rough:
+            return failure
+        friction = self.brake.friction
+        try:
+            end = self.followed(friction)
+        except NoAnswer:
+            return failure
+        if not end.limit.friction < friction:
+            return failure
+        law = min(self.law(i) for i in self.members)
+        locked = self_locking.locks(friction, end.limit.friction, law=law, brake=ELASTIC)
+        return NoAnswer(f"{self.names}: {LEAVES if end.leaves else locked}")
+
+    def followed(self, most: float) -> "Followed":
+        """The end, up to mu = `most`, of the answer that is followed from the least friction of the drum that has one.
+
+        On the way a rough foot may begin to slide, stop or slide the other way. From there on the answer is followed
+        with its friction as it is then. Raises NoAnswer where there is no answer without friction of the drum, nor
+        under any, as where it takes friction to press a foot on its abutment.
+        """
+        if not self.links and not self.cam and all(shoe.abutment is None for shoe in self.shoes):
+            return Followed(self_locking.limit(self.sliding, most), leaves=False)
+        low, (at, found) = self._first(most)
+        end = self_locking.limit(at.sliding, most, (low, found))
+        while low < (last := min(end.friction * (1 - NEAR_POLE), most)):
+            high = min(low + FRICTION_STEP * max(1.0, low), last)
+            after = at._pushing(high)
+            if after is None:  # further on it may push again: the answer that is followed has ended
+                return at._ended(end, low, high)
+            low = high
+            if after[0].senses != at.senses:
+                at, found = after
+                end = self_locking.limit(at.sliding, most, (low, found))
+        return Followed(end, leaves=False)
+
+    def at_friction(self, friction: float) -> "ShoeGroup":
+        """The group at another friction of the drum; its senses are then those to try first."""
+        return replace(self, brake=self.brake.model_copy(update={"friction": friction}))
+
+    def _first(self, most: float) -> tuple[float, tuple["ShoeGroup", active_set.Contact]]:
+        """The least friction of the drum under which the group settles, to FRICTION_STEP, and its answer there."""
+        friction = 0.0
+        while friction < most:
+            found = self._pushing(friction)
+            if found is not None:
+                return friction, found
+            friction += FRICTION_STEP * max(1.0, friction)
+        return 0.0, self.at_friction(0.0)._standing()  # raises: it says why there is none
+
+    def _pushing(self, friction: float) -> tuple["ShoeGroup", active_set.Contact] | None:
+        """The settled group at a friction of the drum and its answer; None without one, or where one is pulled that
+        can only be pushed."""
+        try:
+            at, found = self.at_friction(friction)._standing()
+        except NoAnswer:
+            return None
+        return (at, found) if at._pushed_by(found) else None
+
+    def _pushed_by(self, found: active_set.Contact) -> bool:
+        """Whether the forces of an answer push every shoe."""
+        forces = self.forces(found.p)
+        return bool((forces > NO_PUSH * forces.max()).all())
+
+    def _ended(self, end: self_locking.Limit, low: float, high: float) -> "Followed":
+        """The end between two frictions, an answer at the first of them only."""
+        at = self
+        while high - low > self_locking.CLOSE * high:
+            middle = 0.5 * (low + high)
+            after = at._pushing(middle)
+            low, high = (low, middle) if after is None else (middle, high)
+            at = at if after is None else after[0]
+        return Followed(end._replace(friction=low, bounded=True, reached=low), leaves=at.at_friction(high)._leaves())
+
+    def _leaves(self) -> bool:
+        """Whether the answer with the senses at hand pulls at an abutment, or at what pushes a shoe."""
+        try:
+            found = self.answer()
+        except NoAnswer:
+            return False
+        feet = [(k, shoe) for k, shoe in enumerate(self.shoes) if shoe.abutment is not None]
+        presses = all(float(self.reaction(found, k) @ shoe.bearing) > 0 for k, shoe in feet)
+        return not (presses and self._pushed_by(found))
+
     def consistent(self, found: active_set.Contact, k: int) -> bool:
         """Whether the abutment of shoe `k` bears as an answer has it; see `Held.stands`."""
-        shoe, body = self.shoes[k], self.bodies[k]
+        shoe = self.shoes[k]
         if shoe.abutment is None:
             return True
+        return shoe.stands(self.reaction(found, k), self.each_sense[k], float(self.amounts(found)[k][-1]))
+
+    def reaction(self, found: active_set.Contact, k: int) -> Floats:
+        """The force (2,) of the abutment of shoe `k` on its foot, per newton, by equilibrium of an answer."""
+        shoe, body = self.shoes[k], self.bodies[k]
         drag, p = self.brake.drag_on(shoe), found.p[self.parts[k]]
         normal, dragged = body.forces @ p
         push = self.forces(found.p)[k] * shoe.actuation.direction_vector
-        reaction = -shoe.frame.to_brake((drag * dragged - normal)[:2]) - push
-        return shoe.stands(reaction, self.each_sense[k], float(self.amounts(found)[k][-1]))
+        return np.asarray(-shoe.frame.to_brake((drag * dragged - normal)[:2]) - push)
+
+
+class Followed(NamedTuple):
+    """Where the answer ends that is followed in friction: the `limit`, and whether it ends as something would leave or
+    pull that can only push."""
+
+    limit: self_locking.Limit
+    leaves: bool
 
 
 def _in_turn(sizes: Iterable[int]) -> tuple[slice, ...]:
@@ -341,8 +473,8 @@ def grouped(scene: Scene, brake: Brake, touching: list[int], penalty: float = ma
     force."""
     alone = (scene.ring is None or scene.apart) and brake.shares is None
     groups = [(i,) for i in touching] if alone else [tuple(touching)] if touching else []
-    senses = {i: _sense(brake, brake.shoes[i]) for i in touching}
-    return [ShoeGroup(scene, brake, members, penalty, tuple(senses[i] for i in members)) for members in groups]
+    made = [ShoeGroup(scene, brake, members, penalty) for members in groups]
+    return [group if group.rough else replace(group, senses=group.each_sense) for group in made]
 
 
 def _sense(brake: Brake, shoe: Shoe) -> int:

@@ -122,6 +122,7 @@ def worth(scene: Scene, brake: Brake, response: Response, penalty: float) -> dic
 
 
 def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
+    group, _ = group.settled()
     size, shoes = group.unit_force, [response.shoes[i] for i in group.members]
     p = np.concatenate([r.pressure[:: s.frame.sense] for r, s in zip(shoes, group.shoes, strict=True)]) / size
     active = p > 0
