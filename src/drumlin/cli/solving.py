@@ -172,6 +172,8 @@ def hold(
     for at in states:
         turned = at.rotation * 1e3 if flat else np.degrees(at.rotation)
         tell(f"{turned:15.6f}{formatted(at.torque, '.4f'):>15}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
+    for line in states[-1].notes:
+        tell(line)
 
 
 def sensitivity(

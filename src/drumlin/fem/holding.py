@@ -1,8 +1,15 @@
-"""The holding brake: from rest through partial slip to full slip, as the drum is turned against the shoes."""
+"""The holding brake: from rest through partial slip to full slip, as the drum is turned against the shoes.
+
+The force comes on while the drum is at rest. In `solve` the drum turns already as the force comes on. Linings forget
+the difference at full slip, where all their nodes have slipped one way. A foot on a rough abutment does not forget it:
+it slides while the force comes on and may stick where it came to. Such an end is in equilibrium, the foot within its
+cone of friction, but its torque is not that of `solve`; its state says so in a line.
+"""
 
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,12 +17,14 @@ import numpy as np
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake
 from drumlin.contact import stick_slip
+from drumlin.contact.active_set import Contact
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Scene
 from drumlin.fem.at_rest import Feet, holding_problem
 from drumlin.fem.group import ShoeGroup, grouped, pressed_shoes
 from drumlin.fem.model import PENALTY, respond
+from drumlin.response.show import effect_words
 
 HALVINGS = 4  # of an increment that does not settle
 OTHER_WAY: dict[str, Any] = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
@@ -23,6 +32,11 @@ OTHER_WAY: dict[str, Any] = {"clockwise": "counter-clockwise", "counter-clockwis
 # sliding drum, but between OVER and FASTEST times the rotation so far.
 FIRST, OVER, FASTEST, MOST_INCREMENTS = 1e-7, 0.25, 30.0, 100
 MARGIN = 1.1  # beyond it, for other increments come to full slip a little later
+TWO_ANSWERS = 1e-6
+"""Relative difference of two torques at full slip above which they are two answers. The equations of both ways
+differ by the penalty only, which is worth 1e-8."""
+OTHER_FRICTION = 1e-6
+"""Difference of two ratios of a foot's friction to its pressure above which friction acts otherwise."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +46,7 @@ class Hold:
     `rotation` [rad] of the drum against its rest; `torque` [N m], the moment that holds the drum there, positive
     against the rotation; `dissipated` [J] by slip since the force came on. For each shoe `theta` (n,) [rad],
     `pressure` and `traction` (n,) [Pa] along e_theta on the lining, `state` (n,): open, stick, slip forward or
-    backward; `stick`, `slip`: arcs [rad].
+    backward; `stick`, `slip`: arcs [rad]. `notes`: where the moment at full slip is not that of `solve`, both and why.
     """
 
     rotation: float
@@ -45,6 +59,7 @@ class Hold:
     stick: tuple[tuple[tuple[float, float], ...], ...]
     slip: tuple[tuple[tuple[float, float], ...], ...]
     dissipated: float
+    notes: tuple[str, ...] = ()
 
     @property
     def sticking(self) -> float:
@@ -89,12 +104,15 @@ def hold(
     The force comes on while the drum rests, in as many increments as there are rotations where there is a gap to
     close: how far it closes under little force decides where the lining sticks. Then each rotation is one increment.
     The energy converges by the first order of the increment; the moment hardly needs it where the drum is not turned
-    back. Raises NoAnswer: a shoe that does not touch, self-locking with its limit, no equilibrium, not converged.
+    back. States at full slip whose moment is not that of `solve` have a note.
+
+    Raises NoAnswer: a shoe that does not touch, self-locking with its limit, no equilibrium, not converged.
     """
     paths = []
     for held in _held(scene, brake, len(rotations), penalty):
         say(f"holding: {held.group.names}")
-        paths.append((held, *_path(held, rotations)))
+        done, spent = _path(held, rotations)
+        paths.append(_Path(held, done, spent, cache(partial(_slid, held))))
     return [_state(brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
 
 
@@ -116,7 +134,7 @@ def _held(scene: Scene, brake: Brake, increments: int, penalty: float) -> Iterat
         try:
             rest, spent = _pressed(problem, gap, friction, start, increments)
         except NoAnswer as error:
-            group.answer()  # raises where the brake locks itself
+            group.settled()  # raises where the brake locks itself
             raise NoAnswer(f"{group.names}: {error}, the drum at rest") from error
         yield _Held(group, problem, lever * (brake.spin / group.unit_force), friction, rest, spent)
 
@@ -125,15 +143,32 @@ def _pressed(problem: Problem, gap: Floats, friction: Floats, state: Ints, incre
     """The increment in which the force is fully on, and what the slip on the way has dissipated.
 
     gap (n,): weighted, without force. Where it is none everywhere all grows with the force, and one increment is
-    exact; else they grow like cubes, for most happens under little force.
+    exact; else they grow like cubes, for most happens under little force. An increment that does not settle from the
+    states at hand, as one of a force so little that one node or two bear it, is taken together with the next. Raises
+    NoAnswer where the last does not settle.
     """
     history, energy = History(np.zeros(len(gap)), np.zeros(len(gap))), 0.0
     for share in np.linspace(0, 1, max(increments, 1) + 1)[1:] ** 3 if gap.any() else np.ones(1):
         part = problem._replace(q_w=gap + share * (problem.q_w - gap), q_s=share * problem.q_s, h=share * problem.h)
-        increment = stick_slip.solve(part, friction, history, state)
+        try:
+            increment = stick_slip.solve(part, friction, history, state)
+        except NoAnswer:
+            if share == 1:
+                raise
+            continue
         energy += _slip_work(problem, increment, history)
         history, state = increment.history, increment.state
     return increment, energy
+
+
+class _Path(NamedTuple):
+    """The increments of a group at the rotations, the energy [J] dissipated up to each, and `slid`: what the sliding
+    drum has whose linings slip one way, +1 or -1."""
+
+    held: _Held
+    increments: list[Increment]
+    spent: list[float]
+    slid: Callable[[int], "_Slid"]
 
 
 def _path(held: _Held, rotations: Floats) -> tuple[list[Increment], list[float]]:
@@ -147,8 +182,7 @@ def _path(held: _Held, rotations: Floats) -> tuple[list[Increment], list[float]]
                 energy += _slip_work(held.problem, step, increment.history)
                 increment = step
         except NoAnswer as error:
-            way = brake if rotation > reached else brake.model_copy(update={"rotation": OTHER_WAY[brake.rotation]})
-            replace(group, brake=way).answer()  # raises where the drum locks that way
+            _turning(group, brake if rotation > reached else _turned_back(brake)).settled()  # raises where it locks
             raise NoAnswer(f"{group.names}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         done.append(increment)
@@ -180,17 +214,29 @@ def turned(
         reached, pieces = step, pieces - 1
 
 
+def _turned_back(brake: Brake) -> Brake:
+    """The brake whose drum rotates the other way."""
+    return brake.model_copy(update={"rotation": OTHER_WAY[brake.rotation]})
+
+
+def _turning(group: ShoeGroup, brake: Brake) -> ShoeGroup:
+    """The group at another rotation or friction of the drum, under which its feet may slide another way."""
+    return replace(group, brake=brake, senses=() if group.rough else group.senses)
+
+
 def _slip_work(problem: Problem, after: Increment, before: History) -> float:
     """Work of the tractions on the plastic slip of an increment, by its end values."""
     slip = after.s - before.s - problem.Q @ (after.t - before.t)
     return float(after.t @ slip)
 
 
-def _state(brake: Brake, paths: list[tuple[_Held, list[Increment], list[float]]], k: int, rotation: float) -> Hold:
+def _state(brake: Brake, paths: list[_Path], k: int, rotation: float) -> Hold:
     found: dict[int, tuple[Floats, Floats, Floats, Ints]] = {}
-    torque = dissipated = 0.0
-    for held, increments, spent in paths:
-        dissipated += spent[k]
+    torque, dissipated, notes = 0.0, 0.0, list[str]()
+    for path in paths:
+        held, increments = path.held, path.increments
+        dissipated += path.spent[k]
+        notes += _apart(path, k)
         torque += held.torque(increments[k])
         group, size = held.group, held.group.unit_force
         for i, body, shoe, part in zip(group.members, group.bodies, group.shoes, group.parts, strict=True):
@@ -210,7 +256,82 @@ def _state(brake: Brake, paths: list[tuple[_Held, list[Increment], list[float]]]
         stick=tuple(arc["stick"] for arc in arcs),
         slip=tuple(arc["slip"] for arc in arcs),
         dissipated=dissipated,
+        notes=tuple(notes),
     )
+
+
+class _Slid(NamedTuple):
+    """A group under a drum that slides already as the force comes on, its answer and torque [N m], positive against the
+    sense of the brake's rotation; without an answer `why` says why not."""
+
+    group: ShoeGroup
+    found: Contact | None
+    torque: float
+    why: str
+
+
+def _slid(held: _Held, way: int) -> _Slid:
+    """The group under the drum that slides so that all nodes slip one way, +1 or -1."""
+    brake = held.group.brake
+    group = _turning(held.group, brake if way == brake.spin else _turned_back(brake))
+    try:
+        group, found = group.settled()
+    except NoAnswer as error:
+        return _Slid(group, None, math.nan, str(error))
+    torque = brake.friction * group.unit_force * float(group.levers.sum(axis=1) @ found.p)
+    return _Slid(group, found, way * brake.spin * torque, "")
+
+
+def _apart(path: _Path, k: int) -> list[str]:
+    """A line where in a state all nodes slip one way and the moment is not that of `solve`: both moments, and why."""
+    held, at = path.held, path.increments[k]
+    way = _full_slip(held, at)
+    if way == 0:
+        return []
+    torque, slid = held.torque(at), path.slid(way)
+    if math.isclose(torque, slid.torque, rel_tol=TWO_ANSWERS):
+        return []
+    shoe = held.group.shoes[0]
+    (what, unit), moving = effect_words(flat=shoe.flat), "body" if shoe.flat else "drum"
+    said = f"{held.group.names}: at full slip the {what} is {torque:.6g} {unit}"
+    if slid.found is None:
+        return [f"{said}; solve has none: {slid.why}"]
+    said += f", by solve {slid.torque:.6g} {unit}"
+    feet = _feet_apart(held, at, slid.group, slid.found)
+    if not feet:
+        return [f"{said}: more than one answer"]
+    ends, places = " and ".join(foot.came_to for foot in feet), " and ".join(foot.by_solve for foot in feet)
+    return [
+        f"{said}: the force came on while the {moving} was at rest and left {ends} along its abutment from where it "
+        f"was without force; in solve the {moving} moves already as the force comes on, which leaves it at {places}"
+    ]
+
+
+class _Foot(NamedTuple):
+    """How far a foot has slid along its abutment in words: at the end of a path, and by `solve`."""
+
+    came_to: str
+    by_solve: str
+
+
+def _full_slip(held: _Held, at: Increment) -> int:
+    """The sense in which all nodes of the linings slip that touch, +1 or -1; 0 where some do not."""
+    touching = set(at.state[: held.group.parts[-1].stop].tolist()) - {OPEN}
+    return 1 if touching == {FORWARD} else -1 if touching == {BACKWARD} else 0
+
+
+def _feet_apart(held: _Held, at: Increment, slid: ShoeGroup, found: Contact) -> list[_Foot]:
+    """The feet on which friction acts otherwise at the end of a path than in the answer `found` of the group `slid`."""
+    n, size, feet = held.group.parts[-1].stop, held.group.unit_force, []
+    for node, k in enumerate(Feet.of(held.group).on, start=n):
+        shoe, (x, y) = slid.shoes[k], slid.reaction(found, k)
+        bearing, along = float(shoe.bearing @ (x, y)), float(shoe.bearing @ (y, -x))
+        if at.p[node] > 0 and abs(at.t[node] / at.p[node] - along / bearing) <= OTHER_FRICTION:
+            continue
+        slide = float(slid.amounts(found)[k][-1]) if slid.each_sense[k] else 0.0
+        came_to, by_solve = (f"{1e6 * size * length:.6g} µm" for length in (0.0 - at.s[node], slide))
+        feet.append(_Foot(f"the foot of shoe {shoe.name!r} {came_to}", by_solve))
+    return feet
 
 
 def full_slip_rotation(scene: Scene, brake: Brake, *, increments: int = 20, penalty: float = PENALTY) -> float:
@@ -243,7 +364,7 @@ def _slipping(held: _Held, target: float, way: int) -> float:
         if np.isin(increment.state[:n], [OPEN, way]).all():
             if len(increment.state) > n:  # a foot that sticks stands where it came to by its path
                 return reached
-            if math.isclose(torque, target, rel_tol=1e-6):
+            if math.isclose(torque, target, rel_tol=TWO_ANSWERS):
                 return reached
             raise NoAnswer(
                 f"more than one answer: held it comes to slip everywhere at {torque:.5g} N m, "
@@ -276,13 +397,14 @@ def on_plane(states: list[Hold], unit: float) -> list[Hold]:
 
 
 def as_dict(states: list[Hold]) -> list[dict[str, Any]]:
-    """States as plain data for JSON: rad, N m, Pa, J; node states by name."""
+    """States as plain data for JSON: rad, N m, Pa, J; node states by name; notes."""
     names = {OPEN: "open", STICK: "stick", FORWARD: "slip", BACKWARD: "slip back"}
     return [
         {
             "rotation": state.rotation,
             "torque": state.torque,
             "dissipated": state.dissipated,
+            "notes": list(state.notes),
             "shoes": [
                 {
                     "name": name,
