@@ -59,13 +59,13 @@ def _rigid(data: dict[str, Any]) -> dict[str, Any]:
     return data | {"shoe": shoes}
 
 
-def _log(rng: Rng, low: float, high: float) -> float:
+def log_between(rng: Rng, low: float, high: float) -> float:
     """Between low and high, on a logarithmic scale."""
     return float(f"{math.exp(rng.uniform(math.log(low), math.log(high))):.4g}")
 
 
 def _drum(rng: Rng, shoes: Callable[[Rng, float], list[dict[str, Any]]], **more: Any) -> dict[str, Any]:
-    R = _log(rng, 0.06, 1.2)
+    R = log_between(rng, 0.06, 1.2)
     rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
     return {"rotation": rotation, "drum": {"radius": R}, "shoe": shoes(rng, R)} | more
 
@@ -74,8 +74,8 @@ def _lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
     """A shoe about the x axis without what holds and pushes it, now with an elastic body, now rigid."""
     u = rng.uniform
     half, middle, width = u(0.45, 1.0), u(-0.1, 0.1), R * u(0.2, 0.6)
-    thickness = R * _log(rng, 1 / 60, 1 / 8)
-    material = {"E": _log(rng, 1e8, 1e9), "nu": round(float(u(0.1, 0.4)), 3)}
+    thickness = R * log_between(rng, 1 / 60, 1 / 8)
+    material = {"E": log_between(rng, 1e8, 1e9), "nu": round(float(u(0.1, 0.4)), 3)}
     shoe: dict[str, Any] = {
         "name": "first",
         "side": "internal" if inside else "external",
@@ -86,7 +86,7 @@ def _lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
     if rng.random() < 0.7:
         shoe["body"] = {
             "thickness": R * u(0.06, 0.2), "width": width, "start": middle - half - u(0.03, 0.2),
-            "end": middle + half + u(0.03, 0.2), "material": {"E": _log(rng, 7e10, 2.1e11), "nu": 0.3},
+            "end": middle + half + u(0.03, 0.2), "material": {"E": log_between(rng, 7e10, 2.1e11), "nu": 0.3},
         }  # fmt: skip
     return shoe
 
@@ -95,7 +95,7 @@ def _push(rng: Rng, shoe: dict[str, Any], R: float, direction: float, at: tuple[
     """Its actuation: a force that presses the lining by a thousandth or so of its modulus."""
     lining = shoe["lining"]
     area = R * (lining["end"] - lining["start"]) * lining["width"]
-    force = float(f"{lining['material']['E'] * area * _log(rng, 1e-4, 3e-3):.4g}")
+    force = float(f"{lining['material']['E'] * area * log_between(rng, 1e-4, 3e-3):.4g}")
     return {"force": force, "direction": direction, "point": {"x": R * at[0], "y": R * at[1]}}
 
 
@@ -225,9 +225,9 @@ def _chain(rng: Rng) -> dict[str, Any]:
 
 def _pad(rng: Rng, held: str) -> dict[str, Any]:
     u = rng.uniform
-    long, start = _log(rng, 0.04, 0.3), float(u(-0.3, 0.3))
-    middle, width, t = start + long / 2, long * u(0.2, 0.8), long * _log(rng, 1 / 40, 1 / 8)
-    material = {"E": _log(rng, 1e8, 1e10), "nu": round(float(u(0.1, 0.4)), 3)}
+    long, start = log_between(rng, 0.04, 0.3), float(u(-0.3, 0.3))
+    middle, width, t = start + long / 2, long * u(0.2, 0.8), long * log_between(rng, 1 / 40, 1 / 8)
+    material = {"E": log_between(rng, 1e8, 1e10), "nu": round(float(u(0.1, 0.4)), 3)}
     lining = {"start": start, "end": start + long, "thickness": t, "width": width, "material": material}
     shoe: dict[str, Any] = {"name": "pad", "lining": lining}
     if rng.random() < 0.7:
@@ -247,7 +247,7 @@ def _pad(rng: Rng, held: str) -> dict[str, Any]:
         face = {"point": {"x": start - 0.1 * long, "y": long * u(0.05, 0.2)}, "direction": u(-0.2, 0.2)}
         face["friction"] = round(float(u(0.0, 0.3)), 3)
         shoe |= {"guide": {"direction": -math.pi / 2 + u(-0.2, 0.2)}} if held == "guide" else {"abutment": face}
-    force = float(f"{material['E'] * long * width * _log(rng, 1e-4, 3e-3):.4g}")
+    force = float(f"{material['E'] * long * width * log_between(rng, 1e-4, 3e-3):.4g}")
     shoe["actuation"] = {"force": force, "direction": down, "point": at}
     lining |= _ill_fitting(rng.spawn(1)[0], lining, force / (material["E"] * long * width) * t)
     return {"plane": {"sliding": str(rng.choice(["+x", "-x"]))}, "shoe": [shoe]}
