@@ -199,7 +199,7 @@ def beside(coarse: Bools, count: int) -> Bools:
 def halved(problem: Problem) -> Problem:
     """The problem on every other node, p linear in between."""
     A, q, B, C, h = problem
-    return Problem(_halved(_halved(A, 1)), _halved(q), _halved(B), _halved(C, 1), h)
+    return Problem(halved_sums(halved_sums(A, 1)), halved_sums(q), halved_sums(B), halved_sums(C, 1), h)
 
 
 def between(coarse: Floats, count: int) -> Floats:
@@ -211,7 +211,7 @@ def between(coarse: Floats, count: int) -> Floats:
     return p
 
 
-def _halved(rows: Floats, axis: int = 0) -> Floats:
+def halved_sums(rows: Floats, axis: int = 0) -> Floats:
     """P^T rows: every other row with half of each neighbour (n, ...) -> ((n + 1) // 2, ...); axis 1: of columns."""
     at = (slice(None),) * axis
     half, between = rows[*at, ::2].copy(), 0.5 * rows[*at, 1::2]

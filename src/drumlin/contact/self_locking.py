@@ -20,14 +20,18 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
-from drumlin.contact.active_set import Contact, beside, between, halved, settle, solve
+from drumlin.contact.active_set import Contact, beside, between, halved, halved_sums, settle, solve
 from drumlin.contact.equations import Problem, equilibrated
 from drumlin.errors import NoAnswer
 
 LARGEST = 1e3  # friction coefficient up to which a limit is looked for
 STEP = 0.05  # largest step of mu; above mu = 1 relative to it
 CLOSE = 1e-8  # relative distance from an eigenvalue at which the contact set must hold
-QUIET = 0.5  # growth of pressure over a step of friction; with the second half of it, up to half of the limit no more
+QUIET = 0.5
+"""Largest relative growth of the contact force, the sum of pressures times their areas, over a step of
+friction that the answer is followed through without a look at what lies between. The force grows as
+1/(mu_lock - mu), so that it grows by no more over the second half of any friction up to half of mu_lock.
+Above it the step is halved."""
 LARGE = 600  # nodes above which the answer is followed on every other one
 LIKE = 0.1  # of the pressures in the norm of their work: of two meshes of one answer 0.004, of two answers 0.7
 RESOLUTION = 1e-12  # relative, of a limit where the answer turns back
@@ -66,12 +70,18 @@ class Limit(NamedTuple):
     steps: int
 
 
-def limit(sliding: Sliding, most: float = LARGEST, known: tuple[float, Contact] | None = None) -> Limit:
+def limit(
+    sliding: Sliding,
+    most: float = LARGEST,
+    known: tuple[float, Contact] | None = None,
+    areas: Floats | None = None,
+) -> Limit:
     """Follow the answer from mu = 0 to its end, or to mu = `most`.
 
-    known: a friction coefficient and the answer there, which is followed on from. Raises NoAnswer where there is no
-    answer at mu = 0.
+    known: a friction coefficient and the answer there, which is followed on from; areas: see `answer`. Raises NoAnswer
+    where there is no answer at mu = 0.
     """
+    areas = _areas(sliding.still, areas)
     mu, found = (0.0, _without_friction(sliding.still)) if known is None else known
     steps = 0
     reach, critical, of = STEP, np.inf, np.zeros(0, dtype=bool)
@@ -79,7 +89,7 @@ def limit(sliding: Sliding, most: float = LARGEST, known: tuple[float, Contact] 
         steps += 1
         target = min(mu + reach, most)
         after = _reached(sliding, target, found.active)
-        if after is not None and (np.array_equal(after.active, found.active) or _quiet(after, found)):
+        if after is not None and (np.array_equal(after.active, found.active) or _quiet(after, found, areas)):
             found, mu, reach = after, target, min(2 * reach, STEP * max(1.0, mu))
             continue
         if not np.array_equal(of, found.active):
@@ -105,6 +115,7 @@ def answer(
     problem_at: Callable[[float], Problem],
     friction: float,
     start: Bools | None = None,
+    areas: Floats | None = None,
     *,
     law: float,
     brake: str,
@@ -112,12 +123,13 @@ def answer(
     """The answer at a friction coefficient: the one that is followed from mu = 0, which is unique there.
 
     Below the limit of the rigid shoe that is the stable one that settles at once from the contact set `start`, if from
-    half of the friction on pressures grow by less than QUIET of themselves, as they do up to half of the limit; else
+    half of the friction on the contact force grows by less than QUIET of itself, as it does up to half of the limit; else
     it is followed in many small steps, from half of the friction on where the answer there is as quiet. Not any stable
     one, nor the one that wider gaps lead to: near the limit, where the contact grows fast, and beyond it some stand
     apart, reached by no friction that grows from 0.
 
-    problem_at: the problem at a friction coefficient, linear in it; law: mu_lock of the rigid shoe; brake: what
+    problem_at: the problem at a friction coefficient, linear in it; areas (n,): of the nodes [m^2], by which pressures
+    make a force, 1 where they are forces already; law: mu_lock of the rigid shoe; brake: what
     there is an equilibrium of, in words. Of a LARGE problem the answer on every other node is followed, at a fraction
     of the cost; the one that settles at once from its contact set is taken where the two are LIKE each other. Raises
     NoAnswer with both limits where the answer ends before that friction, and with another reason where friction is not
@@ -126,8 +138,9 @@ def answer(
     if friction == 0:
         return _without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
+    areas = _areas(problem, areas)
     if len(problem.q) > LARGE:
-        like = _as_coarser(problem, problem_at(0.0), friction, start, law)
+        like = _as_coarser(problem, problem_at(0.0), friction, start, areas, law)
         if like is not None:
             return like
     half = None
@@ -137,13 +150,13 @@ def answer(
         reason = "self-locking, no stable equilibrium"
         if stable:
             half = settle(problem_at(0.5 * friction), found.active, like=found.system)
-            if _quiet(found, half):
+            if _quiet(found, half, areas):
                 return found
     except NoAnswer as error:
         stable, reason = False, str(error)
-    known = (0.5 * friction, half) if half is not None and _sure(problem_at, 0.5 * friction, half) else None
+    known = (0.5 * friction, half) if half is not None and _sure(problem_at, 0.5 * friction, half, areas) else None
     try:
-        end = limit(Sliding.through(problem_at(0.0), problem_at(1.0)), friction, known)
+        end = limit(Sliding.through(problem_at(0.0), problem_at(1.0)), friction, known, areas)
     except NoAnswer:  # none without friction: friction is not to blame
         if stable:
             return found
@@ -161,7 +174,9 @@ def locks(friction: float, limit: float, *, law: float, brake: str) -> str:
     )
 
 
-def _as_coarser(problem: Problem, still: Problem, friction: float, start: Bools | None, law: float) -> Contact | None:
+def _as_coarser(
+    problem: Problem, still: Problem, friction: float, start: Bools | None, areas: Floats, law: float
+) -> Contact | None:
     """The stable answer that settles at once, where it is like the `answer` on every other node; or None.
 
     problem, still: at the friction coefficient and at 0; start: the contact set to settle from, by default the coarse
@@ -169,7 +184,7 @@ def _as_coarser(problem: Problem, still: Problem, friction: float, start: Bools 
     """
     coarse = Sliding.through(halved(still), halved(problem), friction)
     try:
-        like = answer(coarse.at, friction, law=law, brake="")
+        like = answer(coarse.at, friction, None, halved_sums(areas), law=law, brake="")
         found = settle(problem, beside(like.p > 0, len(problem.q)) if start is None else start)
     except NoAnswer:
         return None
@@ -178,17 +193,26 @@ def _as_coarser(problem: Problem, still: Problem, friction: float, start: Bools 
     return found if found.regular and same else None
 
 
-def _sure(problem_at: Callable[[float], Problem], friction: float, found: Contact) -> bool:
+def _sure(problem_at: Callable[[float], Problem], friction: float, found: Contact, areas: Floats) -> bool:
     """Whether an answer at a friction coefficient, below the limit of the rigid shoe, is the one that is followed."""
     try:
-        return found.regular and _quiet(found, settle(problem_at(0.5 * friction), found.active, like=found.system))
+        half = settle(problem_at(0.5 * friction), found.active, like=found.system)
+        return found.regular and _quiet(found, half, areas)
     except NoAnswer:
         return False
 
 
-def _quiet(found: Contact, before: Contact) -> bool:
-    """Whether pressures have grown by less than QUIET since the answer at less friction."""
-    return before.regular and float(found.p.sum()) <= (1 + QUIET) * float(before.p.sum())
+def _quiet(found: Contact, before: Contact, areas: Floats) -> bool:
+    """Whether the contact force has grown by less than QUIET since the answer at less friction.
+
+    The force, not the sum of pressures: the contact moves along the lining as friction grows, and where it comes from
+    wide columns to narrow ones more nodes press, and harder, under the same force.
+    """
+    return before.regular and float(areas @ found.p) <= (1 + QUIET) * float(areas @ before.p)
+
+
+def _areas(problem: Problem, areas: Floats | None) -> Floats:
+    return np.ones(len(problem.q)) if areas is None else areas
 
 
 def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:

@@ -149,6 +149,11 @@ class ShoeGroup:
         return np.asarray(block_diag(*(body.coupling.lever for body in self.bodies)).T)
 
     @cached_property
+    def areas(self) -> Floats:
+        """Area (n,) [m^2] of each contact node: times the pressures the contact force."""
+        return np.concatenate([body.coupling.area for body in self.bodies])
+
+    @cached_property
     def masses(self) -> Floats:
         """(n, n) [m^2]: what weighs a gap on the linings."""
         return np.asarray(block_diag(*(body.coupling.M for body in self.bodies)))
@@ -274,7 +279,9 @@ class ShoeGroup:
             reach.check_pin(shoe, body.line.xy, gap, load[1])
         law = min(self.law(i) for i in self.members)
         try:
-            found = self_locking.answer(self.problem_at, self.brake.friction, first, law=law, brake=ELASTIC)
+            found = self_locking.answer(
+                self.problem_at, self.brake.friction, first, self.areas, law=law, brake=ELASTIC
+            )
         except NoAnswer as error:
             raise NoAnswer(f"{self.names}: {error}") from error
         for shoe, sense, gap, amounts in zip(self.shoes, self.each_sense, self.gaps, self.amounts(found), strict=True):
@@ -344,9 +351,9 @@ class ShoeGroup:
         under any, as where it takes friction to press a foot on its abutment.
         """
         if not self.links and not self.cam and all(shoe.abutment is None for shoe in self.shoes):
-            return Followed(self_locking.limit(self.sliding, most), leaves=False)
+            return Followed(self_locking.limit(self.sliding, most, areas=self.areas), leaves=False)
         low, (at, found) = self._first(most)
-        end = self_locking.limit(at.sliding, most, (low, found))
+        end = self_locking.limit(at.sliding, most, (low, found), self.areas)
         while low < (last := min(end.friction * (1 - NEAR_POLE), most)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
             after = at._pushing(high)
@@ -355,7 +362,7 @@ class ShoeGroup:
             low = high
             if after[0].senses != at.senses:
                 at, found = after
-                end = self_locking.limit(at.sliding, most, (low, found))
+                end = self_locking.limit(at.sliding, most, (low, found), self.areas)
         return Followed(end, leaves=False)
 
     def at_friction(self, friction: float) -> "ShoeGroup":
