@@ -305,8 +305,8 @@ def test_coarse_problems_are_those_on_every_other_node():
         P = np.array([np.interp(np.arange(n), np.arange(0, n, 2), row) for row in np.eye((n + 1) // 2)]).T
         rows = np.arange(2.0 * n).reshape(n, 2) ** 2
         P[-1] = P[-1] if n % 2 else [0, 0, 0.5]  # the last node of an even number has one neighbour
-        assert active_set._halved(rows) == pytest.approx(P.T @ rows)
-        assert active_set._halved(rows.T, 1) == pytest.approx((P.T @ rows).T)
+        assert active_set.halved_sums(rows) == pytest.approx(P.T @ rows)
+        assert active_set.halved_sums(rows.T, 1) == pytest.approx((P.T @ rows).T)
         assert active_set.between(rows[: (n + 1) // 2, 0], n) == pytest.approx(P @ rows[: (n + 1) // 2, 0])
     assert active_set.coarse_start(free(np.eye(47), np.ones(47))).all()
     assert active_set.coarse_start(free(-np.eye(48), -np.ones(48))).all()  # without an answer: all nodes, too

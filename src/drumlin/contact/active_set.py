@@ -16,11 +16,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import combinations
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
-from drumlin.contact.equations import Changed, Equations, Problem, System, equilibrated, few_changed, regular
+from drumlin.arrays import Bools, Floats, Ints
+from drumlin.contact.equations import TINY, Changed, Equations, Problem, System, equilibrated, few_changed, regular
 from drumlin.errors import NoAnswer
 
 MOST_STEPS = 120  # a brake that has an answer needs some ten
@@ -89,7 +90,7 @@ def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS,
     largest_q = np.abs(r[:n]).max()
     base: Equations | None = None
     for step in range(1, most + 1):
-        if not _resisted(problem.B, active):  # a motion that nothing resists yet
+        if not _resisted(problem, active):  # a motion that nothing resists yet
             active = active | _first_touch(system.problem)
         on = system.on(active)
         if base is not None and few_changed(base, on):
@@ -125,8 +126,54 @@ def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS,
             continue
         if patience < 0:
             break
-        active = active ^ change
+        active = _changed(problem, active, change, x, w, equations, K)
     raise NotSettled(step)
+
+
+def _changed(
+    problem: Problem, active: Bools, change: Bools, x: Floats, w: Floats, equations: Equations, K: Floats
+) -> Bools:
+    """The contact set (n,) with the nodes `change` changed, as far as its motions stay resisted.
+
+    A rigid shoe with two free motions stands on two nodes. It cannot leave one of them, but turns about the other until
+    a third one touches: see `_blocking`. So a short contact moves along the lining node by node.
+    """
+    wanted = active ^ change
+    if _resisted(problem, wanted):
+        return wanted
+    found = active | change
+    leaving = np.flatnonzero(active & change)
+    leaving = leaving[np.argsort(x[leaving], kind="stable")]
+    for node in leaving:
+        found[node] = False
+        found[node] = not _resisted(problem, found)
+    if not np.array_equal(found, active) or not len(leaving):
+        return found
+    worst = int(leaving[0])
+    touched, _ = _blocking(K, equations, w, worst, found)
+    if touched is None:
+        return wanted
+    found[[worst, touched]] = False, True
+    return found
+
+
+def _blocking(
+    K: Floats, equations: Equations, w: Floats, leaving: int, active: Bools
+) -> tuple[int | None, float]:
+    """The node that touches first as the node `leaving` opens, and how far that has opened; None where none does.
+
+    The set `active` without it would leave a motion free, so that nothing else changes than this motion.
+    """
+    unit = np.zeros(len(K))
+    unit[leaving] = -1.0
+    slope = (K @ equations.solve(unit))[: len(w)]
+    closes = ~active & (slope < -SLACK * np.abs(slope).max(initial=0.0))
+    if not closes.any():
+        return None, math.inf
+    reach = np.full(len(w), np.inf)
+    reach[closes] = np.maximum(w[closes], 0.0) / -slope[closes]
+    first = int(reach.argmin())
+    return first, float(reach[first])
 
 
 def narrowed(problem: Problem) -> tuple[Bools, int]:
@@ -164,7 +211,15 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
         s += way * reach[last]
         if not np.isfinite(s):
             break
-        active[last] ^= True
+        leaves, active[last] = active[last], not active[last]
+        if leaves and not _resisted(problem, active):
+            active[last] = True
+            at = np.where(active, 0.0, value + s * slope)
+            touched, _ = _blocking(K, equations, at, last, active)
+            if touched is None:
+                break
+            active[[last, touched]] = False, True
+            last = touched
     raise NoAnswer("no equilibrium found: from wider gaps the contact never reaches the true ones")
 
 
@@ -226,11 +281,19 @@ def _tangent(equations: Equations, system: System, dq: Floats) -> Floats:
     return (system.across * equations.solve(system.down * dr))[: system.n]
 
 
-def _resisted(B: Floats, active: Bools) -> bool:
-    """Whether each free motion meets a node of the contact set, motions of the same nodes one each; B (n, k)."""
+def _resisted(problem: Problem, active: Bools) -> bool:
+    """Whether each free motion meets a node of the contact set (n,), motions of the same nodes one each.
+
+    Where nothing acts on a motion, as on the slide of a shoe that a cam pushes, pressures have to balance each other:
+    one alone cannot.
+    """
+    B, k = problem.B, len(problem.h)
     touched = B[active]
-    if B.shape[1] < 2:
+    if k < 2:
         return bool(touched.any()) or not B.size
+    idle = problem.h == 0
+    if idle.any() and (np.count_nonzero(problem.C[idle][:, active], axis=1) == 1).any():
+        return False
     touched = touched != 0
     return bool(touched.any(axis=0).all()) and all(
         np.count_nonzero(touched[:, of].any(axis=1)) >= len(of) for of in _together(B != 0)
@@ -238,26 +301,49 @@ def _resisted(B: Floats, active: Bools) -> bool:
 
 
 def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:
-    """For each free motion the nodes that the actuation closes first, when nothing touches; `alone`: one of them."""
+    """For each free motion the nodes that the actuation closes first, when nothing touches; `alone`: one of them.
+
+    Shoes that push others come before these, whose forces follow from the pressures of the first ones.
+    """
     _, q, B, C, h = problem
-    touching = np.zeros(len(q), dtype=bool)
-    for motions in _together(B != 0):
+    n = len(q)
+    touching, p = np.zeros(n, dtype=bool), np.zeros(n)
+    for motions in _in_order(_together(B != 0), B != 0, C != 0):
+        own = (B[:, motions] != 0).any(axis=1)
+        load = h[motions] - C[motions] @ p
         if len(motions) > 1:
-            touching |= _first_pair(q, B[:, motions], C[motions], h[motions])
-            continue
-        (k,) = motions
-        bearing = C[k] * h[k] > 0  # nodes whose pressure resists the actuation
-        if not bearing.any():
-            raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
-        reach = np.where(bearing, q / np.maximum(np.abs(B[:, k]), np.finfo(float).tiny), np.inf)
-        if alone:
-            touching[reach.argmin()] = True
+            first = _first_nodes(q, B[:, motions], C[motions], load, own)
+            touching[first] = True
         else:
-            touching |= reach <= reach.min()
+            (k,) = motions
+            bearing = own & (C[k] * load > 0)  # nodes whose pressure resists the actuation
+            if not bearing.any():
+                raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
+            reach = np.where(bearing, q / np.maximum(np.abs(B[:, k]), np.finfo(float).tiny), np.inf)
+            first = np.array([reach.argmin()])
+            touching[first if alone else reach <= reach.min()] = True
+        p[first] = np.linalg.solve(C[motions][:, first], load)
     return touching
 
 
-MOST_PAIRS = 64  # nodes among which the two that bear two motions first are looked for
+MOST_SETS = 2016
+"""Sets of nodes, as many as there are motions, among which those that bear these motions first are looked
+for: all pairs of 64 nodes, or all triples of 23."""
+
+
+def _in_order(sets: list[list[int]], moves: Bools, bears: Bools) -> list[list[int]]:
+    """Sets of motions, those first whose equilibria know no pressures but their own and those of earlier ones.
+
+    moves (n, k): whether a motion moves a node; bears (k, n): whether a pressure is in its equilibrium.
+    """
+    found: list[list[int]] = []
+    left, known = list(sets), np.zeros(len(moves), dtype=bool)
+    while left:
+        of = [(bears[motions].any(axis=0) & ~moves[:, motions].any(axis=1) & ~known).any() for motions in left]
+        motions = left.pop(of.index(False) if False in of else 0)
+        known |= moves[:, motions].any(axis=1)
+        found.append(motions)
+    return found
 
 
 def _together(moved: Bools) -> list[list[int]]:
@@ -272,21 +358,31 @@ def _together(moved: Bools) -> list[list[int]]:
     return found
 
 
-def _first_pair(q: Floats, B: Floats, C: Floats, h: Floats) -> Bools:
-    """Two nodes whose pressures balance two motions B (n, 2), C (2, n), with those that leave the others most open."""
-    on = np.flatnonzero((B != 0).any(axis=1))
-    on = on[np.unique(np.linspace(0, len(on) - 1, min(len(on), MOST_PAIRS)).astype(int))]
-    i, j = (on[side] for side in np.triu_indices(len(on), 1))
-    det = C[0, i] * C[1, j] - C[0, j] * C[1, i]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        p, r = (h[0] * C[1, j] - h[1] * C[0, j]) / det, (h[1] * C[0, i] - h[0] * C[1, i]) / det
-        gaps = B[i, 0] * B[j, 1] - B[j, 0] * B[i, 1]
-        y = np.array([B[i, 1] * q[j] - B[j, 1] * q[i], B[j, 0] * q[i] - B[i, 0] * q[j]]) / gaps
-    bears = (p >= 0) & (r >= 0) & np.isfinite(p) & np.isfinite(r) & np.isfinite(y).all(axis=0)
-    if not bears.any() or len(h) > 2:
+def _first_nodes(q: Floats, B: Floats, C: Floats, h: Floats, own: Bools) -> Ints:
+    """As many nodes as motions B (n, k), C (k, n) whose pressures balance these, with which the others are most open.
+
+    own (n,): the nodes that the motions move.
+    """
+    k, on = len(h), np.flatnonzero(own)
+    few = len(on)
+    while math.comb(few, k) > MOST_SETS:
+        few -= 1
+    on = on[np.unique(np.linspace(0, len(on) - 1, few).astype(int))]
+    sets = on[np.array(list(combinations(range(len(on)), k)), dtype=int).reshape(-1, k)]
+    equilibria, closings = C.T[sets].transpose(0, 2, 1), B[sets]  # (sets, k, k)
+    fixed = _independent(equilibria) & _independent(closings.transpose(0, 2, 1))
+    sets, equilibria, closings = sets[fixed], equilibria[fixed], closings[fixed]
+    p = np.linalg.solve(equilibria, np.broadcast_to(h[:, None], (len(sets), k, 1)))[..., 0]
+    bears = (p >= 0).all(axis=1)
+    if not bears.any():
         raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
-    open_ = (q[on] + (B[on] @ y[:, bears]).T).min(axis=1)
-    best = np.flatnonzero(bears)[np.argmax(open_)]
-    touching = np.zeros(len(q), dtype=bool)
-    touching[[i[best], j[best]]] = True
-    return touching
+    y = -np.linalg.solve(closings[bears], q[sets[bears]][..., None])[..., 0]
+    open_ = (q[on] + y @ B[on].T).min(axis=1)
+    return np.asarray(sets[bears][np.argmax(open_)])
+
+
+def _independent(matrices: Floats) -> Bools:
+    """Whether matrices (m, k, k) of motions by nodes are regular beyond round-off, whatever units the motions have."""
+    scaled = matrices / np.maximum(np.abs(matrices).max(axis=(0, 2)), TINY)[:, None]
+    scaled = scaled / np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), TINY)
+    return np.asarray(np.abs(np.linalg.det(scaled)) > SLACK)

@@ -142,20 +142,20 @@ def _unforced(shoe: dict[str, Any]) -> dict[str, Any]:
     return shoe | {"actuation": actuation}
 
 
-def _facing(shoe: dict[str, Any]) -> dict[str, Any]:
+def facing(shoe: dict[str, Any]) -> dict[str, Any]:
     """A shoe of data as drawn here, mirrored to the other side of the drum."""
     return _shoe_placed(shoe | {"name": "second"}, math.pi, mirrored=True)
 
 
 def _cam(rng: Rng) -> dict[str, Any]:
     make = _hinged if rng.random() < 0.6 else lambda rng, R: _abutted(rng, R, rough=bool(rng.random() < 0.5))
-    data = _drum(rng, lambda rng, R: [make(rng, R), _facing(make(rng, R))])
+    data = _drum(rng, lambda rng, R: [make(rng, R), facing(make(rng, R))])
     force = 2 * min(shoe["actuation"]["force"] for shoe in data["shoe"])
     return data | {"shoe": [_unforced(shoe) for shoe in data["shoe"]], "actuation": {"force": force}}
 
 
 def _cylinder(rng: Rng) -> dict[str, Any]:
-    data = _drum(rng, lambda rng, R: [_abutted(rng, R, rough=True), _facing(_hinged(rng, R))])
+    data = _drum(rng, lambda rng, R: [_abutted(rng, R, rough=True), facing(_hinged(rng, R))])
     force, bore = min(shoe["actuation"]["force"] for shoe in data["shoe"]), data["drum"]["radius"] / 5
     drive = {"pressure": force / (math.pi * bore**2 / 4) / 0.95, "diameter": bore, "efficiency": 0.95}
     return data | {"shoe": [_unforced(shoe) for shoe in data["shoe"]], "actuation": drive}
@@ -165,9 +165,9 @@ def _strut(rng: Rng) -> dict[str, Any]:
     def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
         u, second = rng.uniform, _lining(rng, R)
         second |= {"hinge": _point(R, u(0.05, 0.3), u(0.65, 0.85)), "actuation": _push(rng, second, R, 0.0, (0.0, 0.0))}
-        facing = _facing(second)
-        del facing["actuation"]
-        return [_abutted(rng, R, rough=False), facing]
+        other = facing(second)
+        del other["actuation"]
+        return [_abutted(rng, R, rough=False), other]
 
     return _drum(rng, shoes, link=[{"from": "first", "to": "second"}])
 

@@ -11,7 +11,7 @@ import numpy as np
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake, any_from
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import law
-from drumlin.verification.random_kinds import ATTEMPTS, KINDS, Rng, log_between, placed
+from drumlin.verification.random_kinds import ATTEMPTS, KINDS, Rng, facing, log_between, placed
 
 STIFFNESS = 3e8, 1e11
 """Least and largest Young's modulus of the linings [Pa]."""
@@ -47,12 +47,18 @@ def standing_off(seed: int, kind: str | None = None) -> AnyBrake:
 
 
 def _off(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
-    """The data of a brake with a clearance, other moduli of the linings and smaller forces."""
+    """The data of a brake with a clearance, other moduli of the linings and smaller forces.
+
+    The shoes of a cam are mirror images: it moves both tips alike, and of shoes that stand off differently it
+    would press one only.
+    """
     cut = log_between(rng, *CUT)
     shoes = [_shoe_off(rng, shoe, data.get("drum"), cut) for shoe in data["shoe"]]
     found = data | {"shoe": shoes}
     if "actuation" in data:
         found["actuation"] = _cut(data["actuation"], cut)
+        if "force" in data["actuation"]:
+            found["shoe"] = [shoes[0], facing(shoes[0])]
     return found
 
 
