@@ -64,30 +64,32 @@ def steps(
     friction grows lies there too, and a short contact on nodes far apart may find no way. So a refusal is asked for
     once more on an even division of the same level, see EVEN, and all levels from there on are so.
 
-    Raises NoAnswer where two levels have none.
+    Raises NoAnswer where neither division of the first level has an answer, or two later levels have none.
     """
     last: Response | None = None
     alike = assembly.alike(brake)
     refused, even, places = 0, math.inf, places_of(brake, None, alike)
     for level in levels or LEVELS:
+        step: Step | None = None
         for _ in range(MOST_PASSES):
             made = scene(brake, _evened(level, even), places, cache, alike)
             try:
                 found = respond(made, brake, start=last)
             except NoAnswer:
+                step = None
                 if math.isinf(even):
                     even = min(end - start for start, end in (shoe.arc for shoe in brake.shoes)) / EVEN
                     continue
                 refused += 1
-                if refused == 2:
+                if refused == 2 or last is None:
                     raise
                 break
+            step = Step(made, found)
             last, meant, places = found, places, places_of(brake, found, alike)
             if not any(_moved(brake.shoes[i].arc, meant[i], now) for i, now in places.items()):
-                yield Step(made, found)
                 break
-        else:
-            yield Step(made, found)
+        if step is not None:
+            yield step
 
 
 def _evened(level: Level, largest: float) -> Level:
