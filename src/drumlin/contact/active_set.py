@@ -126,31 +126,39 @@ def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS,
             continue
         if patience < 0:
             break
-        active = _changed(problem, active, change, x, w, equations, K)
+        active = _changed(problem, active, change, p, w, equations, K)
     raise NotSettled(step)
 
 
 def _changed(
-    problem: Problem, active: Bools, change: Bools, x: Floats, w: Floats, equations: Equations, K: Floats
+    problem: Problem,
+    active: Bools,
+    change: Bools,
+    p: Floats,
+    w: Floats,
+    equations: Equations,
+    K: Floats,
 ) -> Bools:
-    """The contact set (n,) with the nodes `change` changed, as far as its motions stay resisted.
+    """The contact set (n,) with the nodes `change` (n,) changed, as far as its motions stay resisted.
 
-    A rigid shoe with two free motions stands on two nodes. It cannot leave one of them, but turns about the other until
-    a third one touches: see `_blocking`. So a short contact moves along the lining node by node.
+    A shoe with two free motions that hardly yields stands on two nodes. It cannot leave one of them
+    without a third: it turns about the other until the third one touches, see `_blocking`. In this way a
+    short contact moves along the lining node by node. p, w (n,): pressures and weighted gaps of the set
+    `active`, equilibrated as K is.
     """
     wanted = active ^ change
     if _resisted(problem, wanted):
         return wanted
     found = active | change
     leaving = np.flatnonzero(active & change)
-    leaving = leaving[np.argsort(x[leaving], kind="stable")]
+    leaving = leaving[np.argsort(p[leaving], kind="stable")]
     for node in leaving:
         found[node] = False
         found[node] = not _resisted(problem, found)
     if not np.array_equal(found, active) or not len(leaving):
         return found
     worst = int(leaving[0])
-    touched, _ = _blocking(K, equations, w, worst, found)
+    touched = _blocking(K, equations, w, worst, found)
     if touched is None:
         return wanted
     found[[worst, touched]] = False, True
@@ -158,22 +166,27 @@ def _changed(
 
 
 def _blocking(
-    K: Floats, equations: Equations, w: Floats, leaving: int, active: Bools
-) -> tuple[int | None, float]:
-    """The node that touches first as the node `leaving` opens, and how far that has opened; None where none does.
+    K: Floats,
+    equations: Equations,
+    w: Floats,
+    leaving: int,
+    active: Bools,
+) -> int | None:
+    """The node that touches first as the node `leaving` of a contact set opens; None where none does.
 
-    The set `active` without it would leave a motion free, so that nothing else changes than this motion.
+    Without that node the set leaves a motion free. So no pressure changes as the node opens, only gaps
+    change, by this motion: K of the set `active` (n,), which its `equations` have factorised, says how.
+    w (n,): the weighted gaps before.
     """
     unit = np.zeros(len(K))
     unit[leaving] = -1.0
     slope = (K @ equations.solve(unit))[: len(w)]
     closes = ~active & (slope < -SLACK * np.abs(slope).max(initial=0.0))
     if not closes.any():
-        return None, math.inf
+        return None
     reach = np.full(len(w), np.inf)
     reach[closes] = np.maximum(w[closes], 0.0) / -slope[closes]
-    first = int(reach.argmin())
-    return first, float(reach[first])
+    return int(reach.argmin())
 
 
 def narrowed(problem: Problem) -> tuple[Bools, int]:
@@ -215,7 +228,7 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
         if leaves and not _resisted(problem, active):
             active[last] = True
             at = np.where(active, 0.0, value + s * slope)
-            touched, _ = _blocking(K, equations, at, last, active)
+            touched = _blocking(K, equations, at, last, active)
             if touched is None:
                 break
             active[[last, touched]] = False, True
@@ -319,7 +332,8 @@ def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:
             bearing = own & (C[k] * load > 0)  # nodes whose pressure resists the actuation
             if not bearing.any():
                 raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
-            reach = np.where(bearing, q / np.maximum(np.abs(B[:, k]), np.finfo(float).tiny), np.inf)
+            reach = np.full(n, np.inf)
+            reach[bearing] = q[bearing] / np.abs(B[bearing, k])
             first = np.array([reach.argmin()])
             touching[first if alone else reach <= reach.min()] = True
         p[first] = np.linalg.solve(C[motions][:, first], load)
@@ -336,13 +350,15 @@ def _in_order(sets: list[list[int]], moves: Bools, bears: Bools) -> list[list[in
 
     moves (n, k): whether a motion moves a node; bears (k, n): whether a pressure is in its equilibrium.
     """
-    found: list[list[int]] = []
-    left, known = list(sets), np.zeros(len(moves), dtype=bool)
+    moved = [moves[:, motions].any(axis=1) for motions in sets]
+    known = np.zeros(len(moves), dtype=bool)
+    found, left = [], list(range(len(sets)))
     while left:
-        of = [(bears[motions].any(axis=0) & ~moves[:, motions].any(axis=1) & ~known).any() for motions in left]
-        motions = left.pop(of.index(False) if False in of else 0)
-        known |= moves[:, motions].any(axis=1)
-        found.append(motions)
+        ready = (i for i in left if not (bears[sets[i]].any(axis=0) & ~moved[i] & ~known).any())
+        following = next(ready, left[0])
+        left.remove(following)
+        known |= moved[following]
+        found.append(sets[following])
     return found
 
 

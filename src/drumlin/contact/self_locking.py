@@ -122,18 +122,19 @@ def answer(
 ) -> Contact:
     """The answer at a friction coefficient: the one that is followed from mu = 0, which is unique there.
 
-    Below the limit of the rigid shoe that is the stable one that settles at once from the contact set `start`, if from
-    half of the friction on the contact force grows by less than QUIET of itself, as it does up to half of the limit; else
-    it is followed in many small steps, from half of the friction on where the answer there is as quiet. Not any stable
-    one, nor the one that wider gaps lead to: near the limit, where the contact grows fast, and beyond it some stand
-    apart, reached by no friction that grows from 0.
+    Below the limit of the rigid shoe that is the stable one that settles at once from the contact set
+    `start`, if from half of the friction on the contact force grows by less than QUIET of itself, as
+    it does up to half of the limit; else it is followed in many small steps, from half of the friction
+    on where the answer there is as quiet. Not any stable one, nor the one that wider gaps lead to: near
+    the limit, where the contact grows fast, and beyond it some stand apart, reached by no friction that
+    grows from 0.
 
-    problem_at: the problem at a friction coefficient, linear in it; areas (n,): of the nodes [m^2], by which pressures
-    make a force, 1 where they are forces already; law: mu_lock of the rigid shoe; brake: what
-    there is an equilibrium of, in words. Of a LARGE problem the answer on every other node is followed, at a fraction
-    of the cost; the one that settles at once from its contact set is taken where the two are LIKE each other. Raises
-    NoAnswer with both limits where the answer ends before that friction, and with another reason where friction is not
-    to blame.
+    problem_at: the problem at a friction coefficient, linear in it; areas (n,): of the nodes [m^2], by
+    which pressures make a force, 1 where they are forces already; law: mu_lock of the rigid shoe;
+    brake: what there is an equilibrium of, in words. Of a LARGE problem the answer on every other node
+    is followed, at a fraction of the cost; the one that settles at once from its contact set is taken
+    where the two are LIKE each other. Raises NoAnswer with both limits where the answer ends before
+    that friction, and with another reason where friction is not to blame.
     """
     if friction == 0:
         return _without_friction(problem_at(0.0), start)

@@ -75,7 +75,4 @@ def _shoe_off(rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, cut: 
 
 def _cut(actuation: dict[str, Any], cut: float) -> dict[str, Any]:
     """An actuation whose force or pressure is divided by a factor."""
-    return {
-        key: value / cut if key in {"force", "pressure"} else value
-        for key, value in actuation.items()
-    }
+    return {key: value / cut if key in {"force", "pressure"} else value for key, value in actuation.items()}

@@ -1,0 +1,125 @@
+"""Linings that stand off by far more than their force compresses them: no refusal that meshes do not share."""
+
+import numpy as np
+import pytest
+
+from conftest import partly
+from drumlin.brake.file import brake_from, vary
+from drumlin.contact import active_set
+from drumlin.contact.equations import Problem
+from drumlin.errors import NoAnswer
+from drumlin.fem.assembly import prepare
+from drumlin.fem.self_locking import limits
+from drumlin.fem.solve import solve
+from drumlin.laws import law
+from drumlin.verification import consistency_refused
+from drumlin.verification.consistency_refused import checks, drawn, force
+from drumlin.verification.random_brake import random_brake
+from drumlin.verification.standing_off import standing_off
+
+ONE_SHOE = {
+    "title": "stands off",
+    "rotation": "clockwise",
+    "friction": 0.2638,
+    "drum": {"radius": 0.1464},
+    "shoe": [
+        {
+            "name": "first",
+            "side": "internal",
+            "abutment": {"point": {"x": -0.05267, "y": -0.10289}, "direction": 3.0527},
+            "actuation": {"force": 5.8126, "direction": 2.71376, "point": {"x": -0.01879, "y": 0.12995}},
+            "lining": {
+                "start": 2.17808,
+                "end": 3.58924,
+                "thickness": 0.004481,
+                "width": 0.08468,
+                "material": {"E": 1.539e9, "nu": 0.136},
+                "clearance": 9.705e-5,
+            },
+        }
+    ],
+}
+"""A rigid shoe on an abutment, whose contact of 3 deg moves by 17 deg as friction grows from none."""
+
+
+def test_a_contact_that_moves_from_wide_columns_to_narrow_ones_does_not_lock():
+    """Its force falls by a tenth over the second half of the friction; the sum of nodal pressures grows thirteenfold,
+    as more nodes press."""
+    brake = brake_from(ONE_SHOE)
+    assert solve(brake).torque == pytest.approx(solve(brake, elements=80).torque, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", partly([2, 37, 107, 141, 172, 247, 257, 272, 286, 471], [286]))
+def test_a_brake_that_a_fine_mesh_answers_is_answered_by_default(seed):
+    """Abutments, rough ones, struts and cams, whose contact moves by more than its length."""
+    brake = standing_off(seed)
+    assert force(solve(brake)) == pytest.approx(force(solve(brake, elements=80)), rel=0.01)
+
+
+def test_a_rigid_plank_on_a_curve_stands_on_the_two_nodes_beside_its_load():
+    """A plank with lift and tilt over w = x^2: whatever pair it stood on before, and without one."""
+    x = np.linspace(-1.0, 1.0, 9)
+    B = -np.array([np.ones_like(x), x]).T
+    for load in (-0.9, -0.2, 0.1, 0.6):
+        right = np.searchsorted(x, load)
+        problem = Problem(1e-7 * np.eye(9), x**2, B, B.T, np.array([-1.0, -load]))
+        share = (load - x[right - 1]) / (x[right] - x[right - 1])
+        expected = np.zeros(9)
+        expected[[right - 1, right]] = 1 - share, share
+        starts = [None, *(np.isin(np.arange(9), [i, i + 1]) for i in range(8))]
+        for start in starts:
+            np.testing.assert_allclose(active_set.solve(problem, start).p, expected, atol=1e-12)
+        for beside in (-1, 0, 1):
+            start = np.isin(np.arange(9), [right - 1 + beside, right + beside])
+            np.testing.assert_allclose(active_set.settle(problem, start).p, expected, atol=1e-12)
+
+
+def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
+    """One node each and a hinge each; the first one's pressure 1 pushes the second one the other way than its own load,
+    which is none, would have it."""
+    B = -np.eye(4, 2)[[0, 0, 1, 1]] * np.array([[1.0], [2.0], [1.0], [-1.0]])
+    C = np.array([[-1.0, -2.0, 0.0, 0.0], [0.5, 1.0, -1.0, 1.0]])
+    problem = Problem(1e-6 * np.eye(4), np.array([1.0, 3.0, 1.0, 1.0]), B, C, np.array([-1.0, 0.0]))
+    found = active_set.solve(problem, np.zeros(4, dtype=bool))
+    np.testing.assert_allclose(found.p, [1.0, 0.0, 0.5, 0.0], atol=1e-9)
+    np.testing.assert_array_equal(active_set.narrowed(problem)[0], found.active)
+
+
+@pytest.mark.parametrize("seed", partly(range(1, 7), range(1, 2)))
+def test_true_self_locking_is_still_refused_with_its_limit(seed):
+    """mu_lock as followed on a mesh of 160 elements: one of 80 is 2 % off on seed 4."""
+    brake = random_brake(seed, "locking")
+    end = min(found.friction for found in limits(prepare(brake, elements=160), brake).values())
+    with pytest.raises(NoAnswer, match="mu_lock = ") as refusal:
+        solve(vary(brake, {"friction": 1.1 * end}))
+    said = float(str(refusal.value).split("mu_lock = ")[1].split()[0])
+    assert said == pytest.approx(end, rel=5e-3)
+
+
+def test_random_brakes_that_stand_off_press_by_the_law_and_are_drawn_again_from_their_seed():
+    for seed in range(15):
+        brake = standing_off(seed)
+        assert brake == standing_off(seed)
+        assert all(shoe.contact_arcs for shoe in law(brake).shoes)
+        assert all(shoe.lining.clearance > 0 for shoe in brake.shoes)
+
+
+@pytest.mark.parametrize("seed", partly(range(0, 60), range(4, 6)))
+def test_what_is_refused_is_refused_on_meshes_too(seed):
+    assert [row for row in checks(seed) if row.outcome not in {"agrees", "refused"}] == []
+
+
+def test_a_refusal_that_three_meshes_do_not_share_differs(monkeypatch):
+    def refused(brake, *, elements=None):
+        if elements is None:
+            raise NoAnswer("self-locking")
+        return solve(brake, elements=elements)
+
+    def no_mesh(brake, *, elements=None):
+        raise NoAnswer("no equilibrium")
+
+    monkeypatch.setattr(consistency_refused, "solve", refused)
+    (row,) = checks(4)
+    assert row.outcome == "differs" and "self-locking" in row.quantity and row.brake == drawn(4).title
+    monkeypatch.setattr(consistency_refused, "solve", no_mesh)
+    assert [row.outcome for row in checks(4)] == ["refused"]
