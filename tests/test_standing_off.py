@@ -85,7 +85,7 @@ def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
     np.testing.assert_array_equal(active_set.narrowed(problem)[0], found.active)
 
 
-@pytest.mark.parametrize("seed", partly(range(1, 7), range(1, 2)))
+@pytest.mark.parametrize("seed", partly(range(1, 7), ()))
 def test_true_self_locking_is_still_refused_with_its_limit(seed):
     """mu_lock as followed on a mesh of 160 elements: one of 80 is 2 % off on seed 4."""
     brake = random_brake(seed, "locking")
@@ -104,22 +104,24 @@ def test_random_brakes_that_stand_off_press_by_the_law_and_are_drawn_again_from_
         assert all(shoe.lining.clearance > 0 for shoe in brake.shoes)
 
 
-@pytest.mark.parametrize("seed", partly(range(0, 60), range(4, 6)))
+@pytest.mark.parametrize("seed", partly(range(0, 60), [4]))
 def test_what_is_refused_is_refused_on_meshes_too(seed):
     assert [row for row in checks(seed) if row.outcome not in {"agrees", "refused"}] == []
 
 
 def test_a_refusal_that_three_meshes_do_not_share_differs(monkeypatch):
-    def refused(brake, *, elements=None):
+    response = solve(drawn(4), elements=5)
+
+    def on_levels(brake, *, elements=None):
         if elements is None:
             raise NoAnswer("self-locking")
-        return solve(brake, elements=elements)
+        return response
 
-    def no_mesh(brake, *, elements=None):
+    def nowhere(brake, *, elements=None):
         raise NoAnswer("no equilibrium")
 
-    monkeypatch.setattr(consistency_refused, "solve", refused)
+    monkeypatch.setattr(consistency_refused, "solve", on_levels)
     (row,) = checks(4)
     assert row.outcome == "differs" and "self-locking" in row.quantity and row.brake == drawn(4).title
-    monkeypatch.setattr(consistency_refused, "solve", no_mesh)
+    monkeypatch.setattr(consistency_refused, "solve", nowhere)
     assert [row.outcome for row in checks(4)] == ["refused"]
