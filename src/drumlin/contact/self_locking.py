@@ -70,6 +70,14 @@ class Limit(NamedTuple):
     steps: int
 
 
+class Ended(NoAnswer):
+    """The answer that is followed from mu = 0 ends before the friction that was asked for: at `end`."""
+
+    def __init__(self, line: str, end: Limit) -> None:
+        super().__init__(line)
+        self.end = end
+
+
 def limit(
     sliding: Sliding,
     most: float = LARGEST,
@@ -133,8 +141,8 @@ def answer(
     which pressures make a force, 1 where they are forces already; law: mu_lock of the rigid shoe;
     brake: what there is an equilibrium of, in words. Of a LARGE problem the answer on every other node
     is followed, at a fraction of the cost; the one that settles at once from its contact set is taken
-    where the two are LIKE each other. Raises NoAnswer with both limits where the answer ends before
-    that friction, and with another reason where friction is not to blame.
+    where the two are LIKE each other. Raises Ended with both limits where the answer ends before that
+    friction, and NoAnswer with another reason where friction is not to blame.
     """
     if friction == 0:
         return _without_friction(problem_at(0.0), start)
@@ -164,7 +172,7 @@ def answer(
         raise NoAnswer(reason) from None
     if np.isinf(end.friction):
         return end.last
-    raise NoAnswer(locks(friction, end.friction, law=law, brake=brake))
+    raise Ended(locks(friction, end.friction, law=law, brake=brake), end)
 
 
 def locks(friction: float, limit: float, *, law: float, brake: str) -> str:

@@ -22,7 +22,7 @@ from drumlin.errors import NoAnswer
 from drumlin.fem import reach
 from drumlin.fem.assembly import Body, Scene, actuation, contact_stiffness
 from drumlin.fem.motions import Motions, motions_of
-from drumlin.fem.sharing import Pushed, Sharing, share
+from drumlin.fem.sharing import PULLED, WOULD_PULL, Pushed, Sharing, share
 from drumlin.lapack import block_diag
 from drumlin.laws import rigid
 
@@ -283,10 +283,25 @@ class ShoeGroup:
                 self.problem_at, self.brake.friction, first, self.areas, law=law, brake=ELASTIC
             )
         except NoAnswer as error:
+            if isinstance(error, self_locking.Ended):
+                self._check_pushes(error.end)
             raise NoAnswer(f"{self.names}: {error}") from error
         for shoe, sense, gap, amounts in zip(self.shoes, self.each_sense, self.gaps, self.amounts(found), strict=True):
             reach.check_turns(shoe, sense, gap, self.unit_force * amounts)
         return found
+
+    def _check_pushes(self, end: self_locking.Limit) -> None:
+        """Raise NoAnswer where an answer ends because a force that shoes share has fallen to nothing there.
+
+        The shoe leaves the drum then, and nothing locks: its cam or strut would have to pull it.
+        """
+        sharing = self._sharing_at(end.reached)
+        if sharing is None:
+            return
+        forces = sharing.forces(end.last.p)
+        i = int(forces.argmin())
+        if forces[i] < PULLED * forces.max():
+            raise NoAnswer(f"shoe {self.shoes[i].name!r}: {WOULD_PULL}")
 
     def law(self, i: int) -> float:
         """mu_lock of a shoe by the rigid-shoe law: that of the scene for a hinged one dragged the same way."""

@@ -19,6 +19,7 @@ from drumlin.contact.active_set import Contact
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Scene, clock, held, shape_of
 from drumlin.fem.group import ShoeGroup, groups_of
+from drumlin.fem.sharing import PULLED, WOULD_PULL
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import (
@@ -52,7 +53,6 @@ LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answe
 LARGEST_LOSS = 1e-5  # relative, of the pressure, from which on it is refined
 MOST_LOSS = 1e-3  # that is left or cannot be refined, on columns: the stated error has it ten times over
 UNSTATED_LOSS = 1e-6  # of the largest pressure, that is left on a mesh, which states no error
-PULLED = 1e-9  # of the largest force: a shared one below it does not push
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
 REFINED = "refined in the whole system, condensed it loses digits"
@@ -241,7 +241,7 @@ def _answer(
     frame, line, coupling = shoe.frame, body.line, body.coupling
     load, moment = group.loads[k]
     if group.sharing is not None and force < PULLED * group.unit_force:
-        raise NoAnswer(f"shoe {shoe.name!r}: no equilibrium, what pushes it would have to pull")
+        raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL}")
     load, moment = abs(force) * load, abs(force) * moment
     drag = brake.drag_on(shoe)
     normal, dragged = body.forces @ p

@@ -18,6 +18,11 @@ import numpy as np
 from drumlin.arrays import Floats, Ints
 from drumlin.contact.equations import Problem
 
+PULLED = 1e-9
+"""Fraction of the largest force below which a shared force does not push: it is round-off of one that
+has fallen to nothing, or pulls."""
+WOULD_PULL = "no equilibrium, what pushes it would have to pull"
+
 
 class Pushed(NamedTuple):
     """A shoe as above: its pressures `part` and motions `rows` among those of the group; `opened`, `tip`, `bearing`
