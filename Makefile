@@ -10,7 +10,11 @@ AS_ROOT = $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 TESTS = -n 2 --dist loadscope --no-skips  # or --skipped for --no-skips: what make test has just skipped
 
 # of the oldest and newest versions: what a change of a library breaks first; its deprecations are for others to read
-SHORT = tests/test_brake.py tests/test_files.py tests/test_fem.py tests/test_laws_examples.py tests/test_page.py
+SHORT = tests/test_brake.py tests/test_files.py tests/test_fem.py tests/test_laws_examples.py tests/test_page.py \
+  tests/test_cli.py tests/test_bad_input.py
+# what the libraries are for, at length: the main study with its field picture, a Dask scheduler, the manual
+WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask_worker_is_killed \
+  tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone
 TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
 .PHONY: study manual test types passes test-all oldest newest truths sharpness packages constraints setup clean
@@ -44,13 +48,15 @@ oldest: .venv/ready
 	  $(BIN)/python tests/oldest.py > .venv/oldest.txt && \
 	  .venv/oldest/bin/python -m pip install --quiet --requirement .venv/oldest.txt && \
 	  .venv/oldest/bin/python -m pip install --quiet --no-deps --editable . && \
-	  .venv/oldest/bin/pytest -o filterwarnings=default $(SHORT); \
+	  .venv/oldest/bin/pytest -o filterwarnings=default $(SHORT) && \
+	  .venv/oldest/bin/pytest -o filterwarnings=default --no-skips $(WHOLE); \
 	else echo "oldest versions: tried with Python 3.11 alone"; fi
 
 newest:
 	$(PYTHON) -m venv .venv/newest
 	.venv/newest/bin/python -m pip install --quiet --upgrade --editable '.[dev]'
 	.venv/newest/bin/pytest -o filterwarnings=default $(SHORT)
+	.venv/newest/bin/pytest -o filterwarnings=default --no-skips $(WHOLE)
 
 # Far finer solutions of some forty brakes, by which the tests judge stated errors: ten minutes.
 truths: .venv/ready

@@ -10,7 +10,8 @@ TOOLS = ("mypy", "ruff", "import-linter", "drumlin")  # judge the source, or sta
 def oldest(data: dict) -> list[str]:
     """The requirements, each at its lower bound."""
     extras = data["project"]["optional-dependencies"]
-    wanted = [*data["project"]["dependencies"], *extras["distributed"], *extras["parquet"], *extras["dev"]]
+    used = [line for name in ("distributed", "manual", "parquet", "dev") for line in extras[name]]
+    wanted = dict.fromkeys([*data["project"]["dependencies"], *used])
     return [line.replace(">=", "==") for line in wanted if not line.startswith(TOOLS)]
 
 

@@ -109,6 +109,8 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what is wrong with the mesh is found below
+            # numpy before 2.3 warns where newer ones refuse: counts that promise other numbers than there are.
+            warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
             raw = _raw(path, suffix, data)
     except MemoryError as error:
         raise BadInput(f"{fault}: is not a mesh that can be read (it needs more memory than there is)") from error
