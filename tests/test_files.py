@@ -1,10 +1,13 @@
 """Where files are read and written: what is replaced, what never is, what a pipe gets, what has a limit."""
 
 import os
+import signal
 import stat
 import subprocess
 import sys
 import threading
+import time
+from contextlib import contextmanager
 
 import pytest
 
@@ -199,6 +202,73 @@ def test_files_are_limited_and_utf_8_in_every_locale(tmp_path):
     for name in ("none", "a\0b", "x" * 5000, "."):
         with pytest.raises(BadInput, match="cannot be read"):
             read_bytes(tmp_path / name, 100, "a text")
+
+
+@contextmanager
+def within(seconds):
+    """Fail where the block takes longer: what waits for a pipe would wait for ever."""
+
+    def late(number, frame):
+        raise AssertionError(f"takes longer than {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def no_mesh(kind, path):
+    """A file of a kind that is no mesh, at `path`; what is said of it."""
+    if kind == "pipe":
+        os.mkfifo(path)
+        return "is a pipe or a device|is not a mesh"
+    if kind == "folder":
+        path.mkdir()
+        return "Is a directory|is not a mesh"
+    if kind == "200 GB":
+        with path.open("wb") as file:
+            file.truncate(200 * 10**9)  # of a file system with sparse files no byte is taken
+        return "larger than 50000000 bytes"
+    if not os.path.exists(kind):
+        pytest.skip(f"there is no {kind} here")
+    path.symlink_to(kind)
+    return "is empty|is a pipe or a device|is not a mesh"
+
+
+KINDS = ["pipe", "folder", "200 GB", "/dev/zero", "/proc/self/mem", "/proc/kmsg"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_no_mesh_is_refused_at_once(tmp_path, monkeypatch, kind):
+    """By solve, by a sweep of the brake, and by a sweep that varies the mesh."""
+    monkeypatch.chdir(tmp_path)
+    said = no_mesh(kind, tmp_path / "m.msh")
+    brake = (STUDY / "brake.toml").read_text()
+    (tmp_path / "whole.toml").write_text(brake)
+    (tmp_path / "b.toml").write_text(brake.replace('name = "left"', 'name = "left"\nmesh = "m.msh"'))
+    (tmp_path / "s.toml").write_text('brake = "b.toml"\n[vary]\nfriction = [0.1, 0.2]\n')
+    (tmp_path / "t.toml").write_text('brake = "whole.toml"\n[vary]\n"shoe[0].mesh" = ["m.msh"]\n')
+    for words in (["solve", "b.toml"], ["sweep", "s.toml", "--jobs", "1"], ["sweep", "t.toml", "--jobs", "1"]):
+        with pytest.raises(BadInput, match=rf"m\.msh.*({said})"), within(10):
+            start = time.process_time()
+            run(words)
+        assert time.process_time() - start < 1.5  # the libraries are loaded as well
+
+
+def test_a_file_that_gives_nothing_for_now_is_given_up(tmp_path, monkeypatch):
+    """A regular file whose reader is told to come again: some of the system's own, as its log."""
+    (tmp_path / "log").write_text("x")
+    monkeypatch.setattr("drumlin.files.PATIENCE", 0.1)
+
+    def later(handle, size):
+        raise BlockingIOError
+
+    monkeypatch.setattr("drumlin.files.os.read", later)
+    with pytest.raises(BadInput, match="log: nothing has come from it for 0.1 s"), within(10):
+        read_bytes(tmp_path / "log", 10, "a text")
 
 
 # texts

@@ -4,6 +4,7 @@ import math
 import random
 import subprocess
 import sys
+import warnings
 
 import meshio
 import numpy as np
@@ -157,7 +158,8 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
         ("*INCLUDE, INPUT=more.inp\n", "INCLUDE is not followed"),
         ("*NODE\n1, 0., 0.\n*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n", "KeyError"),
         ("*NODE\n1, 0., zero\n", "ValueError"),
-        ("", "has no nodes"),
+        ("\n", "has no nodes"),
+        ("", "is empty"),
     ],
 )
 def test_an_input_file_that_cannot_be_read_is_refused_in_one_line(tmp_path, brake, text, words):
@@ -166,6 +168,20 @@ def test_an_input_file_that_cannot_be_read_is_refused_in_one_line(tmp_path, brak
         read_mesh(tmp_path / "m.inp", brake.shoes[0], brake.drum.radius)
     assert words in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+def test_counts_that_numpy_only_warns_of_are_refused(tmp_path, brake, monkeypatch):
+    """numpy before 2.3 warns where newer ones raise, and the numbers that were read would be taken."""
+    written = filed(brake, tmp_path, "tri1", "msh")
+    read = meshio.read
+
+    def warned(*arguments):
+        warnings.warn("string or file could not be read to its end due to ...", DeprecationWarning, stacklevel=1)
+        return read(*arguments)
+
+    monkeypatch.setattr(meshio, "read", warned)
+    with pytest.raises(BadInput, match="is not a mesh that can be read"):
+        read_mesh(written.shoes[0].mesh, written.shoes[0], brake.drum.radius)
 
 
 def test_one_number_for_a_line_and_a_surface_is_no_confusion(tmp_path, brake):

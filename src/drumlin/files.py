@@ -19,6 +19,7 @@ from pathlib import Path
 from drumlin.errors import BadInput, DrumlinError, file_fault
 
 PATIENCE = 5.0  # s without a byte, after which a pipe is given up
+PAUSE = 0.01  # s between two attempts to read or write what is not ready
 LONGEST_SUFFIX = 16
 
 _inputs: ContextVar[set[tuple[int, int]] | None] = ContextVar("inputs", default=None)
@@ -49,10 +50,20 @@ def _keep(found: os.stat_result) -> None:
 # reading
 
 
-def read_bytes(path: Path, most: int, what: str) -> bytes:
-    """The content of a file or pipe of up to `most` bytes, which is to be `what` ("a brake file").
+def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> bytes:
+    """The content of a file of up to `most` bytes, which is to be `what` ("a brake file").
 
-    Raises BadInput where it cannot be read, is longer, or is a pipe through which nothing comes for PATIENCE seconds.
+    Parameters
+    ----------
+    path : of a file, a pipe or a device
+    most : bytes that are read at most
+    what : the words for the file in the line of a refusal
+    regular : whether a file on a disk alone will do, since the content is read again later
+
+    Raises
+    ------
+    BadInput
+        where the file cannot be read, is longer, or where no byte comes from it for PATIENCE seconds
     """
     try:
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0))
@@ -61,12 +72,18 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
     try:
         found = os.fstat(handle)
         _keep(found)
-        data = _drained(handle, path, most, not stat.S_ISREG(found.st_mode))
+        on_disk = stat.S_ISREG(found.st_mode)
+        if regular and not on_disk and not stat.S_ISDIR(found.st_mode):
+            raise BadInput(f"{path}: is a pipe or a device; {what} must be a file")
+        if regular and on_disk and not found.st_size:  # or one of the system's own, whose size is only known once read
+            raise BadInput(f"{path}: is empty; not {what}")
+        too_long = on_disk and found.st_size > most
+        data = b"" if too_long else _drained(handle, path, most, not on_disk)
     except (OSError, ValueError) as error:
         raise file_fault(path, "read", error) from error
     finally:
         os.close(handle)
-    if len(data) > most:
+    if too_long or len(data) > most:
         raise BadInput(f"{path}: larger than {most} bytes; not {what}")
     return data
 
@@ -74,16 +91,20 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
 def _drained(handle: int, path: Path, most: int, stream: bool) -> bytes:
     """All that comes from an open file, or a little more than `most` bytes of it."""
     data = bytearray()
+    heard = time.monotonic()
     while len(data) <= most:
-        if stream and not select.select([handle], [], [], PATIENCE)[0]:
+        left = heard + PATIENCE - time.monotonic()
+        if left <= 0 or (stream and not select.select([handle], [], [], left)[0]):
             raise BadInput(f"{path}: nothing has come from it for {PATIENCE:g} s")
         try:
             chunk = os.read(handle, most + 1 - len(data))
         except BlockingIOError:
+            time.sleep(PAUSE)
             continue
         if not chunk:
             break
         data += chunk
+        heard = time.monotonic()
     return bytes(data)
 
 
@@ -229,7 +250,7 @@ def _opened(path: Path) -> int:
                 raise
             if time.monotonic() > end:
                 raise _unread(path) from error
-            time.sleep(0.02)
+            time.sleep(PAUSE)
 
 
 def _unread(path: Path) -> BadInput:
@@ -253,14 +274,3 @@ _FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")  # "-70 to 55.1" 
 def cell(value: object) -> object:
     """A cell of a table for a spreadsheet: a text that it would take for a formula is led by an apostrophe."""
     return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value
-
-
-def content_digest(path: Path) -> str:
-    """A digest of what is in a file; of one that cannot be read "none"."""
-    import hashlib  # noqa: PLC0415  (for mesh files only)
-
-    try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()[:16]
-    except (OSError, ValueError):  # ValueError: a NUL in the path
-        return "none"

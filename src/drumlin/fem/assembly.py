@@ -20,8 +20,8 @@ from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, sti
 from drumlin.fem.interface import ContactLine, Coupling, contact_line, end_loads, radial, straight
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.mesh.content import content_digest
 from drumlin.fem.ring import RingBody, ring_body
-from drumlin.files import content_digest
 from drumlin.laws import rigid
 from drumlin.response.response import edge_zone
 

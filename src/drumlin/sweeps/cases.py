@@ -22,7 +22,7 @@ from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake
 from drumlin.errors import BadInput, DrumlinError, NoAnswer
 from drumlin.fem.assembly import Cache
-from drumlin.files import content_digest
+from drumlin.fem.mesh.content import content_digest
 from drumlin.journal import Journal, key_of, source_stamp
 from drumlin.models import pick
 from drumlin.response.merit import brake_factor, effect, shoe_effect

@@ -21,8 +21,8 @@ from drumlin.brake.fields import Part, Title
 from drumlin.brake.file import read_toml, unit_of, validated, values_of, vary
 from drumlin.brake.plane_brake import AnyBrake, any_from, read_any
 from drumlin.brake.units import to_si
-from drumlin.errors import BadInput
-from drumlin.files import content_digest
+from drumlin.errors import BadInput, DrumlinError
+from drumlin.fem.mesh.content import mesh_bytes
 from drumlin.foundation.model import lifted
 from drumlin.models import MODELS
 from drumlin.sweeps.cases import Case, mesh_files, names_mesh
@@ -165,8 +165,11 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
             raise BadInput(f"model.{name}: does not apply to this brake: {reason}")
     cases = [Case(brake, change, name, options) for change in changes for name, options in models.items()]
     meshes = {path for change in [{}, *changes] for path in mesh_files(brake, change)}
-    if lost := [str(path) for path in meshes if content_digest(path) == "none"]:
-        raise BadInput(f"mesh = {min(lost)!r}: cannot be read")
+    for path in sorted(meshes):
+        try:
+            mesh_bytes(path)
+        except DrumlinError as error:
+            raise type(error)(f"mesh = {error}") from error
     units = {key: unit_of(brake, key) for key in specs}
     return Sweep(file.title or brake.title, brake, units, cases, file.pressure)
 

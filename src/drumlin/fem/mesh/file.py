@@ -25,12 +25,12 @@ from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.abaqus import read_inp, write_inp
 from drumlin.fem.mesh.arc import KINDS, kind_of
 from drumlin.fem.mesh.check import check, check_cells
+from drumlin.fem.mesh.content import mesh_bytes
 from drumlin.fem.mesh.vtu import check_unpacked
-from drumlin.files import read_bytes, replacing
+from drumlin.files import replacing
 
 FORMATS = (".msh", ".inp", ".vtu")
 GROUPS = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
-LARGEST_FILE = 50_000_000  # bytes
 MOST_NODES = 1_000_000
 LARGEST_NUMBER = 10_000_000  # of a node in an .msh file: its reader makes an array of that length
 SCALE = {"m": 1.0, "mm": 1e-3}
@@ -102,7 +102,7 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
     suffix = path.suffix.lower()
     if not regular or suffix not in FORMATS:
         raise BadInput(f"{fault}: is not a mesh: must be a file whose name ends in {', '.join(FORMATS)}")
-    data = read_bytes(path, LARGEST_FILE, "a mesh")
+    data = mesh_bytes(path)
     if suffix == ".msh":
         _check_numbers(path, fault)
     said = io.StringIO()
