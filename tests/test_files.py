@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -121,8 +122,6 @@ def test_what_cannot_be_written_is_one_line(tmp_path, monkeypatch, case):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "sub").mkdir()
     (tmp_path / "b.json").write_text("")
-    from pathlib import Path
-
     with pytest.raises(BadInput, match="cannot be written"):
         write_text(Path(FOLDERS[case]), "x")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["b.json", "sub"]
@@ -232,7 +231,7 @@ def no_mesh(kind, path):
         with path.open("wb") as file:
             file.truncate(200 * 10**9)  # of a file system with sparse files no byte is taken
         return "larger than 50000000 bytes"
-    if not os.path.exists(kind):
+    if not Path(kind).exists():
         pytest.skip(f"there is no {kind} here")
     path.symlink_to(kind)
     return "is empty|is a pipe or a device|is not a mesh"
@@ -267,7 +266,7 @@ def test_a_file_that_gives_nothing_for_now_is_given_up(tmp_path, monkeypatch):
         raise BlockingIOError
 
     monkeypatch.setattr("drumlin.files.os.read", later)
-    with pytest.raises(BadInput, match="log: nothing has come from it for 0.1 s"), within(10):
+    with pytest.raises(BadInput, match="log: nothing has come from it"), within(10):
         read_bytes(tmp_path / "log", 10, "a text")
 
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import ValidationError
 
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.fields import Part, unit_in
+from drumlin.brake.fields import Part, Point, unit_in
 from drumlin.errors import BadInput
 from drumlin.files import read_text
 from drumlin.texts import check_toml
@@ -140,6 +140,16 @@ def unit_of(brake: Part, key: str) -> str | None:
     parts, name = _parts(brake, key)
     field = type(parts[0]).model_fields[name]
     return unit_in(Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation)
+
+
+def is_interval(brake: Part, key: str) -> bool:
+    """Whether the numbers of one sign that a key can have, all else equal, are an interval: any between two of them.
+
+    True of lengths, forces, moduli and pure numbers: each limit on them is one from above or from below. Not known of
+    angles and of coordinates of points, which single values may be forbidden to, as a force through the hinge.
+    """
+    unit = unit_of(brake, key)
+    return unit not in {None, "rad"} and not isinstance(_parts(brake, key)[0][0], Point)
 
 
 def values_of(brake: Part, key: str) -> list[Any]:

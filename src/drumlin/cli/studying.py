@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from drumlin.cli.terminal import busy, note, progress, tell
+from drumlin.cli.terminal import busy, note, progress, progress_if_long, tell
 from drumlin.errors import NoAnswer, Stopped
 
 
@@ -40,7 +40,8 @@ def sweep(
     from drumlin.sweeps.table import check_output, table, write_table
     from drumlin.sweeps.workers import executor
 
-    made = read_sweep(sweep_file)
+    with progress_if_long(f"reading {sweep_file.name}") as judged:
+        made = read_sweep(sweep_file, judged)
     table_file = output or Path(f"{sweep_file.stem}.csv")
     check_output(table_file)
     check_outputs(table_file)

@@ -2,8 +2,9 @@
 
 import shutil
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -54,6 +55,26 @@ def _printing() -> Iterator[None]:
         raise
     except OSError as error:
         raise file_fault("standard output", "written", error) from error
+
+
+LONG = 2.0
+"""Seconds after which work that is mostly done at once shows its progress."""
+
+
+@contextmanager
+def progress_if_long(words: str) -> Iterator[Callable[[int, int], None]]:
+    """As `progress`, the bar from LONG seconds on."""
+    start = time.monotonic()
+    with ExitStack() as shown:
+        bars: list[Callable[[int, int], None]] = []
+
+        def done(finished: int, of: int) -> None:
+            if not bars and time.monotonic() - start > LONG:
+                bars.append(shown.enter_context(progress(words)))
+            for bar in bars:
+                bar(finished, of)
+
+        yield done
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from pydantic import Field
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Part, Title
-from drumlin.brake.file import read_toml, unit_of, validated, values_of, vary
+from drumlin.brake.file import is_interval, read_toml, unit_of, validated, values_of, vary
 from drumlin.brake.plane_brake import AnyBrake, any_from, read_any
 from drumlin.brake.units import to_si
 from drumlin.errors import BadInput, DrumlinError
@@ -107,10 +107,14 @@ class Sweep(NamedTuple):
     pressure: str = "Pa"
 
 
-def read_sweep(path: Path) -> Sweep:
+Done = Callable[[int, int], None]
+
+
+def read_sweep(path: Path, done: Done = lambda judged, of: None) -> Sweep:
     """The sweep described by the TOML file `path`.
 
-    Raises BadInput with one line that names the key, the value and what is allowed.
+    done: told how many values have been judged, and of how many. Raises BadInput with one line that names the key, the
+    value and what is allowed.
     """
     try:
         data = read_toml(path)
@@ -118,7 +122,7 @@ def read_sweep(path: Path) -> Sweep:
     except ValueError as error:
         raise BadInput(f"{path}: is not TOML ({error})") from error
     try:
-        return sweep_from(data, path.parent.resolve())
+        return sweep_from(data, path.parent.resolve(), done)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 
@@ -133,10 +137,10 @@ def _check_size(data: Any, depth: int = 0) -> None:
         _check_size(item, depth + 1)
 
 
-def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
+def sweep_from(data: Mapping[str, Any], base: Path = Path(), done: Done = lambda judged, of: None) -> Sweep:
     """A sweep from nested data as a sweep file has it; `base`: folder that the paths of brake and meshes start from.
 
-    Raises BadInput with one line.
+    done: as of `read_sweep`. Raises BadInput with one line.
     """
     file = validated(SweepFile, data)
     brake = _base_brake(file.brake, base)
@@ -158,13 +162,18 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path()) -> Sweep:
         for point in _combined(file.combine, listed)
         for i in range(repeats)
     ]
-    _check(brake, specs, listed, changes)
+    middle = {key: spec.at(np.array([0.5]))[0] for key, spec in specs.items() if key not in listed}
+    vary(brake, middle)  # distributions are judged by their medians: a draw that is no brake is a failed case
+    steps = _steps(file.combine, lengths, repeats)
+    for (key, values), step in zip(listed.items(), steps, strict=True):
+        _check(brake, key, values, changes[::step], middle, done)
     for name in models:
         reason = MODELS[name].why_not(brake)
         if reason is not None:
             raise BadInput(f"model.{name}: does not apply to this brake: {reason}")
     cases = [Case(brake, change, name, options) for change in changes for name, options in models.items()]
-    meshes = {path for change in [{}, *changes] for path in mesh_files(brake, change)}
+    named = [value for key, spec in specs.items() if names_mesh(key) for value in spec.values or ()]
+    meshes = {*mesh_files(brake, {}), *(Path(value) for value in named if isinstance(value, str))}
     for path in sorted(meshes):
         try:
             mesh_bytes(path)
@@ -372,18 +381,60 @@ def _combined(combine: str, listed: Mapping[str, list[Any]]) -> Iterator[dict[st
         yield dict(zip(listed, row, strict=True))
 
 
+def _steps(combine: str, lengths: Sequence[int], repeats: int) -> list[int]:
+    """Of each listed key how many cases lie between its values: the case with the value k, first of all, is k times
+    that many cases after the first one."""
+    if combine != "grid":
+        return [repeats] * len(lengths)
+    return [repeats * math.prod(lengths[i + 1 :]) for i in range(len(lengths))]
+
+
+TOLD = 256
+"""Values that are judged before progress is told of again, which takes some 0.1 s."""
+
+
 def _check(
-    brake: AnyBrake, specs: Mapping[str, _Spec], listed: Mapping[str, list[Any]], changes: Sequence[dict[str, Any]]
+    brake: AnyBrake,
+    key: str,
+    values: Sequence[Any],
+    firsts: Sequence[Mapping[str, Any]],
+    middle: Mapping[str, Any],
+    done: Done,
 ) -> None:
     """Raise BadInput for a listed value that no brake can have: neither the base brake nor the first case with it.
 
-    Distributions are judged by their medians: a draw that is no brake is a failed case.
+    Of many numbers the extremes alone are judged, where the key `is_interval` and the base brake takes them.
+
+    Parameters
+    ----------
+    brake : the base brake
+    key, values : what is varied, as of `vary`, and its values
+    firsts : the changes of the first case with each of the values, in the order of the values
+    middle : the medians of what is drawn
+    done : told how many values have been judged, and of how many
     """
-    middle = {key: spec.at(np.array([0.5]))[0] for key, spec in specs.items() if key not in listed}
-    vary(brake, middle)
-    for key, values in listed.items():
-        for value in values:
-            try:
-                vary(brake, {key: value})
-            except BadInput:
-                vary(brake, next(change for change in changes if change[key] == value) | middle)
+    ends = _ends(values) if is_interval(brake, key) else []
+    places = [i for i, value in enumerate(values) if not (ends and isinstance(value, float))]
+    try:
+        for i in ends:
+            vary(brake, {key: values[i]})
+    except BadInput:  # the base brake does not take them all: each may still fit together with the other keys
+        places = list(dict.fromkeys([*ends, *range(len(values))]))
+    for number, i in enumerate(places):
+        if number % TOLD == 0:
+            done(number, len(places))
+        try:
+            vary(brake, {key: values[i]})
+        except BadInput:
+            vary(brake, {**firsts[i], **middle})
+
+
+def _ends(values: Sequence[Any]) -> list[int]:
+    """Where the least and the greatest number of each sign, and 0, stand among the values."""
+    numbers = [i for i, value in enumerate(values) if isinstance(value, float)]
+    found: set[int] = set()
+    for sign in (-1, 0, 1):
+        own = [i for i in numbers if (values[i] > 0) - (values[i] < 0) == sign]
+        if own:
+            found |= {min(own, key=values.__getitem__), max(own, key=values.__getitem__)}
+    return sorted(found)
