@@ -14,6 +14,7 @@ from drumlin.brake.fields import Material, Part, Point, row_units_in, unit_in
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.support import Held
 from drumlin.brake.units import COMMON, to_si
+from drumlin.errors import BadInput
 
 INLINE = (Material, Point, Misfit, Lobes, Table)
 READABLE = {"m": ("mm", "m"), "rad": ("deg",), "Pa": ("GPa", "MPa"), "N": ("kN", "N")}
@@ -22,7 +23,8 @@ READABLE = {"m": ("mm", "m"), "rad": ("deg",), "Pa": ("GPa", "MPa"), "N": ("kN",
 def brake_text(brake: Part) -> str:
     """The text of a brake file that reads as exactly this brake; keys that have their default are left out.
 
-    Paths of mesh files are written as they are in the brake, so that they are found from the same folder.
+    Paths of mesh files are written as they are in the brake, so that they are found from the same folder. Raises
+    BadInput for a path with bytes that are no UTF-8, which no brake file can name.
     """
     return "\n".join(_table(_as_given(brake), "")).strip() + "\n"
 
@@ -75,7 +77,7 @@ def _value(value: Any, field: FieldInfo) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str | Path):
-        return json.dumps(str(value), ensure_ascii=False)
+        return _quoted(str(value))
     if isinstance(value, tuple) and any(isinstance(item, Part) for item in value):
         return "[" + ", ".join(_inline(item) for item in value) + "]"
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
@@ -83,6 +85,15 @@ def _value(value: Any, field: FieldInfo) -> str:
         place, size = row_units_in(kind)
         return "[" + ", ".join(f"[{quantity_text(a, place)}, {quantity_text(b, size)}]" for a, b in value) + "]"
     return quantity_text(value, unit_in(kind) or "")
+
+
+def _quoted(text: str) -> str:
+    """A text in quotes: TOML takes the escapes of JSON, and wants one for DEL as well."""
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError as error:
+        raise BadInput(f"{text}: has bytes that are no UTF-8; a brake file cannot name it") from error
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _inline(part: Part) -> str:

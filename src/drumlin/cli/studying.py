@@ -57,7 +57,8 @@ def sweep(
         except (KeyboardInterrupt, Stopped) as stop:
             stop.add_note(f"{len(journal)} {kept}")
             raise
-    write_table(table(made.cases, rows, sweep_file.parent.resolve(), made.pressure), table_file)
+    with busy(f"writing {table_file.name}"):
+        write_table(table(made.cases, rows, sweep_file.parent.resolve(), made.pressure), table_file)
     failed = Counter(row["status"].removeprefix("failed: ") for row in rows if row["status"] != "solved")
     tell(f"{len(rows)} cases: {len(rows) - failed.total()} solved, {failed.total()} failed")
     for reason, count in failed.most_common(3):

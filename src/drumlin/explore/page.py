@@ -3,13 +3,15 @@
 import json
 import math
 from collections.abc import Callable, Mapping
+from html import escape
 from typing import Any, NamedTuple
 from urllib.parse import parse_qsl, urlsplit
 
 import jinja2
 
-from drumlin.brake import FlatBrake
+from drumlin.brake import AnyBrake, FlatBrake, vary
 from drumlin.brake.writing import brake_text
+from drumlin.errors import BadInput
 from drumlin.explore.answers import Explorer
 from drumlin.explore.knobs import (
     LONGEST_LINK,
@@ -42,7 +44,10 @@ from drumlin.explore.picture import (
 from drumlin.report.figures import name_of
 from drumlin.report.palette import color_of
 from drumlin.response.merit import effect
+from drumlin.texts import one_line
 
+NO_NAMES = frozenset('/\\:*?"<>|')
+"""Letters that no file's name can have on one system or another."""
 HTML, JSON, TOML = "text/html; charset=utf-8", "application/json", "application/toml; charset=utf-8"
 
 
@@ -163,11 +168,26 @@ def _brake(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: s
     """The brake as it is solved, with the clearance of worn linings."""
     answer = explorer.answer(setting)
     if answer.brake is None or answer.failure:
-        return Reply(422, HTML, answer.failure)
-    said = f"# {name}, explored: {link_of(explorer.knobs, explorer.brake, setting) or 'as it is'}\n"
+        return Reply(422, HTML, escape(answer.failure))
+    said = f"# {one_line(name)}, explored: {link_of(explorer.knobs, explorer.brake, setting) or 'as it is'}\n"
     if answer.distance:
         said += "# Its clearances are tables of what wear has left.\n"
-    return Reply(200, TOML, said + brake_text(answer.brake), f"{name}_explored.toml")
+    try:
+        text = brake_text(_found_from_anywhere(answer.brake))
+    except BadInput as error:
+        return Reply(422, HTML, escape(str(error)))
+    return Reply(200, TOML, said + text, f"{_file_name(name)}_explored.toml")
+
+
+def _found_from_anywhere(brake: AnyBrake) -> AnyBrake:
+    """The brake with absolute paths of its mesh files: the browser chooses the folder that the file is saved in."""
+    meshes = {f"shoe[{i}].mesh": shoe.mesh.absolute() for i, shoe in enumerate(brake.shoes) if shoe.mesh is not None}
+    return vary(brake, meshes) if meshes else brake
+
+
+def _file_name(name: str) -> str:
+    """A name that every file system takes: what is not printable, or parts folders or options, is written as "_"."""
+    return "".join("_" if letter in NO_NAMES or not letter.isprintable() else letter for letter in name)
 
 
 PATHS: Mapping[str, Callable[[Explorer, Setting, tuple[str, ...], str], Reply]] = {

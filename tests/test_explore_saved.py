@@ -1,0 +1,91 @@
+"""The brake file that the page saves: valid, and the same brake, whatever the names of files and folders."""
+
+import os
+import shutil
+import threading
+import tomllib
+from http.client import HTTPConnection
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT, STUDY
+from drumlin.brake.plane_brake import read_any
+from drumlin.brake.writing import brake_text
+from drumlin.errors import BadInput
+from drumlin.explore.answers import Explorer
+from drumlin.explore.page import reply
+from drumlin.explore.serve import _Server
+
+NAMES = [
+    os.fsdecode(b"br\xffake"), "a\nb", "a\r\nb = 1", "a\x7fb", "a\u2028b", "a\x85b", 'a"b', "x\\", "µ λ", "#", "-",
+    "\x00", "a\n[[shoe]]\nname = 'x'", "n" * 200,
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def explorer():
+    return Explorer(read_any(STUDY / "brake.toml"))
+
+
+@pytest.mark.parametrize("name", NAMES, ids=ascii)
+def test_the_saved_file_is_the_same_brake_whatever_the_file_was_called(explorer, tmp_path, name):
+    saved = reply(explorer, "/brake.toml?friction=0.4", name)
+    assert saved.status == 200 and saved.file.isprintable() and not set(saved.file) & set('/\\:*?"<>|')
+    data = saved.text.encode("utf-8", errors="strict")
+    path = tmp_path / saved.file[-100:]
+    path.write_bytes(data)
+    assert set(tomllib.loads(data.decode())) == set(tomllib.loads((STUDY / "brake.toml").read_text()))
+    assert read_any(path) == explorer.brake.model_copy(update={"friction": 0.4})
+
+
+def test_the_server_sends_it(explorer):
+    for name in NAMES:
+        server = _Server(explorer, name, 0)
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
+        thread.start()
+        try:
+            asked = HTTPConnection("127.0.0.1", server.server_port, timeout=20)
+            asked.request("GET", "/brake.toml?friction=0.4", headers={"Host": f"localhost:{server.server_port}"})
+            answer = asked.getresponse()
+            assert answer.status == 200 and "_explored.toml" in answer.headers["Content-Disposition"]
+            assert tomllib.loads(answer.read().decode())["friction"] == 0.4
+            asked.close()
+        finally:
+            server.shutdown()
+            thread.join()
+            server.server_close()
+
+
+def copied(folder: Path) -> Path:
+    """The brake with mesh files, in a folder."""
+    folder.mkdir()
+    for file in ("double_shoe.toml", "double_shoe_left.msh", "double_shoe_right.msh"):
+        shutil.copy(ROOT / "meshes" / file, folder)
+    return folder / "double_shoe.toml"
+
+
+@pytest.mark.parametrize("name", ["a\x7fb", "a b", "µ", 'a"b', "a\\b", "a\nb", "a\tb"], ids=ascii)
+def test_mesh_files_are_found_from_any_folder(tmp_path, monkeypatch, name):
+    copied(tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    brake = read_any(Path(name) / "double_shoe.toml")
+    saved = reply(Explorer(brake), "/brake.toml", "b")
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / saved.file).write_text(saved.text, encoding="utf-8")
+    monkeypatch.chdir("/")
+    again = read_any(tmp_path / "elsewhere" / saved.file)
+    assert [shoe.mesh for shoe in again.shoes] == [tmp_path / shoe.mesh for shoe in brake.shoes]
+    shoes = tuple(
+        shoe.model_copy(update={"mesh": mine.mesh}) for shoe, mine in zip(again.shoes, brake.shoes, strict=True)
+    )
+    assert again.model_copy(update={"shoes": shoes}) == brake
+
+
+def test_a_mesh_that_no_brake_file_can_name_is_refused_in_a_line(tmp_path):
+    path = copied(tmp_path / os.fsdecode(b"fol\xffder"))
+    brake = read_any(path)
+    with pytest.raises(BadInput, match="has bytes that are no UTF-8"):
+        brake_text(brake)
+    saved = reply(Explorer(brake), "/brake.toml", "b")
+    assert saved.status == 422 and "no UTF-8" in saved.text and not saved.file
