@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -91,11 +91,22 @@ class Body:
         return np.array([rigid @ self.coupling.N.T, rigid @ self.coupling.T.T])
 
 
+class BodyNodes(NamedTuple):
+    """The nodes of a body: points `xy` (2, nodes) [m], and the force `load` (2, nodes) [1] on each
+    per newton of the actuation, where this acts on the body itself; both in the shoe's frame."""
+
+    xy: Floats
+    load: Floats
+
+
 @dataclass(frozen=True)
 class Scene:
     """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if it has one.
 
-    `apart`: each shoe meets the ring as if the others did not press it. `model`: whose bodies they are.
+    `apart`: each shoe meets the ring as if the others did not press it. `model`: whose bodies they
+    are. Where the bodies can be divided anew by the rule that divided them: `nodes_of`(i, shoe),
+    the nodes of the body that shoe i would have as another shoe, and `ring_under`(lines), the ring
+    under other contact lines.
     """
 
     brake: Brake
@@ -105,6 +116,8 @@ class Scene:
     left_out: tuple[str, ...]
     apart: bool = False
     model: str = "fem"
+    nodes_of: Callable[[int, Shoe], BodyNodes] | None = None
+    ring_under: Callable[[tuple[ContactLine, ...]], RingBody] | None = None
 
     @cached_property
     def shapes(self) -> list[tuple[object, ...]]:
@@ -254,17 +267,36 @@ def prepare(
             )
         bodies.append(made[key])
     ring = None
+    ring_under = partial(ring_body, brake, elements)
     left_out = ["interior fields: recovered only for a picture"]
     if brake.drum.ring is not None:
         with clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
             key = (bare(brake), setting, *map(content, brake.shoes))
-            ring = cache.get(key, partial(ring_body, brake, brake.drum.ring, lines, elements), size_of)
+            ring = cache.get(key, partial(ring_under, lines), size_of)
     if len(made) < len(bodies):
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
         left_out.append("friction: mu = 0, symmetric, without the flexibility under drag")
-    return Scene(brake, tuple(bodies), ring, seconds, (*left_out, *lacking(brake)))
+    return Scene(
+        brake,
+        tuple(bodies),
+        ring,
+        seconds,
+        (*left_out, *lacking(brake)),
+        nodes_of=partial(_nodes_of, mesher, brake.drum.radius, tuple(bodies)),
+        ring_under=ring_under,
+    )
+
+
+def _nodes_of(mesher: Mesher, radius: float, bodies: tuple[Body, ...], i: int, shoe: Shoe) -> BodyNodes:
+    """As `Scene.nodes_of`, on meshes; one from a file is the same in the frame of any shoe."""
+    mesh = mesher(shoe, radius) if shoe.mesh is None else bodies[i].mesh
+    basis = scalar_basis(mesh)
+    if "actuation" not in mesh.boundaries or shoe.gripped:
+        return BodyNodes(basis.doflocs, np.zeros(basis.doflocs.shape))
+    full, centre = end_loads(basis, mesh.boundaries["actuation"])
+    return BodyNodes(basis.doflocs, (full @ load_on(centre, shoe)[0]).reshape(-1, 2).T)
 
 
 def lacking(brake: Brake) -> list[str]:
@@ -339,12 +371,17 @@ def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
         return coupled(made, shoe, parts.line, condensed, parts.load_centre, friction=brake.friction > 0)
 
 
+def coupling_of(line: ContactLine, shoe: Shoe) -> Coupling:
+    """The coupling of a shoe's contact line with the drum or the plane."""
+    return line.couple(shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
+
+
 def coupled(
     made: Callable[..., Body], shoe: Shoe, line: ContactLine, condensed: Condensed, centre: Floats, *, friction: bool
 ) -> Body:
     """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the rest of a Body."""
     n = len(line.nodes)
-    coupling = line.couple(shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
+    coupling = coupling_of(line, shoe)
     forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
     Y = condensed.half(np.concatenate(forces, axis=1))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
@@ -381,9 +418,14 @@ def actuation(body: Body | Assembled, shoe: Shoe) -> tuple[Floats, float]:
 
     In the shoe's frame; a negative force counts as one newton the other way.
     """
+    return load_on(body.load_centre, shoe)
+
+
+def load_on(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
+    """As `actuation`, with the unit actuations at a `centre` (2,) [m] in the shoe's frame."""
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
     (fx, fy), (x, y) = shoe.frame.to_shoe(direction).tolist(), shoe.own_points(shoe.actuation.point.xy).tolist()
-    (centre_x, centre_y), (pin_x, pin_y) = body.load_centre.tolist(), shoe.own_pin.tolist()
+    (centre_x, centre_y), (pin_x, pin_y) = centre.tolist(), shoe.own_pin.tolist()
     couple_ = (x - centre_x) * fy - (y - centre_y) * fx
     return np.array([fx, fy, couple_]), (x - pin_x) * fy - (y - pin_y) * fx
 

@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.fields import Material
 from drumlin.errors import NoAnswer
-from drumlin.fem.elimination import SINGULAR, dissection, eliminate
+from drumlin.fem.elimination import SINGULAR, dissection, eliminate, solve
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.lapack import dpotrf, solve_lower
 
@@ -38,15 +38,24 @@ class Inside(NamedTuple):
     ties: Ties
     loads: Floats
 
+    def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+        """Displacements (2 nodes, m) [m]; see `Condensed.displacements`."""
+        right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
+        right[len(right) - len(nodal) :] += nodal
+        u = solve(self.A[:-FRAME, :-FRAME], self.ties.region, right)
+        return np.asarray(self.ties.matrix @ np.vstack([u, frame]))
+
 
 @dataclass(frozen=True)
 class Condensed:
     """A body seen from its 2n contact displacements and its frame.
 
-    `L_cc` (2n, 2n) lower triangular, `L_fc` (3, 2n): see above. `load_c` (2n, l) and `load_f` (3, l): unit loads
-    condensed to contact and frame; `load_work` (l, l): their work with both held. `inside`: makes, where it is asked
-    for, what recovers the inside. `lost`: by how much round-off of the elimination puts a unit force out of balance,
-    and `moved` (2n, 3): how far it moves the contact [m] as the frame moves by one; as far as known.
+    `L_cc` (2n, 2n) lower triangular, `L_fc` (3, 2n): see above. `load_c` (2n, l) and `load_f` (3,
+    l): unit loads condensed to contact and frame; `load_work` (l, l): their work with both held.
+    `inside`: makes, where it is asked for, the whole system; `recover`: solves it, see
+    `displacements`. `lost`: by how much round-off of the elimination puts a unit force out of
+    balance, and `moved` (2n, 3): how far it moves the contact [m] as the frame moves by one; as far
+    as known.
     """
 
     L_cc: Floats
@@ -55,6 +64,7 @@ class Condensed:
     load_f: Floats
     load_work: Floats
     inside: Callable[[], Inside]
+    recover: Callable[[Floats, Floats, Floats], Floats]
     lost: float = 0.0
     moved: Floats | None = None
 
@@ -73,7 +83,8 @@ class Condensed:
         return solve_lower(self.L_cc, forces)
 
     def displacement(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacement of all nodes (2, nodes) [m], by one sparse factorisation that nothing else needs.
+        """Displacement of all nodes (2, nodes) [m], by an elimination of the inside that is
+        substituted back.
 
         nodal (2n,): forces on the contact nodes [N]; frame (3,): its displacement; loads (l,): factors of the unit
         loads.
@@ -83,13 +94,7 @@ class Condensed:
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacements (2 nodes, m) [m] of m cases: nodal (2n, m), frame (3, m), loads (l, m) as above."""
-        from scipy.sparse.linalg import splu  # noqa: PLC0415  (meshes alone load it)
-
-        A, ties, unit = self.inside()
-        right = unit[:-FRAME] @ loads - A[:-FRAME, -FRAME:] @ frame
-        right[len(right) - len(nodal) :] += nodal
-        u = splu(A[:-FRAME, :-FRAME], permc_spec="MMD_AT_PLUS_A").solve(right)
-        return np.asarray(ties.matrix @ np.vstack([u, frame]))
+        return self.recover(nodal, frame, loads)
 
 
 def scalar_basis(mesh: Any) -> Any:
@@ -194,4 +199,5 @@ def condense(K: Any, ties: Ties, loads: Floats, contact: int) -> Condensed:
     if info:
         raise NoAnswer(SINGULAR)
     L_fc = solve_lower(L_cc, S[:contact, contact:]).T
-    return Condensed(L_cc, L_fc, left[:contact], left[contact:], work, partial(Inside, A, ties, loads))
+    inside = Inside(A, ties, loads)
+    return Condensed(L_cc, L_fc, left[:contact], left[contact:], work, partial(Inside, *inside), inside.displacements)

@@ -1,12 +1,14 @@
 """Eliminating the inside of a body: dense fronts over a nested dissection.
 
-The elements are halved again and again; a node belongs to the smallest region that holds all its elements. Its
-region's unknowns are eliminated together, by one dense Cholesky factorisation of a front: the region's own
-unknowns and those of later regions that they touch. What the front leaves on the later ones is added to the
-front of the region that comes next among them (multifrontal elimination: Duff & Reid 1983). The work is matrix
-products, the kept unknowns come last whatever the sparsity, nothing of the factors is stored.
+The elements are halved again and again; a node belongs to the smallest region that holds all its
+elements. Its region's unknowns are eliminated together, by one dense Cholesky factorisation of a
+front: the region's own unknowns and those of later regions that they touch. What the front leaves
+on the later ones is added to the front of the region that comes next among them (multifrontal
+elimination: Duff & Reid 1983). The work is matrix products, and the kept unknowns come last
+whatever the sparsity. The factors are kept only where the displacements inside are asked for.
 """
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +18,8 @@ from drumlin.errors import NoAnswer
 from drumlin.lapack import dpotrf, dtrsm
 
 LEAF = 5  # halvings that a smallest region goes without: it has up to 32 elements
+
+_Left = list[list[tuple[Ints, Floats]]]
 
 SINGULAR = "singular stiffness: a part hangs on nothing, or moduli are too far apart"
 
@@ -90,16 +94,74 @@ def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
     region: number of the region of each of them, not decreasing; loads (n, l). Raises NoAnswer for a matrix that
     is not positive definite on them.
     """
-    inner, regions = len(region), int(region[-1]) + 1 if len(region) else 0
-    starts = np.searchsorted(region, np.arange(regions + 1))
+    lower, inner, left = _lower(A), len(region), _nothing(region)
+    f = np.array(loads, dtype=float)
+    work = np.zeros((f.shape[1], f.shape[1]))
+    for front in _fronts(lower, region, left):
+        if f.shape[1]:
+            y = dtrsm(1.0, front.L, f[front.own], lower=1)
+            f[front.later] -= front.below @ y
+            work += y.T @ y
+    S = _kept(lower, inner, left)
+    return Eliminated(np.tril(S) + np.tril(S, -1).T, f[inner:], work)
+
+
+def solve(A: Any, region: Ints, right: Floats) -> Floats:
+    """The solution (n, m) of A x = right for a symmetric positive definite sparse A (n, n).
+
+    The fronts of the elimination are kept until the solution is substituted back. `region` is as of
+    `eliminate`; the unknowns behind them are solved for together. Raises NoAnswer for a matrix that
+    is not positive definite.
+    """
+    lower, inner, left = _lower(A), len(region), _nothing(region)
+    x = np.array(right, dtype=float)
+    fronts = []
+    for front in _fronts(lower, region, left):
+        x[front.own] = dtrsm(1.0, front.L, x[front.own], lower=1)
+        x[front.later] -= front.below @ x[front.own]
+        fronts.append(front)
+    L, info = dpotrf(_kept(lower, inner, left), lower=1)
+    if info:
+        raise NoAnswer(SINGULAR)
+    x[inner:] = dtrsm(1.0, L, dtrsm(1.0, L, x[inner:], lower=1), lower=1, trans_a=1)
+    while fronts:
+        front = fronts.pop()
+        x[front.own] = dtrsm(1.0, front.L, x[front.own] - front.below.T @ x[front.later], lower=1, trans_a=1)
+    return x
+
+
+class _FrontFactor(NamedTuple):
+    """What the elimination of the unknowns `own` of a region is: the Cholesky factor `L` (k, k) of
+    their part of the front, and the rows `below` (m, k) of the factor for the unknowns `later` (m,)
+    that they touch."""
+
+    own: slice
+    later: Ints
+    L: Floats
+    below: Floats
+
+
+def _nothing(region: Ints) -> _Left:
+    """A place for each region, and a last one for the kept unknowns, for what earlier fronts leave
+    on its unknowns."""
+    regions = int(region[-1]) + 1 if len(region) else 0
+    return [[] for _ in range(regions + 1)]
+
+
+def _lower(A: Any) -> Any:
+    """The lower triangle of a sparse matrix, by columns in order."""
     import scipy.sparse as sp  # noqa: PLC0415  (meshes alone load it)
 
     lower = sp.tril(A, format="csc")
     lower.sort_indices()
+    return lower
+
+
+def _fronts(lower: Any, region: Ints, left: _Left) -> Iterator[_FrontFactor]:
+    """The fronts of all regions in turn; what they leave on later unknowns goes to `left`."""
+    inner, regions = len(region), len(left) - 1
+    starts = np.searchsorted(region, np.arange(regions + 1))
     indptr, indices, data = lower.indptr, lower.indices, lower.data
-    f = np.array(loads, dtype=float)
-    work = np.zeros((f.shape[1], f.shape[1]))
-    left: list[list[tuple[Ints, Floats]]] = [[] for _ in range(regions + 1)]
     for r in range(regions):
         a, b = starts[r], starts[r + 1]
         if a == b:
@@ -116,20 +178,21 @@ def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
         if info:
             raise NoAnswer(SINGULAR)
         below = dtrsm(1.0, L, F[own:, :own], side=1, lower=1, trans_a=1)
-        if f.shape[1]:
-            y = dtrsm(1.0, L, f[a:b], lower=1)
-            f[later] -= below @ y
-            work += y.T @ y
         if len(later):
             after = regions if later[0] >= inner else int(region[later[0]])
             left[after].append((later, np.subtract(F[own:, own:], below @ below.T, order="F")))
-    kept = np.arange(inner, A.shape[0])
-    S = lower[inner:, inner:].toarray(order="F")
-    _gather(S, kept, left, regions)
-    return Eliminated(np.tril(S) + np.tril(S, -1).T, f[inner:], work)
+        yield _FrontFactor(slice(a, b), later, L, below)
 
 
-def _gather(F: Floats, touched: Ints, left: list[list[tuple[Ints, Floats]]], region: int) -> None:
+def _kept(lower: Any, inner: int, left: _Left) -> Floats:
+    """The lower triangle of the stiffness (k, k) that the elimination of the `inner` ones leaves on
+    the others."""
+    S: Floats = lower[inner:, inner:].toarray(order="F")
+    _gather(S, np.arange(inner, lower.shape[0]), left, len(left) - 1)
+    return S
+
+
+def _gather(F: Floats, touched: Ints, left: _Left, region: int) -> None:
     """Add what earlier fronts left on the unknowns `touched` (n,) to the lower triangle of a front F (n, n)."""
     for unknowns, rest in left[region]:
         place = np.searchsorted(touched, unknowns)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.components import Ring, Section
+from drumlin.brake.components import Section
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, edge_points
@@ -108,10 +108,11 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
     )
 
 
-def ring_body(brake: Brake, ring: Ring, linings: tuple[ContactLine, ...], elements: int) -> RingBody:
+def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> RingBody:
     """Mesh and condense the ring under the linings, given by their contact lines in the shoes' frames."""
+    ring = brake.drum.ring
+    assert ring is not None and ring.section is not None  # scene.why_not
     section = ring.section
-    assert section is not None  # scene.why_not
     mesh = ring_mesh(section, brake.drum.radius, brake.shoes, elements)
     basis = scalar_basis(mesh)
     K = stiffness(basis, {"drum": (section.material, section.width)})

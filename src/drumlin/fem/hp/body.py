@@ -1,12 +1,14 @@
 """The body of a parametric shoe of columns, as contact, response, sweeps and wear need it."""
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 
+from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Shoe
 from drumlin.errors import NoAnswer
-from drumlin.fem.body import FRAME, Condensed, Inside, tie
+from drumlin.fem.body import FRAME, Condensed, Inside, Ties, tie
 from drumlin.fem.elimination import SINGULAR
 from drumlin.fem.hp import shoe as shoes
 from drumlin.fem.hp.division import Division
@@ -53,9 +55,9 @@ def condensed(shoe: Shoe, div: Division, found: shoes.Condensed, line: ContactLi
     if info:
         raise NoAnswer(SINGULAR)
     L_fc = solve_lower(L, S[FRAME:, :FRAME]).T
-    inside = partial(_inside, shoe, div, grid)
+    inside, recover = partial(_inside, shoe, div, grid), partial(_recovered, shoe, div, grid)
     moved = dtrtrs(L, solve_lower(L, found.missed), lower=1, trans=1)[0]
-    return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, found.lost, moved)
+    return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, recover, found.lost, moved)
 
 
 def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
@@ -63,15 +65,37 @@ def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
 
     K = grid.stiffness(assembly.materials_of(shoe))
     ties = tie(grid, np.arange(div.contact_nodes), grid.sets["hinge"], shoe.own_pin)
+    return _reduced(K, ties, end_load_of(div, grid)[0] if "actuation" in grid.sets else None)
+
+
+def _recovered(shoe: Shoe, div: Division, grid: Grid, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+    """What `Condensed.displacements` returns, with the elements' insides eliminated one by one."""
+    from drumlin.fem import assembly  # noqa: PLC0415
+
+    materials, sides = assembly.materials_of(shoe), grid.skeleton
+    ties = tie(sides, sides.place[: div.contact_nodes], sides.place[grid.sets["hinge"]], shoe.own_pin)
+    on_sides = end_load_of(div, grid)[0][sides.dofs] if "actuation" in grid.sets else None
+    inside = _reduced(sides.stiffness(materials), ties, on_sides)
+    return sides.everywhere(materials, inside.displacements(nodal, frame, loads))
+
+
+def end_load_of(div: Division, grid: Grid) -> tuple[Floats, Floats]:
+    """Nodal forces (2 N, 3) of the unit actuations on the loaded end, "actuation", and its centre
+    (2,) [m]."""
+    full, nodes = np.zeros((grid.N, 2, FRAME)), grid.sets["actuation"]
+    f, centre = end_load(grid.doflocs[:, nodes], line_of(div.depths[div.first :], div.degree), div.degree)
+    full[nodes] = f.reshape(-1, 2, FRAME)
+    return full.reshape(-1, FRAME), centre
+
+
+def _reduced(K: Any, ties: Ties, load: Floats | None) -> Inside:
+    """A stiffness `K` (2 nodes, 2 nodes) and the unit loads (2 nodes, 3) on the reduced
+    unknowns."""
     loads = np.zeros((ties.matrix.shape[1], FRAME))
-    if "actuation" in grid.sets:
-        full = np.zeros((grid.N, 2, FRAME))
-        nodes = grid.sets["actuation"]
-        f, _ = end_load(grid.doflocs[:, nodes], line_of(div.depths[div.first :], div.degree), div.degree)
-        full[nodes] = f.reshape(-1, 2, FRAME)
-        loads = ties.matrix.T @ full.reshape(-1, FRAME)
-    else:
+    if load is None:
         loads[-FRAME:] = np.eye(FRAME)
+    else:
+        loads = ties.matrix.T @ load
     return Inside((ties.matrix.T @ K @ ties.matrix).tocsc(), ties, loads)
 
 

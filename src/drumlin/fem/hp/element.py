@@ -170,3 +170,36 @@ def condensed_elements(xy: Floats, lame: Floats, p: int) -> Floats:
             )
         )
     return out.reshape(*shape, *out.shape[1:])
+
+
+def inner_displacements(xy: Floats, lame: Floats, p: int, u: Floats) -> Floats:
+    """Displacements (e, 2 i, m) of the i nodes inside elements, which no force acts on.
+
+    xy (e, 2, a) and lame (e, 2) are as of `stiffness`; u (e, 8 p, m) are the displacements of the
+    boundary nodes.
+    """
+    ref = element(p)
+    outer, inside = slice(ref.outer), slice(ref.outer, None)
+    found = np.empty((len(xy), 2 * (len(ref.order) - ref.outer), u.shape[2]))
+    step = max(1, CHUNK // ref.slopes.size)
+    for k in range(0, len(xy), step):
+        part = slice(k, k + step)
+        products = _products(xy[part], p)
+        coupling, inner = (
+            _stiffness(products, lame[part], inside, columns).reshape(len(products), found.shape[1], -1)
+            for columns in (outer, inside)
+        )
+        found[part] = -np.linalg.solve(inner, coupling @ u[part])
+    return found
+
+
+def gradients(xy: Floats, p: int) -> tuple[Floats, Floats]:
+    """Gradients (e, 2, a, q) [1/m] of the shape functions of elements with nodes xy (e, 2, a) at
+    the Gauss points, and the areas (e, q) [m^2] that these stand for."""
+    ref = element(p)
+    q = len(ref.weights)
+    J = (xy @ ref.slopes).reshape(*xy.shape[:2], 2, q)  # d x_c / d xi_d
+    det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
+    inverse = np.array([[J[:, 1, 1], -J[:, 0, 1]], [-J[:, 1, 0], J[:, 0, 0]]]) / det  # d xi_d / d x_c, (d, c, e, q)
+    slopes = ref.slopes.reshape(len(ref.order), 2, q)
+    return np.einsum("adq,dceq->ecaq", slopes, inverse), np.abs(det) * ref.weights

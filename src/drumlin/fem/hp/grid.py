@@ -13,7 +13,13 @@ import numpy as np
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.fields import Material
-from drumlin.fem.hp.element import element, shape_functions, stiffness
+from drumlin.fem.hp.element import (
+    condensed_elements,
+    element,
+    inner_displacements,
+    shape_functions,
+    stiffness,
+)
 from drumlin.fem.shapes import plane_stress
 from drumlin.response.resultants import lobatto
 
@@ -91,19 +97,97 @@ class Grid:
         J = np.einsum("can,adq->nqcd", self.doflocs[:, self.element_dofs[:, elements]], slopes)
         return np.asarray(np.einsum("adq,nqdc->acnq", slopes, np.linalg.inv(J)))
 
-    def stiffness(self, materials: Mapping[str, tuple[Material, float]], *, precise: bool = False) -> Any:
-        """Plane-stress stiffness (2 N, 2 N), unknown 2 i + c for component c of node i [N/m]; precise: long double."""
-        import scipy.sparse as sp  # noqa: PLC0415  (only where the whole system is put together)
+    @cached_property
+    def ordered_dofs(self) -> Ints:
+        """Nodes of each element (elements, a), in the order of `element.Element`."""
+        return np.ascontiguousarray(self.element_dofs[element(self.degree).order].T)
 
-        p, order = self.degree, element(self.degree).order
-        dofs = self.element_dofs[order].T
-        xy = self.doflocs.astype(np.longdouble if precise else float)[:, dofs].transpose(1, 0, 2)
-        lame = np.zeros((len(dofs), 2), dtype=xy.dtype)
+    @cached_property
+    def element_nodes(self) -> Floats:
+        """Points (elements, 2, a) [m] of the nodes of each element, in that order."""
+        return np.ascontiguousarray(self.doflocs[:, self.ordered_dofs].transpose(1, 0, 2))
+
+    def lame(self, materials: Mapping[str, tuple[Material, float]]) -> Floats:
+        """lambda and mu of plane stress times the width of each element (elements, 2) [N/m]."""
+        found = np.zeros((self.element_dofs.shape[1], 2))
         for name, elements in self.subdomains.items():
             material, width = materials[name]
-            lame[elements] = np.array(plane_stress(material.E, material.nu)) * width
-        K = stiffness(np.ascontiguousarray(xy), lame, p)
-        both = (2 * dofs[:, :, None] + np.arange(2)).reshape(len(dofs), -1).astype(np.int32)
-        rows = np.broadcast_to(both[:, :, None], (*both.shape, both.shape[1]))
-        at = rows.ravel(), np.swapaxes(rows, 1, 2).ravel()
-        return sp.coo_matrix((K.ravel(), at), shape=(2 * self.N, 2 * self.N)).tocsc()
+            found[elements] = np.array(plane_stress(material.E, material.nu)) * width
+        return found
+
+    def stiffness(self, materials: Mapping[str, tuple[Material, float]], *, precise: bool = False) -> Any:
+        """Plane-stress stiffness (2 N, 2 N), unknown 2 i + c for component c of node i [N/m];
+        precise: long double."""
+        kind = np.longdouble if precise else float
+        xy = np.ascontiguousarray(self.doflocs.astype(kind)[:, self.ordered_dofs].transpose(1, 0, 2))
+        return _assembled(stiffness(xy, self.lame(materials).astype(kind), self.degree), self.ordered_dofs, self.N)
+
+    @cached_property
+    def skeleton(self) -> "Skeleton":
+        """Its nodes on the sides of elements."""
+        dofs = self.ordered_dofs[:, : element(self.degree).outer]
+        nodes = np.unique(dofs)
+        place = np.full(self.N, -1)
+        place[nodes] = np.arange(len(nodes))
+        return Skeleton(self, nodes, place, place[dofs].T)
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """The nodes on the sides of a grid's elements, `nodes` (N,) of the grid's, without those inside
+    elements.
+
+    `place` (grid nodes,): which of them a node of the grid is, -1 for a node inside; `element_dofs`
+    (4 p, elements). It stands where a basis stands: a grid of high degree has most of its unknowns
+    inside its elements, and their elimination touches no other element.
+    """
+
+    grid: Grid
+    nodes: Ints
+    place: Ints
+    element_dofs: Ints
+
+    @property
+    def N(self) -> int:
+        """Number of nodes."""
+        return len(self.nodes)
+
+    @property
+    def doflocs(self) -> Floats:
+        """Points of the nodes (2, N) [m]."""
+        return self.grid.doflocs[:, self.nodes]
+
+    @property
+    def dofs(self) -> Ints:
+        """Its displacements (2 N,) among those of the grid, x and y of a node together."""
+        return np.asarray((2 * self.nodes[:, None] + np.arange(2)).ravel())
+
+    def stiffness(self, materials: Mapping[str, tuple[Material, float]]) -> Any:
+        """Stiffness (2 N, 2 N) [N/m] without what is inside the elements."""
+        grid = self.grid
+        K = condensed_elements(grid.element_nodes[:, None], grid.lame(materials), grid.degree)
+        return _assembled(K, self.element_dofs.T, self.N)
+
+    def everywhere(self, materials: Mapping[str, tuple[Material, float]], u: Floats) -> Floats:
+        """Displacements (2 grid nodes, m) of all nodes by those of its own, u (2 N, m); no force
+        acts on the others."""
+        grid = self.grid
+        found = np.empty((grid.N, 2, u.shape[1]))
+        on = u.reshape(self.N, 2, -1)
+        found[self.nodes] = on
+        outer = on[self.element_dofs.T].reshape(len(grid.ordered_dofs), -1, u.shape[1])
+        inner = inner_displacements(grid.element_nodes, grid.lame(materials), grid.degree, outer)
+        inside = grid.ordered_dofs[:, len(self.element_dofs) :]
+        found[inside] = inner.reshape(*inside.shape, 2, -1)
+        return found.reshape(2 * grid.N, -1)
+
+
+def _assembled(K: Any, dofs: Ints, N: int) -> Any:
+    """The sparse stiffness (2 N, 2 N) of elements with nodes dofs (e, a); K: (e, 2 a, 2 a), x and y
+    of a node together."""
+    import scipy.sparse as sp  # noqa: PLC0415  (only where the whole system is put together)
+
+    both = (2 * dofs[:, :, None] + np.arange(2)).reshape(len(dofs), -1).astype(np.int32)
+    rows = np.broadcast_to(both[:, :, None], (*both.shape, both.shape[1]))
+    at = rows.ravel(), np.swapaxes(rows, 1, 2).ravel()
+    return sp.coo_matrix((K.ravel(), at), shape=(2 * N, 2 * N)).tocsc()

@@ -10,13 +10,14 @@ import numpy as np
 from drumlin.arrays import Bools, Floats, Ints
 from drumlin.brake.components import Section
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.fields import Material
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, tie
 from drumlin.fem.elimination import SINGULAR
 from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Level, ends_of, graded
-from drumlin.fem.hp.grid import Block, Grid
+from drumlin.fem.hp.grid import Block, Grid, Skeleton
 from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, within
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
@@ -62,7 +63,7 @@ def _within(angle: float, ends: Floats) -> bool:
     return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, TURN))
 
 
-def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> RingBody:
+def ring_body(brake: Brake, level: Level, linings: tuple[ContactLine, ...]) -> RingBody:
     """The ring condensed under the linings, given by their contact lines in the shoes' frames."""
     ring, radius, sign = brake.drum.ring, brake.drum.radius, brake.shoes[0].sign
     assert ring is not None and ring.section is not None  # scene.why_not
@@ -85,8 +86,8 @@ def ring_body(brake: Brake, linings: tuple[ContactLine, ...], level: Level) -> R
     load = turned_rows(A[:extra, extra:], back).T
     work = -A[:extra, :extra]
     rim = rim_of(radius + sign * ring.section.thickness, div, grid) if free else np.zeros((2 * grid.N, 0))
-    inside = partial(_inside, brake, grid, rim)
-    condensed = Condensed(L, np.zeros((FRAME, n)), -load, np.zeros((FRAME, extra)), work, inside)
+    inside, recover = partial(_inside, brake, grid, rim), partial(_recovered, brake, grid, rim)
+    condensed = Condensed(L, np.zeros((FRAME, n)), -load, np.zeros((FRAME, extra)), work, inside, recover)
     held = None
     if free:
         held = Free.of(grid, rim, condensed, contact)
@@ -232,14 +233,30 @@ def rim_of(radius: float, div: Division, grid: Grid) -> Floats:
 
 
 def _inside(brake: Brake, grid: Grid, rim: Floats) -> Inside:
+    return _reduced(brake, grid, grid.sets["support"], grid.sets["contact"], rim)
+
+
+def _recovered(brake: Brake, grid: Grid, rim: Floats, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+    """What `Condensed.displacements` returns, with the elements' insides eliminated one by one."""
+    sides = grid.skeleton
+    support, contact = (sides.place[grid.sets[name]] for name in ("support", "contact"))
+    inside = _reduced(brake, sides, support, contact, rim[sides.dofs])
+    return sides.everywhere(_materials(brake), inside.displacements(nodal, frame, loads))
+
+
+def _materials(brake: Brake) -> dict[str, tuple[Material, float]]:
     ring = brake.drum.ring
-    assert ring is not None and ring.section is not None
-    K = grid.stiffness({"drum": (ring.section.material, ring.section.width)})
-    support, contact = grid.sets["support"], grid.sets["contact"]
-    if ring.support == "fixed":
-        ties = tie(grid, contact, support, np.zeros(2))
+    assert ring is not None and ring.section is not None  # scene.why_not
+    return {"drum": (ring.section.material, ring.section.width)}
+
+
+def _reduced(brake: Brake, basis: Grid | Skeleton, support: Ints, contact: Ints, rim: Floats) -> Inside:
+    """The stiffness of a ring and the unit loads `rim` (2 nodes, l) on its reduced unknowns."""
+    K, ring = basis.stiffness(_materials(brake)), brake.drum.ring
+    if ring is not None and ring.support == "fixed":
+        ties = tie(basis, contact, support, np.zeros(2))
         loads = np.zeros((ties.matrix.shape[1], 0))
     else:
-        ties = tie(grid, contact, support[:0], np.zeros(2), determinate(grid, support))
+        ties = tie(basis, contact, support[:0], np.zeros(2), determinate(basis, support))
         loads = ties.matrix.T @ rim
     return Inside((ties.matrix.T @ K @ ties.matrix).tocsc(), ties, loads)

@@ -1,12 +1,16 @@
 """Scenes of brakes whose shoes are columns of high degree."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
+from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import assembly
-from drumlin.fem.hp.body import condensed, contact_line, grid_of
+from drumlin.fem.hp.body import condensed, contact_line, end_load_of, grid_of
 from drumlin.fem.hp.division import Division, Level, Place, divide
 from drumlin.fem.hp.ring import ring_body
 from drumlin.fem.hp.shoe import condense
@@ -64,10 +68,49 @@ def scene(
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
         left_out.append("friction: mu = 0, symmetric, without the flexibility under drag")
-    ring = None
+    ring, ring_under = None, partial(ring_body, brake, level)
     if brake.drum.ring is not None:
         with assembly.clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
             own = (assembly.bare(brake), level, *(each.key for each in divided.values()))
-            ring = (cache or assembly.Cache()).get(own, partial(ring_body, brake, lines, level), assembly.size_of)
-    return assembly.Scene(brake, bodies, ring, seconds, (*left_out, *assembly.lacking(brake)))
+            ring = (cache or assembly.Cache()).get(own, partial(ring_under, lines), assembly.size_of)
+    again = {
+        i: partial(_nodes_of, shoe, divided[i], radius, level, (places or {}).get(i, ()), cam)
+        for i, shoe in shoes.items()
+    }
+    return assembly.Scene(
+        brake,
+        bodies,
+        ring,
+        seconds,
+        (*left_out, *assembly.lacking(brake)),
+        nodes_of=partial(_nodes_alike, again, alike),
+        ring_under=ring_under,
+    )
+
+
+def _nodes_of(
+    shoe: Shoe, div: Division, radius: float, level: Level, places: Sequence[Place], tip: bool, other: Shoe
+) -> assembly.BodyNodes:
+    """The nodes of the body of another shoe that is divided by the rule by which `div` divides this
+    one.
+
+    Of a straight beam the division under the lining stays on the drum, while the frame turns with
+    the hinge.
+    """
+    turn = other.arc[0] - shoe.arc[0]
+    found = divide(other, radius, level, [(phi + turn, length, kink) for phi, length, kink in places], tip=tip)
+    if isinstance(shoe.body, Beam):
+        found = replace(found, angles=div.angles + turn)
+    grid = grid_of(other, radius, found)
+    if "actuation" not in grid.sets:
+        return assembly.BodyNodes(grid.doflocs, np.zeros(grid.doflocs.shape))
+    full, centre = end_load_of(found, grid)
+    return assembly.BodyNodes(grid.doflocs, (full @ assembly.load_on(centre, other)[0]).reshape(-1, 2).T)
+
+
+def _nodes_alike(
+    each: Mapping[int, Callable[[Shoe], assembly.BodyNodes]], alike: Sequence[int], i: int, shoe: Shoe
+) -> assembly.BodyNodes:
+    """As `Scene.nodes_of`; each: by the first shoe of a shape."""
+    return each[alike[i]](shoe)
