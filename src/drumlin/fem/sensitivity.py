@@ -1,10 +1,16 @@
 """Exact sensitivities of the torque of the elastic brake, from the tangent of its equations and not from differences.
 
-One solution of their transpose, its adjoint (fem.adjoint), holds what the torque feels of any small change. Moduli act
-through the displacements u of the loads and v of the adjoint loads: dT = -v^T dK u, with K the part of the stiffness
-that is proportional to the modulus. What holds a shoe acts through its free motions. Where a change makes the contact
-set change the torque has a kink, and these are its slopes on the side of the present set. The body of the shoe stays in
-its place when what holds it moves. Forces of struts and cams are shared anew.
+One solution of their transpose, its adjoint (fem.adjoint), holds what the torque feels of any small
+change. Moduli act through the displacements u of the loads and v of the adjoint loads: dT = -v^T dK
+u, with K the part of the stiffness that is proportional to the modulus. What holds a shoe acts
+through its free motions, and through its body where the nodes of the body move with it
+(fem.moving): a straight beam ends at the hinge, the back of an arc is gripped at the pivot. Then dT
+= -v^T (dK/dX dX) u, with dK/dX the exact derivative of the stiffness by the places X of the nodes
+(fem.mutual_work). Where nodes of the contact move too, the coupling there and the gap change by
+central differences of these two alone. The division into elements is the one that `solve` would
+choose on a mesh; of columns the places where the contact ends stay. Where a change makes the
+contact set change the torque has a kink, and these are its slopes on the side of the present set.
+Forces of struts and cams are shared anew.
 """
 
 import math
@@ -13,7 +19,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
@@ -22,11 +27,14 @@ from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.brake.support import wrench
 from drumlin.brake.unrolled import unrolled
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.adjoint import Adjoint, Adjoints, adjoints
-from drumlin.fem.assembly import Body, Scene, actuation, materials_of, prepare
-from drumlin.fem.body import FRAME, stiffness
-from drumlin.fem.group import groups_of
+from drumlin.fem.adjoint import Adjoints, adjoints
+from drumlin.fem.assembly import Body, Scene, coupling_of, materials_of, prepare
+from drumlin.fem.body import FRAME
+from drumlin.fem.group import gap_at, groups_of
+from drumlin.fem.interface import ContactLine
 from drumlin.fem.model import PENALTY, check_penalty
+from drumlin.fem.moving import Moves, lines_at, moves_by
+from drumlin.fem.mutual_work import change_by_nodes, work_by_part
 from drumlin.fem.solve import solve
 from drumlin.laws import law as rigid_law
 from drumlin.laws import sine
@@ -42,14 +50,17 @@ PERCENT_PER_MM = 0.1  # in 1/m
 class ShoeSensitivity:
     """What one shoe's own torque, and what the brake's torque T [N m], feel of one shoe.
 
-    Of the shoe's own torque [N m]: `torque`, `friction` d torque/dmu [N m], `S` = (mu/torque) d torque/dmu at fixed
-    actuation, None where it is 0. Of the brake's: dT by its `force` [m], by the logarithm of each modulus, `moduli`
-    [N m] of "lining", "backing", "shoe", by a `clearance` even along its lining [N], by what holds it, `held`: the
-    places "hinge", "pivot", "abutment.point" (2,) [N] along x and y of the brake, the angles "abutment.direction",
-    "guide.direction" and "abutment.friction" (1,) [N m], by the logarithm of the contact stiffness, `penalty` [N m].
-    `density` (n,) [N/m] at the angles `theta` (n,) [rad], growing: dT by clearance and length of arc, 0 off the
-    contact. `force`: None of a shoe whose force a strut or a cam gives. On a plane T is the braking force [N], and all
-    is over a length more; `theta` [m].
+    Of the shoe's own torque [N m]: `torque`, `friction` d torque/dmu [N m], `S` = (mu/torque) d
+    torque/dmu at fixed actuation, None where it is 0. Of the brake's: dT by its `force` [m], by the
+    logarithm of each modulus, `moduli` [N m] of "lining", "backing", "shoe", by that of the
+    `bending_stiffness` [N m] of its body, which stands in the modulus's place where the brake gives
+    it (None where not), by a `clearance` even along its lining [N], by what holds it, `held`: the
+    places "hinge", "pivot", "abutment.point" (2,) [N] along x and y of the brake, the angles
+    "abutment.direction", "guide.direction" and "abutment.friction" (1,) [N m], by the logarithm of
+    the contact stiffness, `penalty` [N m]. `density` (n,) [N/m] at the angles `theta` (n,) [rad],
+    growing: dT by clearance and length of arc, 0 off the contact. `force`: None of a shoe whose
+    force a strut or a cam gives. On a plane T is the braking force [N], and all is over a length
+    more; `theta` [m].
     """
 
     name: str
@@ -58,6 +69,7 @@ class ShoeSensitivity:
     S: float | None
     force: float | None
     moduli: dict[str, float]
+    bending_stiffness: float | None
     clearance: float
     held: dict[str, Floats]
     penalty: float
@@ -69,9 +81,11 @@ class ShoeSensitivity:
 class Sensitivity:
     """Sensitivities of a brake: its `torque` T [N m], `friction` dT/dmu [N m], `S` = (mu/T) dT/dmu of the whole.
 
-    `drive`: dT by the logarithm of what the brake's actuation says [N m], None where each shoe has its own force;
-    `ring`: by that of the drum ring's modulus, None for a rigid drum. `law`: S of the rigid-shoe law, of each shoe on
-    a hinge and then of the whole, where it has an answer.
+    `drive`: dT by the logarithm of what the brake's actuation says [N m], None where each shoe has
+    its own force; `ring`: by that of the drum ring's modulus, or `ring_bending_stiffness` where the
+    brake gives that and the modulus does not matter; None for a rigid drum and for the other one.
+    `law`: S of the rigid-shoe law, of each shoe on a hinge and then of the whole, where it has an
+    answer.
     """
 
     friction_coefficient: float
@@ -80,6 +94,7 @@ class Sensitivity:
     S: float | None
     drive: float | None
     ring: float | None
+    ring_bending_stiffness: float | None
     shoes: tuple[ShoeSensitivity, ...]
     law: tuple[float | None, ...] | None
 
@@ -106,7 +121,7 @@ def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sens
     if scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
     shoes: dict[int, ShoeSensitivity] = {}
-    ring = drive = 0.0
+    ring, drive, rim = 0.0, 0.0, brake.drum.ring
     for group in groups_of(scene, brake, penalty):
         found = adjoints(group)
         shoes |= {i: _shoe(found, k) for k, i in enumerate(group.members)}
@@ -121,7 +136,8 @@ def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sens
         friction=friction,
         S=_relative(brake.friction, friction, torque),
         drive=None if brake.actuation is None else drive,
-        ring=None if scene.ring is None else ring,
+        ring=ring if rim is not None and rim.bending_stiffness is None else None,
+        ring_bending_stiffness=ring if rim is not None and rim.bending_stiffness is not None else None,
         shoes=all_shoes,
         law=None if any(shoe.flat for shoe in brake.shoes) else law_sensitivity(brake),
     )
@@ -152,15 +168,20 @@ def as_text(found: Sensitivity, brake: AnyBrake) -> list[str]:
         lines.append(f"  {d} actuation {found.drive / T:+.4g}")
     if found.ring is not None:
         lines.append(f"  {d} E of the drum ring {found.ring / T:+.4g}")
+    if found.ring_bending_stiffness is not None:
+        lines.append(f"  {d} bending_stiffness of the drum ring {found.ring_bending_stiffness / T:+.4g}")
     for shoe, own, of_law in zip(brake.shoes, found.shoes, law, strict=False):
         moduli = ", ".join(f"{name} {value / T:+.4g}" for name, value in own.moduli.items())
         force = "" if own.force is None else f"{d} force {own.force * shoe.actuation.force / T:+.4g}; "
         by_law = "" if of_law is None else f" ({of}: {said(of_law)})"
+        bent = (
+            "" if own.bending_stiffness is None else f"; {d} bending_stiffness: shoe {own.bending_stiffness / T:+.4g}"
+        )
         held = "; ".join(_held_text(key, value / T) for key, value in own.held.items())
         lines += [
             f"  shoe {own.name!r}: {what} {own.torque:.6g} {unit}, d{name}/dmu {own.friction:.6g} {unit}, "
             f"S {said(own.S)}{by_law}; of the whole {what}:",
-            f"    {force}{d} E: {moduli}; {d} penalty {own.penalty / T:+.1e}",
+            f"    {force}{d} E: {moduli}{bent}; {d} penalty {own.penalty / T:+.1e}",
             f"    clearance {own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0:+.4g} %/µm"
             + (f"; {held}" if held else ""),
         ]
@@ -197,33 +218,35 @@ def _relative(x: float, slope: float, value: float) -> float | None:
 
 def _shoe(found: Adjoints, k: int) -> ShoeSensitivity:
     group, at = found.group, found.of[k]
-    body, brake, shoe = group.bodies[k], group.brake, group.shoes[k]
+    body, shoe = group.bodies[k], group.shoes[k]
     torque, friction = float(found.torque[k]), float(found.friction[k])
     coupling, frame = body.coupling, shoe.frame
-    drag = brake.drag_on(shoe)
-    load, _ = actuation(body, shoe)
     shared, cam = k in [to for _, to in group.links], k in group.cam
     soft = float(at.a @ (coupling.M @ at.p)) / group.stiffnesses[k]
+    u, v = _displacements(found, k)
+    moduli, bending_stiffness = _moduli(body, shoe, u, v, soft)
     forward = slice(None, None, frame.sense)
     return ShoeSensitivity(
         name=shoe.name,
         torque=torque,
         friction=friction,
-        S=_relative(brake.friction, friction, torque),
+        S=_relative(group.brake.friction, friction, torque),
         force=None if shared or cam else math.copysign(1.0, shoe.actuation.force) * at.c,
-        moduli=_moduli(body, shoe, at, drag, load, soft, cam=cam),
+        moduli=moduli,
+        bending_stiffness=bending_stiffness,
         clearance=-float(at.a @ coupling.M.sum(axis=1)),
-        held=_held(found, k),
+        held=_held(found, k, u, v),
         penalty=soft,
         theta=frame.theta(body.line.phi)[forward],
         density=-shoe.lining.width * at.a[forward],
     )
 
 
-def _held(every: Adjoints, k: int) -> dict[str, Floats]:
-    """dT by what holds shoe `k`, see `Held.changes`.
+def _held(every: Adjoints, k: int, u: Floats, v: Floats) -> dict[str, Floats]:
+    """dT by what holds shoe `k`, see `Held.changes`; u, v (2 nodes,): see `_displacements`.
 
-    The work of forces on a rigid motion is that of their wrench, and motions enter the equations by work alone.
+    The work of forces on a rigid motion is that of their wrench, and motions enter the equations by
+    work alone. Where its nodes move with a point the strains change too.
     """
     group, at = every.group, every.of[k]
     body, shoe = group.bodies[k], group.shoes[k]
@@ -247,10 +270,72 @@ def _held(every: Adjoints, k: int) -> dict[str, Floats]:
                 for one in changes
             ]
         )
+        moves = moves_by(group.scene, group.members[k], shoe, key)
+        if moves:
+            found[key] = found[key] + _by_nodes(every, k, u, v, moves)
     for source, to in group.links:
         if source == k:
             _add_line(found, every, to)
     return found
+
+
+def _by_nodes(every: Adjoints, k: int, u: Floats, v: Floats, moves: list[Moves]) -> Floats:
+    """dT as the nodes of shoe `k` move, for each of the `moves`: by its stiffness, its load, and
+    its contact where that moves.
+
+    u, v (2 nodes,): see `_displacements`.
+    """
+    group, at = every.group, every.of[k]
+    body, shoe = group.bodies[k], group.shoes[k]
+    found = -change_by_nodes(body.basis, materials_of(shoe), u, v, np.array([move.nodes for move in moves]))
+    worth = at.F * v - (at.c if k in group.cam else 0.0) * u  # of a force on each node
+    for j, move in enumerate(moves):
+        found[j] += float(move.load @ worth)
+        if not move.contact_stays:
+            found[j] += _by_contact(every, k, u, v, move)
+    return found
+
+
+def _by_contact(every: Adjoints, k: int, u: Floats, v: Floats, move: Moves) -> float:
+    """dT as the contact nodes of shoe `k` move along its lining, by central differences of its
+    coupling and its gap.
+
+    All pressures, displacements and motions stay as they are, and so do those of the adjoint.
+    """
+    group, at = every.group, every.of[k]
+    body, shoe, brake, motions = group.bodies[k], group.shoes[k], group.brake, group.motions[k]
+    line, drag = body.line, brake.drag_on(shoe)
+    contact = np.column_stack([2 * line.nodes, 2 * line.nodes + 1]).ravel()
+    squeezed, turns = at.p / group.stiffnesses[k], motions.of[2]
+    u, v = u[contact] + motions.moved @ at.y, v[contact] - motions.tested @ at.b
+    values = []
+    for step, other in lines_at(body, shoe, brake.drum.radius, move):
+        coupling = coupling_of(other, shoe)
+        nodal = drag * (coupling.T.T @ at.p) - coupling.N.T @ at.p
+        aside = step * np.array([-move.line[1], move.line[0]]).T.ravel()  # of a turn by one radian
+        gap = gap_at(other.xy, other.phi, brake, shoe)
+        value = brake.friction * float(coupling.lever @ at.p)
+        value += float(at.a @ (coupling.N @ (u + aside * (turns @ at.y)) - coupling.M @ (gap + squeezed)))
+        value += float(nodal @ (v - aside * (turns @ at.b)))
+        # a strut from the shoe passes on what its foot bears of these forces
+        whole = shoe.frame.to_brake(nodal.reshape(-1, 2).sum(axis=0))
+        value -= sum(every.of[to].c * float(whole @ shoe.bearing) for source, to in group.links if source == k)
+        values.append((value - _through_ring(every, k, other)) / step)
+    return 0.5 * sum(values)
+
+
+def _through_ring(every: Adjoints, k: int, line: ContactLine) -> float:
+    """What the ring takes from the weighted gaps, weighed by the adjoint, with the contact line of
+    shoe `k` moved; 0 of a rigid drum."""
+    group, scene = every.group, every.group.scene
+    if scene.ring is None or scene.ring_under is None:
+        return 0.0
+    lines = [body.line for body in scene.bodies]
+    lines[group.members[k]] = line
+    ring = scene.ring_under(tuple(lines))
+    pressed, dragged = (np.hstack([half[i] for i in group.members]) for half in (ring.pressed, ring.dragged))
+    a, p = (np.concatenate([getattr(own, key) for own in every.of]) for key in ("a", "p"))
+    return float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))
 
 
 def _counted(shoe: Shoe, sense: int) -> tuple[Floats, Floats]:
@@ -274,42 +359,57 @@ def _add_line(found: dict[str, Floats], every: Adjoints, k: int) -> None:
     free = shoe.freedoms(group.senses[k])
     own, worked = _counted(shoe, group.senses[k])
 
-    def worth(force: Floats, moment: float) -> float:
-        """Of a change of the unit force (2,) [1] and of its moment about the origin [m]."""
-        couple = shoe.frame.sense * (moment - float(cross(centre, force)))
+    def worth(force: Floats, moment: float, *, carried: bool = False) -> float:
+        """Of a change of the unit force (2,) [1] and of its moment about the origin [m]; carried:
+        the body's loaded end goes with the force, which then bends it by no couple."""
+        couple = 0.0 if carried else shoe.frame.sense * (moment - float(cross(centre, force)))
         load = np.array([*shoe.frame.to_shoe(force), couple])
         tested = own * worked * (free.tests @ np.array([*force, moment]))
         return at.F * float(at.a @ (body.closing_loaded @ load) - at.b @ tested)
 
-    moved = [worth(np.zeros(2), float(cross(step, direction))) for step in np.eye(2)]
+    moves = moves_by(group.scene, group.members[k], shoe, "actuation.point")
+    moved = [worth(np.zeros(2), float(cross(step, direction)), carried=bool(moves)) for step in np.eye(2)]
     found["abutment.point"] = found["abutment.point"] + moved
+    if moves:
+        found["abutment.point"] = found["abutment.point"] + _by_nodes(every, k, *_displacements(every, k), moves)
     passed = [every.of[to].c * at.F * float(shoe.bearing @ turned) for source, to in group.links if source == k]
     line = worth(turned, float(cross(point, turned))) - sum(passed)  # of a chain: what the shoe passes on itself
     found["abutment.direction"] = found["abutment.direction"] + line
 
 
-def _moduli(
-    body: Body, shoe: Shoe, at: Adjoint, drag: float, load: Floats, soft: float, *, cam: bool
-) -> dict[str, float]:
-    """dT by the logarithm of each modulus [N m]; the lining's is in the contact stiffness alpha E/t too."""
-    N, T = body.coupling.N, body.coupling.T
+def _displacements(found: Adjoints, k: int) -> tuple[Floats, Floats]:
+    """Displacements u of shoe `k` under its loads and v under the adjoint ones (2 nodes,), both
+    with the frame held."""
+    group, at = found.group, found.of[k]
+    body, shoe, (load, _) = group.bodies[k], group.shoes[k], group.loads[k]
+    N, T, drag = body.coupling.N, body.coupling.T, group.brake.drag_on(shoe)
     nodal = np.column_stack([drag * (T.T @ at.p) - N.T @ at.p, N.T @ at.a])
-    loads = np.column_stack([at.F * load, (-at.c if cam else 0.0) * load])
-    u = body.condensed.displacements(nodal, np.zeros((FRAME, 2)), loads)
+    loads = np.column_stack([at.F * load, (-at.c if k in group.cam else 0.0) * load])
+    u, v = body.condensed.displacements(nodal, np.zeros((FRAME, 2)), loads).T
+    return u, v
+
+
+def _moduli(body: Body, shoe: Shoe, u: Floats, v: Floats, soft: float) -> tuple[dict[str, float], float | None]:
+    """dT by the logarithm of each modulus and of the bending stiffness of its body, where that is
+    given [N m].
+
+    The lining's modulus is in the contact stiffness alpha E/t too, which changes the torque by
+    `soft`.
+    """
     effects: dict[str, float] = {}
-    for name, (material, width) in materials_of(shoe).items():
-        parts = {other: (material, width if other == name else 0.0) for other in materials_of(shoe)}
-        K: sp.csc_matrix = stiffness(body.basis, parts)
+    for name, work in work_by_part(body.basis, materials_of(shoe), u, v).items():
         own = "shoe" if name == "table" else name  # of one material
-        effects[own] = effects.get(own, 0.0) - float(u[:, 1] @ (K @ u[:, 0])) + (soft if name == "lining" else 0.0)
-    return effects
+        effects[own] = effects.get(own, 0.0) - work + (soft if name == "lining" else 0.0)
+    given = None if shoe.body is None else shoe.body.bending_stiffness
+    return effects, None if given is None else effects.pop("shoe")
 
 
 def _untouched(body: Body, shoe: Shoe) -> ShoeSensitivity:
     """Of a shoe that its force does not press: nothing changes its torque of 0."""
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
-    none = dict.fromkeys(materials_of(shoe), 0.0)
-    return ShoeSensitivity(shoe.name, 0.0, 0.0, None, 0.0, none, 0.0, {}, 0.0, theta, np.zeros(len(theta)))
+    none = dict.fromkeys(("shoe" if name == "table" else name for name in materials_of(shoe)), 0.0)
+    bent = None if shoe.body is None or shoe.body.bending_stiffness is None else none.pop("shoe")
+    return ShoeSensitivity(shoe.name, 0.0, 0.0, None, 0.0, none, bent, 0.0, {}, 0.0, theta, np.zeros(len(theta)))
 
 
 def against_differences(
