@@ -63,14 +63,6 @@ def moved(brake: AnyBrake, i: int, key: str, way: Any) -> Callable[[float], dict
     return lambda s: {f"shoe[{i}].{key}": {"x": part.x + s * way[0], "y": part.y + s * way[1]}}
 
 
-def ways(brake: AnyBrake, i: int, key: str) -> Any:
-    """Unit vectors along which a place is moved: of a pivot that along which its grip of the back stays."""
-    if key != "pivot":
-        return np.eye(2)
-    pivot = brake.shoes[i].pivot
-    return [np.array([0.0, 1.0])] if isinstance(brake, FlatBrake) else [pivot.xy / pivot.radius]
-
-
 def turned(brake: AnyBrake, i: int, key: str) -> Callable[[float], dict[str, Any]]:
     part: Any = brake.shoes[i]
     for name in key.split("."):
@@ -117,7 +109,7 @@ def rows(brake: AnyBrake, found: Sensitivity) -> list[Row]:
             if len(value) == 1:
                 table.append(Row(f"{key}{what}", float(value[0]), turned(brake, i, what), 2e-5))
                 continue
-            for way in ways(brake, i, what):
+            for way in np.eye(2):
                 table.append(Row(f"{key}{what} place", float(value @ way), moved(brake, i, what, way), 2e-5))
     return table
 
