@@ -11,19 +11,37 @@ L-stable, stiffly accurate diagonally implicit Runge-Kutta method of order 2 wit
 SIAM J. Numer. Anal. 14, 1006), with the first order embedded in it as a measure of the error: stages have p w = 0
 exactly, both weights are positive, so that h never shrinks and never grows where nothing presses.
 
+Friction at a rough abutment opposes the slide of the foot one way or the other, or holds the foot.
+Each of these ways has a contact problem of its own, a `Footing`. Each stage of a step keeps the
+last footing while the stage's answer allows this footing, and takes another one if not.
+
+Wear that goes on for ever becomes steady. The pressure then no longer changes, and every point of
+the lining wears as fast as the motions y' of the shoe close the gap at the point. With dp/ds = 0
+the equations above, differentiated by s, are
+
+    w' = B y' + G rate(p),   p >= 0,  w' >= 0,  p w' = 0,   C x = h_load
+
+They contain neither stiffness nor gap: they are those of a rigid shoe on a bed of springs. Their
+answer (`steady`) is the end of wear on the given mesh. As the mesh is refined it becomes the
+rigid-shoe law.
+
 Knows nothing of brakes: `run_in` makes its problems from them.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import NamedTuple
+from functools import partial
+from itertools import accumulate, pairwise, product
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.optimize
 
 from drumlin.arrays import Bools, Floats
 from drumlin.contact import active_set
+from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.lapack import block_diag
@@ -34,14 +52,47 @@ MOST_STEPS = 20_000
 GROWTH = 4.0  # largest factor from one step to the next
 ROUNDED = 1e-3  # of the mean pressure: below it an exponent under 1 is rounded off, its slope at p = 0 is infinite
 NEWTON = 1e-11
+LONG_AGO = 1e9
+"""Ratio of a shoe's motion by steady wear to its elastic motion when the slide of its feet is
+judged.
+
+Wear that goes on for ever makes this ratio infinite. At 1e9 the elastic motion changes the
+direction of a slide by as little as round-off does."""
+
+SOFTEST, SOFTENED_BY, SOFTENINGS = 1e3, 4.0, 20
+"""Compliance of the softest linings that a contact set is followed from, relative to the largest
+one of the brake; the factor from one compliance to the next; their number. The last one is 4e-9 of
+the brake's own, so that the set hardly changes without it. A longer way or a smaller factor only
+costs time."""
+
+
+def always(_: Contact) -> bool:
+    """Return True: linings without rough abutments can bear in one way only."""
+    return True
+
+
+class Footing(NamedTuple):
+    """One way in which friction may act at the abutments of the shoes.
+
+    `problem`: the contact problem of the unworn linings under this friction. `stands(answer)`:
+    whether an answer of `problem` allows this friction: it opposes the slide of each foot, or
+    holds the foot.
+    """
+
+    problem: Problem
+    stands: Callable[[Contact], bool] = always
 
 
 class WearInterface(NamedTuple):
     """Linings that bear together, n contact unknowns x: the terms of the equations above.
 
-    `problem`: contact problem of the unworn linings; `loaded` (n,): the part of its q that the actuation makes;
-    `weight` G (n, n): weighted gap per depth; `pressure` (n,): the diagonal of D, pressure [Pa] per unknown;
-    `area` (n,) [m^2]: volume per depth, and normal force per pressure; `torque` (n,) [m^3]: torque per pressure.
+    `problem`: contact problem of the unworn linings; `loaded` (n,): the part of its q that the
+    actuation makes; `weight` G (n, n): weighted gap per depth; `pressure` (n,): the diagonal of D,
+    pressure [Pa] per unknown; `area` (n,) [m^2]: volume per depth, and normal force per pressure;
+    `torque` (n,) [m^3]: torque per pressure. `stands` belongs to `problem` as in a Footing;
+    `others`: the further footings. `settle(depth)`: the number of the footing and the contact set
+    (n,) of linings worn by a depth (n,) [m], found without a first guess; it raises NoAnswer where
+    these linings have no equilibrium.
     """
 
     problem: Problem
@@ -50,6 +101,14 @@ class WearInterface(NamedTuple):
     pressure: Floats
     area: Floats
     torque: Floats
+    stands: Callable[[Contact], bool] = always
+    others: tuple[Footing, ...] = ()
+    settle: Callable[[Floats], tuple[int, Bools]] | None = None
+
+    @property
+    def footings(self) -> tuple[Footing, ...]:
+        """All footings, that of `problem` first."""
+        return (Footing(self.problem, self.stands), *self.others)
 
 
 class WearLaw(NamedTuple):
@@ -130,6 +189,8 @@ def run(
         end = min(distance, turn)
         left = end - state.s
         size = left if ds > 0.999 * left else min(ds, left / 2)  # no crumb at the end
+        if math.isinf(size):
+            raise NoAnswer("not settled: p no longer changes, but differs from what it was to be")
         after, error = machines[turning].step(state, size)
         factor = min(max(0.9 * math.sqrt(tolerance / max(error, 1e-30)), 0.2), GROWTH)
         if error > tolerance:
@@ -173,31 +234,155 @@ def run_on(interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]) 
 
 
 def together(interfaces: WearInterfaces) -> WearInterface:
-    """WearInterfaces as one: block by block."""
-    problems = [interface.problem for interface in interfaces]
+    """WearInterfaces as one: block by block, with every combination of their footings."""
+    first, *others = [
+        Footing(_joined([each.problem for each in footings]), partial(_all_stand, footings))
+        for footings in product(*(interface.footings for interface in interfaces))
+    ]
     return WearInterface(
-        problem=Problem(
-            A=block_diag(*(p.A for p in problems)),
-            q=np.concatenate([p.q for p in problems]),
-            B=block_diag(*(p.B for p in problems)),
-            C=block_diag(*(p.C for p in problems)),
-            h=np.concatenate([p.h for p in problems]),
-        ),
+        problem=first.problem,
         weight=block_diag(*(interface.weight for interface in interfaces)),
         loaded=np.concatenate([interface.loaded for interface in interfaces]),
         pressure=np.concatenate([interface.pressure for interface in interfaces]),
         area=np.concatenate([interface.area for interface in interfaces]),
         torque=np.concatenate([interface.torque for interface in interfaces]),
+        stands=first.stands,
+        others=tuple(others),
+        settle=partial(_all_settled, interfaces) if all(each.settle for each in interfaces) else None,
     )
 
 
-def at_torque(interface: WearInterface, torque: float) -> Problem:
+def _joined(problems: Sequence[Problem]) -> Problem:
+    return Problem(
+        A=block_diag(*(p.A for p in problems)),
+        q=np.concatenate([p.q for p in problems]),
+        B=block_diag(*(p.B for p in problems)),
+        C=block_diag(*(p.C for p in problems)),
+        h=np.concatenate([p.h for p in problems]),
+    )
+
+
+def _all_stand(footings: Sequence[Footing], found: Contact) -> bool:
+    """Whether each of the joined footings stands in the common answer."""
+    unknowns = in_turn(len(footing.problem.q) for footing in footings)
+    motions = in_turn(len(footing.problem.h) for footing in footings)
+    return all(
+        footing.stands(replace(found, p=found.p[own], y=found.y[moved]))
+        for footing, own, moved in zip(footings, unknowns, motions, strict=True)
+    )
+
+
+def _all_settled(interfaces: WearInterfaces, depth: Floats) -> tuple[int, Bools]:
+    """The number of the footings among their combinations, and the contact set of all."""
+    number, touching = 0, list[Bools]()
+    parts = in_turn(len(interface.area) for interface in interfaces)
+    for interface, part in zip(interfaces, parts, strict=True):
+        assert interface.settle is not None
+        own, active = interface.settle(depth[part])
+        number = number * len(interface.footings) + own
+        touching.append(active)
+    return number, np.concatenate(touching)
+
+
+def in_turn(sizes: Iterable[int]) -> list[slice]:
+    """The places of parts of these sizes, one after the other."""
+    return [slice(a, b) for a, b in pairwise(accumulate(sizes, initial=0))]
+
+
+class Steady(NamedTuple):
+    """Steady wear, the end of wear; see above.
+
+    `footing`: the number of the footing. `contact`: its p are the contact unknowns x, its w and y
+    are w' and y' under the rate p^exponent.
+    """
+
+    footing: int
+    contact: Contact
+
+
+def steady(interface: WearInterface, law: WearLaw) -> Steady:
+    """The steady wear that the wear of an interface ends with.
+
+    It depends on the exponent of the law, not on its coefficient. Raises NoAnswer: a rigid shoe
+    would lock itself, nothing balances the actuation, a foot leaves its abutment.
+    """
+    failure: NoAnswer | None = None
+    for number, footing in enumerate(interface.footings):
+        try:
+            found = _steady_as(interface, footing, law)
+        except NoAnswer as error:
+            failure = failure or error
+            continue
+        soft = np.diagonal(interface.weight) * interface.pressure
+        far = LONG_AGO * float(np.abs(np.diagonal(footing.problem.A)).max() / np.abs(soft).max())
+        if footing.stands(replace(found, y=far * found.y)):
+            return Steady(number, found)
+    raise failure or NoAnswer("worn in, a foot would leave its abutment")
+
+
+def _steady_as(interface: WearInterface, footing: Footing, law: WearLaw) -> Contact:
+    _, q, B, C, h = footing.problem
+    soft = interface.weight * interface.pressure
+    found = active_set.solve(Problem(soft, np.zeros(len(q)), B, C, h))
+    if not found.regular:
+        raise NoAnswer("worn in, a rigid shoe would lock itself")
+    if law.exponent == 1:
+        return found
+    # For given motions the rate p^m answers a contact problem without equilibria. What is looked
+    # for are the motions under which p balances the loads.
+    none = np.zeros((len(q), 0)), np.zeros((0, len(q))), np.zeros(0)
+    worn = interface.pressure * found.p
+    top = float(worn.max())
+    motions = found.y / top
+
+    def rates(y: Floats) -> Contact:
+        return active_set.solve(Problem(interface.weight, B @ y, *none), found.active)
+
+    def unknowns(rate: Floats) -> Floats:
+        return top * rate ** (1 / law.exponent) / interface.pressure
+
+    # Motions t times as large make p larger by t^(1/m). The first guess balances the largest load.
+    borne = np.abs(C @ unknowns(rates(motions).p)).max()
+    begun = motions * float(np.abs(h).max() / borne) ** law.exponent
+    size = np.maximum(np.abs(begun), 1e-9 * np.abs(begun).max())
+
+    def unbalanced(z: Any) -> Floats:
+        return (C @ unknowns(rates(z * size).p) - h) / np.abs(h).max()
+
+    root = scipy.optimize.root(unbalanced, begun / size, tol=1e-13)
+    if not root.success:
+        raise NoAnswer("no worn-in pressure in equilibrium found")
+    at = rates(root.x * size)
+    return replace(at, p=unknowns(at.p), y=root.x * size * top**law.exponent)
+
+
+def from_soft(problem: Problem, weight: Floats) -> Bools | None:
+    """The contact set (n,) of a problem, followed from that of linings that are far softer.
+
+    weight (n, n): what weighs a gap. A soft lining lies on the drum as under a rigid shoe, and its
+    contact set is found from any guess. None where the set is lost on the way.
+    """
+    A, q, B, C, h = problem
+    soft = SOFTEST * float(np.abs(np.diagonal(A)).max() / np.abs(np.diagonal(weight)).max())
+    active = np.ones(len(q), dtype=bool)
+    try:
+        for k in range(SOFTENINGS):
+            softer = A + soft * SOFTENED_BY**-k * weight
+            active = active_set.settle(Problem(softer, q, B, C, h), active).active
+        return active_set.settle(problem, active).active
+    except NoAnswer:
+        return None
+
+
+def at_torque(interface: WearInterface, torque: float, problem: Problem | None = None) -> Problem:
     """The contact problem with the torque [N m] given in place of the size f of the actuation.
+
+    problem: of one of the footings, by default the first.
 
     With q + (f - 1) loaded and C x = f h the first row of C gives f = (C x)_0 / h_0: put into the others, f becomes
     part of A and C, and the torque's row takes the place of the first. The sign is that of the row it replaces.
     """
-    A, q, B, C, h = interface.problem
+    A, q, B, C, h = interface.problem if problem is None else problem
     main = int(np.argmax(np.abs(h)))
     factor = C[main] / h[main]
     rows = C - np.outer(h, factor)
@@ -208,7 +393,10 @@ def at_torque(interface: WearInterface, torque: float) -> Problem:
 
 
 class _Machine:
-    """Steps of interfaces under one actuation and one sense of rotation; the last contact sets are first guesses."""
+    """Steps of interfaces under one actuation and one sense of rotation.
+
+    The last contact sets are first guesses, and the last footings are kept while they stand.
+    """
 
     def __init__(self, interfaces: WearInterfaces, law: WearLaw, torque: float | None) -> None:
         self.law, self.held = law, torque
@@ -216,22 +404,40 @@ class _Machine:
         ends = np.cumsum([0] + [len(interface.area) for interface in self.interfaces])
         self.parts = [slice(a, b) for a, b in pairwise(ends.tolist())]
         self.problems = [
-            interface.problem if torque is None else at_torque(interface, torque) for interface in self.interfaces
+            [
+                footing.problem if torque is None else at_torque(interface, torque, footing.problem)
+                for footing in interface.footings
+            ]
+            for interface in self.interfaces
         ]
+        self.footing = [0] * len(self.interfaces)
         self.area = np.concatenate([interface.area for interface in self.interfaces])
         self.lever = np.concatenate([interface.torque for interface in self.interfaces])
         self.sets: list[Bools | None] = [None] * len(self.interfaces)
         self.forward = True
 
     def start(self) -> WearState:
-        p, *_ = self._bear(np.zeros(len(self.area)), 0.0)
-        return self._state(0.0, np.zeros(len(p)), p, (0.0, 0.0, 0.0))
+        """The unworn linings."""
+        depth = np.zeros(len(self.area))
+        return self._state(0.0, depth, self._settled(depth), (0.0, 0.0, 0.0))
 
     def turned(self, state: WearState, forward: bool) -> WearState:
         """The same linings with the drum turning this way."""
         self.forward = forward
-        p, *_ = self._bear(state.depth, 0.0)
-        return self._state(state.s, state.depth, p, (state.removed, state.pressed, state.work))
+        sums = state.removed, state.pressed, state.work
+        return self._state(state.s, state.depth, self._settled(state.depth), sums)
+
+    def _settled(self, depth: Floats) -> Floats:
+        """p (n,) under a depth (n,) [m] of wear, found without a first guess."""
+        for i, (interface, part) in enumerate(zip(self.interfaces, self.parts, strict=True)):
+            if interface.settle is None:
+                continue
+            # The force of the brake file may lock the brake although the force at the held torque
+            # does not.
+            with suppress(NoAnswer) if self.held is not None else nullcontext():
+                self.footing[i], self.sets[i] = interface.settle(depth[part])
+        p, *_ = self._bear(depth, 0.0)
+        return p
 
     def first(self, state: WearState, tolerance: float) -> float:
         """A step [m] that is short even for the fastest ripple."""
@@ -246,8 +452,7 @@ class _Machine:
 
     def step(self, state: WearState, ds: float) -> tuple[WearState, float]:
         """The state after ds [m], and the error of its pressure: of the first order, relative, L2."""
-        if math.isinf(ds):
-            raise BadInput("nothing wears: a distance must be given")
+        footing = list(self.footing)
         p1, r1, _ = self._bear(state.depth, GAMMA * ds)
         p2, r2, tangents = self._bear(state.depth + (1 - GAMMA) * ds * r1, GAMMA * ds)
         depth = state.depth + ds * ((1 - GAMMA) * r1 + GAMMA * r2)
@@ -259,8 +464,17 @@ class _Machine:
                 for interface, part, tangent in zip(self.interfaces, self.parts, tangents, strict=True)
             ]
         )
-        size = math.sqrt(float(np.abs(self.area) @ p2**2))
-        error = math.sqrt(float(np.abs(self.area) @ dp**2)) / size if size else 0.0
+        error = self._size(dp)
+        set_changes = any(not np.array_equal(p > 0, p2 > 0) for p in (state.pressure, p1))
+        if set_changes or self.footing != footing:
+            # The tangent sees the last contact set only. Where one node presses, equilibrium fixes
+            # its pressure and the tangent is zero. Over a step that changes the set, one implicit
+            # Euler step of the same length is an independent first-order answer.
+            last = list(self.footing), list(self.sets)
+            p_euler, *_ = self._bear(state.depth, ds)
+            self.footing, self.sets = last
+            error = max(error, self._size(p_euler - p2))
+        error /= self._size(p2) or 1.0
 
         def total(first: Floats, second: Floats, row: Floats) -> float:
             return ds * float(row @ ((1 - GAMMA) * first + GAMMA * second))
@@ -272,12 +486,14 @@ class _Machine:
         )
         return self._state(state.s + ds, depth, p2, sums), error
 
+    def _size(self, p: Floats) -> float:
+        """The L2 norm of p (n,) over the linings."""
+        return math.sqrt(float(np.abs(self.area) @ p**2))
+
     def _state(self, s: float, depth: Floats, p: Floats, sums: tuple[float, float, float]) -> WearState:
         force = 1.0
         if self.held is not None:
-            (interface,) = self.interfaces
-            main = int(np.argmax(np.abs(interface.problem.h)))
-            force = float(interface.problem.C[main] @ (p / interface.pressure)) / float(interface.problem.h[main])
+            force = self._force(0, p)
         return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *sums)
 
     def _bear(self, depth: Floats, ds: float) -> tuple[Floats, Floats, list[Callable[[Floats], Floats]]]:
@@ -289,8 +505,36 @@ class _Machine:
             [tangent for _, _, tangent in found],
         )
 
+    def _force(self, i: int, p: Floats) -> float:
+        """The factor on the actuation that balances the pressures p (n,) of interface `i`."""
+        if self.held is None:
+            return 1.0
+        interface = self.interfaces[i]
+        _, _, _, C, h = interface.footings[self.footing[i]].problem
+        main = int(np.argmax(np.abs(h)))
+        return float(C[main] @ (p / interface.pressure)) / float(h[main])
+
     def _bear_one(self, i: int, depth: Floats, ds: float) -> tuple[Floats, Floats, Callable[[Floats], Floats]]:
-        interface, (A, q, B, C, h) = self.interfaces[i], self.problems[i]
+        """The same of one interface, with the footing that stands in the answer."""
+        failure: NoAnswer | None = None
+        before, footings = (self.footing[i], self.sets[i]), self.interfaces[i].footings
+        for number in sorted(range(len(footings)), key=lambda number: number != before[0]):
+            self.footing[i], self.sets[i] = number, before[1]
+            try:
+                p, rate, solved = self._bear_as(i, depth, ds)
+            except NoAnswer as error:
+                failure = failure or error
+                continue
+            force = self._force(i, p)
+            unit = replace(solved, p=solved.p / force, y=solved.y / force) if force > 0 else solved
+            if force > 0 and footings[number].stands(unit):
+                return p, rate, solved.tangent
+        self.footing[i], self.sets[i] = before
+        raise failure or NoAnswer("no equilibrium, a foot leaves its abutment")
+
+    def _bear_as(self, i: int, depth: Floats, ds: float) -> tuple[Floats, Floats, Contact]:
+        """p and rate (n,) of one interface with its present footing, and its contact."""
+        interface, (A, q, B, C, h) = self.interfaces[i], self.problems[i][self.footing[i]]
         q = q + interface.weight @ depth
         linear = self.law.exponent == 1 or ds == 0
         p = self._guess(i, A, q, B, C, h)
@@ -306,7 +550,7 @@ class _Machine:
             new = interface.pressure * solved.p
             change, p = float(np.abs(new - p).max()), new
             if linear or change <= NEWTON * float(np.abs(p).max()):
-                return p, self.law.rate(p, rounded)[0], solved.tangent
+                return p, self.law.rate(p, rounded)[0], solved
         raise NoAnswer(f"not converged: the pressure under wear of exponent {self.law.exponent:g} still changes")
 
     def _guess(self, i: int, A: Floats, q: Floats, B: Floats, C: Floats, h: Floats) -> Floats:

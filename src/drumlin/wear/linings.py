@@ -4,24 +4,28 @@ However the shoes are held and pushed.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.arrays import Bools, Floats
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.fields import rows_of
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.support import Meshed
+from drumlin.contact.active_set import Contact
+from drumlin.contact.equations import Problem
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import Body, Scene
-from drumlin.fem.group import groups_of
-from drumlin.fem.motions import Motions
+from drumlin.fem.assembly import Scene
+from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment
-from drumlin.wear.archard import WearInterface
+from drumlin.wear.archard import Footing, WearInterface, from_soft
 
 B = TypeVar("B", bound=Brake | FlatBrake)
 
@@ -29,10 +33,8 @@ B = TypeVar("B", bound=Brake | FlatBrake)
 class Surface(NamedTuple):
     """The lining of shoe `shoe` among the unknowns of its setup.
 
-    `part`: its unknowns in all, `local`: in its interface, number `interface`; `rows`: its rows of that one's C;
-    `theta` (n,) [rad] and `forward`: the slice that makes it grow; `order` of the interpolation; `approach` (n, k):
-    closing of the gap
-    per unit of each rigid motion.
+    `part`: its unknowns in all, `local`: in its interface, number `interface`; `theta` (n,) [rad]
+    and `forward`: the slice that makes it grow; `order` of the interpolation.
     """
 
     shoe: int
@@ -40,11 +42,9 @@ class Surface(NamedTuple):
     interface: int
     part: slice
     local: slice
-    rows: slice
     theta: Floats
     forward: slice
     order: int
-    approach: Floats
 
     def along(self, values: Floats) -> Floats:
         """Values (n,) of this lining, by growing theta, of those of all unknowns."""
@@ -95,25 +95,80 @@ def fem_setup(scene: Scene, brake: Brake, *, penalty: float = math.inf) -> WearS
     """The setup of a brake on a prepared scene of finite elements. Raises NoAnswer where no shoe touches."""
     interfaces, surfaces = list[WearInterface](), list[Surface]()
     for group in groups_of(scene, brake, penalty):
-        size, problem = group.unit_force, group.problem
-        problem = problem._replace(q=size * problem.q, h=size * problem.h)  # newtons
-        gap = np.concatenate(group.gaps)
         placed = [
-            (i, shoe.frame.theta(body.line.phi), body.line.order, _approach(body, motions, shoe))
-            for i, body, shoe, motions in zip(group.members, group.bodies, group.shoes, group.motions, strict=True)
+            (i, shoe.frame.theta(body.line.phi), body.line.order)
+            for i, body, shoe in zip(group.members, group.bodies, group.shoes, strict=True)
         ]
         surfaces += _surfaces(brake, surfaces, len(interfaces), placed)
-        interfaces.append(
-            WearInterface(
-                problem=problem,
-                loaded=problem.q - group.masses @ gap,
-                weight=group.masses,
-                pressure=np.ones(len(gap)),
-                area=np.concatenate([body.coupling.area for body in group.bodies]),
-                torque=brake.friction * np.concatenate([body.coupling.lever for body in group.bodies]),
-            )
-        )
+        interfaces.append(_interface(group))
     return _setup(brake, "fem", interfaces, surfaces)
+
+
+def _interface(group: ShoeGroup) -> WearInterface:
+    """The linings of a group, with all their footings."""
+    first, *others = group.ways()
+    senses = [way.each_sense for way in (first, *others)]
+    problem, gap = _in_newtons(first), np.concatenate(group.gaps)
+
+    def settle(depth: Floats) -> tuple[int, Bools]:
+        worn = replace(first, brake=_worn_by(group, depth))
+        try:
+            settled, found = worn.settled()
+        except NoAnswer:
+            touching = from_soft(worn.problem, worn.masses)
+            if touching is None:
+                raise
+            settled, found = worn.settled(touching)
+        return senses.index(settled.each_sense), found.active
+
+    return WearInterface(
+        problem=problem,
+        loaded=problem.q - group.masses @ gap,
+        weight=group.masses,
+        pressure=np.ones(len(gap)),
+        area=np.concatenate([body.coupling.area for body in group.bodies]),
+        torque=group.brake.friction * np.concatenate([body.coupling.lever for body in group.bodies]),
+        stands=partial(_stands, first),
+        others=tuple(Footing(_in_newtons(way), partial(_stands, way)) for way in others),
+        settle=settle,
+    )
+
+
+def _worn_by(group: ShoeGroup, depth: Floats) -> Brake:
+    """The brake of a group with its linings worn by a depth (n,) [m] at their unknowns."""
+    depths = {}
+    for k, part in enumerate(group.parts):
+        frame = group.shoes[k].frame
+        forward = slice(None, None, frame.sense)
+        theta = frame.theta(group.bodies[k].line.phi)
+        depths[group.members[k]] = theta[forward], depth[part][forward]
+    return worn_by(group.brake, depths)
+
+
+def worn_by(brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]) -> Brake:
+    """The brake with the depth worn off added to the clearance of its linings.
+
+    depths: for each worn lining, by the number of its shoe, growing angles (n,) [rad] and the depth
+    (n,) [m] at these angles.
+    """
+    shoes = list(brake.shoes)
+    for i, (theta, depth) in depths.items():
+        lining = shoes[i].lining
+        clearance = rows_of(theta, lining.clearance_at(theta) + depth)
+        worn = lining.model_copy(update={"clearance": clearance})
+        shoes[i] = shoes[i].model_copy(update={"lining": worn})
+    return brake.model_copy(update={"shoes": tuple(shoes)})
+
+
+def _in_newtons(group: ShoeGroup) -> Problem:
+    size, problem = group.unit_force, group.problem
+    return problem._replace(q=size * problem.q, h=size * problem.h)
+
+
+def _stands(group: ShoeGroup, found: Contact) -> bool:
+    """Whether the answer of a group, in newtons, allows the friction at its abutments."""
+    unit = replace(found, p=found.p / group.unit_force, y=found.y / group.unit_force)
+    return all(group.consistent(unit, k) for k in range(len(group.members)))
 
 
 def foundation_setup(brake: Brake, *, sections: int = foundation.SECTIONS, lift: Iterable[str] = ()) -> WearSetup:
@@ -129,10 +184,7 @@ def foundation_setup(brake: Brake, *, sections: int = foundation.SECTIONS, lift:
         posts, _, problem = foundation.system(brake, group, sections, names)
         widths = [brake.shoes[i].lining.width for i in group]
         area = np.concatenate([b * brake.drum.radius * p.sector for b, p in zip(widths, posts, strict=True)])
-        placed = [
-            (i, shoe_angles(p.axis, brake.shoes[i], p.theta), 1, p.closing[:1].T)
-            for i, p in zip(group, posts, strict=True)
-        ]
+        placed = [(i, shoe_angles(p.axis, brake.shoes[i], p.theta), 1) for i, p in zip(group, posts, strict=True)]
         surfaces += _surfaces(brake, surfaces, len(interfaces), placed)
         interfaces.append(
             WearInterface(
@@ -165,20 +217,13 @@ def guided(brake: B) -> B:
     )
 
 
-def _approach(body: Body, motions: Motions, shoe: Shoe) -> Floats:
-    if shoe.flat:
-        return -motions.moved[1::2]
-    c, s = np.cos(body.line.phi)[:, None], np.sin(body.line.phi)[:, None]
-    return shoe.sign * (c * motions.moved[0::2] + s * motions.moved[1::2])
-
-
 def _surfaces(
-    brake: Brake, before: Sequence[Surface], interface: int, placed: list[tuple[int, Floats, int, Floats]]
+    brake: Brake, before: Sequence[Surface], interface: int, placed: list[tuple[int, Floats, int]]
 ) -> list[Surface]:
-    """The surfaces of an interface's shoes: shoe, theta, order and approach of each."""
-    offset, first, row, found = sum(len(s.theta) for s in before), 0, 0, []
-    for i, theta, order, approach in placed:
-        n, k = approach.shape
+    """The surfaces of an interface's shoes: shoe, theta and order of each."""
+    offset, first, found = sum(len(s.theta) for s in before), 0, []
+    for i, theta, order in placed:
+        n = len(theta)
         found.append(
             Surface(
                 shoe=i,
@@ -186,14 +231,12 @@ def _surfaces(
                 interface=interface,
                 part=slice(offset + first, offset + first + n),
                 local=slice(first, first + n),
-                rows=slice(row, row + k),
                 theta=theta,
                 forward=slice(None, None, 1 if theta[-1] > theta[0] else -1),
                 order=order,
-                approach=approach,
             )
         )
-        first, row = first + n, row + k
+        first += n
     return found
 
 

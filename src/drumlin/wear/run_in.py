@@ -11,21 +11,20 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.optimize
 
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.fields import rows_of
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
+from drumlin.laws.rigid import Pressed
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
 from drumlin.response.show import effect_words
 from drumlin.texts import formatted
 from drumlin.wear import archard
-from drumlin.wear.archard import WearLaw, WearState
-from drumlin.wear.linings import Surface, WearSetup
+from drumlin.wear.archard import WearLaw, WearState, steady
+from drumlin.wear.linings import Surface, WearSetup, worn_by
 
 COEFFICIENT = 1e-14
 """k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings. In units of 1/(k E/t) nothing depends
@@ -42,52 +41,45 @@ class Target(NamedTuple):
 
 
 def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = None) -> Target:
-    """Where all points of each lining wear as its shoe moves: p = (approach . y)^(1/m), in equilibrium.
+    """The law that wear tends to: p = (approach . y)^(1/m) >= 0, as all points wear as their shoe
+    moves.
 
-    torque [N m]: held, else the actuation stays. Raises NoAnswer where the rigid shoe has no equilibrium or would
-    not press everywhere.
+    For finite elements and the exponent 1 the law is the rigid-shoe law. For the foundation model
+    and other exponents it is `discrete_end`. torque [N m]: held, else the actuation stays. Raises
+    NoAnswer where the rigid shoe has no equilibrium.
     """
-    exponent = 1.0 if law is None else law.exponent
-    p = np.concatenate([_worn_pressure(setup, surface, exponent) for surface in setup.surfaces])
+    if setup.model != "fem" or (law is not None and law.exponent != 1):
+        return discrete_end(setup, law, torque)
+    under = rigid.forced(setup.brake)
+    pressed = [rigid.press(under, under.shoes[surface.shoe]) for surface in setup.surfaces]
+    p = [rigid.pressure(found, surface.theta) for found, surface in zip(pressed, setup.surfaces, strict=True)]
+    size = sum(_torque(setup, surface, found) for found, surface in zip(pressed, setup.surfaces, strict=True) if found)
+    return _held(np.concatenate(p), size, torque)
+
+
+def discrete_end(setup: WearSetup, law: WearLaw | None = None, torque: float | None = None) -> Target:
+    """The end of wear on the mesh or the sections of a setup.
+
+    It differs from the law where the law presses a part of a lining only, for that part ends
+    within an element. torque [N m] and errors: as of `target`.
+    """
+    law = law or WearLaw(COEFFICIENT)
+    p = np.concatenate([interface.pressure * steady(interface, law).contact.p for interface in setup.interfaces])
     size = sum(float(interface.torque @ p[setup.part(i)]) for i, interface in enumerate(setup.interfaces))
+    return _held(p, size, torque)
+
+
+def _held(p: Floats, size: float, torque: float | None) -> Target:
     return Target(p, size) if torque is None else Target(p * torque / size, torque)
 
 
-def _worn_pressure(setup: WearSetup, surface: Surface, exponent: float) -> Floats:
-    shares = setup.brake.shares
-    if shares or (surface.approach.shape[1] > 1 and exponent == 1):  # it may lift off somewhere
-        if exponent != 1:
-            raise NoAnswer(f"shoe {surface.name!r}: {shares}; its worn-in state is known for the exponent 1 only")
-        under = rigid.forced(setup.brake)
-        return rigid.pressure(rigid.press(under, under.shoes[surface.shoe]), surface.theta)
-    interface = setup.interfaces[surface.interface]
-    C = interface.problem.C[surface.rows, surface.local] / interface.pressure[surface.local]
-    h = interface.problem.h[surface.rows]
-    said = f"shoe {surface.name!r}"
-
-    def pressure(y: Any) -> Floats:
-        v = surface.approach @ y
-        return np.sign(v) * np.abs(v) ** (1 / exponent)
-
-    y = np.linalg.solve(C @ surface.approach, h)
-    if exponent != 1 and len(h) == 1:
-        unit = pressure(np.sign(y))
-        return _pressing(unit * float(h[0] / (C @ unit)[0]), said)
-    if exponent != 1:
-        scale = np.abs(h).max()
-        unit = pressure(y)
-        factor = float(scale / np.abs(C @ unit).max()) ** exponent  # p goes as y^(1/m)
-        found = scipy.optimize.root(lambda z: (C @ pressure(z * y * factor) - h) / scale, np.ones(len(h)), tol=1e-13)
-        if not found.success:
-            raise NoAnswer(f"{said}: no worn-in pressure in equilibrium found")
-        y = found.x * y * factor
-    return _pressing(pressure(y), said)
-
-
-def _pressing(p: Floats, said: str) -> Floats:
-    if p.min() < -1e-9 * np.abs(p).max():
-        raise NoAnswer(f"{said}: worn in, a rigid shoe would not press everywhere, or lock itself")
-    return np.maximum(p, 0.0)
+def _torque(setup: WearSetup, surface: Surface, found: Pressed) -> float:
+    """The torque [N m] of a lining by the law, on a plane the braking force [N]."""
+    brake, lining = setup.brake, setup.brake.shoes[surface.shoe].lining
+    theta = rigid.nodes((lining.start, lining.end), found.arcs, rigid.NODES - 1)
+    _, p, weight = gauss_points(theta, rigid.pressure(found, theta), 2)
+    arm = 1.0 if setup.flat else brake.drum.radius
+    return float(brake.friction * arm * lining.width * brake.drum.radius * (p * weight).sum())
 
 
 class Distance(NamedTuple):
@@ -99,10 +91,15 @@ class Distance(NamedTuple):
 
 def distance(setup: WearSetup, state: WearState, goal: Target) -> Distance:
     """The relative distances of a state from the target."""
-    sizes = [norm(s, s.along(goal.pressure)) for s in setup.surfaces]
-    apart = [norm(s, s.along(state.pressure - goal.pressure)) for s in setup.surfaces]
-    worst = max((a / size for a, size in zip(apart, sizes, strict=True) if size), default=0.0)
+    worst = apart(setup, state.pressure, goal.pressure)
     return Distance(worst, state.torque / goal.torque - 1 if goal.torque else 0.0)
+
+
+def apart(setup: WearSetup, p: Floats, goal: Floats) -> float:
+    """How far pressures (n,) are from others: the worst lining's, relative."""
+    sizes = [norm(s, s.along(goal)) for s in setup.surfaces]
+    off = [norm(s, s.along(p - goal)) for s in setup.surfaces]
+    return max((a / size for a, size in zip(off, sizes, strict=True) if size), default=0.0)
 
 
 def norm(surface: Surface, values: Floats) -> float:
@@ -113,7 +110,10 @@ def norm(surface: Surface, values: Floats) -> float:
 
 
 def settled(setup: WearSetup, goal: Target, within: float = SETTLED) -> Callable[[WearState], bool]:
-    """Whether p and torque of a state are within a fraction of the target."""
+    """Whether p and torque of a state are within a fraction of the target.
+
+    The target must be `discrete_end`: wear on a mesh does not come nearer to the law than that.
+    """
     return lambda state: max(map(abs, distance(setup, state, goal))) <= within
 
 
@@ -140,7 +140,7 @@ def run_in(
     if until is None and "distance" not in options:
         if backward is not None:
             raise BadInput("a brake whose drum turns both ways does not settle: a distance must be given")
-        until = settled(setup, target(setup, law, torque))
+        until = settled(setup, discrete_end(setup, law, torque))
     return archard.run(
         setup.interfaces,
         law,
@@ -157,13 +157,7 @@ def unit_distance(setup: WearSetup, law: WearLaw) -> float:
 
 def worn(setup: WearSetup, state: WearState) -> Brake:
     """The brake with the depth worn off added to the clearance of its linings."""
-    shoes = list(setup.brake.shoes)
-    for surface in setup.surfaces:
-        theta, lining = surface.angles, shoes[surface.shoe].lining
-        rows = rows_of(theta, lining.clearance_at(theta) + surface.along(state.depth))
-        worn_off = lining.model_copy(update={"clearance": rows})
-        shoes[surface.shoe] = shoes[surface.shoe].model_copy(update={"lining": worn_off})
-    return setup.brake.model_copy(update={"shoes": tuple(shoes)})
+    return worn_by(setup.brake, {s.shoe: (s.angles, s.along(state.depth)) for s in setup.surfaces})
 
 
 def check_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
@@ -320,6 +314,7 @@ def report_lines(
             f"{state.depth.max() * 1e3:10.4g}"
         )
     said.append(f"worn in (law): {what} {goal.torque:.6g} {of}")
+    said += _mesh_line(setup, goal, law)
     if law.coefficient > 0:
         spent = life(setup, states, goal, law)
         said.append(
@@ -334,6 +329,19 @@ def report_lines(
         f"{ripple}{len(states) - 1} steps"
     )
     return said
+
+
+def _mesh_line(setup: WearSetup, goal: Target, law: WearLaw) -> list[str]:
+    """A line on how far wear on this mesh ends from the law, where that is over SETTLED."""
+    own = discrete_end(setup, law)
+    factor = goal.torque / own.torque if own.torque else 1.0
+    off = apart(setup, own.pressure * factor, goal.pressure)
+    if off <= SETTLED:
+        return []
+    return [
+        f"p at the end of wear is {formatted(off, '.2%')} off the law on this mesh, for the law presses a part of a "
+        "lining that ends within an element; more elements come nearer"
+    ]
 
 
 def _part(share: float) -> str:
