@@ -1,5 +1,7 @@
-"""Array types. Shapes stand in the docstrings."""
+"""Array types, and parts of arrays. Shapes stand in the docstrings."""
 
+from collections.abc import Iterable
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -9,3 +11,8 @@ Ints = np.ndarray[Any, np.dtype[np.int64]]
 Bools = np.ndarray[Any, np.dtype[np.bool_]]
 Values = float | Floats
 """One number or an array that broadcasts with the others."""
+
+
+def in_turn(sizes: Iterable[int]) -> tuple[slice, ...]:
+    """The places of parts of these sizes in an array that holds one after the other."""
+    return tuple(slice(a, b) for a, b in pairwise(accumulate(sizes, initial=0)))

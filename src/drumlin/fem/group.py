@@ -5,15 +5,15 @@ together. Whatever is done with the contact (sliding, holding, wear, sensitivity
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import accumulate, pairwise, product
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.arrays import Bools, Floats, in_turn
 from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.contact import active_set, self_locking
@@ -80,7 +80,7 @@ class ShoeGroup:
     @cached_property
     def rows(self) -> tuple[slice, ...]:
         """The motions of each shoe among those of the group."""
-        return _in_turn(motions.work.size for motions in self.motions)
+        return in_turn(motions.work.size for motions in self.motions)
 
     @cached_property
     def shoes(self) -> tuple[Shoe, ...]:
@@ -95,7 +95,7 @@ class ShoeGroup:
     @cached_property
     def parts(self) -> tuple[slice, ...]:
         """The unknowns of each shoe among those of the group."""
-        return _in_turn(len(body.line.nodes) for body in self.bodies)
+        return in_turn(len(body.line.nodes) for body in self.bodies)
 
     @cached_property
     def unit_force(self) -> float:
@@ -279,9 +279,7 @@ class ShoeGroup:
             reach.check_pin(shoe, body.line.xy, gap, load[1])
         law = min(self.law(i) for i in self.members)
         try:
-            found = self_locking.answer(
-                self.problem_at, self.brake.friction, first, self.areas, law=law, brake=ELASTIC
-            )
+            found = self_locking.answer(self.problem_at, self.brake.friction, first, self.areas, law=law, brake=ELASTIC)
         except NoAnswer as error:
             if isinstance(error, self_locking.Ended):
                 self._check_pushes(error.end)
@@ -450,11 +448,6 @@ class Followed(NamedTuple):
 
     limit: self_locking.Limit
     leaves: bool
-
-
-def _in_turn(sizes: Iterable[int]) -> tuple[slice, ...]:
-    """The places of parts of these sizes, one after the other."""
-    return tuple(slice(a, b) for a, b in pairwise(accumulate(sizes, initial=0)))
 
 
 def _yielding(body: Body, drag: float, stiffness: float) -> Floats:

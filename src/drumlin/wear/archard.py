@@ -29,17 +29,17 @@ Knows nothing of brakes: `run_in` makes its problems from them.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import accumulate, pairwise, product
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.optimize
 
-from drumlin.arrays import Bools, Floats
+from drumlin.arrays import Bools, Floats, in_turn
 from drumlin.contact import active_set
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
@@ -284,11 +284,6 @@ def _all_settled(interfaces: WearInterfaces, depth: Floats) -> tuple[int, Bools]
     return number, np.concatenate(touching)
 
 
-def in_turn(sizes: Iterable[int]) -> list[slice]:
-    """The places of parts of these sizes, one after the other."""
-    return [slice(a, b) for a, b in pairwise(accumulate(sizes, initial=0))]
-
-
 class Steady(NamedTuple):
     """Steady wear, the end of wear; see above.
 
@@ -401,8 +396,7 @@ class _Machine:
     def __init__(self, interfaces: WearInterfaces, law: WearLaw, torque: float | None) -> None:
         self.law, self.held = law, torque
         self.interfaces = list(interfaces) if torque is None else [together(interfaces)]
-        ends = np.cumsum([0] + [len(interface.area) for interface in self.interfaces])
-        self.parts = [slice(a, b) for a, b in pairwise(ends.tolist())]
+        self.parts = in_turn(len(interface.area) for interface in self.interfaces)
         self.problems = [
             [
                 footing.problem if torque is None else at_torque(interface, torque, footing.problem)
