@@ -8,6 +8,7 @@ kinds of both generators.
 
 from drumlin.brake.plane_brake import AnyBrake
 from drumlin.errors import NoAnswer
+from drumlin.fem.model import TOO_FAR
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 from drumlin.verification import random_brake, random_kinds
@@ -39,7 +40,9 @@ def checks(seed: int) -> list[Check]:
     one_answer = len(forces) == len(MESHES) and spread(forces) <= ALIKE
     if isinstance(found, str):
         if one_answer:
-            return [_row(brake, f"an answer, refused: {found}", 1.0, 0.0)]
+            # Columns of high degree lose more digits than a mesh, and drumlin says that this is why.
+            said = found if TOO_FAR in found else ""
+            return [_row(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)]
         return [_row(brake, "an answer", 0.0, 0.0, said=found, refused=True)]
     if not one_answer:
         return []
