@@ -7,8 +7,9 @@ from conftest import partly
 from drumlin.brake.file import brake_from, vary
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
-from drumlin.errors import NoAnswer
+from drumlin.errors import LostDigits, NoAnswer
 from drumlin.fem.assembly import prepare
+from drumlin.fem.hp.levels import EVEN, LEVELS, steps
 from drumlin.fem.self_locking import limits
 from drumlin.fem.solve import solve
 from drumlin.laws import law
@@ -94,6 +95,31 @@ def test_true_self_locking_is_still_refused_with_its_limit(seed):
         solve(vary(brake, {"friction": 1.1 * end}))
     said = float(str(refusal.value).split("mu_lock = ")[1].split()[0])
     assert said == pytest.approx(end, rel=5e-3)
+
+
+@pytest.mark.parametrize(("refusal", "evened"), [(NoAnswer("self-locking"), True), (LostDigits("lost digits"), False)])
+def test_a_refusal_is_asked_for_once_more_where_another_division_may_answer(brake, refusal, evened):
+    nodes = []
+
+    def refuse(scene, brake, *, start=None):
+        nodes.append(len(scene.bodies[0].line.nodes))
+        raise refusal
+
+    with pytest.raises(NoAnswer) as raised:
+        list(steps(brake, refuse))
+    assert raised.value is refusal
+    assert len(nodes) == 2
+    even = EVEN * LEVELS[0].degree
+    assert nodes[0] < even
+    assert (nodes[1] > even) == evened
+
+
+def test_a_cam_that_would_have_to_pull_is_not_said_to_lock():
+    """The force of its second shoe falls to nothing below the friction: at 0.0307 on a mesh of 80 elements."""
+    brake = standing_off(2361)
+    assert solve(vary(brake, {"friction": 0.02}), elements=40).shoes[1].force > 0
+    with pytest.raises(NoAnswer, match="^shoe 'second': no equilibrium, what pushes it would have to pull$"):
+        solve(brake, elements=80)
 
 
 def test_random_brakes_that_stand_off_press_by_the_law_and_are_drawn_again_from_their_seed():

@@ -37,6 +37,10 @@ class NoAnswer(DrumlinError):
     exit_status = 3
 
 
+class LostDigits(NoAnswer):
+    """There is an answer, but stiffnesses or sizes are too far apart for the arithmetic to find it."""
+
+
 class Stopped(BaseException):
     """A signal asks the process to end; what is being written is given up, and nothing may catch it on the way."""
 

@@ -16,7 +16,7 @@ from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.units import mm
 from drumlin.contact.active_set import Contact
-from drumlin.errors import BadInput, NoAnswer
+from drumlin.errors import BadInput, LostDigits, NoAnswer
 from drumlin.fem.assembly import Scene, clock, held, shape_of
 from drumlin.fem.group import ShoeGroup, groups_of
 from drumlin.fem.sharing import PULLED, WOULD_PULL
@@ -167,7 +167,7 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
         answers[i] = _answer(group, k, p, y, changes[:, part], found.steps, forces[k])
     if group.sharing is not None:
         if not _imbalance(answers) < LARGEST_IMBALANCE:
-            raise NoAnswer(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
+            raise LostDigits(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
         return answers
     solid = group.scene.model == "solid"  # whose whole system is not put together
     small = sum(body.unknowns * body.line.order**2 for body in group.bodies) <= MAX_REFINED
@@ -179,11 +179,11 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     if not refinable:
         balance = f"it balances only to {_imbalance(answers):.1e}"
         why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
-        raise NoAnswer(f"{group.names}: lost digits, {why}; {TOO_FAR}")
+        raise LostDigits(f"{group.names}: lost digits, {why}; {TOO_FAR}")
     try:
         refined = refined_group(group, found.active)
     except NoAnswer as error:
-        raise NoAnswer(f"{group.names}: lost digits, {TOO_FAR}; refined: {error}") from error
+        raise LostDigits(f"{group.names}: lost digits, {TOO_FAR}; refined: {error}") from error
     steps, changes[1] = found.steps + refined.sets, size * np.concatenate(refined.last)
     for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
         p, y = size * refined.p[k], size * refined.motions[k]
@@ -194,7 +194,7 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     else:
         lost, most = max(answer.response.lost.pressure for answer in answers.values()), MOST_LOSS
     if lost >= most or not left < LARGEST_IMBALANCE:
-        raise NoAnswer(
+        raise LostDigits(
             f"{group.names}: lost digits, even refined its pressure is certain only to {lost:.1e} and balances to "
             f"{left:.1e}; {TOO_FAR}"
         )

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from drumlin.brake.drum_brake import Brake
-from drumlin.errors import NoAnswer
+from drumlin.errors import LostDigits, NoAnswer
 from drumlin.fem import assembly
 from drumlin.fem.hp.division import Level, Place
 from drumlin.fem.hp.places import places_of
@@ -62,7 +62,8 @@ def steps(
 
     A division is coarse where the contact of the level before does not lie. But what the answer is followed through as
     friction grows lies there too, and a short contact on nodes far apart may find no way. So a refusal is asked for
-    once more on an even division of the same level, see EVEN, and all levels from there on are so.
+    once more on an even division of the same level, see EVEN, and all levels from there on are so. Lost digits are not:
+    no division of a level brings them back.
 
     Raises NoAnswer where neither division of the first level has an answer, or two later levels have none.
     """
@@ -75,13 +76,13 @@ def steps(
             made = scene(brake, _evened(level, even), places, cache, alike)
             try:
                 found = respond(made, brake, start=last)
-            except NoAnswer:
+            except NoAnswer as refusal:
                 step = None
-                if math.isinf(even):
+                if math.isinf(even) and not isinstance(refusal, LostDigits):
                     even = min(end - start for start, end in (shoe.arc for shoe in brake.shoes)) / EVEN
                     continue
                 refused += 1
-                if refused == 2 or last is None:
+                if refused == 2 or (last is None and math.isfinite(even)):
                     raise
                 break
             step = Step(made, found)
