@@ -118,7 +118,7 @@ def test_a_cam_that_would_have_to_pull_is_not_said_to_lock():
     """The force of its second shoe falls to nothing below the friction: at 0.0307 on a mesh of 80 elements."""
     brake = standing_off(2361)
     assert solve(vary(brake, {"friction": 0.02}), elements=40).shoes[1].force > 0
-    with pytest.raises(NoAnswer, match="^shoe 'second': no equilibrium, what pushes it would have to pull$"):
+    with pytest.raises(NoAnswer, match=r"^shoe 'second': no equilibrium, what pushes it would have to pull$"):
         solve(brake, elements=80)
 
 
