@@ -28,8 +28,6 @@ from drumlin.laws import rigid
 
 LEAVES = "no equilibrium, a foot leaves its abutment"
 ELASTIC = "elastic as it is"
-NO_PUSH = 1e-9
-"""Fraction of the largest force on a shoe of the group below which the force does not push its shoe: round-off."""
 FRICTION_STEP = self_locking.STEP / 4
 """Step of the drum's friction, above 1 relative to it, after which feet are asked how they slide and shoes whether they
 are pushed. A foot that leaves and comes back within one step is not seen."""
@@ -281,25 +279,24 @@ class ShoeGroup:
         try:
             found = self_locking.answer(self.problem_at, self.brake.friction, first, self.areas, law=law, brake=ELASTIC)
         except NoAnswer as error:
-            if isinstance(error, self_locking.Ended):
-                self._check_pushes(error.end)
-            raise NoAnswer(f"{self.names}: {error}") from error
+            pulled = self._pulled_at(error.end) if isinstance(error, self_locking.Ended) else ""
+            raise (Pulled(pulled) if pulled else NoAnswer(f"{self.names}: {error}")) from error
         for shoe, sense, gap, amounts in zip(self.shoes, self.each_sense, self.gaps, self.amounts(found), strict=True):
             reach.check_turns(shoe, sense, gap, self.unit_force * amounts)
         return found
 
-    def _check_pushes(self, end: self_locking.Limit) -> None:
-        """Raise NoAnswer where an answer ends because a force that shoes share has fallen to nothing there.
+    def _pulled_at(self, end: self_locking.Limit) -> str:
+        """As `_pulled`, of an answer that ends: a force that shoes share may have fallen to nothing there.
 
         The shoe leaves the drum then, and nothing locks: its cam or strut would have to pull it.
         """
         sharing = self._sharing_at(end.reached)
-        if sharing is None:
-            return
-        forces = sharing.forces(end.last.p)
+        return "" if sharing is None else self._pulled(sharing.forces(end.last.p))
+
+    def _pulled(self, forces: Floats) -> str:
+        """The line that refuses shoes of which what pushes one would have to pull; empty where all are pushed."""
         i = int(forces.argmin())
-        if forces[i] < PULLED * forces.max():
-            raise NoAnswer(f"shoe {self.shoes[i].name!r}: {WOULD_PULL}")
+        return f"shoe {self.shoes[i].name!r}: {WOULD_PULL}" if forces[i] <= PULLED * forces.max() else ""
 
     def law(self, i: int) -> float:
         """mu_lock of a shoe by the rigid-shoe law: that of the scene for a hinged one dragged the same way."""
@@ -354,7 +351,7 @@ class ShoeGroup:
             return failure
         law = min(self.law(i) for i in self.members)
         locked = self_locking.locks(friction, end.limit.friction, law=law, brake=ELASTIC)
-        return NoAnswer(f"{self.names}: {LEAVES if end.leaves else locked}")
+        return NoAnswer(end.lets_go or f"{self.names}: {locked}")
 
     def followed(self, most: float) -> "Followed":
         """The end, up to mu = `most`, of the answer that is followed from the least friction of the drum that has one.
@@ -364,7 +361,7 @@ class ShoeGroup:
         under any, as where it takes friction to press a foot on its abutment.
         """
         if not self.links and not self.cam and all(shoe.abutment is None for shoe in self.shoes):
-            return Followed(self_locking.limit(self.sliding, most, areas=self.areas), leaves=False)
+            return Followed(self_locking.limit(self.sliding, most, areas=self.areas), lets_go="")
         low, (at, found) = self._first(most)
         end = self_locking.limit(at.sliding, most, (low, found), self.areas)
         while low < (last := min(end.friction * (1 - NEAR_POLE), most)):
@@ -376,7 +373,7 @@ class ShoeGroup:
             if after[0].senses != at.senses:
                 at, found = after
                 end = self_locking.limit(at.sliding, most, (low, found), self.areas)
-        return Followed(end, leaves=False)
+        return Followed(end, lets_go=at._pulled_at(end))
 
     def at_friction(self, friction: float) -> "ShoeGroup":
         """The group at another friction of the drum; its senses are then those to try first."""
@@ -399,12 +396,7 @@ class ShoeGroup:
             at, found = self.at_friction(friction)._standing()
         except NoAnswer:
             return None
-        return (at, found) if at._pushed_by(found) else None
-
-    def _pushed_by(self, found: active_set.Contact) -> bool:
-        """Whether the forces of an answer push every shoe."""
-        forces = self.forces(found.p)
-        return bool((forces > NO_PUSH * forces.max()).all())
+        return None if at._pulled(at.forces(found.p)) else (at, found)
 
     def _ended(self, end: self_locking.Limit, low: float, high: float) -> "Followed":
         """The end between two frictions, an answer at the first of them only."""
@@ -414,17 +406,19 @@ class ShoeGroup:
             after = at._pushing(middle)
             low, high = (low, middle) if after is None else (middle, high)
             at = at if after is None else after[0]
-        return Followed(end._replace(friction=low, bounded=True, reached=low), leaves=at.at_friction(high)._leaves())
+        return Followed(end._replace(friction=low, bounded=True, reached=low), at.at_friction(high)._lets_go())
 
-    def _leaves(self) -> bool:
-        """Whether the answer with the senses at hand pulls at an abutment, or at what pushes a shoe."""
+    def _lets_go(self) -> str:
+        """The line that says what would have to pull, with the senses at hand, that can only push; empty if nothing."""
         try:
             found = self.answer()
+        except Pulled as error:
+            return str(error)
         except NoAnswer:
-            return False
+            return ""
         feet = [(k, shoe) for k, shoe in enumerate(self.shoes) if shoe.abutment is not None]
         presses = all(float(self.reaction(found, k) @ shoe.bearing) > 0 for k, shoe in feet)
-        return not (presses and self._pushed_by(found))
+        return self._pulled(self.forces(found.p)) or ("" if presses else f"{self.names}: {LEAVES}")
 
     def consistent(self, found: active_set.Contact, k: int) -> bool:
         """Whether the abutment of shoe `k` bears as an answer has it; see `Held.stands`."""
@@ -442,12 +436,16 @@ class ShoeGroup:
         return np.asarray(-shoe.frame.to_brake((drag * dragged - normal)[:2]) - push)
 
 
+class Pulled(NoAnswer):
+    """What pushes a shoe, a cam or a strut, would have to pull it."""
+
+
 class Followed(NamedTuple):
-    """Where the answer ends that is followed in friction: the `limit`, and whether it ends as something would leave or
-    pull that can only push."""
+    """Where the answer ends that is followed in friction: the `limit`; and where it ends because something would have
+    to pull that can only push, `lets_go`, the line that says what, else empty."""
 
     limit: self_locking.Limit
-    leaves: bool
+    lets_go: str
 
 
 def _yielding(body: Body, drag: float, stiffness: float) -> Floats:
