@@ -3,6 +3,7 @@
 import os
 import shutil
 from concurrent.futures import BrokenExecutor, Executor, Future
+from types import SimpleNamespace
 
 import pytest
 
@@ -215,3 +216,18 @@ def test_waiting_is_said_once(brake, monkeypatch):
     said = []
     run([Case(brake, {"friction": 0.3}, "sine")], executor=Slow(), say=said.append)
     assert len(said) == 1 and said[0].startswith("waiting for workers since ")
+
+
+class Old:
+    """A client of a scheduler that does not know what it is asked."""
+
+    scheduler = SimpleNamespace(identity=None)
+
+    def sync(self, *asked, **more):
+        raise TypeError("Scheduler.identity() got an unexpected keyword argument 'n_workers'")
+
+
+def test_a_scheduler_of_an_older_dask_is_not_called_lost():
+    with pytest.raises(NoAnswer, match=rf"is of a Dask older than {workers.OLDEST_DASK} \(.*'n_workers'\)"):
+        workers._ask(Old(), "tcp://127.0.0.1:1")
+    assert f'"distributed>={workers.OLDEST_DASK}"' in (ROOT / "pyproject.toml").read_text()

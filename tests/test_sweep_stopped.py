@@ -10,7 +10,9 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext, suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -211,9 +213,9 @@ def test_a_lost_cluster_is_one_line_and_the_finished_cases_stay(sweep_file, undi
     assert output.read_bytes() == undisturbed
 
 
-@needs_dask
-@pytest.mark.parametrize("banner", [b"", b"220 mail.example ready\r\n"])
-def test_what_is_no_scheduler_is_refused_in_one_line(sweep_file, tmp_path, banner):
+@contextmanager
+def silent_port(greeting: bytes = b"") -> Iterator[str]:
+    """The address of a port that takes every connection, sends a greeting and no more."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         taken = []
 
@@ -221,12 +223,80 @@ def test_what_is_no_scheduler_is_refused_in_one_line(sweep_file, tmp_path, banne
             with suppress(OSError):
                 while True:
                     taken.append(server.accept()[0])
-                    taken[-1].sendall(banner)
+                    taken[-1].sendall(greeting)
 
         threading.Thread(target=serve, daemon=True).start()
-        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
-        how = [sweep_file, "--output", tmp_path / "out.csv", "--scheduler", address]
-        _, said = start(*how, program=IMPATIENT, stderr=subprocess.PIPE).communicate(timeout=LIMIT)
+        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
     for one in taken:
         one.close()
-    assert said == f"drumlin: --scheduler = '{address}': no Dask scheduler answers there\n"
+
+
+@contextmanager
+def closed_port() -> Iterator[str]:
+    """The address of a port that nothing listens on."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+    yield address
+
+
+NO_SCHEDULERS = {
+    "silent": (silent_port, " (tried for 5 s)"),
+    "mail": (partial(silent_port, b"220 mail.example ready\r\n"), ""),
+    "closed": (closed_port, " (tried for 5 s)"),
+    "no port": (lambda: nullcontext("nonsense"), " (missing port number in address 'nonsense')"),
+}
+
+
+@needs_dask
+@pytest.mark.parametrize("kind", NO_SCHEDULERS)
+def test_what_is_no_scheduler_is_refused_in_one_line_within_some_seconds(sweep_file, tmp_path, kind):
+    """Within five seconds, those that Python and its libraries take to start, and those of a busy machine."""
+    port, tried = NO_SCHEDULERS[kind]
+    with port() as address:
+        start_time = time.monotonic()
+        how = [sweep_file, "--output", tmp_path / "out.csv", "--scheduler", address]
+        process = start(*how, stderr=subprocess.PIPE)
+        _, said = process.communicate(timeout=LIMIT)
+    assert process.returncode == 2
+    assert said == f"drumlin: --scheduler = '{address}': no Dask scheduler answers there{tried}\n"
+    assert time.monotonic() - start_time < 15
+
+
+@needs_dask
+def test_a_scheduler_that_listens_a_little_later_is_found(cluster, tmp_path):
+    """Through a port that is opened two seconds after it is asked for."""
+    host, port = cluster.address.removeprefix("tcp://").split(":")
+    with closed_port() as address:
+        here = int(address.rpartition(":")[2])
+
+    opened: list[socket.socket] = []
+
+    def forward(source: socket.socket, target: socket.socket) -> None:
+        with suppress(OSError):
+            while data := source.recv(2**16):
+                target.sendall(data)
+            target.shutdown(socket.SHUT_WR)
+
+    def listen() -> None:
+        time.sleep(2.0)
+        server = socket.create_server(("127.0.0.1", here))
+        opened.append(server)
+        with suppress(OSError):
+            while True:
+                near, far = server.accept()[0], socket.create_connection((host, int(port)))
+                opened.extend((near, far))
+                for ends in ((near, far), (far, near)):
+                    threading.Thread(target=forward, args=ends, daemon=True).start()
+
+    threading.Thread(target=listen, daemon=True).start()
+    cluster.worker()
+    sweep = tmp_path / "s.toml"
+    sweep.write_text(f'brake = "{STUDY / "brake.toml"}"\n[model.sine]\n[vary]\nfriction = [0.1, 0.2]\n')
+    how = [sweep, "--output", tmp_path / "out.csv", "--scheduler", address]
+    process = start(*how, stderr=subprocess.PIPE)
+    told, said = process.communicate(timeout=LIMIT)
+    for one in opened:
+        with suppress(OSError):
+            one.shutdown(socket.SHUT_RDWR)
+        one.close()
+    assert process.returncode == 0 and told.startswith("2 cases: 2 solved"), said

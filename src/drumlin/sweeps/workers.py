@@ -20,6 +20,9 @@ from typing import Any, NamedTuple
 
 from drumlin.errors import BadInput, NoAnswer
 
+OLDEST_DASK = "2025.4"  # whose scheduler names all its workers when it is asked
+CONNECT = 5.0
+"""Seconds within which a scheduler must take a connection. One that is just starting is tried again until then."""
 ANSWER = 30.0  # s within which a scheduler answers, and a process starts
 HEARD = 300.0  # s within which a Dask worker is heard of: a long factorisation can silence one for minutes
 FIRST = 60.0  # s to wait for a worker where there is none
@@ -170,25 +173,34 @@ def _dask(address: str, say: Say) -> Iterator[Workers]:
 
 
 def _client(distributed: Any, address: str) -> Any:
-    """A client of the scheduler at an address. Raises BadInput where none answers."""
+    """A client of the scheduler at an address. Raises BadInput where none answers within CONNECT seconds."""
     found: Future[Any] = Future()
 
     class Client(distributed.Client):  # type: ignore[misc]
         def __del__(self) -> None:
-            with suppress(Exception):  # one that was never connected
-                super().__del__()
+            """Nothing: whoever has the client closes it. One that was never connected would be waited for here."""
 
     def connect() -> None:
         try:
-            found.set_result(Client(address, timeout=ANSWER, set_as_default=False))
+            found.set_result(Client(address, timeout=CONNECT, set_as_default=False))
         except BaseException as error:
             found.set_exception(error)
 
+    start = time.monotonic()
     threading.Thread(target=connect, daemon=True).start()  # a port that accepts and is silent may hold it for ever
     try:
-        return found.result(ANSWER + 5)
+        return found.result(CONNECT)
     except Exception as error:
-        raise BadInput(f"--scheduler = {address!r}: no Dask scheduler answers there") from error
+        found.add_done_callback(_close)
+        tried = time.monotonic() - start > 0.9 * CONNECT
+        why = f" (tried for {CONNECT:g} s)" if tried else f" ({error})" if isinstance(error, ValueError) else ""
+        raise BadInput(f"--scheduler = {address!r}: no Dask scheduler answers there{why}") from error
+
+
+def _close(found: "Future[Any]") -> None:
+    """Close a client, also one that is connected too late. One that is lost has nothing to close."""
+    with suppress(Exception):
+        found.result().close(timeout=2)
 
 
 def _first_workers(client: Any, address: str, say: Say) -> int:
@@ -210,6 +222,8 @@ def _ask(client: Any, address: str) -> dict[str, Any]:
     """The scheduler's workers. Raises NoAnswer where it does not answer."""
     try:
         known: dict[str, Any] = client.sync(client.scheduler.identity, n_workers=-1, callback_timeout=ANSWER)["workers"]
+    except TypeError as error:  # the scheduler's own answer, that it does not know what it is asked
+        raise NoAnswer(f"--scheduler = {address!r}: is of a Dask older than {OLDEST_DASK} ({error})") from error
     except Exception as error:
         raise NoAnswer(f"--scheduler = {address!r}: the scheduler was lost, or does not answer") from error
     return known
