@@ -64,6 +64,19 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
     (tmp_path / "dangling").symlink_to("there/made.json")
     write_text(tmp_path / "dangling", "made")
     assert (tmp_path / "there" / "made.json").read_text() == "made" and (tmp_path / "dangling").is_symlink()
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "to pipe").symlink_to("pipe")  # as /dev/stdout is a link to what standard output is
+    got = []
+    reader = threading.Thread(target=lambda: got.append((tmp_path / "pipe").read_text()))
+    reader.start()
+    try:
+        write_text(tmp_path / "to pipe", "sent")
+    except BadInput:
+        (tmp_path / "pipe").write_text("")  # or else the reader waits for ever
+        raise
+    finally:
+        reader.join()
+    assert got == ["sent"] and (tmp_path / "to pipe").is_symlink()
     (tmp_path / "loop").symlink_to("loop")
     with pytest.raises(BadInput, match="circle"):
         write_text(tmp_path / "loop", "x")

@@ -249,7 +249,7 @@ NO_SCHEDULERS = {
 
 @needs_dask
 @pytest.mark.parametrize("kind", NO_SCHEDULERS)
-def test_what_is_no_scheduler_is_refused_in_one_line_within_some_seconds(sweep_file, tmp_path, kind):
+def test_what_is_no_scheduler_is_refused_in_one_line(sweep_file, tmp_path, kind):
     """Within five seconds, those that Python and its libraries take to start, and those of a busy machine."""
     port, tried = NO_SCHEDULERS[kind]
     with port() as address:

@@ -154,7 +154,7 @@ def _target(path: Path) -> tuple[Path, os.stat_result | None]:
     try:
         found = path.stat() if path.exists() else None
         target = path if found is not None and not stat.S_ISREG(found.st_mode) else Path(os.path.realpath(path))
-        if target.is_symlink():
+        if found is None and target.is_symlink():
             raise BadInput(f"{path}: cannot be written (links that lead in a circle)")
     except (OSError, ValueError) as error:
         raise file_fault(path, "written", error) from error
