@@ -82,9 +82,18 @@ def block_gap(lining: Lining, theta: Floats) -> Floats:
 
 def kinks(lining: Lining) -> list[float]:
     """Angles [rad] at which a lining's gap is not smooth."""
-    table = lining.clearance if isinstance(lining.clearance, tuple) else ()
-    ends = (begin + half for begin, _ in lining.misfit.blocks for half in (-lining.step / 2, lining.step / 2))
-    return [*(angle for angle, _ in table), *ends]
+    return [*table_kinks(lining), *step_kinks(lining)]
+
+
+def table_kinks(lining: Lining) -> list[float]:
+    """Angles [rad] of the rows of a lining's table of clearances, between which the clearance is straight."""
+    return [angle for angle, _ in lining.clearance] if isinstance(lining.clearance, tuple) else []
+
+
+def step_kinks(lining: Lining) -> list[float]:
+    """Angles [rad] at which the rounded steps between a lining's blocks begin and end."""
+    half = lining.step / 2
+    return [begin + side for begin, _ in lining.misfit.blocks for side in (-half, half)]
 
 
 def tips(lining: Lining) -> list[float]:

@@ -9,6 +9,7 @@ the degree that makes the error fall exponentially (Babuska & Guo 1986; Schwab, 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -27,7 +28,27 @@ BENT = 2.0  # times the size at most on an elastic shoe: it bends, which corners
 FACE = 0.035  # of the length of a short contact: it rules the layer at the face as EDGE_ZONE does under a long one
 SHORT = 0.6  # of the length of a short contact: it rules the columns at its ends
 SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
-Place = tuple[float, float, bool]  # phi, the length over which the pressure changes there [rad], whether it is a kink
+STEP_POWER = 1 / 3
+"""Power of a level's `end` by which columns at the ends of a step between blocks shrink, from the step's arc on.
+
+At an end of the contact p rises as the root of the distance x, at the end of a step it goes as x ln x. The error in L2
+of columns of size w goes as w at the first and as w^1.5 at the second, so that columns at a step may shrink more slowly
+from level to level. With 1/3 the error at steps falls by a factor of 5 to 8 from level to level with that of the rest.
+With 1/2 there are 1.5 times as many columns and no smaller error of the whole, with 1/4 it falls by a factor of 3.
+"""
+
+
+class Kind(IntEnum):
+    """What is not smooth at a place: the pressure at an end of the contact; the slope of the gap; its curvature, at the
+    ends of a step between blocks; that too, but where nothing presses."""
+
+    END = 0
+    KINK = 1
+    STEP = 2
+    OPEN_STEP = 3
+
+
+Place = tuple[float, float, int]  # phi, the length over which the pressure changes there [rad], its Kind
 
 
 class Mark(NamedTuple):
@@ -184,8 +205,8 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
-    contact = [x for x, _, kink in places if not kink] or [start, end]
-    lengths = [length for _, length, kink in places if not kink]
+    contact = [x for x, _, kind in places if kind == Kind.END] or [start, end]
+    lengths = [length for _, length, kind in places if kind == Kind.END]
     least, reached = FINEST * t, _reached(start, end, places)
     pressed = max(*lengths, least) if lengths else end - start
     if 2 * sum(layer.thickness for layer in layers) > radius * (end - start):
@@ -243,19 +264,24 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
 def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
     """The mark of a place under a lining of thickness t [rad], so far from the lining's end [rad] that this gap is
     columns of its own: an end of the contact to half a column, so that bodies of brakes that differ by less are one
-    and the same."""
-    x, length, kink = place
+    and the same. Where nothing presses, columns of half a step follow the cubic of its gap exactly."""
+    x, length, kind = place
+    if kind == Kind.OPEN_STEP:
+        return Mark(x, 0.5 * length, level.ratio)
+    if kind == Kind.STEP:
+        return Mark(x, length * level.end**STEP_POWER, level.ratio)
     size = min(level.end * min(SHORT * length, math.sqrt(t * length)), max(0.5 * gap, SAME * length))
     size = 2.0 ** math.floor(math.log2(max(size, FINEST * t)))
-    if kink:
+    if kind == Kind.KINK:
         return Mark(x, size, level.ratio)
     return Mark(round(2 * x / size) * size / 2, size, level.opening if length <= t else level.ratio)
 
 
 def _reached(start: float, end: float, places: Sequence[Place]) -> tuple[float, float]:
     """The length of the contact that reaches either end of the lining; inf where none does."""
-    near = [size for x, size, kink in places if not kink and x - start < SAME * size]
-    far = [size for x, size, kink in places if not kink and end - x < SAME * size]
+    contact = [(x, size) for x, size, kind in places if kind == Kind.END]
+    near = [size for x, size in contact if x - start < SAME * size]
+    far = [size for x, size in contact if end - x < SAME * size]
     return min(near, default=math.inf), min(far, default=math.inf)
 
 

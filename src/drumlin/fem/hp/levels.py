@@ -1,14 +1,14 @@
 """A brake on finer and finer divisions, each moved to the ends of the contact that the one before it found."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from drumlin.brake.drum_brake import Brake
 from drumlin.errors import LostDigits, NoAnswer
 from drumlin.fem import assembly
-from drumlin.fem.hp.division import Level, Place
+from drumlin.fem.hp.division import Kind, Level, Place
 from drumlin.fem.hp.places import places_of
 from drumlin.fem.hp.scene import scene
 from drumlin.response.response import Response
@@ -72,6 +72,7 @@ def steps(
     refused, even, places = 0, math.inf, places_of(brake, None, alike)
     for level in levels or LEVELS:
         step: Step | None = None
+        tried: list[Mapping[int, Sequence[Place]]] = []
         for _ in range(MOST_PASSES):
             made = scene(brake, _evened(level, even), places, cache, alike)
             try:
@@ -86,8 +87,10 @@ def steps(
                     raise
                 break
             step = Step(made, found)
-            last, meant, places = found, places, places_of(brake, found, alike)
-            if not any(_moved(brake.shoes[i].arc, meant[i], now) for i, now in places.items()):
+            tried.append(places)
+            last, places = found, places_of(brake, found, alike)
+            # Ends that go back to where an earlier pass had them would go to and fro between its columns and these.
+            if any(not _moved(brake, meant, places) for meant in tried):
                 break
         if step is not None:
             yield step
@@ -98,7 +101,12 @@ def _evened(level: Level, largest: float) -> Level:
     return replace(level, largest=min(level.largest, largest))
 
 
-def _moved(arc: tuple[float, float], places: Sequence[Place], now: Sequence[Place]) -> bool:
+def _moved(brake: Brake, meant: Mapping[int, Sequence[Place]], now: Mapping[int, Sequence[Place]]) -> bool:
+    """Whether an end of the contact of any shape of shoe is away from where columns end."""
+    return any(_off(brake.shoes[i].arc, meant[i], places) for i, places in now.items())
+
+
+def _off(arc: tuple[float, float], places: Sequence[Place], now: Sequence[Place]) -> bool:
     """Whether an end of the contact is away from where columns end, over the length that it bounds."""
     meant = [*arc, *(place[0] for place in places)]
-    return any(not kink and min(abs(x - y) for y in meant) > SETTLED * length for x, length, kink in now)
+    return any(kind == Kind.END and min(abs(x - y) for y in meant) > SETTLED * length for x, length, kind in now)

@@ -14,7 +14,7 @@ import numpy as np
 from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem import assembly
-from drumlin.fem.hp.division import Place
+from drumlin.fem.hp.division import Kind, Place
 from drumlin.response.response import Response, ShoeResponse
 
 MOST_KINKS = 12  # a table of clearances with more rows, such as that of a worn lining, is a curve
@@ -39,17 +39,23 @@ def places_of(brake: Brake, response: Response | None, alike: Sequence[int] = ()
 def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
     (start, end), frame = shoe.arc, shoe.frame
     arcs = [] if response is None else _likely(shoe, response)
-    kinks = frame.phis(clearance.kinks(shoe.lining))
-    kinks = [x for x in kinks if start < x < end] if len(kinks) <= MOST_KINKS else []
+    table, steps = (
+        [x for x in frame.phis(of(shoe.lining)) if start < x < end]
+        for of in (clearance.table_kinks, clearance.step_kinks)
+    )
+
+    def presses(x: float) -> bool:
+        return response is None or any(2 * a - b < x < 2 * b - a for a, b in arcs)
+
     # Where nothing presses, or nearly, a kink is nothing; but within a column a block's step would swing beyond itself.
-    if response is not None and not shoe.lining.misfit.blocks:
-        kinks = [x for x in kinks if any(2 * a - b < x < 2 * b - a for a, b in arcs)]
-    found = [(x, end - start, True) for x in kinks]
+    found: list[Place] = [(x, shoe.lining.step, Kind.STEP if presses(x) else Kind.OPEN_STEP) for x in steps]
+    if len(table) <= MOST_KINKS:
+        found += [(x, end - start, Kind.KINK) for x in table if presses(x)]
     for one, other in arcs:
         first, last = (min(max(_rounded(x, other - one), start), end) for x in (one, other))
-        found += [(first, last - first, False), (last, last - first, False)]
+        found += [(first, last - first, Kind.END), (last, last - first, Kind.END)]
     if response is not None:
-        found += [(_rounded(x, length), length, False) for x, length in _hidden(shoe, response, arcs)]
+        found += [(_rounded(x, length), length, Kind.END) for x, length in _hidden(shoe, response, arcs)]
     return found
 
 
