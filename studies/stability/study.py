@@ -9,14 +9,14 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from studies.stability import figures, locking
+from studies.stability import figures, locking, ways
 
 from drumlin.comparison import as_csv
 from drumlin.files import write_text
 from drumlin.journal import Journal
 from drumlin.report.figures import save
 from drumlin.report.page import fill
-from drumlin.verification import bad_input, self_locking
+from drumlin.verification import bad_input, consistency, self_locking
 from drumlin.verification.broken_files import Sound
 from drumlin.verification.extreme_cases import cases
 from drumlin.verification.outcomes import POINTWISE, counted, faults, penalty_rows, slope, softening, timings, worst
@@ -38,10 +38,12 @@ Row = dict[str, Any]
 
 
 class Result(NamedTuple):
-    """A row for each case; self-locking; what became of each bad input; `seconds` of this run."""
+    """A row for each case; self-locking; comparisons of two ways to one quantity; what became of each bad input;
+    `seconds` of this run."""
 
     rows: list[Row]
     locked: locking.Result
+    compared: list[consistency.Check]
     verdicts: list[bad_input.Verdict]
     seconds: float
 
@@ -64,10 +66,11 @@ def study(
                 if done % 10 == 0:
                     say(f"{done} of {len(left)} cases")
     locked = locking.study(journal, short=short, say=say)
+    compared = ways.study(journal, short=short, say=say)
     say("bad input")
     count, processes = (40, 0) if short else (INPUTS, WORKERS)
     verdicts = bad_input.judge_all(count, sound(), journal, say, processes)
-    return Result([journal[key] for key in keys.values()], locked, verdicts, time.perf_counter() - start)
+    return Result([journal[key] for key in keys.values()], locked, compared, verdicts, time.perf_counter() - start)
 
 
 def sound() -> Sound:
@@ -79,6 +82,8 @@ def sound() -> Sound:
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures and CSV; returns the page."""
     rows = result.rows
+    compared = [row._asdict() | {"outcome": row.outcome} for row in result.compared]
+    write_text(folder / "ways.csv", as_csv(compared))
     write_text(folder / "cases.csv", as_csv([{k: v for k, v in row.items() if k != "knobs"} for row in rows]))
     known = [row for row in rows if row.get("digits") is not None]
     softened = softening(rows)
@@ -118,6 +123,8 @@ def report(result: Result, folder: Path) -> Path:
         agreeing=[row for row in table if not row["disagreeing"]],
         disagreeing=[row for row in table if row["disagreeing"]],
         limits=self_locking,
+        ways_counted=[count._asdict() for count in consistency.counted(result.compared)],
+        ways_differing=[row for row in compared if row["outcome"] == "differs"],
         kinds=bad_input.count_kinds(result.verdicts),
         input_faults=[verdict for verdict in result.verdicts if verdict.outcome in bad_input.FAULTS],
         longest=bad_input.LONGEST,

@@ -5,6 +5,8 @@ slope must be the difference of two solves. Each module `consistency_*` draws th
 ways and returns one row for each quantity that it compared.
 """
 
+from collections import Counter
+from collections.abc import Sequence
 from typing import NamedTuple
 
 OUTCOMES = ("agrees", "said", "differs", "refused")
@@ -35,3 +37,40 @@ class Check(NamedTuple):
         if self.difference <= self.allowed:
             return "agrees"
         return "said" if self.said else "differs"
+
+
+class Count(NamedTuple):
+    """How the comparisons of one check ended.
+
+    `compared`: rows in which at least one way has an answer; `agree`, `said`, `differ`, `refused`: rows of each
+    outcome; `largest`: largest difference over what is allowed among those that agree.
+    """
+
+    check: str
+    compared: int
+    agree: int
+    said: int
+    differ: int
+    refused: int
+    largest: float
+
+
+def counted(rows: Sequence[Check]) -> list[Count]:
+    """How the rows of each check ended, checks in the order of their first row."""
+    found = []
+    for check in dict.fromkeys(row.check for row in rows):
+        own = [row for row in rows if row.check == check]
+        outcomes = Counter(row.outcome for row in own)
+        largest = max((row.difference / row.allowed for row in own if row.outcome == "agrees"), default=0.0)
+        found.append(
+            Count(
+                check=check,
+                compared=len(own) - outcomes["refused"],
+                agree=outcomes["agrees"],
+                said=outcomes["said"],
+                differ=outcomes["differs"],
+                refused=outcomes["refused"],
+                largest=largest,
+            )
+        )
+    return found

@@ -1,0 +1,31 @@
+"""Two ways to the same quantity agree on random brakes, or drumlin says why they do not."""
+
+import pytest
+
+from drumlin.studies import load
+from drumlin.verification.consistency import Check, counted
+
+WAYS = load("stability")[0].ways.WAYS
+FIRST_SEED = 300_000  # brakes that neither the study nor whoever mended drumlin has seen
+SHARE = {"refusals": 30, "holding": 12, "wear": 10, "slopes": 10, "blocks": 2}
+MORE = 5  # times as many brakes in the slow share
+
+
+@pytest.mark.parametrize("name", WAYS)
+@pytest.mark.parametrize("part", [0, pytest.param(1, marks=pytest.mark.slow)])
+def test_two_ways_to_one_quantity_agree_or_say_why_not(name, part):
+    share = SHARE[name]
+    seeds = range(FIRST_SEED, FIRST_SEED + share) if part == 0 else range(FIRST_SEED + share, FIRST_SEED + MORE * share)
+    rows = [row for seed in seeds for row in WAYS[name].checks(seed)]
+    assert [row for row in rows if row.outcome == "differs"] == []
+    answered = [row for row in rows if row.outcome != "refused"]
+    assert len(answered) >= 0.5 * len(seeds)
+
+
+def test_a_difference_beyond_what_is_allowed_counts_unless_it_is_said():
+    row = Check("holding", "hinge 1", "torque", 2e-3, 1e-3)
+    said, refused = row._replace(said="held, it ends elsewhere"), row._replace(refused=True)
+    near = row._replace(difference=5e-4)
+    assert [one.outcome for one in (row, said, refused, near)] == ["differs", "said", "refused", "agrees"]
+    (count,) = counted([row, said, refused, near, near])
+    assert count == ("holding", 4, 2, 1, 1, 1, 0.5)
