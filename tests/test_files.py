@@ -65,7 +65,8 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
     write_text(tmp_path / "dangling", "made")
     assert (tmp_path / "there" / "made.json").read_text() == "made" and (tmp_path / "dangling").is_symlink()
     os.mkfifo(tmp_path / "pipe")
-    (tmp_path / "to pipe").symlink_to("pipe")  # as /dev/stdout is a link to what standard output is
+    # /dev/stdout is such a link, to whatever standard output is.
+    (tmp_path / "to pipe").symlink_to("pipe")
     got = []
     reader = threading.Thread(target=lambda: got.append((tmp_path / "pipe").read_text()))
     reader.start()
@@ -242,7 +243,8 @@ def no_mesh(kind, path):
         return "Is a directory|is not a mesh"
     if kind == "200 GB":
         with path.open("wb") as file:
-            file.truncate(200 * 10**9)  # of a file system with sparse files no byte is taken
+            # A file system with sparse files takes no byte of the disk for this.
+            file.truncate(200 * 10**9)
         return "larger than 50000000 bytes"
     if not Path(kind).exists():
         pytest.skip(f"there is no {kind} here")

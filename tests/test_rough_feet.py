@@ -69,7 +69,8 @@ class Layer(NamedTuple):
 
 
 SPRINGS = 400
-STIFF = 1e3  # of the foot, relative to all of the lining
+# Stiffness of the foot, relative to that of the whole lining.
+STIFF = 1e3
 
 
 def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:

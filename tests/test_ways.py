@@ -6,9 +6,11 @@ from drumlin.studies import load
 from drumlin.verification.consistency import Check, counted
 
 WAYS = load("stability")[0].ways.WAYS
-FIRST_SEED = 300_000  # brakes that neither the study nor whoever mended drumlin has seen
+# Seeds of brakes on which nothing was mended, nor shown by the study.
+FIRST_SEED = 300_000
 SHARE = {"refusals": 30, "holding": 12, "wear": 10, "slopes": 10, "blocks": 2}
-MORE = 5  # times as many brakes in the slow share
+# How many times as many brakes the slow test takes.
+MORE = 5
 
 
 @pytest.mark.parametrize("name", WAYS)
@@ -19,7 +21,8 @@ def test_two_ways_to_one_quantity_agree_or_say_why_not(name, part):
     rows = [row for seed in seeds for row in WAYS[name].checks(seed)]
     assert [row for row in rows if row.outcome == "differs"] == []
     answered = [row for row in rows if row.outcome != "refused"]
-    assert len(answered) >= 0.1 * len(seeds)  # of the brakes that levels answer a tenth is held against three meshes
+    # Of the brakes that the levels answer, one in ten is held against three meshes.
+    assert len(answered) >= 0.1 * len(seeds)
 
 
 def test_a_difference_beyond_what_is_allowed_counts_unless_it_is_said():

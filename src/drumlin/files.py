@@ -75,7 +75,8 @@ def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> by
         on_disk = stat.S_ISREG(found.st_mode)
         if regular and not on_disk and not stat.S_ISDIR(found.st_mode):
             raise BadInput(f"{path}: is a pipe or a device; {what} must be a file")
-        if regular and on_disk and not found.st_size:  # or one of the system's own, whose size is only known once read
+        # The size of a file of the system's own (/proc) is known only once it is read.
+        if regular and on_disk and not found.st_size:
             raise BadInput(f"{path}: is empty; not {what}")
         too_long = on_disk and found.st_size > most
         data = b"" if too_long else _drained(handle, path, most, not on_disk)

@@ -329,7 +329,8 @@ def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:
             touching[first] = True
         else:
             (k,) = motions
-            bearing = own & (C[k] * load > 0)  # nodes whose pressure resists the actuation
+            # The nodes whose pressure resists the actuation.
+            bearing = own & (C[k] * load > 0)
             if not bearing.any():
                 raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
             reach = np.full(n, np.inf)

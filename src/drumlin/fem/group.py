@@ -367,7 +367,8 @@ class ShoeGroup:
         while low < (last := min(end.friction * (1 - NEAR_POLE), most)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
             after = at._pushing(high)
-            if after is None:  # further on it may push again: the answer that is followed has ended
+            # Under more friction an answer may stand again, but the one that is followed has ended here.
+            if after is None:
                 return at._ended(end, low, high)
             low = high
             if after[0].senses != at.senses:

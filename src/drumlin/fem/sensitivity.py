@@ -288,7 +288,8 @@ def _by_nodes(every: Adjoints, k: int, u: Floats, v: Floats, moves: list[Moves])
     group, at = every.group, every.of[k]
     body, shoe = group.bodies[k], group.shoes[k]
     found = -change_by_nodes(body.basis, materials_of(shoe), u, v, np.array([move.nodes for move in moves]))
-    worth = at.F * v - (at.c if k in group.cam else 0.0) * u  # of a force on each node
+    # What a force on each node is worth, in torque per newton.
+    worth = at.F * v - (at.c if k in group.cam else 0.0) * u
     for j, move in enumerate(moves):
         found[j] += float(move.load @ worth)
         if not move.contact_stays:
@@ -312,7 +313,8 @@ def _by_contact(every: Adjoints, k: int, u: Floats, v: Floats, move: Moves) -> f
     for step, other in lines_at(body, shoe, brake.drum.radius, move):
         coupling = coupling_of(other, shoe)
         nodal = drag * (coupling.T.T @ at.p) - coupling.N.T @ at.p
-        aside = step * np.array([-move.line[1], move.line[0]]).T.ravel()  # of a turn by one radian
+        # How a turn by one radian moves the contact nodes aside as they move along the line.
+        aside = step * np.array([-move.line[1], move.line[0]]).T.ravel()
         gap = gap_at(other.xy, other.phi, brake, shoe)
         value = brake.friction * float(coupling.lever @ at.p)
         value += float(at.a @ (coupling.N @ (u + aside * (turns @ at.y)) - coupling.M @ (gap + squeezed)))

@@ -163,7 +163,8 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path(), done: Done = lambda
         for i in range(repeats)
     ]
     middle = {key: spec.at(np.array([0.5]))[0] for key, spec in specs.items() if key not in listed}
-    vary(brake, middle)  # distributions are judged by their medians: a draw that is no brake is a failed case
+    # Distributions are judged by their medians. A draw that is no brake becomes a failed case of the table.
+    vary(brake, middle)
     steps = _steps(file.combine, lengths, repeats)
     for (key, values), step in zip(listed.items(), steps, strict=True):
         _check(brake, key, values, changes[::step], middle, done)
@@ -418,7 +419,8 @@ def _check(
     try:
         for i in ends:
             vary(brake, {key: values[i]})
-    except BadInput:  # the base brake does not take them all: each may still fit together with the other keys
+    # The base brake does not take all values. Each may still fit together with values of the other keys.
+    except BadInput:
         places = list(dict.fromkeys([*ends, *range(len(values))]))
     for number, i in enumerate(places):
         if number % TOLD == 0:

@@ -20,7 +20,8 @@ from typing import Any, NamedTuple
 
 from drumlin.errors import BadInput, NoAnswer
 
-OLDEST_DASK = "2025.4"  # whose scheduler names all its workers when it is asked
+OLDEST_DASK = "2025.4"
+"""The oldest Dask whose scheduler names all its workers when it is asked for them."""
 CONNECT = 5.0
 """Seconds within which a scheduler must take a connection. One that is just starting is tried again until then."""
 ANSWER = 30.0  # s within which a scheduler answers, and a process starts
@@ -222,7 +223,8 @@ def _ask(client: Any, address: str) -> dict[str, Any]:
     """The scheduler's workers. Raises NoAnswer where it does not answer."""
     try:
         known: dict[str, Any] = client.sync(client.scheduler.identity, n_workers=-1, callback_timeout=ANSWER)["workers"]
-    except TypeError as error:  # the scheduler's own answer, that it does not know what it is asked
+    # An older scheduler answers that it does not know what it is asked.
+    except TypeError as error:
         raise NoAnswer(f"--scheduler = {address!r}: is of a Dask older than {OLDEST_DASK} ({error})") from error
     except Exception as error:
         raise NoAnswer(f"--scheduler = {address!r}: the scheduler was lost, or does not answer") from error
