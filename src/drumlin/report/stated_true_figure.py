@@ -13,6 +13,7 @@ from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 TITLES = {"pressure": "pressure p (L2)", "torque": "torque", "peak": "peak pressure", "reaction": "hinge reaction"}
 MARKS = (("o", BLUE), ("s", RED), ("D", PURPLE), ("^", GREEN))  # a tolerance each
 KNOWN = 4.0  # how far above the uncertainty of the truth a true error is known well
+PALE = f"pale: the true error is less than {KNOWN:g} times the uncertainty of what stands for the truth"
 
 
 def cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
@@ -20,8 +21,8 @@ def cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 6.4), layout="constrained")
         tolerances = sorted({row["tolerance"] for row in rows}, reverse=True)
+        drawn = None
         for axes, name in zip(figure.subplots(2, 2).flat, TITLES, strict=True):
-            drawn = 0
             for tolerance, (mark, color) in zip(tolerances, MARKS, strict=False):
                 for known in (True, False):
                     points = [
@@ -29,14 +30,16 @@ def cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
                     ]
                     label = f"tolerance {tolerance:g}" if known else None
                     style = {"color": color, "alpha": 0.8 if known else 0.25, "ls": "", "ms": 4, "label": label}
-                    axes.loglog(*zip(*points, strict=True), marker=mark, **style) if points else None
-                    drawn += len(points)
+                    if points:
+                        axes.loglog(*zip(*points, strict=True), marker=mark, **style)
+                        drawn = axes
             axes.axhline(1.0, color=INK, lw=1)
             axes.set_title(TITLES[name])
             axes.set_xlabel("true error")
             axes.set_ylabel("stated over true error")
-            if drawn:
-                key(figure, axes)
+        if drawn is not None:
+            key(figure, drawn)
+        figure.suptitle(PALE, fontsize="medium")
     return figure
 
 

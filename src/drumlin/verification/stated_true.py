@@ -220,7 +220,10 @@ def ratio(one: Mapping[str, Any], name: str) -> float:
 
 def summary(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """For each tolerance and quantity: rows, part of them reached, part with the true error above the stated one, and
-    above twice it, median of stated over true where the truth is known four times better than the error."""
+    above twice it, median of stated over true where the truth is known four times better than the error.
+
+    `above` takes off the true error what the truth is unsure of, `above_whole` does not.
+    """
     table = []
     for tolerance in sorted({one["tolerance"] for one in rows}, reverse=True):
         mine = [one for one in rows if one["tolerance"] == tolerance and one["outcome"] != "no truth"]
@@ -241,6 +244,12 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
                     "reached": sum(one["outcome"] == "reached" for one in mine) / max(1, len(mine)),
                     "judged": int(judged.sum()),
                     "above": float((ratios[judged] < 1).sum()) / n,
+                    "above_whole": sum(
+                        one[f"stated_{name}"] < one[f"true_{name}"]
+                        for one, known in zip(mine, judged, strict=True)
+                        if known
+                    )
+                    / n,
                     "above_twice": float((ratios[judged] < 0.5).sum()) / n,
                     "smallest": float(ratios[judged].min()) if judged.any() else math.nan,
                     "median": float(np.median(sure)) if sure else math.nan,
