@@ -474,7 +474,7 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
 
 def test_a_table_of_many_clearances_is_a_curve(brake):
     """Its rows are not graded to: it costs what a smooth gap costs, and meshes of another kind answer alike."""
-    theta = np.linspace(-70, 55, 73)
+    theta = np.linspace(-70, 55, 1001)
     table = np.column_stack([np.radians(theta), 1e-4 * np.cos(np.radians(theta)) ** 2]).tolist()
     curved = vary(brake, {"shoe[0].lining.clearance": table})
     response = solve(curved)

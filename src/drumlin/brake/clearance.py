@@ -19,7 +19,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Point
 from drumlin.brake.file import vary
 
-ROUND = 1e-9  # of the largest slope: a smaller kink is round-off
+ROUND = 1e-9  # of the largest change of slope: a smaller kink is round-off
 T = TypeVar("T")
 
 
@@ -86,7 +86,8 @@ def kinks(lining: Lining) -> list[float]:
 
 
 def table_kinks(lining: Lining) -> list[float]:
-    """Angles [rad] of the rows of a lining's table of clearances, between which the clearance is straight."""
+    """Angles [rad] of the rows of a lining's table of clearances, between which the clearance is
+    straight."""
     return [angle for angle, _ in lining.clearance] if isinstance(lining.clearance, tuple) else []
 
 
@@ -96,14 +97,22 @@ def step_kinks(lining: Lining) -> list[float]:
     return [begin + side for begin, _ in lining.misfit.blocks for side in (-half, half)]
 
 
-def tips(lining: Lining) -> list[float]:
-    """Angles [rad] at which a lining's gap has a kink that points to the drum, where a pressure is unbounded."""
+def tips(lining: Lining) -> list[tuple[float, float]]:
+    """Where a lining's gap has a kink that points to the drum, under which a pressure is unbounded:
+    the angle [rad], and by how much the slope of the gap changes there [m/rad]."""
+    change = slope_changes(lining)
+    sharp = change > ROUND * np.abs(change).max(initial=0.0)
+    rows = zip(table_kinks(lining), change.tolist(), sharp, strict=True)
+    return [(angle, slope) for angle, slope, is_sharp in rows if is_sharp]
+
+
+def slope_changes(lining: Lining) -> Floats:
+    """By how much the slope of the clearance [m/rad] changes at each of `table_kinks`; it is level
+    beyond the table."""
     if not isinstance(lining.clearance, tuple):
-        return []
+        return np.zeros(0)
     angle, gap = np.array(lining.clearance).T
-    slopes = np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]])  # level beyond the table
-    found: list[float] = angle[np.diff(slopes) > ROUND * np.abs(slopes).max()].tolist()
-    return found
+    return np.diff(np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]]))
 
 
 def surface(drum: Drum, theta: Floats) -> Floats:

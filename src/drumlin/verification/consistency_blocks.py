@@ -1,7 +1,9 @@
-"""What the default solve states of linings of many blocks, held against finer levels, on random brakes.
+"""What the default solve states of linings of many blocks, held against finer levels, on random
+brakes.
 
-Brakes of every kind get linings of FEWEST to MOST steps between blocks. The steps are shallow or deep against the
-compression that the brake's own force makes, so that all blocks press, or few of them.
+Brakes of every kind get linings of FEWEST to MOST steps between blocks. The steps are shallow or
+deep against the compression that the brake's own force makes, so that all blocks press, or few of
+them.
 """
 
 import numpy as np
@@ -24,11 +26,13 @@ FEWEST, MOST = 7, 30
 """Rows of `misfit.blocks`, each of which is a step with two kinks."""
 ATTEMPTS = 200
 TRIED = 40
-"""Elements of the mesh that shows how far a brake is compressed, and whether it has an answer with its blocks."""
+"""Elements of the mesh that shows how far a brake is compressed, and whether it has an answer with
+its blocks."""
 SPACING = 1.05
 """Least distance between two steps over the arc of a step. `misfit.blocks` asks for more than 1."""
 DEPTHS = (-1.0, 1.0)
-"""Decades between which the largest step lies, over the compression that the brake's force makes."""
+"""Decades between which the largest step lies, over the compression that the brake's force
+makes."""
 FINE = 2.5e-3
 """Tolerance for which finer levels are taken as true: they end where p moves by a tenth of it."""
 KINDS = (*random_brake.KINDS, *random_kinds.KINDS)
@@ -36,10 +40,11 @@ Rng = np.random.Generator
 
 
 def random_blocks(seed: int, steps: int | None = None) -> AnyBrake:
-    """The brake of a seed with blocks on each of its linings; its kind is the seed modulo the number of KINDS.
+    """The brake of a seed with blocks on each of its linings; its kind is the seed modulo the
+    number of KINDS.
 
-    steps: number of the steps of each lining, by default FEWEST to MOST of the seed. With fewer steps it is the same
-    brake. Raises NoAnswer where no brake of the kind has room for its steps.
+    steps: number of the steps of each lining, by default FEWEST to MOST of the seed. With fewer
+    steps it is the same brake. Raises NoAnswer where no brake of the kind has room for its steps.
     """
     kind = KINDS[seed % len(KINDS)]
     for attempt in range(ATTEMPTS):
@@ -63,7 +68,8 @@ def _of_kind(seed: int, kind: str) -> AnyBrake:
 def _with_blocks(brake: AnyBrake, rng: Rng, steps: int, depth: float) -> AnyBrake:
     """The brake with so many steps on each lining, of depths up to `depth` times its compression.
 
-    Raises BadInput where a lining has no room for them, NoAnswer where a shoe does not press or locks.
+    Raises BadInput where a lining has no room for them, NoAnswer where a shoe does not press or
+    locks.
     """
     meshed, fitting = on_drum(brake), solve(brake, elements=TRIED)
     changes: dict[str, list[list[float]]] = {}
@@ -80,7 +86,8 @@ def _with_blocks(brake: AnyBrake, rng: Rng, steps: int, depth: float) -> AnyBrak
 
 
 def _places(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
-    """Where its blocks begin [rad]: random, with room for each step. Raises BadInput where there is none."""
+    """Where its blocks begin [rad]: random, with room for each step. Raises BadInput where there is
+    none."""
     lining, room = shoe.lining, SPACING * shoe.lining.step
     free = lining.end - lining.start - (steps + 1) * room
     if free <= 0:
@@ -96,7 +103,8 @@ def _compression(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
 
 
 def stated_and_true(brake: AnyBrake) -> tuple[Response, Truth, dict[str, float]]:
-    """The response of a default solve, the truth by finer levels, and the errors of the one against the other.
+    """The response of a default solve, the truth by finer levels, and the errors of the one against
+    the other.
 
     Raises NoAnswer where one of the two has none.
     """
@@ -107,9 +115,11 @@ def stated_and_true(brake: AnyBrake) -> tuple[Response, Truth, dict[str, float]]
 
 
 def checks(seed: int) -> list[Check]:
-    """A row for each of QUANTITIES of the brake of a seed: its true error, and the stated one that is allowed.
+    """A row for each of QUANTITIES of the brake of a seed: its true error, and the stated one that
+    is allowed.
 
-    The truth's own uncertainty is added to the stated error. A peak that is said to be unbounded is not compared.
+    The truth's own uncertainty is added to the stated error. A peak that is said to be unbounded is
+    not compared.
     """
     brake = random_blocks(seed)
     name = f"{KINDS[seed % len(KINDS)]} {seed}"

@@ -29,7 +29,7 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Cache
 from drumlin.fem.hp.division import FINEST
 from drumlin.fem.hp.levels import Respond, Step, steps
-from drumlin.fem.hp.places import MOST_KINKS, pressed_arcs
+from drumlin.fem.hp.places import pressed_arcs
 from drumlin.response.norms import Difference
 from drumlin.response.response import NEAR_PEAK, Response, ShoeResponse, edge_zone, reaction_size, singular_zone
 from drumlin.response.resultants import edge_left_out, largest
@@ -58,6 +58,16 @@ times the error."""
 CHANCE = 0.008  # of what the last step of p changes of a force, were its columns' signs chance: so much does not cancel
 SOFTER = 2.0  # times the softness: what the penalty changes at most
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
+AT = 1e-9
+"""Distance [rad] up to which a tip of the gap is at an end of columns, as a place is but for
+round-off."""
+UNDER_TIP = math.log(1 / FINEST) / (2 * math.pi)
+"""Growth of p over E s under a tip of the gap, from the lining's thickness from it down to FINEST
+of that.
+
+On a half-plane of modulus E a wedge whose slope changes by s has the pressure E s/(2 pi) ln(1/x)
+(Johnson, Contact Mechanics, ch. 5). It is what the peak may lack where no columns end at the tip.
+"""
 NEAR = 0.5  # of the peak: p in a column at an end of the lining, where it grows without end
 ROUND_OFF = 10.0  # times what the elimination has lost by its own account
 """Of 55 random answers that lost 3e-9 of p and more 52 have lost at most so much, by refined ones. Three, of shoes and
@@ -108,7 +118,7 @@ def adapt(
             raise
         missed += f", the next level: {refusal}"
     last = zip(brake.shoes, responses[-1].shoes, strict=True)
-    unbounded = [repr(shoe.name) for shoe, found in last if _unbounded(shoe, brake.drum.radius, found)]
+    unbounded = [repr(shoe.name) for shoe, found in last if _lacking(shoe, brake.drum.radius, found) == 1.0]
     why = f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}" if unbounded else ""
     if must:
         said = f"estimated error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}"
@@ -171,23 +181,34 @@ def _cornered(shoe: ShoeResponse, zone: float) -> bool:
     return max(heights, default=0.0) > NEAR and edge_left_out(theta, p, order, zone) == 0
 
 
-def _wedged(shoe: Shoe, found: ShoeResponse, zone: float) -> bool:
-    """Whether p is near its peak in a column beside a tip of the gap: there it is unbounded, as under a wedge, and on a
-    finer level would be higher. zone [rad]: see `edge_zone`; in it `_cornered` tells."""
+def _under_tips(shoe: Shoe, radius: float, found: ShoeResponse, zone: float) -> float:
+    """What the peak of p may lack, relative, as p is near its peak in a column beside a tip of the
+    gap: 1 where columns end at the tip, as p is unbounded there, as under a wedge, and on a finer
+    level would be higher.
+
+    No columns end at a tip that p hardly feels, see `places`. zone [rad]: see `edge_zone`; in it
+    `_cornered` tells.
+    """
     (start, end), phi, order = shoe.arc, shoe.frame.phi(found.theta), found.order
     zone = edge_left_out(found.theta, found.pressure, order, zone)
-    tips = [x for x in shoe.frame.phis(clearance.tips(shoe.lining)) if start + zone < x < end - zone]
-    for k in (int(np.abs(phi[::order] - tip).argmin()) * order for tip in (tips if len(tips) <= MOST_KINKS else [])):
+    lacking = 0.0
+    for angle, slope in clearance.tips(shoe.lining):
+        (tip,) = shoe.frame.phis([angle])
+        if not start + zone < tip < end - zone:
+            continue
+        k = int(np.abs(phi[::order] - tip).argmin()) * order
         part = slice(max(k - order, 0), k + order + 1)
         if largest(found.theta[part], found.pressure[part], order) > NEAR_PEAK * found.peak_pressure:
-            return True
-    return False
+            growth = UNDER_TIP * shoe.lining.material.E * slope / radius / found.peak_pressure
+            lacking = max(lacking, 1.0 if abs(phi[k] - tip) < AT else growth)
+    return min(lacking, 1.0)
 
 
-def _unbounded(shoe: Shoe, radius: float, found: ShoeResponse) -> bool:
-    """Whether the peak of p is, or is near, what grows without end at a lining's end or under a tip of its gap."""
+def _lacking(shoe: Shoe, radius: float, found: ShoeResponse) -> float:
+    """What the peak of p may lack, relative: 1 where it is, or is near, what grows without end at a
+    lining's end or under a tip of its gap."""
     zone = edge_zone(shoe, radius)
-    return _cornered(found, zone) or _wedged(shoe, found, zone)
+    return 1.0 if _cornered(found, zone) else _under_tips(shoe, radius, found, zone)
 
 
 def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
@@ -197,12 +218,13 @@ def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
 
 
 def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
-    """The errors, of 1 what is not known at all: a peak at a lining's end or under a tip of its gap, and the pressure
-    of a contact so short that this is said in words."""
+    """The errors with what the peak lacks under tips of the gap; of 1 what is not known at all: a
+    peak at a lining's end or under a tip of its gap, and the pressure of a contact so short that
+    this is said in words."""
     shoes, said = list(error.shoes), ""
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        if _unbounded(shoe, brake.drum.radius, found):
-            shoes[i] = {**shoes[i], "peak": 1.0}
+        lacking = _lacking(shoe, brake.drum.radius, found)
+        shoes[i] = {**shoes[i], "peak": 1.0 if lacking == 1.0 else shoes[i]["peak"] + lacking}
         length = min((end - start for start, end in pressed_arcs(shoe, found)), default=math.inf) * brake.drum.radius
         if length < SHORTEST * shoe.lining.thickness:
             said = (

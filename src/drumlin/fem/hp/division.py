@@ -29,18 +29,21 @@ FACE = 0.035  # of the length of a short contact: it rules the layer at the face
 SHORT = 0.6  # of the length of a short contact: it rules the columns at its ends
 SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
 STEP_POWER = 1 / 3
-"""Power of a level's `end` by which columns at the ends of a step between blocks shrink, from the step's arc on.
+"""Power of a level's `end` by which columns at the ends of a step between blocks shrink, from the
+step's arc on.
 
-At an end of the contact p rises as the root of the distance x, at the end of a step it goes as x ln x. The error in L2
-of columns of size w goes as w at the first and as w^1.5 at the second, so that columns at a step may shrink more slowly
-from level to level. With 1/3 the error at steps falls by a factor of 5 to 8 from level to level with that of the rest.
-With 1/2 there are 1.5 times as many columns and no smaller error of the whole, with 1/4 it falls by a factor of 3.
+At an end of the contact p rises as the root of the distance x, at the end of a step it goes as
+x ln x. The error in L2 of columns of size w goes as w at the first and as w^1.5 at the second, so
+that columns at a step may shrink more slowly from level to level. On four random linings of 8 to 10
+steps the error of p falls by 3 to 17 from level to level with 1/3, and is 3e-4 to 6e-4 on the
+second. With 1/2 the second has a fifth more columns and about the same error, the fourth a third
+to a sixth of it; with 1/4 the fourth has 2.4 times the error.
 """
 
 
 class Kind(IntEnum):
-    """What is not smooth at a place: the pressure at an end of the contact; the slope of the gap; its curvature, at the
-    ends of a step between blocks; that too, but where nothing presses."""
+    """What is not smooth at a place: the pressure at an end of the contact; the slope of the gap;
+    its curvature, at the ends of a step between blocks; that too, but where nothing presses."""
 
     END = 0
     KINK = 1
@@ -48,7 +51,8 @@ class Kind(IntEnum):
     OPEN_STEP = 3
 
 
-Place = tuple[float, float, int]  # phi, the length over which the pressure changes there [rad], its Kind
+Place = tuple[float, float, int]
+"""Its phi [rad], the length over which the pressure changes there [rad], its Kind."""
 
 
 class Mark(NamedTuple):
@@ -262,9 +266,10 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
 
 
 def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
-    """The mark of a place under a lining of thickness t [rad], so far from the lining's end [rad] that this gap is
-    columns of its own: an end of the contact to half a column, so that bodies of brakes that differ by less are one
-    and the same. Where nothing presses, columns of half a step follow the cubic of its gap exactly."""
+    """The mark of a place under a lining of thickness t [rad], so far from the lining's end [rad]
+    that this gap is columns of its own: an end of the contact to half a column, so that bodies of
+    brakes that differ by less are one and the same. Where nothing presses, columns of half a step
+    follow the cubic of its gap exactly."""
     x, length, kind = place
     if kind == Kind.OPEN_STEP:
         return Mark(x, 0.5 * length, level.ratio)
@@ -286,13 +291,16 @@ def _reached(start: float, end: float, places: Sequence[Place]) -> tuple[float, 
 
 
 def _marks(start: Mark, end: Mark, places: Sequence[Mark]) -> list[Mark]:
-    """Ends and places without those that lie in the column at an end or at the place before."""
+    """Ends and places without those that lie in the column at an end, or in the smaller one at a
+    place and the place before: an end of the contact stays that is nearer to a step than the
+    columns there are wide."""
     marks = [start]
     for mark in places:
         last = marks[-1]
         if end.at - mark.at <= max(end.size, mark.size):
             break
-        if mark.at - last.at > max(last.size, mark.size):
+        nearest = max if len(marks) == 1 else min
+        if mark.at - last.at > nearest(last.size, mark.size):
             marks.append(mark)
         elif len(marks) > 1 and mark.size < last.size:
             marks[-1] = Mark(last.at, mark.size, max(last.ratio, mark.ratio))

@@ -69,9 +69,10 @@ def steps(
     """
     last: Response | None = None
     alike = assembly.alike(brake)
-    refused, even, places = 0, math.inf, places_of(brake, None, alike)
+    refused, even = 0, math.inf
     for level in levels or LEVELS:
         step: Step | None = None
+        places = places_of(brake, last, alike, level.end)
         tried: list[Mapping[int, Sequence[Place]]] = []
         for _ in range(MOST_PASSES):
             made = scene(brake, _evened(level, even), places, cache, alike)
@@ -88,8 +89,8 @@ def steps(
                 break
             step = Step(made, found)
             tried.append(places)
-            last, places = found, places_of(brake, found, alike)
-            # Ends that go back to where an earlier pass had them would go to and fro between its columns and these.
+            last, places = found, places_of(brake, found, alike, level.end)
+            # Ends that go back to where an earlier pass had them would go to and fro for ever.
             if any(not _moved(brake, meant, places) for meant in tried):
                 break
         if step is not None:
@@ -102,11 +103,15 @@ def _evened(level: Level, largest: float) -> Level:
 
 
 def _moved(brake: Brake, meant: Mapping[int, Sequence[Place]], now: Mapping[int, Sequence[Place]]) -> bool:
-    """Whether an end of the contact of any shape of shoe is away from where columns end."""
+    """Whether an end of the contact of any shape of shoe is away from where columns end, or a kink
+    is no place yet."""
     return any(_off(brake.shoes[i].arc, meant[i], places) for i, places in now.items())
 
 
 def _off(arc: tuple[float, float], places: Sequence[Place], now: Sequence[Place]) -> bool:
-    """Whether an end of the contact is away from where columns end, over the length that it bounds."""
+    """Whether an end of the contact is away from where columns end, over the length that it bounds,
+    or a kink is."""
     meant = [*arc, *(place[0] for place in places)]
+    if any(kind == Kind.KINK and x not in meant for x, _, kind in now):
+        return True
     return any(kind == Kind.END and min(abs(x - y) for y in meant) > SETTLED * length for x, length, kind in now)

@@ -11,52 +11,99 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drumlin.arrays import Floats
 from drumlin.brake import clearance
+from drumlin.brake.components import Lining
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem import assembly
 from drumlin.fem.hp.division import Kind, Place
 from drumlin.response.response import Response, ShoeResponse
+from drumlin.response.resultants import gauss_points
 
-MOST_KINKS = 12  # a table of clearances with more rows, such as that of a worn lining, is a curve
+UNFELT = 0.1
+"""Error in L2 of p over `end` of a level, up to which the kinks of a table of clearances may be
+left out of its places.
+
+A level has an error of p of about its `end`, half of it to a tenth. So what all those kinks do that
+are left out, the weakest, stays below the error of the level itself, on finer levels too: a table
+of many rows, such as that of a worn lining, is a curve until a level is fine enough to see its
+chords. With all kinks as places such a table takes columns by the hundred; with none a table with a
+real kink is short of the tolerance on all levels.
+"""
 SEEN = 1e-3  # of the length of its contact that an opening must be to be one
 FEW = 4  # nodes that a contact must have more of
 SHORTER = 0.15  # part of where one of so few nodes presses that its contact likely is
 DIGITS = 20  # binary ones of an end of the contact
 
 
-def places_of(brake: Brake, response: Response | None, alike: Sequence[int] = ()) -> dict[int, list[Place]]:
-    """The places of each shape of shoe, growing, those of all shoes that have it, by the first of these.
+def places_of(
+    brake: Brake, response: Response | None, alike: Sequence[int] = (), end: float = 0.0
+) -> dict[int, list[Place]]:
+    """The places of each shape of shoe, growing, those of all shoes that have it, by the first of
+    these.
 
-    alike: as of `assembly.alike`, where it is known.
+    Without a response, kinks of a table are no places yet: how much one matters depends on how hard
+    the lining bears. alike: as of `assembly.alike`, where it is known; end: that of the level, with
+    0 all kinks of a table are places where the lining presses.
     """
     found: dict[int, list[Place]] = {}
     for i, (shoe, first) in enumerate(zip(brake.shoes, alike or assembly.alike(brake), strict=True)):
-        own = _places(shoe, None if response is None else response.shoes[i])
+        own = _places(shoe, None if response is None else response.shoes[i], brake.drum.radius, end)
         found.setdefault(first, []).extend(own)
     return {key: sorted(places) for key, places in found.items()}
 
 
-def _places(shoe: Shoe, response: ShoeResponse | None) -> list[Place]:
+def _places(shoe: Shoe, response: ShoeResponse | None, radius: float, level_end: float) -> list[Place]:
     (start, end), frame = shoe.arc, shoe.frame
     arcs = [] if response is None else _likely(shoe, response)
-    table, steps = (
-        [x for x in frame.phis(of(shoe.lining)) if start < x < end]
-        for of in (clearance.table_kinks, clearance.step_kinks)
-    )
 
     def presses(x: float) -> bool:
         return response is None or any(2 * a - b < x < 2 * b - a for a, b in arcs)
 
     # Where nothing presses, or nearly, a kink is nothing; but within a column a block's step would swing beyond itself.
+    steps = [x for x in frame.phis(clearance.step_kinks(shoe.lining)) if start < x < end]
     found: list[Place] = [(x, shoe.lining.step, Kind.STEP if presses(x) else Kind.OPEN_STEP) for x in steps]
-    if len(table) <= MOST_KINKS:
-        found += [(x, end - start, Kind.KINK) for x in table if presses(x)]
+    if response is not None:
+        angle, felt = np.array(clearance.table_kinks(shoe.lining)), strengths(shoe.lining, radius)
+        inside = np.array([start < x < end and presses(x) for x in frame.phis(angle)], dtype=bool)
+        _, p, weight = gauss_points(response.theta, response.pressure, response.order)
+        size = math.sqrt(float(np.sum(weight * p**2)))
+        kinks = _strongest(angle[inside], felt[inside], UNFELT * level_end * size)
+        found += [(x, end - start, Kind.KINK) for x in frame.phis(kinks)]
     for one, other in arcs:
         first, last = (min(max(_rounded(x, other - one), start), end) for x in (one, other))
         found += [(first, last - first, Kind.END), (last, last - first, Kind.END)]
     if response is not None:
         found += [(_rounded(x, length), length, Kind.END) for x, length in _hidden(shoe, response, arcs)]
     return found
+
+
+def strengths(lining: Lining, radius: float) -> Floats:
+    """What each row of a table of clearances changes in p (k,) [Pa rad^0.5], in L2, if the table
+    were a smooth curve.
+
+    Where the slope changes by s at rows at a distance h, the chords stray from a smooth curve by
+    the parabola s x (1 - x/h)/2, a series of cosines of the amplitudes s h/(2 pi^2 n^2). A
+    half-plane answers to one of the wave number k = 2 pi n/h with E k/2 times its amplitude, a thin
+    layer with E/t times it: in the root mean square p is off by E s/sqrt(48) and E s h/(sqrt(720)
+    t). A layer on what bears it is at most as stiff as both together.
+    """
+    angle = np.array(clearance.table_kinks(lining))
+    if len(angle) == 0:
+        return angle
+    ends = np.concatenate([[lining.start], 0.5 * (angle[1:] + angle[:-1]), [lining.end]])
+    spacing = np.maximum(np.diff(ends), 0.0)
+    slope = np.abs(clearance.slope_changes(lining)) / radius
+    stiffness = 1 / math.sqrt(48) + radius * spacing / (math.sqrt(720) * lining.thickness)
+    return np.asarray(lining.material.E * slope * stiffness * np.sqrt(spacing))
+
+
+def _strongest(angle: Floats, strength: Floats, least: float) -> Floats:
+    """The angles without the weakest ones, whose strengths together, squared, are at most `least`
+    squared."""
+    order = np.argsort(strength, kind="stable")
+    left_out = np.cumsum(strength[order] ** 2) <= least**2
+    return np.sort(angle[order[~left_out]])
 
 
 def pressed_arcs(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:

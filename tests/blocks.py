@@ -1,0 +1,63 @@
+"""A shoe of the double-shoe brake with a lining of many blocks, and its pressure by curved
+triangles.
+
+`python tests/blocks.py` writes the pressures and torques that the tests compare with into
+blocks_truth.json, by `drumlin.verification.triangles`, which shares nothing with the finite
+elements of the solver but the brake; it takes a few minutes.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drumlin.brake import Brake, read_brake
+from drumlin.brake.file import vary
+from drumlin.verification import triangles
+from drumlin.verification.stated_true import errors
+
+HERE = Path(__file__).parent
+STORED = HERE / "blocks_truth.json"
+STEPS = (10, 12)
+ANGLES = 201
+DEPTH = 3e-6  # m
+
+
+def brake_of(steps: int) -> Brake:
+    """The left shoe alone, on so many even blocks, which stand back by up to 3 um in a disorder."""
+    whole = read_brake(HERE.parent / "studies" / "double_shoe" / "brake.toml")
+    brake = whole.model_copy(update={"shoes": whole.shoes[:1]})
+    lining = brake.shoes[0].lining
+    places = np.linspace(lining.start, lining.end, steps + 2)[1:-1].tolist()
+    rows = [[place, DEPTH * (7 * i % 10) / 10] for i, place in enumerate(places, 1)]
+    return vary(brake, {"shoe[0].lining.misfit.blocks": rows})
+
+
+def angles_of(brake: Brake) -> np.ndarray:
+    """Even angles [rad] at which the pressure is stored, farther than 0.2 deg from the lining's
+    ends."""
+    lining = brake.shoes[0].lining
+    return np.linspace(lining.start + 0.005, lining.end - 0.005, ANGLES)
+
+
+def stored(steps: int) -> dict[str, Any]:
+    """The truth of `brake_of(steps)`: `torque` [N m], `pressure` (ANGLES,) [Pa], and how far the
+    last refinement of the triangles moved p in L2, `moved`."""
+    found: dict[str, Any] = json.loads(STORED.read_text())[str(steps)]
+    return found
+
+
+def _by_triangles(steps: int) -> dict[str, Any]:
+    brake = brake_of(steps)
+    *_, before, last = triangles.sequence(brake)
+    pressure = last[0].pressure_at(angles_of(brake))
+    return {
+        "torque": last[0].torque,
+        "moved": float(f"{errors(brake, before, last)['pressure']:.2g}"),
+        "pressure": [float(f"{p:.6g}") for p in pressure],
+    }
+
+
+if __name__ == "__main__":
+    STORED.write_text(json.dumps({str(steps): _by_triangles(steps) for steps in STEPS}) + "\n")
