@@ -17,7 +17,7 @@ WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask
   tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone
 TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
-.PHONY: study manual test types passes test-all oldest newest truths sharpness packages constraints setup clean
+.PHONY: study manual test types passes test-all oldest newest truths sharpness noticed packages constraints setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
@@ -65,6 +65,10 @@ truths: .venv/ready
 # By how much stated errors are larger than true ones now; the tests notice where this changes.
 sharpness: .venv/ready
 	$(BIN)/python -m drumlin.verification.sharpness tests/truths
+
+# Which tests notice where a number that was found by experiment is changed: hours.
+noticed: .venv/ready
+	$(BIN)/python tests/mutations.py
 
 # needs uv; writes every version that is the newest now, with the hashes of all its files
 constraints:
