@@ -253,3 +253,15 @@ def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(bra
         assert share < 1 and (known[0] and known[0][0]) == (0.5 * mu if quiet else None)
     except NoAnswer as refusal:
         assert share > 1 and f"now there is one up to mu_lock = {end.friction:.4g}" in str(refusal)
+
+
+def test_a_refusal_is_not_its_own_cause(brake):
+    """A sweep asks a refusal for what caused it, and so on: of a chain that leads back to itself for ever."""
+    locked = vary(brake, {"friction": 1.3})
+    with pytest.raises(NoAnswer, match="self-locking") as refused:
+        solve(locked, elements=12)
+    seen, error = set(), refused.value
+    while error is not None:
+        assert id(error) not in seen
+        seen.add(id(error))
+        error = error.__cause__ or error.__context__

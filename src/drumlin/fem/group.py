@@ -315,7 +315,10 @@ class ShoeGroup:
         try:
             return self._standing(first)
         except NoAnswer as error:
-            raise self._refusal(error) from error
+            refusal = self._refusal(error)
+            if refusal is error:
+                raise
+            raise refusal from error
 
     def _standing(self, first: Bools | None = None) -> tuple["ShoeGroup", active_set.Contact]:
         """`settled`, where it is refused with the reason of the senses that are tried first."""

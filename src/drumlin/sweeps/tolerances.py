@@ -163,7 +163,7 @@ def healing(brake: Brake, distances: Sequence[float], *, elements: int, toleranc
     round_ = vary(brake, {"drum.out_of_round": []})
     setup = fem_setup(prepare(round_, elements=elements), round_)
     states = run_in.run_in(setup, tolerance=tolerance)
-    found = [archard.at(states, s) for s in distances]
+    found = [archard.at(states, min(s, states[-1].s)) for s in distances]
     return {
         "torque": [state.torque for state in found],
         "peak_pressure": [run_in.peak(setup, state) for state in found],

@@ -118,8 +118,8 @@ def checks(seed: int) -> list[Check]:
     """A row for each of QUANTITIES of the brake of a seed: its true error, and the stated one that
     is allowed.
 
-    The truth's own uncertainty is added to the stated error. A peak that is said to be unbounded is
-    not compared.
+    The truth's own uncertainty is added to the stated error. A peak that is said to be unbounded
+    has a stated error of 1.
     """
     brake = random_blocks(seed)
     name = f"{KINDS[seed % len(KINDS)]} {seed}"
