@@ -19,7 +19,8 @@ from pathlib import Path
 from drumlin.errors import BadInput, DrumlinError, file_fault
 
 PATIENCE = 5.0  # s without a byte, after which a pipe is given up
-PAUSE = 0.01  # s between two attempts to read or write what is not ready
+PAUSE = 0.01
+"""Seconds between two attempts to read or write a file that is not ready."""
 LONGEST_SUFFIX = 16
 
 _inputs: ContextVar[set[tuple[int, int]] | None] = ContextVar("inputs", default=None)

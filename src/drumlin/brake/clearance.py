@@ -19,7 +19,8 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Point
 from drumlin.brake.file import vary
 
-ROUND = 1e-9  # of the largest change of slope: a smaller kink is round-off
+ROUND = 1e-9
+"""Fraction of the largest change of slope in a clearance table. A smaller change is round-off, no tip of the gap."""
 T = TypeVar("T")
 
 

@@ -319,7 +319,7 @@ def _by_contact(every: Adjoints, k: int, u: Floats, v: Floats, move: Moves) -> f
         value = brake.friction * float(coupling.lever @ at.p)
         value += float(at.a @ (coupling.N @ (u + aside * (turns @ at.y)) - coupling.M @ (gap + squeezed)))
         value += float(nodal @ (v - aside * (turns @ at.b)))
-        # a strut from the shoe passes on what its foot bears of these forces
+        # A strut that starts at the shoe passes on what the shoe's foot bears of these forces.
         whole = shoe.frame.to_brake(nodal.reshape(-1, 2).sum(axis=0))
         value -= sum(every.of[to].c * float(whole @ shoe.bearing) for source, to in group.links if source == k)
         values.append((value - _through_ring(every, k, other)) / step)
