@@ -26,14 +26,15 @@ which makes them five times slower is one that a user would see."""
 
 TUNED = {
     "fem/hp/levels.py": ("LEVELS", "SETTLED", "EVEN"),
-    "fem/hp/adapt.py": ("SLOWEST", "OF_FORCES", "RULES", "CHANCE", "SOFTER", "SHORTEST", "NEAR", "ROUND_OFF"),
+    "fem/hp/adapt.py": ("SHORTEST", "NEAR"),
+    "fem/hp/estimate.py": ("SOFTER", "ROUND_OFF"),
     "fem/hp/division.py": ("FINEST", "FADES", "COARSEST", "BENT", "FACE", "SHORT", "SAME", "STEP_POWER"),
     "fem/hp/places.py": ("UNFELT", "SEEN", "FEW", "SHORTER", "DIGITS"),
     "fem/hp/shoe.py": ("LEFT",),
     "fem/model.py": ("REFINED_FROM", "MAX_REFINED", "LARGEST_LOSS", "MOST_LOSS", "UNSTATED_LOSS"),
     "contact/active_set.py": ("WIDER", "FAR", "PATIENCE", "SMALL", "MOST_SETS"),
     "contact/self_locking.py": ("STEP", "QUIET", "LIKE", "LARGE"),
-    "response/response.py": ("EDGE_ZONE", "STEP", "SAME_PEAK", "NEAR_PEAK"),
+    "response/response.py": ("EDGE_ZONE", "STEP", "NEAR_PEAK"),
 }
 """Module-level numbers that were found by trying, by their module in src/drumlin."""
 

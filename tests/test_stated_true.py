@@ -11,7 +11,7 @@ import pytest
 from conftest import partly
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
-from drumlin.fem.hp.adapt import NEAR_PEAK, Tolerance, adapt
+from drumlin.fem.hp.adapt import Tolerance, adapt
 from drumlin.fem.hp.estimate import FACTORS, ROUND_OFF, SOFTER, estimate
 from drumlin.fem.hp.levels import LEVELS as COLUMNS
 from drumlin.fem.hp.levels import Step, steps
@@ -140,30 +140,38 @@ def test_forces_that_agree_by_chance_are_as_uncertain_as_the_columns_of_the_pres
     for a, b, own in zip(before.shoes, level.shoes, found.shoes, strict=True):
         column = np.arange(len(b.theta)) // b.order
         off = [integrate(b.theta, np.where(column == k, a.pressure - b.pressure, 0.0), b.order) for k in set(column)]
-        least = FACTORS.cancelled * math.hypot(*off) / integrate(b.theta, b.pressure, b.order)
-        assert own["torque"] == pytest.approx(least, rel=1e-3) and least > 1e-6
+        changed = sum(map(abs, off)) / integrate(b.theta, b.pressure, b.order)
+        reach = b.contact_arcs[-1][1] - b.contact_arcs[0][0]
+        least = FACTORS.force * (reach * changed) ** 2
+        assert own["torque"] == pytest.approx(least, rel=1e-3) and least > 1e-7
         assert own["reaction"] == pytest.approx(least * b.normal_force / math.hypot(*b.hinge_reaction), rel=1e-3)
         parts.append(least * b.torque / level.torque)
     assert found.brake["torque"] == pytest.approx(sum(parts), rel=1e-3)
 
 
 def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(brake, level):
-    """As the mean of that and of the distance in L2; of p far below the peak it does not matter."""
+    """As the mean of that and of the distance in L2; of p in columns without the peak it does not matter."""
+
+    def heights(shoe):
+        column, inside = np.divmod(np.arange(len(shoe.theta)), shoe.order)
+        return np.array([shoe.pressure[column == k].max() for k in range(column[-1] + 1)])[column], inside
 
     def high(shoe):
-        return 1e-3 * (shoe.pressure > NEAR_PEAK * shoe.peak_pressure)
+        highest, _ = heights(shoe)
+        return 1e-3 * (highest == highest.max())
 
     def low(shoe):
-        column = np.arange(len(shoe.theta)) // shoe.order
-        highest = np.array([shoe.pressure[column == k].max() for k in set(column)])
-        return 1e-3 * (highest[column] < 0.5 * shoe.peak_pressure) * (np.arange(len(shoe.theta)) % shoe.order > 0)
+        highest, inside = heights(shoe)
+        return 1e-3 * (highest < highest.max()) * (inside > 0)
 
+    middle = level.shoes[0]
+    assert middle.pressure.max() == pytest.approx(middle.peak_pressure, rel=0.05)  # not at its end
     for by, near in ((high, 1e-3), (low, 0.0)):
         before = shifted(level, by)
-        for a, b, own in zip(before.shoes, level.shoes, estimate(brake, before, level).shoes, strict=True):
-            p = pressure_distance(a, b)
-            assert p > 1e-6
-            assert own["peak"] == pytest.approx(FACTORS.peak * math.sqrt(p * near), rel=0.02)
+        own = estimate(brake, before, level).shoes[0]
+        p = pressure_distance(before.shoes[0], middle)
+        assert p > 1e-6
+        assert own["peak"] == pytest.approx(FACTORS.peak * math.sqrt(p * near), rel=0.1)
 
 
 def test_the_shortest_contact_of_a_shoe_counts(brake):
