@@ -20,6 +20,7 @@ EDGE_ZONE = math.radians(0.2)
 STEP = math.radians(0.2)
 """Longest step [rad] of a curve that is drawn or written."""
 NEITHER = 1e-9  # of the work of the normal forces, up to which friction neither helps nor opposes the actuation
+SAME_PEAK = 1e-3  # between a peak and the largest value of a curve, whose points may miss it
 
 
 @dataclass(frozen=True)
@@ -364,9 +365,7 @@ def peak_place(brake: Brake | FlatBrake, index: int, response: ShoeResponse) -> 
     theta, pressure = response.curve()
     zone = edge_zone(brake.shoes[index], 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius)
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
-    # The curve's points may miss the peak by a little: the zone counts where leaving it out comes nearer.
-    off, off_inside = (abs(p.max(initial=0.0) - response.peak_pressure) for p in (pressure, pressure[inside]))
-    if off <= off_inside:
+    if abs(pressure.max() / response.peak_pressure - 1) < SAME_PEAK or not pressure[inside].any():
         inside, zone = np.ones(len(theta), dtype=bool), 0.0
     return Place(float(theta[inside][pressure[inside].argmax()]), zone)
 

@@ -10,10 +10,11 @@ The factor c of each quantity comes from random brakes of every kind, see `FACTO
 need more than their own distance, since the difference of two numbers may be small by accident:
 
 - A force (torque, reaction) is an integral of p, in which what two levels differ by may cancel. Its
-  error is the product of two errors, of p and of its adjoint, which fall alike. So the square of
-  what cannot cancel is added to its distance: of the sum of what the columns of elements change of
-  the contact force, without their signs, relative, times the angle [rad] that the contact reaches
-  over. Equilibrium leaves only the moments of what balances, and those are small in a short contact.
+  error is the product of two errors, of p and of its adjoint, which fall alike. So a product that
+  cannot cancel is added to its distance: the distance of p in L2, times the sum of what the columns
+  of elements change of the contact force, without their signs and relative, times the angle [rad]
+  that the contact reaches over. Equilibrium leaves only the moments of what balances, and those are
+  small in a short contact.
 - The distance of two peaks is at least the geometric mean of the distance of p in the column of the
   peak and of its distance in L2.
 
@@ -144,7 +145,7 @@ def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
     step = Difference.of(a, b, edge, zone)
     p = step.distance(edge)
     reach = b.contact_arcs[-1][1] - b.contact_arcs[0][0]
-    uncancelled = (reach * step.of_columns()) ** 2
+    uncancelled = p * reach * step.of_columns()
     if b.torque:
         torque += uncancelled
     reaction += uncancelled * b.normal_force / held
