@@ -12,7 +12,7 @@ from conftest import partly
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
 from drumlin.fem.hp.adapt import Tolerance, adapt
-from drumlin.fem.hp.estimate import FACTORS, ROUND_OFF, SOFTER, estimate
+from drumlin.fem.hp.estimate import FACTORS, ROUND_OFF, SOFTER, beside, estimate
 from drumlin.fem.hp.levels import LEVELS as COLUMNS
 from drumlin.fem.hp.levels import Step, steps
 from drumlin.fem.hp.scene import scene
@@ -233,6 +233,16 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
         if penalty == 30:
             np.testing.assert_allclose(a.softness[:3], true, rtol=0.1)
         assert true[0] < SOFTER * a.softness.pressure and true[2] < SOFTER * a.softness.reaction
+
+
+def test_what_a_soft_contact_changes_of_a_post_is_stated_too():
+    """Of its pressure it changes a third more than to first order."""
+    brake = random_brake(300_501, "post")
+    level = scene(brake, COLUMNS[1])
+    firm, soft = (respond(level, brake, penalty=each) for each in (math.inf, 10.0))
+    true = pressure_distance(soft.shoes[0], firm.shoes[0])
+    assert true > 1e-2
+    assert beside(soft.shoes)[1] > true
 
 
 def test_a_shoe_without_reaction_has_a_torque(brake):
