@@ -127,8 +127,8 @@ def distances(brake: Brake, a: Response, b: Response) -> Floats:
     R, total = brake.drum.radius, b.torque or a.torque or 1.0
     pairs = list(zip(a.shoes, b.shoes, strict=True))
     own = np.array([_of(edge_zone(of, R), x, y) for of, (x, y) in zip(brake.shoes, pairs, strict=True)])
-    sizes = np.array([y.torque or x.torque for x, y in pairs])
-    return np.array([float(own[:, 1] @ sizes) / total, *own.ravel()])
+    shares = np.array([y.torque or x.torque for x, y in pairs]) / total
+    return np.array([float(own[:, 1] @ shares), *own.ravel()])
 
 
 def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
