@@ -22,6 +22,7 @@ from drumlin.brake.drum_brake import Brake
 from drumlin.brake.unrolled import on_drum
 from drumlin.errors import NoAnswer
 from drumlin.fem.hp.adapt import seen
+from drumlin.fem.hp.corner import with_powers
 from drumlin.fem.hp.estimate import QUANTITIES, Errors, Factors, beside, distances
 from drumlin.fem.hp.levels import Step, steps
 from drumlin.fem.model import respond
@@ -84,7 +85,8 @@ def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
     nothing = Errors.worst(0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes))
     levels: list[Level] = []
     before = None
-    for _, response in found:
+    for _, raw in found:
+        response = with_powers(brake, raw)
         if before is not None:
             unknown, _ = seen(nothing, brake, response)
             true = {
