@@ -8,7 +8,6 @@ import subprocess
 import sys
 from contextlib import redirect_stderr, redirect_stdout
 
-import numpy as np
 import pytest
 
 from conftest import STUDY
@@ -185,7 +184,7 @@ def test_help_answers_in_some_half_a_second():
 
 
 # What a solve by columns does not need.
-BESIDE = {"skfem", "scipy.sparse", "scipy.optimize", "drumlin.foundation"}
+BESIDE = {"scipy.optimize", "drumlin.foundation"}
 HEAVY = {"pyvista", "matplotlib", "vtk", "pint", "meshio", "rich", "jinja2", "scipy.stats", "drumlin.verification"}
 
 
@@ -195,7 +194,6 @@ HEAVY = {"pyvista", "matplotlib", "vtk", "pint", "meshio", "rich", "jinja2", "sc
     ids=["mesh", "columns"],
 )
 def test_solving_loads_what_it_calls(tmp_path, options, none_of):
-    """By columns it calls scikit-fem's elements alone, which are loaded without the rest of it."""
     code = (
         "import json, sys; sys.argv = ['drumlin', 'solve', *sys.argv[1:]]\n"
         "from drumlin.cli import main\n"
@@ -211,25 +209,6 @@ def test_solving_loads_what_it_calls(tmp_path, options, none_of):
     )
     loaded = set(json.loads(done.stdout.splitlines()[-1]))
     assert not loaded & none_of
-    assert ("skfem" if options else "drumlin.fem._skfem.element") in loaded
-
-
-def test_elements_without_the_rest_are_those_of_scikit_fem():
-    import skfem
-    from skfem.models import elasticity
-
-    from drumlin.fem import shapes
-
-    at = np.random.default_rng(1).random((2, 7))
-    for ours, theirs, count in (
-        (shapes.elements().ElementQuadP(4), skfem.ElementQuadP(4), 25),
-        (shapes.elements().ElementQuad2(), skfem.ElementQuad2(), 9),
-    ):
-        assert type(ours).__module__.startswith("drumlin.fem._skfem") and type(theirs).__module__.startswith("skfem.")
-        for i in range(count):
-            for one, other in zip(ours.lbasis(at, i), theirs.lbasis(at, i), strict=True):
-                assert np.array_equal(one, other)
-    assert shapes.plane_stress(2e11, 0.3) == pytest.approx(elasticity.plane_stress(2e11, 0.3), rel=1e-15)
 
 
 @pytest.mark.slow
