@@ -185,7 +185,7 @@ def test_help_answers_in_some_half_a_second():
 
 # What a solve by columns does not need.
 BESIDE = {"scipy.optimize", "drumlin.foundation"}
-HEAVY = {"pyvista", "matplotlib", "vtk", "pint", "meshio", "rich", "jinja2", "scipy.stats", "drumlin.verification"}
+HEAVY = {"pyvista", "matplotlib", "vtk", "pint", "meshio", "jinja2", "scipy.stats", "drumlin.verification"}
 
 
 @pytest.mark.parametrize(
