@@ -14,9 +14,9 @@ from drumlin.brake.unrolled import unrolled
 from drumlin.fem.assembly import prepare
 from drumlin.fem.sensitivity import Sensitivity, as_text, on_plane, sensitivity
 from drumlin.response.merit import effect
-from test_freedoms_fem import BODY, brake_of
-from test_plane_fem import pad
-from test_sharing import cam_brake, servo
+from flat_pads import pad
+from held_shoes import BODY, brake_of
+from shared_forces import cam_brake, servo
 
 ELEMENTS = 8
 THICK = {"shoe.lining.thickness": 0.005}
