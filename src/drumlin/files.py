@@ -1,7 +1,8 @@
 """Where files are read and written.
 
-What is read has a limit, and is text in UTF-8 in every locale. What is written replaces a regular file, whole or not at
-all: a temporary name beside it, then a rename. Links are followed, permissions stay; pipes and devices are written to.
+What is read has a limit, and is text in UTF-8 in every locale. What is written replaces a regular
+file, whole or not at all: a temporary name beside it, then a rename. Links are followed and
+permissions stay. Pipes and devices are written to.
 """
 
 import json
@@ -33,7 +34,7 @@ def inputs_kept() -> Iterator[None]:
 
 
 def keep_input(path: Path) -> None:
-    """Count `path` among the inputs, by what file it is and not by its name, whether or not it is read later."""
+    """Count the file at `path`, whatever it is called, among the inputs, also if it is never read."""
     inputs = _inputs.get()
     with suppress(OSError, ValueError):
         if inputs is not None and path.is_file():
@@ -68,7 +69,8 @@ def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> by
             raise BadInput(f"{path}: is empty; not {what}")
         with path.open("rb") as file:
             data = file.read(most + 1)
-    except (OSError, ValueError) as error:  # a ValueError of a NUL, or of a letter that the locale has not
+    # A ValueError comes of a NUL in the name, or of a letter that the locale has not.
+    except (OSError, ValueError) as error:
         raise file_fault(path, "read", error) from error
     if len(data) > most:
         raise BadInput(f"{path}: larger than {most} bytes; not {what}")
@@ -77,7 +79,10 @@ def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> by
 
 
 def read_text(path: Path, most: int, what: str) -> str:
-    """The text of a file of up to `most` bytes, in UTF-8; raises BadInput as `read_bytes`, and for other bytes."""
+    """The text of a file of up to `most` bytes, in UTF-8.
+
+    Raises BadInput as `read_bytes` does, and for bytes that are no UTF-8.
+    """
     data = read_bytes(path, most, what)
     try:
         return data.decode("utf-8-sig").replace("\r\n", "\n")
@@ -89,10 +94,10 @@ def read_text(path: Path, most: int, what: str) -> str:
 
 
 def check_outputs(*paths: Path | None) -> None:
-    """Raise BadInput where paths may not or cannot be written over, before anything is computed for them.
+    """Raise BadInput where a path may not or cannot be written over, before anything is computed.
 
-    That is a folder, a disk, one of the inputs, two outputs in one file, and any .toml file: brake and sweep files are
-    written by hand.
+    Refused are a folder, a disk, one of the inputs, a second output in the same file, and any .toml
+    file, since brake and sweep files are written by hand.
     """
     targets = []
     for path in paths:
@@ -104,7 +109,7 @@ def check_outputs(*paths: Path | None) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Raise BadInput where `path` cannot be a folder of outputs, since a file stands there or above it."""
+    """Raise BadInput where `path` cannot be a folder, since a file stands there or above it."""
     try:
         above = next(folder for folder in (path, *path.absolute().parents) if os.path.lexists(folder))
         if not above.is_dir():
@@ -114,7 +119,7 @@ def check_folder(path: Path) -> None:
 
 
 def _target(path: Path) -> tuple[Path, os.stat_result | None]:
-    """The file that is meant by a path, links followed, and what stands there (None: nothing yet)."""
+    """The file that a path means, links followed, and what stands there (None: nothing yet)."""
     try:
         found = path.stat() if path.exists() else None
         target = Path(os.path.realpath(path))
@@ -138,9 +143,9 @@ def _target(path: Path) -> tuple[Path, os.stat_result | None]:
 def replacing(path: Path) -> Iterator[Path]:
     """A temporary path, with the suffix of `path`, that becomes `path` if the block ends well.
 
-    A regular file is replaced by a rename and keeps its permissions; a link stays and its target is replaced; what is
-    written for a pipe or a device is sent to it in the end. Raises BadInput where `check_outputs` does or the system
-    does not allow it, NoAnswer where the disk is full.
+    A regular file is replaced by a rename and keeps its permissions. A link stays, and its target is
+    replaced. What is written for a pipe or a device is sent to it in the end. Raises BadInput where
+    `check_outputs` does or the system does not allow it, NoAnswer where the disk is full.
     """
     target, found = _target(path)
     suffix = path.suffix if len(path.suffix) <= LONGEST_SUFFIX else ""
@@ -159,7 +164,8 @@ def replacing(path: Path) -> Iterator[Path]:
             partial.touch(0o666 if found is None else 0o600, exist_ok=False)
             yield partial
             if found is not None:
-                with suppress(OSError, AttributeError):  # not everyone may, not every system can
+                # Not everyone may give a file away, and not every system can.
+                with suppress(OSError, AttributeError):
                     os.chown(partial, found.st_uid, found.st_gid)
                 partial.chmod(stat.S_IMODE(found.st_mode) & 0o777)
             partial.replace(target)
@@ -167,14 +173,16 @@ def replacing(path: Path) -> Iterator[Path]:
             partial.unlink(missing_ok=True)
     except DrumlinError:
         raise
-    except (OSError, UnicodeEncodeError) as error:  # the locale may lack a letter of the name
+    # A UnicodeEncodeError comes of a letter of the name that the locale has not.
+    except (OSError, UnicodeEncodeError) as error:
         raise file_fault(path, "written", error) from error
 
 
 def _stream(path: Path, found: os.stat_result) -> Path | int | None:
-    """What is written to as it is: a pipe or device by its path, a file that a standard stream goes to by its number.
+    """What is written to and not replaced: a pipe or a device, by its path, or a standard stream.
 
-    A new file in place of the latter would lose what is printed. None for all other files, which are replaced.
+    A file that standard output or error goes to is written to by the stream's number: a new file in
+    its place would lose what is printed. None for all other files.
     """
     if not stat.S_ISREG(found.st_mode):
         return path
@@ -188,7 +196,8 @@ def _stream(path: Path, found: os.stat_result) -> Path | int | None:
 def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8, whole or not at all."""
     with replacing(path) as partial:
-        partial.write_text(text, encoding="utf-8", errors="replace")  # a path of undecodable bytes
+        # Paths of bytes that no encoding has may stand in the text.
+        partial.write_text(text, encoding="utf-8", errors="replace")
 
 
 def write_json(path: Path, data: object) -> None:
@@ -196,9 +205,10 @@ def write_json(path: Path, data: object) -> None:
     write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
 
 
-_FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")  # "-70 to 55.1" is none
+# What a text begins with that a spreadsheet takes for a formula. Numbers and "-70 to 55.1" are none.
+_FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")
 
 
 def cell(value: object) -> object:
-    """A cell of a table for a spreadsheet: a text that it would take for a formula is led by an apostrophe."""
+    """A cell for a spreadsheet: a text that would be a formula is led by an apostrophe."""
     return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value

@@ -1,10 +1,12 @@
-"""Results kept as they come, so that a stopped run goes on where it was: one line of JSON for each finished case.
+"""Results kept as they come, so that a stopped run goes on: one line of JSON for each finished case.
 
-Each line bears a checksum. A line that a kill tore is the last one and is dropped. A damaged line is skipped, and its
-case is computed anew; all other lines stand. (A database would lose more: in sqlite3's write-ahead log one flipped bit
-takes all later records with it, and that log does not work on network file systems.)
+Each line bears a checksum. A line that a kill tore is the last one and is dropped. A damaged line is
+skipped, and its case is computed anew; all other lines stand. (A database would lose more: in the
+write-ahead log of sqlite3 one flipped bit takes all later records with it, and that log does not
+work on network file systems.)
 
-A journal belongs to one state of the program: that of another is kept aside. A file that is no journal stays as it is.
+A journal belongs to one state of the program: the journal of another state is kept aside. A file
+that is no journal stays as it is.
 """
 
 import hashlib
@@ -23,14 +25,16 @@ from drumlin.errors import BadInput
 
 try:
     import fcntl
-except ImportError:  # no such locks on this system: two runs at a time are then the user's own care
+except ImportError:
+    # On a system without such locks the user takes care that no two runs write one journal.
     fcntl = None  # type: ignore[assignment]
 
-# The longest line in bytes. A case has some hundreds, a study's reference some hundred thousand. In a file with another
-# stamp a sound line is looked for up to here.
+# The longest line in bytes. A case has some hundreds, a study's reference some hundred thousand.
+# In a file with another stamp a sound line is looked for up to here.
 LARGEST_LINE = 2**26
 
-# What the first line begins with, and how many bytes of each further line stand before what its checksum is of.
+# What the first line begins with, and how many bytes of each further line stand before the record
+# that its checksum is of.
 HEAD = b'{"stamp": "'
 LEAD = len('{"sum": "0123456789abcdef", ')
 
@@ -39,7 +43,10 @@ COMPUTING = ("numpy", "scipy", "scikit-fem")
 
 
 def source_stamp(*folders: Path) -> str:
-    """A digest of what computes: drumlin's own source, that of `folders` (Python and TOML files), and libraries."""
+    """A digest of what computes: the source of drumlin and of `folders`, and versions of libraries.
+
+    Of a folder it is the content of all Python and TOML files.
+    """
     digest = hashlib.sha256()
     for name in COMPUTING:
         digest.update(f"{name} {importlib.metadata.version(name)}\n".encode())
@@ -50,15 +57,18 @@ def source_stamp(*folders: Path) -> str:
 
 
 def key_of(case: Mapping[str, Any]) -> str:
-    """What tells cases apart: their data as JSON, keys in order; values that JSON lacks by their text."""
+    """What tells cases apart: their data as JSON, keys in order.
+
+    A value that JSON lacks stands there by its text.
+    """
     return json.dumps(case, sort_keys=True, default=str)
 
 
 class Journal(AbstractContextManager["Journal"]):
     """Finished cases by their data, in a file; without a path in memory only.
 
-    `notes`: what there is to say of the file that was found, a line each. Raises BadInput where another run holds the
-    file, it cannot be written, or it is no journal.
+    `notes` are lines about the file that was found. Raises BadInput where another run holds the file,
+    where it cannot be written, or where it is no journal.
     """
 
     def __init__(self, path: Path | None = None, stamp: str = "") -> None:
@@ -73,14 +83,17 @@ class Journal(AbstractContextManager["Journal"]):
             self._open(path)
         except BlockingIOError as error:
             raise BadInput(f"{path}: another run is writing it") from error
-        except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-            raise BadInput(f"{path}: cannot be written ({getattr(error, 'strerror', None) or error})") from error
+        # A ValueError comes of a NUL in the path.
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise BadInput(f"{path}: cannot be written ({reason})") from error
 
     def __len__(self) -> int:
         return len(self._rows)
 
     def __bool__(self) -> bool:
-        return True  # an empty journal is a journal
+        """An empty journal is a journal."""
+        return True
 
     def __contains__(self, case: Mapping[str, Any]) -> bool:
         return key_of(case) in self._rows
@@ -102,7 +115,7 @@ class Journal(AbstractContextManager["Journal"]):
         return self[case]
 
     def finish(self) -> None:
-        """Close the file; the next run begins anew, and this one's cases stay beside it in `cases.jsonl`."""
+        """Close the file for good: the next run begins anew, and the cases stay in `cases.jsonl`."""
         if self._file is not None and self.path is not None:
             self.path.replace(self.path.with_name(f"cases{self.path.suffix}"))
         self.close()
@@ -126,7 +139,7 @@ class Journal(AbstractContextManager["Journal"]):
             raise
 
     def _read(self, path: Path, file: FileIO) -> None:
-        """Take over the rows that the file has; leave it so that the next line can be written at its end."""
+        """Take over the rows of the file, and cut off what follows its last whole line."""
         with path.open("rb") as reader:
             head = reader.readline(LARGEST_LINE)
             torn = head.startswith(HEAD) and self._head[:-1].startswith(head)
@@ -159,13 +172,15 @@ class Journal(AbstractContextManager["Journal"]):
         """Rename the file, which is another drumlin's journal, and begin a new one."""
         aside = next(p for p in (path.with_name(f"{path.name}.{n}") for n in count(1)) if not os.path.lexists(p))
         path.rename(aside)
-        self.close()  # only now: until here no other run could take it for its own
+        # Only now: until it is renamed no other run may take the file for its own.
+        self.close()
         self.notes.append(f"{path}: was of another drumlin and is kept as {aside.name}; every case is solved anew")
         self._open(path)
 
     def _write(self, data: bytes) -> None:
         assert self._file is not None
-        while data:  # an unbuffered write may be short
+        # A write that is not buffered may be short.
+        while data:
             try:
                 data = data[os.write(self._file.fileno(), data) :]
             except OSError as error:
@@ -173,7 +188,10 @@ class Journal(AbstractContextManager["Journal"]):
 
 
 def _locked(path: Path) -> FileIO:
-    """The file, made if there is none, and this run's alone. Raises BadInput, OSError (BlockingIOError: not alone)."""
+    """The file, made if there is none, for this run alone.
+
+    Raises BadInput, OSError, and BlockingIOError where another run has it.
+    """
     if path.exists() and not path.is_file():
         raise BadInput(f"{path}: cannot be written (is no file)")
     file = path.open("a+b", buffering=0)
@@ -185,11 +203,12 @@ def _locked(path: Path) -> FileIO:
     except BaseException:
         file.close()
         raise
+    # Another run has moved the file away meanwhile.
     file.close()
-    return _locked(path)  # another run moved it away meanwhile
+    return _locked(path)
 
 
 def _sealed(data: bytes, stamp: str) -> bytes:
-    """A line: a record without its opening brace, after a checksum of these bytes and of the stamp."""
+    """A line: a record without its opening brace, after a checksum of the record and of the stamp."""
     checksum = hashlib.sha256(stamp.encode() + data).hexdigest()[:16]
     return b'{"sum": "%s", %s\n' % (checksum.encode(), data)

@@ -85,7 +85,8 @@ def _cores() -> int:
 class _Processes(Executor):
     """Processes, each asked by a thread of its own.
 
-    A process that dies takes its own work with it alone, also where it dies while it sends its answer, and is replaced.
+    A process that dies takes its own work with it alone, also where it dies while it sends its
+    answer, and is replaced.
     """
 
     def __init__(self, number: int) -> None:
@@ -95,7 +96,11 @@ class _Processes(Executor):
         self._ended = False
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Give work to the process that is free next; its future raises NoAnswer where processes die as they start."""
+        """Give work to the process that is free next.
+
+        The future raises NoAnswer where processes die as they start, BrokenExecutor where one dies
+        at its work.
+        """
         return self._threads.submit(self._ask, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -129,13 +134,14 @@ class _Processes(Executor):
                 self._all.append(process)
                 process.ask((os.getpid, (), {}), ANSWER)
                 return process
-            except (EOFError, OSError, MemoryError, RuntimeError) as error:  # a TimeoutError is an OSError
+            # A TimeoutError is an OSError.
+            except (EOFError, OSError, MemoryError, RuntimeError) as error:
                 reason = " ".join(f"{type(error).__name__}: {error}".split())
         raise NoAnswer(f"sweep: worker processes cannot be started ({reason})")
 
 
 class _Process:
-    """A process that does one piece of work after the other, asked and answering through a pipe of its own."""
+    """A process that does one piece of work after the other, through a pipe of its own."""
 
     def __init__(self) -> None:
         spawn = multiprocessing.get_context("spawn")
@@ -143,13 +149,13 @@ class _Process:
         self._process = spawn.Process(target=_serve, args=(far_end,), daemon=True)
         with _environment():
             self._process.start()
-        # The process has its own copy; without this one the pipe ends where the process dies.
+        # The process has a copy of its own. With this one closed the pipe ends when the process dies.
         far_end.close()
 
     def ask(self, work: Any, limit: float | None = None) -> tuple[bool, Any]:
-        """Whether a function has returned, and what, or what it has raised; any exception says that the process died.
+        """Whether a function has returned, and what it has returned or raised.
 
-        limit: seconds that it may take.
+        Any exception here says that the process died. `limit` is how long the function may take [s].
         """
         self._pipe.send(work)
         if not self._pipe.poll(limit):
