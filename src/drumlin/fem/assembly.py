@@ -30,9 +30,6 @@ ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torq
 MOST_ELEMENTS = 4000  # along a lining: the dense contact matrices fill 2 GB
 ROOM = 200_000_000  # bytes of bodies that are kept for the next scenes
 
-KEPT = 2**21  # numbers
-np.empty(KEPT)  # glibc keeps freed memory up to twice the largest piece freed so far: a solve need not fetch it anew
-
 Seconds = dict[str, float]
 Mesher = Callable[[Shoe, float], Any]  # shoe, drum radius [m] -> mesh in the shoe's frame
 
