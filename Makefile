@@ -32,6 +32,7 @@ test: .venv/ready
 
 types:
 	$(BIN)/mypy
+	$(BIN)/mypy --config-file tests/mypy.ini tests
 
 # loadscope: a module, and what its tests share, stays in one process
 passes:

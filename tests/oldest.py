@@ -3,11 +3,12 @@
 import sys
 import tomllib
 from pathlib import Path
+from typing import Any
 
 TOOLS = ("mypy", "ruff", "import-linter", "drumlin")  # judge the source, or stand for the other extras
 
 
-def oldest(data: dict) -> list[str]:
+def oldest(data: dict[str, Any]) -> list[str]:
     """The requirements, each at its lower bound."""
     extras = data["project"]["optional-dependencies"]
     used = [line for name in ("distributed", "manual", "parquet", "dev") for line in extras[name]]

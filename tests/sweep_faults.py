@@ -10,6 +10,7 @@ import time
 import tomllib
 import traceback
 from pathlib import Path
+from typing import Any
 
 from drumlin.errors import BadInput
 from drumlin.sweeps.cases import run
@@ -65,7 +66,7 @@ def text_of(value: object) -> str:
 PLAIN = set(string.printable) - set('"\\\n\r\t\x0b\x0c')
 
 
-def typed(data: dict, rng: random.Random) -> str:
+def typed(data: dict[str, Any], rng: random.Random) -> str:
     """A sweep file with some of its values replaced, dropped, or under other keys."""
     for _ in range(rng.randint(1, 3)):
         place = data

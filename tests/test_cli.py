@@ -1,42 +1,19 @@
 """The command line as a person meets it: answers, refusals, exit statuses, what it loads and how fast."""
 
-import io
 import json
 import os
 import resource
 import subprocess
 import sys
-from contextlib import redirect_stderr, redirect_stdout
 
-import numpy as np
 import pytest
 
+from command_line import drumlin, process
 from conftest import STUDY
 from drumlin.brake.file import read_brake
-from drumlin.cli import main
 from drumlin.cli.terminal import print_table
 from drumlin.comparison import COLUMNS
 from drumlin.fem.solve import solve
-
-DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
-
-
-def process(*words, code=None, **options):
-    """The command in an interpreter of its own, which runs `code`."""
-    command = DRUMLIN if code is None else [sys.executable, "-c", code]
-    return subprocess.run([*command, *map(str, words)], capture_output=True, text=True, check=False, **options)
-
-
-def drumlin(*words):
-    """The command in this process: what a shell sees of it, without the second that an interpreter takes to start."""
-    out, err = io.StringIO(), io.StringIO()
-    with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
-        patch.setattr("sys.argv", ["drumlin", *map(str, words)])
-        with pytest.raises(SystemExit) as end:
-            main()
-    status = end.value.code or 0
-    assert isinstance(status, int)  # a text would be printed and be status 1
-    return subprocess.CompletedProcess(words, status, out.getvalue(), err.getvalue())
 
 
 def test_solve_prints_and_writes_json(tmp_path):
@@ -184,10 +161,9 @@ def test_help_answers_in_some_half_a_second():
     assert min(seconds) < 1.5  # .4 where nothing shares the caches
 
 
-BESIDE = {  # of what a solve by columns needs
-    "skfem", "scipy.sparse", "scipy.optimize", "scipy.linalg", "numpy.ma", "importlib.metadata", "drumlin.foundation",
-}  # fmt: skip
-HEAVY = {"pyvista", "matplotlib", "vtk", "pint", "meshio", "rich", "jinja2", "scipy.stats", "drumlin.verification"}
+# What a solve by columns does not need.
+BESIDE = {"scipy.optimize", "drumlin.foundation"}
+HEAVY = {"pyvista", "matplotlib", "vtk", "pint", "meshio", "jinja2", "scipy.stats", "drumlin.verification"}
 
 
 @pytest.mark.parametrize(
@@ -196,7 +172,6 @@ HEAVY = {"pyvista", "matplotlib", "vtk", "pint", "meshio", "rich", "jinja2", "sc
     ids=["mesh", "columns"],
 )
 def test_solving_loads_what_it_calls(tmp_path, options, none_of):
-    """By columns it calls scikit-fem's elements alone, which are loaded without the rest of it."""
     code = (
         "import json, sys; sys.argv = ['drumlin', 'solve', *sys.argv[1:]]\n"
         "from drumlin.cli import main\n"
@@ -212,25 +187,6 @@ def test_solving_loads_what_it_calls(tmp_path, options, none_of):
     )
     loaded = set(json.loads(done.stdout.splitlines()[-1]))
     assert not loaded & none_of
-    assert ("skfem" if options else "drumlin.fem._skfem.element") in loaded
-
-
-def test_elements_without_the_rest_are_those_of_scikit_fem():
-    import skfem
-    from skfem.models import elasticity
-
-    from drumlin.fem import shapes
-
-    at = np.random.default_rng(1).random((2, 7))
-    for ours, theirs, count in (
-        (shapes.elements().ElementQuadP(4), skfem.ElementQuadP(4), 25),
-        (shapes.elements().ElementQuad2(), skfem.ElementQuad2(), 9),
-    ):
-        assert type(ours).__module__.startswith("drumlin.fem._skfem") and type(theirs).__module__.startswith("skfem.")
-        for i in range(count):
-            for one, other in zip(ours.lbasis(at, i), theirs.lbasis(at, i), strict=True):
-                assert np.array_equal(one, other)
-    assert shapes.plane_stress(2e11, 0.3) == pytest.approx(elasticity.plane_stress(2e11, 0.3), rel=1e-15)
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ from drumlin.laws import sine
 from drumlin.response.merit import effect
 from drumlin.response.resultants import integrate
 from drumlin.wear.worn_in import worn_in
-from test_sharing import cam_brake, servo
+from shared_forces import cam_brake, servo
 
 pytestmark = pytest.mark.slow
 

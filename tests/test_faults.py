@@ -10,8 +10,9 @@ from drumlin.errors import BadInput
 from drumlin.fem.mesh import vtu
 from drumlin.fem.mesh.abaqus import read_inp
 from drumlin.fuzzing import endings, trials
-from drumlin.fuzzing.endings import Ending, fault_of, in_process, in_subprocess
+from drumlin.fuzzing.endings import fault_of, in_process, in_subprocess
 from drumlin.fuzzing.faults import MAKERS, Input, brake_text, make, mesh_files, reference_text, result_text, shown
+from judged_endings import BAD, GIVEN, GOOD, REFUSED
 
 SECONDS = 15.0
 
@@ -51,27 +52,6 @@ def test_words_that_no_process_can_be_given_are_tried_in_this_one():
     numbers = [n for n in range(60) if not all(map(trials.passes, trials.made("words", n).words))]
     assert {True, False} == {any("\0" in word for word in trials.made("words", n).words) for n in numbers}
     assert [trials.tried("words", n, apart=True).status for n in numbers[:6]] == [2] * len(numbers[:6])
-
-
-GIVEN = Input("x", {"b.toml": b"title"}, ["solve", "b.toml"])
-GOOD = Ending(0, "torque 3 N m\n", "", {"r.json": b'{"p": 1.0}', "r.csv": b"shoe,p\nleft,1\n"}, 0.1)
-REFUSED = Ending(2, "", "drumlin: friction = 2: must be less\n", {}, 0.1)
-BAD = {
-    "hang": REFUSED._replace(seconds=11.0),
-    "traceback": REFUSED._replace(status=1),
-    "two lines": REFUSED._replace(err="drumlin: a\nb\n"),
-    "not drumlin's": REFUSED._replace(err="Usage: x\n"),
-    "escape": REFUSED._replace(err="drumlin: \x1b[31m\n"),
-    "files": REFUSED._replace(written={"r.json": b"{}"}),
-    "warning": GOOD._replace(err="UserWarning\n"),
-    "nan": GOOD._replace(out="torque nan N m\n"),
-    "inf": GOOD._replace(out="coefficient -inf\n"),
-    "JSON": GOOD._replace(written={"r.json": b'{"p": NaN}'}),
-    "CSV": GOOD._replace(written={"r.csv": b"shoe,p\nleft,nan\n"}),
-    "formula": GOOD._replace(written={"r.csv": b"shoe,p\n=1,3\n"}),
-    "input": GOOD._replace(written={"b.toml": b"{}"}),
-    "temporary": GOOD._replace(written={".drumlin-0123.json": b""}),
-}
 
 
 def test_what_waits_without_end_is_found(monkeypatch):

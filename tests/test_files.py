@@ -102,7 +102,7 @@ def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path, mask):
     assert stat.S_IMODE((tmp_path / "m.json").stat().st_mode) == 0o666 & ~mask
 
 
-def test_a_pipe_is_written_to_and_one_that_nobody_reads_is_given_up(tmp_path, monkeypatch):
+def test_a_pipe_is_written_to_and_read(tmp_path):
     pipe = tmp_path / "p"
     os.mkfifo(pipe)
     got, text = [], "x" * 300_000  # more than a pipe holds
@@ -111,11 +111,20 @@ def test_a_pipe_is_written_to_and_one_that_nobody_reads_is_given_up(tmp_path, mo
     write_text(pipe, text)
     reader.join()
     assert got == [text] and pipe.is_fifo()
-    monkeypatch.setattr("drumlin.files.PATIENCE", 0.2)
-    with pytest.raises(BadInput, match="no one has read from it"):
-        write_text(pipe, "x")
-    with pytest.raises(BadInput, match="nothing has come from it"):
-        read_bytes(pipe, 10, "a file")
+    writer = threading.Thread(target=lambda: pipe.write_text(text))
+    writer.start()
+    assert read_bytes(pipe, len(text), "a file") == text.encode()
+    writer.join()
+
+
+def test_a_file_that_standard_output_goes_to_keeps_what_is_printed(tmp_path):
+    code = (
+        "from pathlib import Path; from drumlin.files import write_text; print('first', flush=True);"
+        "write_text(Path('out'), 'written\\n'); print('last')"
+    )
+    with (tmp_path / "out").open("wb") as out:
+        subprocess.run([sys.executable, "-c", code], stdout=out, cwd=tmp_path, check=True)
+    assert (tmp_path / "out").read_text() == "first\nwritten\nlast\n"
 
 
 def test_a_stopped_run_leaves_the_earlier_file_and_no_other(tmp_path):
@@ -270,19 +279,6 @@ def test_what_is_no_mesh_is_refused_at_once(tmp_path, monkeypatch, kind):
             start = time.process_time()
             run(words)
         assert time.process_time() - start < 1.5  # the libraries are loaded as well
-
-
-def test_a_file_that_gives_nothing_for_now_is_given_up(tmp_path, monkeypatch):
-    """A regular file whose reader is told to come again: some of the system's own, as its log."""
-    (tmp_path / "log").write_text("x")
-    monkeypatch.setattr("drumlin.files.PATIENCE", 0.1)
-
-    def later(handle, size):
-        raise BlockingIOError
-
-    monkeypatch.setattr("drumlin.files.os.read", later)
-    with pytest.raises(BadInput, match="log: nothing has come from it"), within(10):
-        read_bytes(tmp_path / "log", 10, "a text")
 
 
 # texts

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from command_line import drumlin
 from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
@@ -16,8 +17,7 @@ from drumlin.fem.solid import model
 from drumlin.fem.solve import solve
 from drumlin.sweeps.cases import solved
 from drumlin.sweeps.file import sweep_from
-from test_cli import drumlin
-from test_solid import t_section
+from sections import t_section
 
 pytestmark = pytest.mark.slow
 

@@ -11,8 +11,8 @@ from drumlin.fem.at_rest import Feet, holding_problem
 from drumlin.fem.group import grouped
 from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.model import respond
-from test_freedoms_fem import BODY, brake_of
-from test_sharing import cam_brake, servo
+from held_shoes import BODY, brake_of
+from shared_forces import cam_brake, servo
 
 
 @pytest.mark.parametrize("kind", ["abutment", "pivot", "guide"])

@@ -12,9 +12,9 @@ from drumlin.fem.assembly import prepare
 from drumlin.laws import law
 from drumlin.wear.linings import fem_setup
 from drumlin.wear.run_in import checks, run_in, target
-from test_freedoms_fem import BODY, brake_of
-from test_plane_fem import pad
-from test_sharing import cam_brake, servo
+from flat_pads import pad
+from held_shoes import BODY, brake_of
+from shared_forces import cam_brake, servo
 
 pytestmark = pytest.mark.slow
 

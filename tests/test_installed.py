@@ -16,12 +16,12 @@ from jsonschema import Draft202012Validator
 
 import drumlin as package
 from browsing import browser, play, served
+from command_line import drumlin
 from conftest import ROOT, STUDY
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.schema import brake_schema
 from drumlin.studies import examples
 from drumlin.sweeps.schema import sweep_schema
-from test_cli import drumlin
 
 SWEEPS = sorted((ROOT / "studies" / "sweeps").glob("*.toml"))
 

@@ -260,7 +260,8 @@ def test_a_refusal_is_not_its_own_cause(brake):
     locked = vary(brake, {"friction": 1.3})
     with pytest.raises(NoAnswer, match="self-locking") as refused:
         solve(locked, elements=12)
-    seen, error = set(), refused.value
+    seen = set[int]()
+    error: BaseException | None = refused.value
     while error is not None:
         assert id(error) not in seen
         seen.add(id(error))

@@ -35,7 +35,7 @@ def test_every_tuned_number_is_found_and_its_change_changes_nothing_else(module)
         for change in found:
             pairs = zip(ast.parse(source).body, ast.parse(change.source).body, strict=True)
             differing = [before for before, after in pairs if ast.dump(before) != ast.dump(after)]
-            assert [node.targets[0].id for node in differing if isinstance(node, ast.Assign)] == [name]
+            assert [ast.unparse(node.targets[0]) for node in differing if isinstance(node, ast.Assign)] == [name]
             assert len(differing) == 1
 
 

@@ -8,7 +8,7 @@ from conftest import ROOT
 from drumlin.errors import BadInput
 from drumlin.studies import load
 from drumlin.texts import formatted
-from test_readme import rows
+from kept_reports import rows
 
 study = load("paper")[0]
 PARTS = ["Summary", "Statement of need", "State of the field", "How it works", "How it is checked", "What it has shown",

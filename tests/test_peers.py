@@ -88,8 +88,8 @@ def test_deck_states_the_brake(brake, kind, index):
     ((_, drum_face),) = parsed.rows("SURFACE", NAME="SDRUM")
     drum = [int(row[0]) for row in parsed.rows("ELEMENT", ELSET="DRUM")]
     for faces, sign in ((contact, shoe.sign), ([(e, int(drum_face[1])) for e in drum], -shoe.sign)):
-        for element, face in faces:
-            ends = parsed.edge(element, face)
+        for number, face in faces:
+            ends = parsed.edge(number, face)
             assert np.hypot(*np.array(ends).T) == pytest.approx(R, rel=1e-9)
             assert outward(ends) @ ends[2] / R == pytest.approx(sign, abs=1e-6)
     angles = drum_angles(loaded)
@@ -146,7 +146,7 @@ def test_decks_that_calculix_does_not_get():
             loaded_shoes(vary(MAIN, change))
 
 
-def written(brake, loaded, setting, **changes):
+def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
     """CalculiX's results for a uniform pressure that holds the shoe in balance, and that pressure [Pa]."""
     shoe, R = loaded.shoe, brake.drum.radius
     theta = drum_angles(loaded)
@@ -192,8 +192,8 @@ def written(brake, loaded, setting, **changes):
 @pytest.mark.parametrize("index", [0, 1])
 def test_results_are_read_as_written(index):
     setting, loaded = Setting(thickness=0.02), loaded_shoes(MAIN, 20)[index]
-    *texts, pressure = written(MAIN, loaded, setting)
-    state = calculix.read_state(*texts, MAIN, loaded, setting)
+    dat, sta, output, pressure = written(MAIN, loaded, setting)
+    state = calculix.read_state(dat, sta, output, MAIN, loaded, setting)
     calculix.check(loaded, state)
     assert (state.iterations, state.unknowns) == (7, 1459)
     assert (state.touching, state.points, state.sticking) == (20, 120, 0.0)
@@ -215,9 +215,9 @@ def test_results_are_read_as_written(index):
 )
 def test_states_that_are_none_are_refused(changes, said):
     setting, loaded = Setting(), loaded_shoes(MAIN, 20)[0]
-    *texts, _ = written(MAIN, loaded, setting, **changes)
+    dat, sta, output, _ = written(MAIN, loaded, setting, **changes)
     with pytest.raises(NoAnswer, match=said):
-        calculix.check(loaded, calculix.read_state(*texts, MAIN, loaded, setting))
+        calculix.check(loaded, calculix.read_state(dat, sta, output, MAIN, loaded, setting))
     assert calculix.read_state(*written(MAIN, loaded, setting, shear=0.9)[:3], MAIN, loaded, setting).sticking == 1
     with pytest.raises(NoAnswer, match="wrote no contact state"):
         calculix.read_state("", "", "", MAIN, loaded, setting)

@@ -13,7 +13,7 @@ from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.random_kinds import placed
-from test_plane_fem import BODY, KINDS, LINING, pad
+from flat_pads import BODY, KINDS, LINING, pad
 
 NO_NU = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
 

@@ -5,7 +5,7 @@ from drumlin.fuzzing import trials
 from drumlin.fuzzing.endings import fault_of
 from drumlin.fuzzing.promises import PROMISES
 from drumlin.studies import load
-from test_faults import BAD, GIVEN
+from judged_endings import BAD, GIVEN
 
 
 def test_each_promise_names_a_test_that_exists():

@@ -1,6 +1,5 @@
 """The numbers that README quotes are those of the reports that are kept."""
 
-import csv
 import math
 import re
 
@@ -8,13 +7,9 @@ import pytest
 
 from conftest import ROOT
 from drumlin.verification.stated_true import QUANTITIES, ratio
+from kept_reports import rows
 
 README = re.sub(r"\s+", " ", (ROOT / "README.md").read_text())
-
-
-def rows(report, **chosen):
-    with (ROOT / "reports" / "reference" / report).open() as file:
-        return [row for row in csv.DictReader(file) if all(row[key] == value for key, value in chosen.items())]
 
 
 def quoted(pattern):

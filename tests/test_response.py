@@ -127,13 +127,13 @@ def test_the_end_of_a_contact_is_where_the_integral_of_its_square_root_begins(or
     else:
         p = [0, (6 * F - 1) / 4, 1, (6 * (G - F) - 3) / 4, 2]
     assert min(p) >= 0
-    p = np.array(p + [1.0] * (len(theta) - len(p)))
-    assert contact_arcs(theta, p, order) == ((pytest.approx(found, abs=1e-12), 5.0),)
-    assert contact_arcs(-theta[::-1], p[::-1], order) == ((-5.0, pytest.approx(-found, abs=1e-12)),)
+    pressure = np.array(p + [1.0] * (len(theta) - len(p)))
+    assert contact_arcs(theta, pressure, order) == ((pytest.approx(found, abs=1e-12), 5.0),)
+    assert contact_arcs(-theta[::-1], pressure[::-1], order) == ((-5.0, pytest.approx(-found, abs=1e-12)),)
     two = slice(None, 2 * order + 1)
-    assert contact_arcs(theta[two], p[two], order)[0][0] == pytest.approx(found, abs=1e-12)
+    assert contact_arcs(theta[two], pressure[two], order)[0][0] == pytest.approx(found, abs=1e-12)
     one = slice(None, order + 1)  # too short to tell
-    assert contact_arcs(theta[one], p[one], order)[0][0] == theta[np.flatnonzero(p > 0)[0] - 1]
+    assert contact_arcs(theta[one], pressure[one], order)[0][0] == theta[np.flatnonzero(pressure > 0)[0] - 1]
 
 
 def test_an_end_next_to_which_nothing_more_is_pressed_stays_at_its_node():

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from command_line import drumlin
 from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
@@ -24,7 +25,6 @@ from drumlin.fem.self_locking import limits, torques
 from drumlin.laws import rigid
 from drumlin.verification.consistency_hold import checks
 from drumlin.verification.random_kinds import random_kind
-from test_cli import drumlin
 
 ELEMENTS = 12
 

@@ -23,7 +23,7 @@ from drumlin.fem.reduced import sketcher
 from drumlin.fem.sensitivity import sensitivity
 from drumlin.fem.solid.mesh import solid_mesh
 from drumlin.verification.triangles.outline import outline
-from test_freedoms_fem import BODY, brake_of
+from held_shoes import BODY, brake_of
 
 S = {"E": 2.1e11, "nu": 0.3}
 WEB, TABLE = {"thickness": 0.02, "width": 0.005, "material": S}, {"thickness": 0.003, "width": 0.04}

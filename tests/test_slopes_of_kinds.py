@@ -14,9 +14,9 @@ from drumlin.brake.unrolled import unrolled
 from drumlin.fem.assembly import prepare
 from drumlin.fem.sensitivity import Sensitivity, as_text, on_plane, sensitivity
 from drumlin.response.merit import effect
-from test_freedoms_fem import BODY, brake_of
-from test_plane_fem import pad
-from test_sharing import cam_brake, servo
+from flat_pads import pad
+from held_shoes import BODY, brake_of
+from shared_forces import cam_brake, servo
 
 ELEMENTS = 8
 THICK = {"shoe.lining.thickness": 0.005}
@@ -95,7 +95,8 @@ def rows(brake: AnyBrake, found: Sensitivity) -> list[Row]:
         table.append(Row("actuation", found.drive, scaled("actuation.force", brake.actuation.force or 0.0), 1e-3))
     if found.ring is not None:
         table.append(Row("ring", found.ring, scaled("drum.ring.material.E", 1.2e11), 1e-3))
-    for i, (shoe, own) in enumerate(zip(brake.shoes, found.shoes, strict=True)):
+    shoes: Any = brake.shoes
+    for i, (shoe, own) in enumerate(zip(shoes, found.shoes, strict=True)):
         key, size, gap = f"shoe[{i}].", shoe.actuation.force, shoe.lining.clearance
         if own.force is not None:
             table.append(Row(f"{key}force", own.force, scaled(f"{key}actuation.force", size), 1e-3, size))

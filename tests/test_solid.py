@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from command_line import drumlin
 from conftest import settled_sizes
 from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
@@ -27,7 +28,7 @@ from drumlin.response.norms import pressure_distance, relative
 from drumlin.sweeps.cases import run
 from drumlin.sweeps.file import sweep_from
 from drumlin.verification import solid_forms
-from test_cli import drumlin
+from sections import t_section
 
 pytestmark = pytest.mark.slow
 
@@ -36,12 +37,6 @@ ONE_WIDTH = ("shoe.lining.width", "shoe.body.width")
 
 def one_width(brake, width):
     return vary(brake, dict.fromkeys(ONE_WIDTH, width))
-
-
-def t_section(brake):
-    """Table and web: the table is the backing, as wide as the lining, and the body is the web."""
-    table = {"thickness": 4e-3, "material": {"E": 210e9, "nu": 0.3}}
-    return vary(brake, {"shoe.backing": table, "shoe.body.thickness": 20e-3, "shoe.body.width": 5e-3})
 
 
 @pytest.mark.parametrize("width", [2e-3, 40e-3, 0.2])

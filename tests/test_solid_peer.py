@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
+from command_line import drumlin
 from drumlin import peers
 from drumlin.brake.file import vary
 from drumlin.fem.solid import model
 from drumlin.peers import solid_deck
 from drumlin.peers.deck import Setting
 from drumlin.response.norms import pressure_distance, relative
-from test_cli import drumlin
-from test_solid import t_section
+from sections import t_section
 
 needs_calculix = pytest.mark.skipif(peers.missing("calculix") is not None, reason=peers.missing("calculix") or "")
 

@@ -92,7 +92,7 @@ def test_the_report_holds_the_tables_and_the_film(module, result, tmp_path):
     with (tmp_path / "brakes.csv").open() as file:
         assert len(list(csv.DictReader(file))) == len(result.brakes)
     with Image.open(tmp_path / "film.gif") as film:
-        assert film.n_frames == 6
+        assert getattr(film, "n_frames", 1) == 6
     assert (tmp_path / "film.gif").stat().st_size < 3e6
 
 

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import threading
 from concurrent.futures import BrokenExecutor, Executor, Future
 from types import SimpleNamespace
 
@@ -191,9 +192,22 @@ def test_processes_that_die_as_they_start_are_one_line(monkeypatch):
     def never(*_, **__):
         raise OSError(11, "Resource temporarily unavailable")
 
-    monkeypatch.setattr(workers.ProcessPoolExecutor, "submit", never)
+    monkeypatch.setattr("multiprocessing.context.SpawnProcess.start", never)
     with workers.executor(2) as (pool, _), pytest.raises(NoAnswer, match="worker processes cannot be started"):
-        pool.submit(os.getpid)
+        pool.submit(os.getpid).result(60)
+
+
+def die_while_answering():
+    """Bytes that kill the process once half of them may have been sent."""
+    threading.Timer(0.2, os._exit, [3]).start()
+    return bytes(10**9)
+
+
+def test_a_process_that_dies_while_it_sends_its_answer_costs_that_answer_alone():
+    with workers.executor(2) as (pool, _):
+        with pytest.raises(BrokenExecutor):
+            pool.submit(die_while_answering).result(60)
+        assert {pool.submit(os.getpid).result(60) for _ in range(4)}
 
 
 @pytest.mark.parametrize("jobs", [0, -1, 10**20, 1001])

@@ -104,7 +104,8 @@ def test_killed_at_five_random_moments(sweep_file, undisturbed, tmp_path):
 
 def worker_of(process: subprocess.Popen[str]) -> int:
     """A worker process of a sweep."""
-    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    threads = Path(f"/proc/{process.pid}/task").iterdir()
+    children = [child for thread in threads for child in (thread / "children").read_text().split()]
     return next(
         int(child) for child in children if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text(errors="replace")
     )

@@ -7,13 +7,13 @@ import re
 import numpy as np
 import pytest
 
+from command_line import drumlin
 from conftest import STUDY
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.models import solve
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Place, edge_zone, peak_place
-from test_cli import drumlin
 
 BRAKE = STUDY / "brake.toml"
 

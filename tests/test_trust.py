@@ -266,7 +266,7 @@ def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
     """Its lining stands off in a wedge, which the lever's turn and the tilt about the pivot close together: at most
     the 0.2 rad that small displacements hold."""
     clamp = read_any("studies/brakes/rail_clamp.toml")
-    assert all(shoe.held_by == "pivot" for shoe in clamp.shoes)
+    assert isinstance(clamp, FlatBrake) and all(shoe.held_by == "pivot" for shoe in clamp.shoes)
     wedge = {f"shoe[{i}].lining.clearance": [(s.lining.start, 0.001), (s.lining.end, 0.001 + slope * (s.lining.end -
              s.lining.start))] for i, s in enumerate(clamp.shoes)}  # fmt: skip
     if refused:

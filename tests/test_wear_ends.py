@@ -20,7 +20,7 @@ from drumlin.wear.archard import WearLaw, run, run_on, steady
 from drumlin.wear.linings import fem_setup
 from drumlin.wear.run_in import COEFFICIENT, discrete_end, distance, report_lines, run_in, target, worn
 from drumlin.wear.worn_in import worn_in
-from test_wear import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler
+from winkler_lining import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler
 
 ARCHARD = WearLaw(COEFFICIENT)
 

@@ -8,8 +8,8 @@ from conftest import ROOT, partly
 from drumlin.brake import read_any, vary
 from drumlin.brake.writing import brake_text, quantity_text
 from drumlin.verification.random_brake import random_brake
-from test_plane_fem import LINING, pad
-from test_sharing import cam_brake, servo
+from flat_pads import LINING, pad
+from shared_forces import cam_brake, servo
 
 FILES = [*ROOT.glob("studies/*/*.toml"), *ROOT.glob("meshes/*.toml")]
 BRAKES = [path for path in FILES if "shoe" in tomllib.loads(path.read_text())]

@@ -52,28 +52,39 @@ def run(name: str, solve: Callable[[], Response], repeats: int = 1) -> Outcome:
 
 
 class Extrapolated(NamedTuple):
-    """Richardson extrapolation from three meshes, each twice as fine: observed order, value, its uncertainty."""
+    """Richardson extrapolation from three meshes: observed order, value, its uncertainty."""
 
     order: float
     value: float
     uncertainty: float
 
 
-def extrapolate(coarse: float, medium: float, fine: float) -> Extrapolated:
-    """Observed order log2(|c - m| / |m - f|), limit, and the last correction as its uncertainty.
+def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Extrapolated:
+    """The limit of a value as meshes are refined, by Richardson extrapolation.
 
-    Where the differences do not shrink no order is observed (nan): the finest value stands, with the
-    largest difference as its uncertainty.
+    Where the steps do not shrink with one sign, no limit is seen: the finest value stands, with the larger step as its
+    uncertainty. Its order is nan, or that of steps which shrink with changing sign.
+
+    Parameters
+    ----------
+    fine : the value on the finest of three meshes
+    first : the step of the value from the coarsest mesh to the next
+    last : the step from there to the finest mesh
+    ratio : how many times as fine each mesh is as the one before
     """
-    first, last = medium - coarse, fine - medium
     if last == 0:
         return Extrapolated(math.nan, fine, abs(first))
-    ratio = first / last
-    if ratio <= 1:
-        spread = max(abs(first), abs(last))
-        return Extrapolated(math.log2(-ratio) if ratio < -1 else math.nan, fine, spread)
-    correction = last / (ratio - 1)
-    return Extrapolated(math.log2(ratio), fine + correction, abs(correction))
+    gain = first / last
+    order = math.log(abs(gain), ratio) if abs(gain) > 1 else math.nan
+    if gain <= 1:
+        return Extrapolated(order, fine, max(abs(first), abs(last)))
+    correction = last / (gain - 1)
+    return Extrapolated(order, fine + correction, abs(correction))
+
+
+def extrapolate(coarse: float, medium: float, fine: float, ratio: float = 2.0) -> Extrapolated:
+    """`richardson` of the values on three meshes."""
+    return richardson(fine, medium - coarse, fine - medium, ratio)
 
 
 class Column(NamedTuple):
@@ -275,8 +286,8 @@ class Convergence:
     def pressure(self, shoe: int) -> tuple[float, float]:
         """Observed order of p in L2 and the estimated error of the finest mesh."""
         first, last = self.pressure_steps(shoe)[-2:]
-        order = math.log2(first / last)
-        return order, last / (2**order - 1) if order > 0 else max(first, last)
+        found = richardson(0.0, first, last)
+        return found.order, found.uncertainty
 
 
 def converge(brake: Brake, elements: Sequence[int]) -> Convergence:

@@ -1,38 +1,52 @@
-"""Results kept as they come, so that a stopped run goes on where it was: one line of JSON for each finished case.
+"""Results kept as they come, so that a stopped run goes on: one line of JSON for each finished case.
 
-Each line bears a checksum. A line that a kill tore is the last one and is dropped; a damaged line is skipped and its
-case computed anew; all others stand. (A database would lose more: in sqlite3's write-ahead log one flipped bit takes
-all later records with it, and that log does not work on network file systems.)
+Each line bears a checksum. A line that a kill tore is the last one and is dropped. A damaged line is
+skipped, and its case is computed anew; all other lines stand. (A database would lose more: in the
+write-ahead log of sqlite3 one flipped bit takes all later records with it, and that log does not
+work on network file systems.)
 
-A journal belongs to one state of the program: that of another is kept aside. A file that is no journal stays as it is.
+A journal belongs to one state of the program: the journal of another state is kept aside. A file
+that is no journal stays as it is.
 """
 
 import hashlib
 import importlib.metadata
 import json
 import os
-import stat
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from io import FileIO
 from itertools import count
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from drumlin.errors import BadInput
 
 try:
     import fcntl
-except ImportError:  # no such locks on this system: two runs at a time are then the user's own care
+except ImportError:
+    # On a system without such locks the user takes care that no two runs write one journal.
     fcntl = None  # type: ignore[assignment]
 
-LARGEST_HEAD = 1000  # bytes of the first line
-LARGEST_LINE = 2**26  # bytes; a case has some hundreds, a study's reference some hundred thousand
-FIRST_LINES = 1000  # among which a journal with a damaged head must have a sound line
-COMPUTING = ("numpy", "scipy", "scikit-fem")  # libraries whose version may change a result's last digits
+# The longest line in bytes. A case has some hundreds, a study's reference some hundred thousand.
+# In a file with another stamp a sound line is looked for up to here.
+LARGEST_LINE = 2**26
+
+# What the first line begins with, and how many bytes of each further line stand before the record
+# that its checksum is of.
+HEAD = b'{"stamp": "'
+LEAD = len('{"sum": "0123456789abcdef", ')
+
+# Libraries whose version may change a result's last digits.
+COMPUTING = ("numpy", "scipy", "scikit-fem")
 
 
 def source_stamp(*folders: Path) -> str:
-    """A digest of what computes: drumlin's own source, that of `folders` (Python and TOML files), and libraries."""
+    """A digest of what computes: the source of drumlin and of `folders`, and versions of libraries.
+
+    Of a folder it is the content of all Python and TOML files.
+    """
     digest = hashlib.sha256()
     for name in COMPUTING:
         digest.update(f"{name} {importlib.metadata.version(name)}\n".encode())
@@ -43,38 +57,43 @@ def source_stamp(*folders: Path) -> str:
 
 
 def key_of(case: Mapping[str, Any]) -> str:
-    """What tells cases apart: their data as JSON, keys in order; values that JSON lacks by their text."""
+    """What tells cases apart: their data as JSON, keys in order.
+
+    A value that JSON lacks stands there by its text.
+    """
     return json.dumps(case, sort_keys=True, default=str)
 
 
-class Journal:
+class Journal(AbstractContextManager["Journal"]):
     """Finished cases by their data, in a file; without a path in memory only.
 
-    `notes`: what there is to say of the file that was found, a line each. Raises BadInput where another run holds the
-    file, it cannot be written, or it is no journal.
+    `notes` are lines about the file that was found. Raises BadInput where another run holds the file,
+    where it cannot be written, or where it is no journal.
     """
 
     def __init__(self, path: Path | None = None, stamp: str = "") -> None:
         self.path, self.notes = path, list[str]()
-        self._stamp, self._rows, self._file = stamp, dict[str, dict[str, Any]](), None
+        self._stamp, self._head = stamp, HEAD + f'{stamp}"}}\n'.encode()
+        self._rows: dict[str, dict[str, Any]] = {}
+        self._file: FileIO | None = None
         if path is None:
             return
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = _locked(path)
-            try:
-                self._read(path)
-            except BaseException:
-                self.close()
-                raise
-        except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-            raise BadInput(f"{path}: cannot be written ({getattr(error, 'strerror', None) or error})") from error
+            self._open(path)
+        except BlockingIOError as error:
+            raise BadInput(f"{path}: another run is writing it") from error
+        # A ValueError comes of a NUL in the path.
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise BadInput(f"{path}: cannot be written ({reason})") from error
 
     def __len__(self) -> int:
         return len(self._rows)
 
     def __bool__(self) -> bool:
-        return True  # an empty journal is a journal
+        """An empty journal is a journal."""
+        return True
 
     def __contains__(self, case: Mapping[str, Any]) -> bool:
         return key_of(case) in self._rows
@@ -86,7 +105,8 @@ class Journal:
         """Keep the result of a case; it is in the file when this returns."""
         self._rows[key_of(case)] = row
         if self._file is not None:
-            self._write(_line({"key": key_of(case), "row": row}, self._stamp))
+            record = json.dumps({"key": key_of(case), "row": row}).encode()
+            self._write(_sealed(record[1:], self._stamp))
 
     def once(self, case: Mapping[str, Any], compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
         """The kept result of a case, or else that of `compute`, which is kept."""
@@ -95,7 +115,7 @@ class Journal:
         return self[case]
 
     def finish(self) -> None:
-        """Close the file; the next run begins anew, and this one's cases stay beside it in `cases.jsonl`."""
+        """Close the file for good: the next run begins anew, and the cases stay in `cases.jsonl`."""
         if self._file is not None and self.path is not None:
             self.path.replace(self.path.with_name(f"cases{self.path.suffix}"))
         self.close()
@@ -106,55 +126,61 @@ class Journal:
             self._file.close()
             self._file = None
 
-    def __enter__(self) -> Self:
-        return self
-
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _read(self, path: Path) -> None:
-        """Take over the rows that the file has; leave it so that the next line can be written at its end."""
-        assert self._file is not None
-        head = self._file.readline(LARGEST_HEAD)
-        torn = head.startswith(b'{"stamp": "') and not head.endswith(b"\n") and _head(self._stamp).startswith(head)
-        if torn or not head:
-            self._file.truncate(0)
-            self._write(_head(self._stamp))
-            return
-        stamp, end = _stamp_in(head), len(head)
-        damaged = int(stamp != self._stamp)
-        for number, line in enumerate(_lines(self._file)):
-            if not line.endswith(b"\n") and len(line) <= LARGEST_LINE:  # torn by a kill, or cut
-                break
-            end += len(line)
-            record = _record(line, self._stamp)
-            if record is not None:
-                self._rows[record["key"]] = record["row"]
-                continue
-            damaged += 1
-            if stamp != self._stamp and not self._rows and (number >= FIRST_LINES or end > LARGEST_LINE):
-                break
-        if stamp == self._stamp or self._rows:
-            self._file.truncate(end)
+    def _open(self, path: Path) -> None:
+        """Take the file for this run alone, and read it."""
+        self._file = _locked(path)
+        try:
+            self._read(path, self._file)
+        except BaseException:
+            self.close()
+            raise
+
+    def _read(self, path: Path, file: FileIO) -> None:
+        """Take over the rows of the file, and cut off what follows its last whole line."""
+        with path.open("rb") as reader:
+            head = reader.readline(LARGEST_LINE)
+            torn = head.startswith(HEAD) and self._head[:-1].startswith(head)
+            if torn or not head:
+                file.truncate(0)
+                self._write(self._head)
+                return
+            damaged, end = int(head != self._head), len(head)
+            # A line without its end was torn by a kill, or is longer than any that a journal has.
+            while (line := reader.readline(LARGEST_LINE)).endswith(b"\n") or len(line) == LARGEST_LINE:
+                end += len(line)
+                data = line[LEAD:-1]
+                if line == _sealed(data, self._stamp):
+                    record = json.loads(b"{" + data)
+                    self._rows[record["key"]] = record["row"]
+                    continue
+                damaged += 1
+                if head != self._head and not self._rows and end > LARGEST_LINE:
+                    break
+        if head == self._head or self._rows:
+            file.truncate(end)
             if damaged:
                 self.notes.append(f"{path}: {damaged} damaged lines are skipped; their cases are solved anew")
-        elif stamp is None:
-            raise BadInput(f"{path}: is no journal; move it away, or write elsewhere")
-        else:
+        elif re.fullmatch(re.escape(HEAD) + rb'[^"]*"\}\n', head):
             self._keep_aside(path)
+        else:
+            raise BadInput(f"{path}: is no journal; move it away, or write elsewhere")
 
     def _keep_aside(self, path: Path) -> None:
         """Rename the file, which is another drumlin's journal, and begin a new one."""
         aside = next(p for p in (path.with_name(f"{path.name}.{n}") for n in count(1)) if not os.path.lexists(p))
         path.rename(aside)
-        self.close()  # only now: until here no other run could take it for its own
+        # Only now: until it is renamed no other run may take the file for its own.
+        self.close()
         self.notes.append(f"{path}: was of another drumlin and is kept as {aside.name}; every case is solved anew")
-        self._file = _locked(path)
-        self._read(path)
+        self._open(path)
 
     def _write(self, data: bytes) -> None:
         assert self._file is not None
-        while data:  # an unbuffered write may be short
+        # A write that is not buffered may be short.
+        while data:
             try:
                 data = data[os.write(self._file.fileno(), data) :]
             except OSError as error:
@@ -162,67 +188,27 @@ class Journal:
 
 
 def _locked(path: Path) -> FileIO:
-    """The file, made if there is none, at its beginning and this run's alone. Raises BadInput, OSError."""
-    while True:
-        if path.exists() and not stat.S_ISREG(path.stat().st_mode):
-            raise BadInput(f"{path}: cannot be written (is no file)")
-        file = path.open("a+b", buffering=0)
-        try:
-            if fcntl is not None:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            if path.exists() and os.path.samestat(path.stat(), os.fstat(file.fileno())):
-                file.seek(0)
-                return file
-        except BlockingIOError as error:
-            file.close()
-            raise BadInput(f"{path}: another run is writing it") from error
-        except BaseException:
-            file.close()
-            raise
-        file.close()  # another run moved it away meanwhile
+    """The file, made if there is none, for this run alone.
 
-
-def _lines(file: FileIO) -> Iterator[bytes]:
-    """The lines that follow, each up to LARGEST_LINE, the last one perhaps without its end."""
-    rest = b""
-    while piece := file.read(2**20):
-        *whole, rest = (rest + piece).split(b"\n")
-        yield from (line + b"\n" for line in whole)
-        if len(rest) > LARGEST_LINE:
-            yield rest
-            rest = b""
-    if rest:
-        yield rest
-
-
-def _head(stamp: str) -> bytes:
-    return (json.dumps({"stamp": stamp}) + "\n").encode()
-
-
-def _stamp_in(head: bytes) -> str | None:
-    """The stamp that a journal begins with; None of other files."""
+    Raises BadInput, OSError, and BlockingIOError where another run has it.
+    """
+    if path.exists() and not path.is_file():
+        raise BadInput(f"{path}: cannot be written (is no file)")
+    file = path.open("a+b", buffering=0)
     try:
-        data = json.loads(head)
-    except (ValueError, RecursionError):
-        return None
-    stamp = data.get("stamp") if isinstance(data, dict) and len(data) == 1 else None
-    return stamp if isinstance(stamp, str) else None
+        if fcntl is not None:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if path.exists() and os.path.samestat(path.stat(), os.fstat(file.fileno())):
+            return file
+    except BaseException:
+        file.close()
+        raise
+    # Another run has moved the file away meanwhile.
+    file.close()
+    return _locked(path)
 
 
-def _sum(data: bytes, stamp: str) -> bytes:
-    return hashlib.sha256(stamp.encode() + data).hexdigest()[:16].encode()
-
-
-def _line(record: dict[str, Any], stamp: str) -> bytes:
-    """A record as a line of JSON that begins with the checksum of what follows it and of the stamp."""
-    data = json.dumps(record).encode()[1:]
-    return b'{"sum": "' + _sum(data, stamp) + b'", ' + data + b"\n"
-
-
-def _record(line: bytes, stamp: str) -> dict[str, Any] | None:
-    """The record of a line; None of a damaged one."""
-    begin, middle, data = line[:9], line[9:28], line[28:-1]
-    if begin + middle != b'{"sum": "' + _sum(data, stamp) + b'", ':
-        return None
-    record = json.loads(b"{" + data)
-    return record if isinstance(record.get("key"), str) and isinstance(record.get("row"), dict) else None
+def _sealed(data: bytes, stamp: str) -> bytes:
+    """A line: a record without its opening brace, after a checksum of the record and of the stamp."""
+    checksum = hashlib.sha256(stamp.encode() + data).hexdigest()[:16]
+    return b'{"sum": "%s", %s\n' % (checksum.encode(), data)

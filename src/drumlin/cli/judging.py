@@ -57,7 +57,7 @@ def reference(
     """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two codes."""
     from drumlin.brake.file import toml_text
     from drumlin.brake.plane_brake import read_any
-    from drumlin.files import check_output
+    from drumlin.files import check_outputs
     from drumlin.response.show import effect_words
     from drumlin.verification.reference import reference as make
     from drumlin.verification.reference_file import as_dict, write_values
@@ -65,7 +65,7 @@ def reference(
     text = toml_text(brake_file)
     brake = read_any(brake_file, text)
     path = output or Path(f"{brake_file.stem}.reference.json")
-    check_output(path)
+    check_outputs(path)
     with busy("columns of high degree, then triangles"):
         found = make(brake, text, typed(["drumlin", "reference", str(brake_file)]))
     write_values(as_dict(found), path)

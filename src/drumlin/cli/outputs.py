@@ -18,7 +18,7 @@ def view(
 ) -> None:
     """Draw a brake and its mesh."""
     from drumlin.brake.plane_brake import read_any
-    from drumlin.files import check_output
+    from drumlin.files import check_outputs
     from drumlin.report.figures import save
     from drumlin.report.view import draw
 
@@ -26,7 +26,7 @@ def view(
     picture = output or Path(f"{brake_file.stem}.png")
     if picture.suffix not in {".png", ".svg"}:
         raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
-    check_output(picture)
+    check_outputs(picture)
     with busy("drawing"):
         save(draw(brake, **fem_options(elements, kind=kind)), picture)
     tell(f"picture: {picture}")

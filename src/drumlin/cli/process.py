@@ -12,7 +12,6 @@ import warnings
 from collections.abc import Sequence
 from io import TextIOWrapper
 from pathlib import Path
-from types import ModuleType
 from typing import Any, NoReturn
 
 from drumlin.errors import BadInput, NoAnswer, Stopped, ended, file_fault
@@ -58,7 +57,6 @@ def run(words: Sequence[str]) -> int:
     command = typer.main.get_command(app)
     if COMPLETING in os.environ:  # a shell asks what may come next
         command(list(words), prog_name="drumlin")
-    _settle_pydantic()
     with inputs_kept():
         try:
             with command.make_context("drumlin", list(words) or ["--help"]) as context:
@@ -108,22 +106,6 @@ def _settle_imports() -> None:
         root = str(Path(__file__).parents[2])
         if root not in sys.path:
             sys.path.append(root)  # drumlin itself, run in the folder of its source
-
-
-def _settle_pydantic() -> None:
-    """Load pydantic without importlib.metadata, and all of email, which it would look for plugins with: these are off,
-    and its import alone is some 7 % of a solve."""
-    name = "importlib.metadata"
-    if name in sys.modules:
-        return
-    stand_in = sys.modules[name] = ModuleType(name)
-    vars(stand_in)["entry_points"] = tuple
-    try:
-        import pydantic.plugin._loader  # noqa: F401
-    except ImportError:
-        pass  # another pydantic, which needs more of it: it is loaded as always
-    finally:
-        del sys.modules[name]
 
 
 def _from_here(first: Sequence[str]) -> bool:

@@ -7,7 +7,7 @@ import typer
 
 from drumlin.cli.answer import print_response
 from drumlin.cli.options import BrakeFile, BrakeFiles, Elements, FiniteWidth, Kind, Penalty, fem_options, for_width
-from drumlin.cli.terminal import busy, note, print_table, tell
+from drumlin.cli.terminal import Column, busy, note, print_columns, print_table, tell
 from drumlin.errors import BadInput, NoAnswer
 
 OPTIONS = {  # model -> its own options
@@ -168,10 +168,14 @@ def hold(
     for line in wide:
         tell(line)
     way, moment = ("slide [mm]", "force [N]") if flat else ("rotation [deg]", "moment [N m]")
-    tell(f"{way:>15}{moment:>15}{'sticking [%]':>14}{'dissipated [J]':>16}")
-    for at in states:
-        turned = at.rotation * 1e3 if flat else np.degrees(at.rotation)
-        tell(f"{turned:15.6f}{formatted(at.torque, '.4f'):>15}{100 * at.sticking:14.1f}{at.dissipated:16.5g}")
+    turned = [at.rotation * 1e3 if flat else np.degrees(at.rotation) for at in states]
+    columns = {
+        "way": Column("way", way, [f"{each:.6f}" for each in turned]),
+        "moment": Column("moment", moment, [formatted(at.torque, ".4f") for at in states]),
+        "sticking": Column("sticking", "sticking [%]", [f"{100 * at.sticking:.1f}" for at in states]),
+        "dissipated": Column("dissipated", "dissipated [J]", [f"{at.dissipated:.5g}" for at in states]),
+    }
+    print_columns(columns, [])
     for line in states[-1].notes:
         tell(line)
 

@@ -3,7 +3,7 @@
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -129,17 +129,27 @@ def print_columns(columns: Mapping[str, Column], least: Sequence[str], width: in
     for key in filter(columns.__contains__, least):
         if sum(column.width + 2 for column in shown.values()) - 2 > width:
             cut.append(shown.pop(key).title)
-    for row in zip(*((column.head, *column.cells) for column in shown.values()), strict=True):
-        lines = [cell.split("\n") for cell in row]
-        for k in range(max(map(len, lines))):
-            cells = [
-                (part[k] if k < len(part) else "").rjust(0 if column.left else column.width).ljust(column.width)
-                for part, column in zip(lines, shown.values(), strict=True)
-            ]
-            with _printing():
-                print("  ".join(cells).rstrip())
+    with _printing():
+        print("\n".join(_lines(shown.values())))
     if cut:
         tell(f"not shown here, the terminal is too narrow: {', '.join(cut)}")
+
+
+def _lines(columns: Collection[Column]) -> list[str]:
+    """The lines of a table without rules, its columns two characters apart."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for column in columns:
+        table.add_column(Text(column.head), justify="left" if column.left else "right", no_wrap=True)
+    for row in zip(*(column.cells for column in columns), strict=True):
+        table.add_row(*map(Text, row))
+    console = Console(width=sum(column.width + 2 for column in columns), color_system=None)
+    with console.capture() as text:
+        console.print(table)
+    return [line.rstrip() for line in text.get().splitlines()]
 
 
 def print_table(table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]") -> None:

@@ -32,9 +32,6 @@ twice as many 0.7 and 0.5 times, at four times the work."""
 MOST_ELEMENTS = 4000  # along a lining: the dense contact matrices fill 2 GB
 ROOM = 200_000_000  # bytes of bodies that are kept for the next scenes
 
-KEPT = 2**21  # numbers
-np.empty(KEPT)  # glibc keeps freed memory up to twice the largest piece freed so far: a solve need not fetch it anew
-
 Seconds = dict[str, float]
 Mesher = Callable[[Shoe, float], Any]  # shoe, drum radius [m] -> mesh in the shoe's frame
 

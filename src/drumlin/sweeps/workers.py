@@ -14,7 +14,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple
 
@@ -83,61 +83,119 @@ def _cores() -> int:
 
 
 class _Processes(Executor):
-    """Processes, each in a pool of its own: one that dies takes its own work with it alone, and is replaced."""
+    """Processes, each asked by a thread of its own.
+
+    A process that dies takes its own work with it alone, also where it dies while it sends its
+    answer, and is replaced.
+    """
 
     def __init__(self, number: int) -> None:
-        self._pools: list[ProcessPoolExecutor | None] = [None] * number
-        self._sent: list[set[Future[Any]]] = [set() for _ in range(number)]
+        self._threads = ThreadPoolExecutor(number)
+        self._of_thread = threading.local()
+        self._all: list[_Process] = []
+        self._ended = False
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Give work to the process that has least. Raises NoAnswer where processes die as they start."""
-        for sent in self._sent:
-            sent.difference_update([future for future in sent if future.done()])
-        place = min(range(len(self._sent)), key=lambda i: len(self._sent[i]))
-        try:
-            pool = self._pools[place] or _started()
-            future = pool.submit(fn, *args, **kwargs)
-        except BrokenExecutor:
-            pool = _started(sure=True)
-            future = pool.submit(fn, *args, **kwargs)
-        self._pools[place] = pool
-        self._sent[place].add(future)
-        return future
+        """Give work to the process that is free next.
+
+        The future raises NoAnswer where processes die as they start, BrokenExecutor where one dies
+        at its work.
+        """
+        return self._threads.submit(self._ask, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the processes."""
-        for pool in self._pools:
-            if pool is not None:
-                pool.shutdown(wait, cancel_futures=cancel_futures)
+        """End the processes: once they are done, or at once."""
+        self._ended = not wait
+        self._threads.shutdown(wait, cancel_futures=cancel_futures)
+        for process in self._all:
+            process.kill()
 
-
-def _started(sure: bool = False) -> ProcessPoolExecutor:
-    """A pool of one process; `sure`: that has answered. Raises NoAnswer."""
-    reason = ""
-    for _ in range(STARTS):
-        pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), initializer=_attach)
+    def _ask(self, *work: Any) -> Any:
+        """What a function returns in the process of this thread."""
+        process = getattr(self._of_thread, "process", None) or self._started()
         try:
-            with _environment():
-                alive = pool.submit(os.getpid)
-            if sure:
-                alive.result(ANSWER)
-            return pool
-        except (BrokenExecutor, OSError, MemoryError, RuntimeError) as error:  # a TimeoutError is an OSError
-            reason = " ".join(f"{type(error).__name__}: {error}".split())
-            pool.shutdown(wait=False, cancel_futures=True)
-    raise NoAnswer(f"sweep: worker processes cannot be started ({reason})")
+            good, answer = process.ask(work)
+        except Exception as error:
+            process.kill()
+            process = None
+            raise BrokenExecutor(f"its process died ({type(error).__name__})") from error
+        finally:
+            self._of_thread.process = process
+        if not good:
+            raise answer
+        return answer
+
+    def _started(self) -> "_Process":
+        """A process that has answered. Raises NoAnswer."""
+        reason = "stopped"
+        for _ in range(0 if self._ended else STARTS):
+            try:
+                process = _Process()
+                self._all.append(process)
+                process.ask((os.getpid, (), {}), ANSWER)
+                return process
+            # A TimeoutError is an OSError.
+            except (EOFError, OSError, MemoryError, RuntimeError) as error:
+                reason = " ".join(f"{type(error).__name__}: {error}".split())
+        raise NoAnswer(f"sweep: worker processes cannot be started ({reason})")
+
+
+class _Process:
+    """A process that does one piece of work after the other, through a pipe of its own."""
+
+    def __init__(self) -> None:
+        spawn = multiprocessing.get_context("spawn")
+        self._pipe, far_end = spawn.Pipe()
+        self._process = spawn.Process(target=_serve, args=(far_end,), daemon=True)
+        with _environment():
+            self._process.start()
+        # The process has a copy of its own. With this one closed the pipe ends when the process dies.
+        far_end.close()
+
+    def ask(self, work: Any, limit: float | None = None) -> tuple[bool, Any]:
+        """Whether a function has returned, and what it has returned or raised.
+
+        Any exception here says that the process died. `limit` is how long the function may take [s].
+        """
+        self._pipe.send(work)
+        if not self._pipe.poll(limit):
+            raise TimeoutError(f"no answer within {limit:g} s")
+        answer: tuple[bool, Any] = self._pipe.recv()
+        return answer
+
+    def kill(self) -> None:
+        """End the process whatever it does."""
+        self._process.kill()
+        self._process.join()
+
+
+def _serve(pipe: Any) -> None:
+    """In a process: answer until the pipe ends."""
+    _attach()
+    with suppress(EOFError):
+        while True:
+            fn, args, kwargs = pipe.recv()
+            try:
+                answer = True, fn(*args, **kwargs)
+            except Exception as error:
+                answer = False, error
+            pipe.send(answer)
+
+
+_environment_lock = threading.Lock()
 
 
 @contextmanager
 def _environment() -> Iterator[None]:
-    """The environment that processes are started in."""
-    added = {name: value for name, value in THREADS.items() if name not in os.environ}
-    os.environ.update(added)
-    try:
-        yield
-    finally:
-        for name in added:
-            os.environ.pop(name, None)
+    """The environment that processes are started in, for one thread at a time."""
+    with _environment_lock:
+        added = {name: value for name, value in THREADS.items() if name not in os.environ}
+        os.environ.update(added)
+        try:
+            yield
+        finally:
+            for name in added:
+                os.environ.pop(name, None)
 
 
 def _attach() -> None:

@@ -10,7 +10,6 @@ from scipy.sparse.linalg import splu
 
 from drumlin.arrays import Floats
 from drumlin.brake.fields import Material
-from drumlin.comparison import extrapolate
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
 from drumlin.fem.body import scalar_basis, stiffness
@@ -19,14 +18,16 @@ from drumlin.foundation.ring import two_forces
 from drumlin.verification import closed_forms
 from drumlin.verification.ladder_case import DISCRETE, EXACT, PRINTED, Case
 from drumlin.verification.two_bodies import STEEL, closed
+from drumlin.verification.uncertainty import Index, grid_convergence
 
+# Values on three meshes, each twice as fine as the one before.
 ROACHE = (0.96178, 0.96854, 0.97050)
 
 
-def _gci(fine: bool) -> float:
-    """Grid convergence index [%] of the finer or the coarser pair of meshes, factor of safety 1.25."""
-    order, _, uncertainty = extrapolate(*ROACHE)
-    return 125 * (uncertainty / ROACHE[2] if fine else uncertainty * 2**order / ROACHE[1])
+def _roache() -> Index:
+    """The grid convergence index of these values."""
+    coarse, medium, fine = ROACHE
+    return grid_convergence(fine, medium, coarse)
 
 
 def _rectangle(length: float, height: float, along: int, through: int) -> tuple[Any, Any]:
@@ -192,13 +193,13 @@ ROACHE_SAYS = "Roache, Verification and Validation (1998): f = .97050, .96854, .
 TIMOSHENKO = "Timoshenko & Goodier, Theory of Elasticity"
 CASES = (
     Case("grid convergence index", "Richardson extrapolation", ROACHE_SAYS, "order", 1.78618479, 1e-5, PRINTED,
-         lambda: extrapolate(*ROACHE).order),
+         lambda: _roache().order),
     Case("grid convergence index", "Richardson extrapolation", ROACHE_SAYS, "extrapolated", 0.971300304, 1e-7, PRINTED,
-         lambda: extrapolate(*ROACHE).value),
+         lambda: _roache().extrapolated),
     Case("grid convergence index", "uncertainty of an extrapolation", ROACHE_SAYS, "GCI, fine [%]", 0.103080, 5e-5,
-         PRINTED, partial(_gci, True)),
+         PRINTED, lambda: 100 * _roache().fine),
     Case("grid convergence index", "uncertainty of an extrapolation", ROACHE_SAYS, "GCI, coarse [%]", 0.356244, 5e-5,
-         PRINTED, partial(_gci, False)),
+         PRINTED, lambda: 100 * _roache().coarse),
     Case("uniaxial stress", "plane-stress stiffness", "s = E e", "end force [N]", E0 * 1e-3, 1e-11, EXACT, _stretched),
     Case("pure bending", "quadratic elements", f"{TIMOSHENKO}: M = E I k", "end moment [N m]", E0 * 1e-3 / 12, 1e-11,
          EXACT, _bent),

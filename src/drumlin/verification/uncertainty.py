@@ -3,6 +3,8 @@
 import math
 from typing import NamedTuple
 
+from drumlin.comparison import extrapolate
+
 SAFETY = 1.25
 """Factor of safety of the index where three meshes show the order (Roache 1994; 3 where only two are there)."""
 
@@ -32,10 +34,11 @@ def grid_convergence(fine: float, medium: float, coarse: float, ratio: float = 2
     near, far = fine - medium, medium - coarse
     if near * far <= 0 or abs(far) <= abs(near):
         raise ValueError(f"no order: the differences {far:g} and {near:g} do not shrink with one sign")
-    order = math.log(far / near) / math.log(ratio)
-    gain = ratio**order - 1
-    first, second = (safety * abs(step / value) / gain for step, value in ((near, fine), (far, medium)))
-    return Index(order, fine + near / gain, first, second, second / (ratio**order * first))
+    found = extrapolate(coarse, medium, fine, ratio)
+    growth = ratio**found.order
+    first = safety * found.uncertainty / abs(fine)
+    second = safety * found.uncertainty * growth / abs(medium)
+    return Index(found.order, found.value, first, second, second / (growth * first))
 
 
 class Validation(NamedTuple):

@@ -13,7 +13,6 @@ from numpy.polynomial.legendre import leggauss
 
 from drumlin.arrays import Floats, Ints
 from drumlin.errors import NoAnswer
-from drumlin.fem.shapes import elements
 from drumlin.lapack import dgemm, dpotrf, dtrsm
 from drumlin.response.resultants import lobatto
 
@@ -47,7 +46,9 @@ def element(p: int, *, precise: bool = False) -> Element:
 
 def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
     """Values (a, q) and slopes (a, 2, q) of the nodal functions, nodes by rows, at points x (2, q) of [0, 1]^2."""
-    hierarchical = elements().ElementQuadP(p) if p > 2 else elements().ElementQuad2()
+    import skfem  # noqa: PLC0415  (laws need none of it)
+
+    hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
     count = (p + 1) ** 2
 
     def of(points: Floats) -> tuple[Floats, Floats]:

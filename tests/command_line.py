@@ -1,0 +1,30 @@
+"""The command line as tests call it: in this process, or in one of its own."""
+
+import io
+import subprocess
+import sys
+from contextlib import redirect_stderr, redirect_stdout
+
+import pytest
+
+from drumlin.cli import main
+
+DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
+
+
+def process(*words, code=None, **options):
+    """The command in an interpreter of its own, which runs `code`."""
+    command = DRUMLIN if code is None else [sys.executable, "-c", code]
+    return subprocess.run([*command, *map(str, words)], capture_output=True, text=True, check=False, **options)
+
+
+def drumlin(*words):
+    """The command in this process: what a shell sees of it, without the second that an interpreter takes to start."""
+    out, err = io.StringIO(), io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
+        patch.setattr("sys.argv", ["drumlin", *map(str, words)])
+        with pytest.raises(SystemExit) as end:
+            main()
+    status = end.value.code or 0
+    assert isinstance(status, int)  # a text would be printed and be status 1
+    return subprocess.CompletedProcess(words, status, out.getvalue(), err.getvalue())

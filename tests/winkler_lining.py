@@ -1,0 +1,35 @@
+"""A rigid shoe whose lining is a layer of springs: its wear has closed forms."""
+
+import numpy as np
+
+from drumlin.contact.equations import Problem
+from drumlin.fem.interface import ContactLine, couple, radial
+from drumlin.wear.archard import (
+    WearInterface,
+    WearLaw,
+)
+
+K, RADIUS, WIDTH, PIN, FORCE, MU = 4e10, 0.15, 0.04, 0.125, 250.0, 0.25
+LAW = WearLaw(1e-13)
+UNIT = 1 / (LAW.coefficient * K)
+
+
+def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
+    """A rigid shoe on a hinge at (PIN, 0) with a lining of springs K per area, actuation moment FORCE; and its phi."""
+    phi = np.linspace(*arc, 2 * elements + 1)
+    xy = RADIUS * np.array([np.cos(phi), np.sin(phi)])
+    pieces = np.arange(0, 2 * elements, 2) + np.arange(3)[:, None]
+    coupling = couple(ContactLine(np.arange(len(phi)), xy, phi, pieces), WIDTH, radial(1))
+    turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
+    approach = coupling.N @ turned
+    problem = Problem(
+        A=coupling.M / K,
+        q=coupling.M @ gap(phi),
+        B=-approach[:, None],
+        C=(mu * (coupling.T @ turned) - approach)[None],
+        h=np.array([FORCE]),  # the shoe presses as it turns clockwise
+    )
+    interface = WearInterface(
+        problem, np.zeros(len(phi)), coupling.M, np.ones(len(phi)), coupling.area, mu * coupling.lever
+    )
+    return interface, phi
