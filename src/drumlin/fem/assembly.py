@@ -17,6 +17,7 @@ from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import Material, Point
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
+from drumlin.fem.elasticity import layers_of
 from drumlin.fem.interface import ContactLine, Coupling, contact_line, end_loads, radial, straight
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
@@ -347,7 +348,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
             mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):
-        K = stiffness(basis, materials_of(shoe))
+        K = stiffness(basis, layers_of(shoe))
     with clock(seconds, "ties"):
         pin = shoe.own_pin
         line = line_of(basis, mesh.boundaries["contact"], shoe, brake.drum.radius)

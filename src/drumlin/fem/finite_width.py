@@ -10,11 +10,11 @@ import numpy as np
 
 from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.elasticity import elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
-from drumlin.fem.shapes import plane_stress
 from drumlin.texts import formatted
 
 HELD = 0.5
@@ -29,7 +29,8 @@ def between(material: Material, share: float) -> Material:
     E' = (lambda + 2 mu) (1 - nu^2), lambda that share of the way from plane stress to plane strain.
     """
     E, nu = material.E, material.nu
-    stress, mu = plane_stress(E, nu)
+    matrix = elasticity_matrix(material)
+    stress, mu = matrix[0, 1], matrix[2, 2]
     strain = E * nu / ((1 + nu) * (1 - 2 * nu))
     stiff = stress + share * (strain - stress) + 2 * mu
     return material.model_copy(update={"E": float(stiff * (1 - nu**2))})

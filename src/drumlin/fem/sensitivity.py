@@ -28,8 +28,9 @@ from drumlin.brake.support import wrench
 from drumlin.brake.unrolled import unrolled
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adjoint import Adjoints, adjoints
-from drumlin.fem.assembly import Body, Scene, coupling_of, materials_of, prepare
+from drumlin.fem.assembly import Body, Scene, coupling_of, prepare
 from drumlin.fem.body import FRAME
+from drumlin.fem.elasticity import layers_of
 from drumlin.fem.group import gap_at, groups_of
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.model import PENALTY, check_penalty
@@ -287,7 +288,8 @@ def _by_nodes(every: Adjoints, k: int, u: Floats, v: Floats, moves: list[Moves])
     """
     group, at = every.group, every.of[k]
     body, shoe = group.bodies[k], group.shoes[k]
-    found = -change_by_nodes(body.basis, materials_of(shoe), u, v, np.array([move.nodes for move in moves]))
+    nodes, axes = np.array([move.nodes for move in moves]), [move.axis for move in moves]
+    found = -change_by_nodes(body.basis, layers_of(shoe), u, v, nodes, axes)
     # What a force on each node is worth, in torque per newton.
     worth = at.F * v - (at.c if k in group.cam else 0.0) * u
     for j, move in enumerate(moves):
@@ -399,7 +401,7 @@ def _moduli(body: Body, shoe: Shoe, u: Floats, v: Floats, soft: float) -> tuple[
     `soft`.
     """
     effects: dict[str, float] = {}
-    for name, work in work_by_part(body.basis, materials_of(shoe), u, v).items():
+    for name, work in work_by_part(body.basis, layers_of(shoe), u, v).items():
         own = "shoe" if name == "table" else name  # of one material
         effects[own] = effects.get(own, 0.0) - work + (soft if name == "lining" else 0.0)
     given = None if shoe.body is None else shoe.body.bending_stiffness
@@ -409,7 +411,7 @@ def _moduli(body: Body, shoe: Shoe, u: Floats, v: Floats, soft: float) -> tuple[
 def _untouched(body: Body, shoe: Shoe) -> ShoeSensitivity:
     """Of a shoe that its force does not press: nothing changes its torque of 0."""
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
-    none = dict.fromkeys(("shoe" if name == "table" else name for name in materials_of(shoe)), 0.0)
+    none = dict.fromkeys(("shoe" if name == "table" else name for name in layers_of(shoe)), 0.0)
     bent = None if shoe.body is None or shoe.body.bending_stiffness is None else none.pop("shoe")
     return ShoeSensitivity(shoe.name, 0.0, 0.0, None, 0.0, none, bent, 0.0, {}, 0.0, theta, np.zeros(len(theta)))
 

@@ -28,8 +28,3 @@ def elements() -> Any:
         sys.modules[bare.__name__] = bare
     second, high = (importlib.import_module(f"{PLACE}.{QUADS}.{name}") for name in ("element_quad2", "element_quadp"))
     return SimpleNamespace(ElementQuad2=second.ElementQuad2, ElementQuadP=high.ElementQuadP)
-
-
-def plane_stress(E: float, nu: float) -> tuple[float, float]:
-    """Lamé's constants of plane stress: E nu/(1 - nu^2), E/(2 (1 + nu)) [Pa]."""
-    return E * nu / (1 - nu**2), E / (2 * (1 + nu))
