@@ -15,23 +15,32 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
-from drumlin.brake.fields import Material
+from drumlin.brake.fields import AnyMaterial, Material
 
 ISOTROPIC_WITHIN = 1e-14
 """Part of D_12 + 2 D_33 below which the difference of D_11 or D_22 to it is round-off. The
 differences of isotropic materials are some 1e-16 of it."""
 
 
-def elasticity_matrix(material: Material) -> Floats:
+def elasticity_matrix(material: AnyMaterial) -> Floats:
     """Elasticity matrix (3, 3) [Pa] of a material in plane stress, in the layer's own directions.
 
     It takes strains along the layer and through its thickness and the shear between both to
-    stresses.
+    stresses. It is the inverse of the compliances
+
+        1/E_along, 1/E_through, -nu_along_through/E_along and 1/G_along_through.
     """
-    E, nu = material.E, material.nu
-    lam, mu = E * nu / (1 - nu**2), E / (2 * (1 + nu))
-    stiff = lam + 2 * mu
-    return np.array([[stiff, lam, 0.0], [lam, stiff, 0.0], [0.0, 0.0, mu]])
+    if isinstance(material, Material):
+        E, nu = material.E, material.nu
+        lam, mu = E * nu / (1 - nu**2), E / (2 * (1 + nu))
+        stiff = lam + 2 * mu
+        return np.array([[stiff, lam, 0.0], [lam, stiff, 0.0], [0.0, 0.0, mu]])
+    along, through, nu = material.E_along, material.E_through, material.nu_along_through
+    share = 1 - nu**2 * through / along
+    coupled = nu * through / share
+    return np.array(
+        [[along / share, coupled, 0.0], [coupled, through / share, 0.0], [0.0, 0.0, material.G_along_through]]
+    )
 
 
 def solid_elasticity_matrix(material: Material) -> Floats:
@@ -57,7 +66,7 @@ class ElasticLayer(NamedTuple):
     along: Floats | None = None
 
     @classmethod
-    def of(cls, material: Material, width: float, along: Floats | None = None) -> "ElasticLayer":
+    def of(cls, material: AnyMaterial, width: float, along: Floats | None = None) -> "ElasticLayer":
         """The layer of a material in plane stress."""
         return cls(elasticity_matrix(material), width, along)
 

@@ -34,6 +34,10 @@ STILL = 1e-6
 """Part of a step below which a node of the contact stays: round-off."""
 
 
+BEAM_POINTS = ("hinge", "actuation.point")
+"""The two points between which the axis of a straight beam runs."""
+
+
 class Moves(NamedTuple):
     """How the nodes of a body go as a point goes by a unit: `nodes` (2 nodes,), x and y of a node
     together, and those of the contact line, `line` (2, n); and how the force per newton of the
@@ -63,8 +67,10 @@ def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
             "actuation.point" if shoe.guide is not None else "hinge" if shoe.hinge is not None else "abutment.point"
         )
     else:
-        beam = isinstance(shoe.body, Beam) and key in {"hinge", "actuation.point"}
+        beam = isinstance(shoe.body, Beam) and key in BEAM_POINTS
         moving = beam or (key == "pivot" and shoe.grip(radius) is not None)
+    if shoe.mesh is not None and not moving and isinstance(shoe.body, Beam) and key in BEAM_POINTS:
+        return [_only_turned(scene.bodies[i], _axis_turn(shoe, key, way)) for way in np.eye(2)]
     if scene.nodes_of is None or not moving:
         return []
     h, found = STEP * radius, []
@@ -81,6 +87,12 @@ def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
         line = nodes[scene.bodies[i].line.nodes].T
         found.append(Moves(nodes.ravel(), line, load.ravel(), _axis_turn(shoe, key, way)))
     return found
+
+
+def _only_turned(body: Body, axis: float) -> Moves:
+    """No node of a mesh in the brake's frame moves, but the directions of a straight beam turn."""
+    still = np.zeros(2 * body.basis.N)
+    return Moves(still, np.zeros(body.line.xy.shape), still, axis)
 
 
 def _axis_turn(shoe: Shoe, key: str, way: Floats) -> float:

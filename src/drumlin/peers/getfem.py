@@ -204,7 +204,7 @@ def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) 
     listed = []
     for loaded in shoes:
         shoe, parts, k = loaded.shoe, loaded.parts, loaded.body
-        lining, E = shoe.lining, shoe.lining.material.E
+        lining, E = shoe.lining, shoe.lining.material.E_through
         basis, mesh = parts.basis, parts.mesh
         nodes = {name: np.unique(edge_nodes(basis, facets)) for name, facets in mesh.boundaries.items()}
         constants, straight = np.zeros((4, mesh.nelements)), np.zeros((2, mesh.nelements))
@@ -261,7 +261,7 @@ def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Stood:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM did not converge in {found['steps']} steps")
     if not abs(found["slipping"] - 1) < 1 - SLIPPING:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM: it sticks, its shear is {found['slipping']:.3g} times mu p")
-    E, b = shoe.lining.material.E, shoe.lining.width
+    E, b = shoe.lining.material.E_through, shoe.lining.width
     xy = np.array(found["xy"])
     phi = xy[0] if shoe.flat else angle_near(sum(shoe.arc) / 2, xy)
     order = np.argsort(phi)

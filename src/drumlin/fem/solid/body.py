@@ -13,6 +13,7 @@ import scipy.sparse as sp
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
+from drumlin.brake.fields import Material
 from drumlin.fem.assembly import Body, Seconds, clock, coupled, line_of, materials_of
 from drumlin.fem.body import FRAME, Ties, condense, stiffness
 from drumlin.fem.elimination import dissection
@@ -34,10 +35,11 @@ class SolidBody(Body):
 
 def solid_layers(shoe: Shoe) -> dict[str, ElasticLayer]:
     """The layers of a half that stands for the whole."""
-    return {
-        name: ElasticLayer(solid_elasticity_matrix(material), HALVES)
-        for name, (material, _) in materials_of(shoe).items()
-    }
+    found = {}
+    for name, (material, _) in materials_of(shoe).items():
+        assert isinstance(material, Material)  # model.why_not
+        found[name] = ElasticLayer(solid_elasticity_matrix(material), HALVES)
+    return found
 
 
 def behind(shoe: Shoe) -> str:
