@@ -17,7 +17,7 @@ WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask
   tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone
 TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
-.PHONY: study manual test types passes test-all oldest newest truths sharpness noticed packages constraints setup clean
+.PHONY: study manual test types passes test-all oldest newest truths calibrate sharpness noticed packages constraints setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
@@ -61,6 +61,11 @@ newest:
 # Far finer solutions of some forty brakes, by which the tests judge stated errors: ten minutes.
 truths: .venv/ready
 	$(BIN)/python -m drumlin.verification.stored_truth tests/truths
+
+# The factors of the error estimate, fitted anew on random brakes: twenty minutes on two cores.
+calibrate: .venv/ready
+	$(BIN)/drumlin study calibration
+	cp reports/calibration/factors.json src/drumlin/fem/hp/factors.json
 
 # By how much stated errors are larger than true ones now; the tests notice where this changes.
 sharpness: .venv/ready

@@ -26,7 +26,8 @@ which makes them five times slower is one that a user would see."""
 
 TUNED = {
     "fem/hp/levels.py": ("LEVELS", "SETTLED", "EVEN"),
-    "fem/hp/adapt.py": ("SLOWEST", "OF_FORCES", "RULES", "CHANCE", "SOFTER", "SHORTEST", "NEAR", "ROUND_OFF"),
+    "fem/hp/adapt.py": ("SHORTEST", "NEAR"),
+    "fem/hp/estimate.py": ("SOFTER", "ROUND_OFF"),
     "fem/hp/division.py": ("FINEST", "FADES", "COARSEST", "BENT", "FACE", "SHORT", "SAME", "STEP_POWER"),
     "fem/hp/places.py": ("UNFELT", "SEEN", "FEW", "SHORTER", "DIGITS"),
     "fem/hp/shoe.py": ("LEFT",),

@@ -27,6 +27,7 @@ from drumlin.fem.assembly import Cache
 from drumlin.fem.body import scalar_basis, stiffness
 from drumlin.fem.fields import fields
 from drumlin.fem.hp import scene as hp
+from drumlin.fem.hp.corner import corner_power, orthotropic_corner_power, powers_of
 from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.model import respond
 from drumlin.fem.sensitivity import as_text, sensitivity
@@ -493,3 +494,32 @@ def test_a_pad_on_a_plane_has_straight_layers():
     for a, b in zip(by_columns.shoes, by_mesh.shoes, strict=True):
         assert b.normal_force == pytest.approx(a.normal_force, rel=1e-4)
         assert b.hinge_reaction == pytest.approx(a.hinge_reaction, abs=1e-3 * a.normal_force)
+
+
+def nearly(material):
+    """An orthotropic material that is all but isotropic: Lekhnitskii's roots must differ."""
+    return Orthotropic(**(alike(material) | {"E_along": material.E * (1 + 1e-4)}))
+
+
+@pytest.mark.parametrize("inward", [-0.3, 0.0, 0.1, 0.4, 0.8])
+@pytest.mark.parametrize("nu", [0.0, 0.45])
+def test_the_power_of_p_at_a_corner_tends_to_that_of_isotropic_materials(inward, nu):
+    lining = nearly(Material(E=1.0, nu=nu))
+    assert orthotropic_corner_power(inward, lining) == pytest.approx(corner_power(inward, nu), abs=1e-4)
+    drum = Material(E=4.0, nu=0.3)
+    found = orthotropic_corner_power(inward, lining, drum, 2.0)
+    assert found == pytest.approx(corner_power(inward, nu, 2.0 / 4.0, 0.3), abs=1e-4)
+    assert orthotropic_corner_power(inward, lining, nearly(drum), 2.0) == pytest.approx(found, abs=1e-4)
+
+
+@pytest.mark.parametrize("stiffer", [1.0, pytest.param(3.0, marks=pytest.mark.slow)])
+def test_a_pressed_corner_has_the_power_of_p_of_its_material(stiffer):
+    """Nodes near the edge of a pad on a guide that friction drags into the pad, on columns that are graded to it."""
+    changes = {"shoe.lining.material.E_along": 3e8 * stiffer, "friction": 0.3}
+    brake = on_drum(vary(pad(0.02, LINING), changes))
+    (found,) = respond(hp.scene(brake, LEVELS[5]), brake).shoes
+    (lower, _) = sorted(powers_of(brake, 0))
+    r = np.geomspace(2e-6, 4e-5, 12)
+    power = np.polyfit(np.log(r), np.log(found.pressure_at(r / 0.12)), 1)[0]
+    assert power == pytest.approx(lower, abs=5e-3)
+    assert abs(lower - corner_power(0.3, 0.35)) > 0.01

@@ -16,7 +16,8 @@ from drumlin.fem.assembly import prepare
 from drumlin.fem.body import stiffness
 from drumlin.fem.elasticity import layers_of
 from drumlin.fem.group import ShoeGroup
-from drumlin.fem.hp.adapt import ROUND_OFF, Tolerance, adapt
+from drumlin.fem.hp.adapt import Tolerance, adapt
+from drumlin.fem.hp.estimate import ROUND_OFF
 from drumlin.fem.hp.levels import steps
 from drumlin.fem.model import LARGEST_LOSS, MOST_LOSS, REFINED, refined_group, respond
 from drumlin.fem.solve import solve

@@ -23,7 +23,6 @@ from drumlin.fem.sharing import PULLED, WOULD_PULL
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import (
-    NEAR_PEAK,
     NEITHER,
     Balance,
     Change,
@@ -330,8 +329,7 @@ def _changed(group: ShoeGroup, k: int, p: Floats, changes: Floats, held_size: fl
         weight = area
     held_by = held(body, changes.T, group.brake.drag_on(shoe), np.zeros((3, 1)))
     top = float(p[weight > 0].max(initial=0.0))
-    near = (weight > 0) & (p >= NEAR_PEAK * top)
-    highest = np.abs(changes[:, near]).max(axis=1, initial=0.0)
+    highest = np.abs(changes[:, (weight > 0) & (p == top)]).max(axis=1, initial=0.0)
     parts = np.array([np.sqrt(changes**2 @ weight), np.abs(changes @ lever), np.hypot(*held_by[:2]), highest]).T
     wholes = [math.sqrt(weight @ p**2), float(lever @ p), held_size, top]
     return [Change(*row) for row in (parts / [whole or 1.0 for whole in wholes]).tolist()]

@@ -5,8 +5,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.figure import Figure
 
+from drumlin.arrays import Floats
 from drumlin.report.figures import STYLE, key
 from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 
@@ -49,6 +51,20 @@ def _point(row: Mapping[str, Any], name: str, known: bool) -> list[tuple[float, 
     if not (stated > 0 and true > 0) or (true > KNOWN * unsure) != known:
         return []
     return [(true, stated / true)]
+
+
+def shares(ratios: Mapping[str, Floats]) -> Figure:
+    """Share of stated errors that are at most so many times the true one, a line for each quantity."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+        axes = figure.subplots()
+        for (name, found), (_, color) in zip(ratios.items(), MARKS, strict=True):
+            axes.semilogx(np.sort(found), np.linspace(0, 100, len(found)), color=color, label=TITLES[name])
+        axes.axvline(1.0, color=INK, lw=1)
+        axes.set_xlabel("stated over true error")
+        axes.set_ylabel("share of the levels [%]")
+        key(figure, axes)
+    return figure
 
 
 def levels(rows: Sequence[Mapping[str, Any]]) -> Figure:

@@ -19,6 +19,9 @@ EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp elastic edge."""
 STEP = math.radians(0.2)
 """Longest step [rad] of a curve that is drawn or written."""
+CURVE_STEP = 1e-9
+"""Distance [rad] of a curve's pieces from the lining's ends: angles that are nearer to each other are
+one in a table. At a pressed corner p has pieces down to 1e-12 rad; 1e-5 of its force is left so."""
 NEITHER = 1e-9  # of the work of the normal forces, up to which friction neither helps nor opposes the actuation
 SAME_PEAK = 1e-3  # between a peak and the largest value of a curve, whose points may miss it
 
@@ -143,6 +146,8 @@ class ShoeResponse:
         if self.order <= 2:
             return self.theta, self.pressure
         ends = self.theta[:: self.order]
+        apart = np.minimum(ends - ends[0], ends[-1] - ends) > CURVE_STEP
+        ends = np.concatenate([ends[:1], ends[apart], ends[-1:]])
         counts = 2 * np.maximum(self.order, np.ceil(np.diff(ends) / (2 * STEP))).astype(int)
         theta = np.concatenate(
             [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)]

@@ -19,7 +19,7 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.hp.adapt import ROUND_OFF
+from drumlin.fem.hp.estimate import ROUND_OFF
 from drumlin.fem.hp.levels import steps
 from drumlin.fem.model import respond
 from drumlin.response.response import EDGE_ZONE, NONE, Change, Response, ShoeResponse, edge_zone, reaction_size

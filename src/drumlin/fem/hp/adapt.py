@@ -1,66 +1,25 @@
-"""A brake to a tolerance: finer levels until the estimated errors are below it.
-
-The estimate. Let e_k be the error of level k and d_k its distance from the level before. If errors fall by the factor r
-from level to level, then d_k >= e_(k-1) - e_k = (r - 1) e_k, so that
-
-    e_k <= d_k / (r - 1),   r = d_(k-1) / d_k as observed, at least SLOWEST, and 1 / (r - 1) at least `later`;
-
-of the first step, which shows no r, e_1 <= `first` d_1. On random brakes of every kind e_k / d_k has the median 0.1 to
-0.25 and is in 95 % below 0.4: errors fall by a factor of 5 to 10. The difference of two numbers may be small by chance.
-So what was estimated before counts too, less the factor `fastest`; the distance of peaks is the geometric mean of how
-far p is apart near the peak and in L2; and a force is a resultant of p whose columns may cancel, so that CHANCE of what
-they would change it by, were their signs chance, is added to its error. The factors come from those brakes, against
-finer levels (`RULES`). To all are added what the elimination has lost and what the contact's penalty changes, by
-`ShoeResponse.lost` and `softness`.
-"""
+"""A brake to a tolerance: finer levels until the estimated errors are below it."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from itertools import chain, pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
 from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Cache
+from drumlin.fem.hp.corner import AT_TIP, left_at_corners, left_under_tips, with_powers
 from drumlin.fem.hp.division import FINEST
+from drumlin.fem.hp.estimate import SOFTER, Errors, estimate
 from drumlin.fem.hp.levels import Respond, Step, steps
 from drumlin.fem.hp.places import pressed_arcs
-from drumlin.response.norms import Difference
-from drumlin.response.response import NEAR_PEAK, Response, ShoeResponse, edge_zone, reaction_size, singular_zone
+from drumlin.response.response import NEAR_PEAK, Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
 
-SLOWEST = 1.3  # factor by which errors fall from level to level at least, where they do not stay
-
-
-class Rule(NamedTuple):
-    """How an error is estimated, see above: least parts of the `first` step and of `later` ones that it may be, and the
-    factor by which estimates fall from level to level at most, as a step may be short by chance: `fastest`."""
-
-    first: float
-    later: float
-    fastest: float
-
-
-OF_FORCES = Rule(first=0.38, later=0.5, fastest=12)
-RULES = {
-    "pressure": Rule(first=0.62, later=0.6, fastest=30),
-    "torque": OF_FORCES,
-    "peak": Rule(first=0.6, later=0.5, fastest=30),
-    "reaction": OF_FORCES,
-}
-"""Of 500 random brakes of all kinds: about 1 in 200 has a larger error than is stated, and the median is two to five
-times the error."""
-CHANCE = 0.008  # of what the last step of p changes of a force, were its columns' signs chance: so much does not cancel
-SOFTER = 2.0  # times the softness: what the penalty changes at most
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
-AT = 1e-9
-"""Distance [rad] up to which a tip of the gap is at an end of columns, as a place is but for
-round-off."""
 UNDER_TIP = math.log(1 / FINEST) / (2 * math.pi)
 """Growth of p over E s under a tip of the gap, from the lining's thickness from it down to FINEST
 of that.
@@ -69,9 +28,6 @@ On a half-plane of modulus E a wedge whose slope changes by s has the pressure E
 (Johnson, Contact Mechanics, ch. 5). It is what the peak may lack where no columns end at the tip.
 """
 NEAR = 0.5  # of the peak: p in a column at an end of the lining, where it grows without end
-ROUND_OFF = 10.0  # times what the elimination has lost by its own account
-"""Of 55 random answers that lost 3e-9 of p and more 52 have lost at most so much, by refined ones. Three, of shoes and
-linings as unlike as can be, have lost 12, 76 and 378 times what they say, at most 1e-4 of p."""
 
 
 class Tolerance(NamedTuple):
@@ -104,10 +60,10 @@ def adapt(
     missed = f"tolerance {tolerance.pressure:g} not reached"
     try:
         for scene, found in along or steps(brake, respond, cache):
-            responses.append(found)
+            responses.append(with_powers(brake, found))
             unknowns = max(body.unknowns for body in scene.bodies)
             if len(responses) > 1:
-                error, unseen = _seen(estimate(brake, responses), brake, found)
+                error, unseen = seen(estimate(brake, responses[-2], responses[-1]), brake, responses[-1])
                 if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
                     return Step(scene, _final(responses, error, unknowns, ""))
                 if unseen:
@@ -127,45 +83,6 @@ def adapt(
             said += f"; the penalty makes {soft:.1e} of it; a larger --penalty makes less"
         raise NoAnswer(f"{missed} on {len(responses)} meshes of up to {unknowns} unknowns a shoe: {said}{why}")
     return Step(scene, _final(responses, error, unknowns, missed + why))
-
-
-class Errors(NamedTuple):
-    """Relative errors of each of the `shoes`, and of the `brake`: of its torque, and the worst shoe's others.
-
-    By QUANTITIES: p in L2 outside the edge zones, torque, peak pressure, hinge reaction.
-    """
-
-    brake: Mapping[str, float]
-    shoes: tuple[Mapping[str, float], ...]
-
-
-def estimate(brake: Brake, responses: Sequence[Response]) -> Errors:
-    """Upper values of the errors of the last of a brake's responses, each on a finer level than the one before."""
-    last = responses[-1]
-    rules = np.array([RULES[name] for name in ("torque", *QUANTITIES * len(last.shoes))])
-    steps = np.array([distances(brake, a, b) for a, b in pairwise(responses)])
-    found = _from_steps(steps[:, 0], rules) + CHANCE * steps[-1, 1]
-    beside = SOFTER * _of_quantities(last.shoes, "softness") + ROUND_OFF * _of_quantities(last.shoes, "lost")
-    found = np.where(found > 0, found + beside, found)
-    shoes = [dict(zip(QUANTITIES, own, strict=True)) for own in np.reshape(found[1:], (-1, len(QUANTITIES))).tolist()]
-    return _errors(float(found[0]), shoes)
-
-
-def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
-    """A Change of each shoe, by its name, in the order of `distances`."""
-    every = [getattr(shoe, name) for shoe in shoes]
-    changes = [(of.pressure, of.torque, max(of.pressure, of.peak), of.reaction) for of in every]
-    return np.array([max(of[1] for of in changes), *chain(*changes)])
-
-
-def _from_steps(series: Floats, rules: Floats) -> Floats:
-    """Errors (q,) that the steps (k, q) of a series tell of, by their rules (q, 3)."""
-    first, later, fastest = rules.T
-    found = first * series[0]
-    for before, last in pairwise(series):
-        falls = np.maximum(before / np.maximum(last, np.finfo(float).tiny), SLOWEST)
-        found = np.maximum(np.maximum(later, 1 / (falls - 1)) * last, found / fastest)
-    return np.asarray(found)
 
 
 def _cornered(shoe: ShoeResponse, zone: float) -> bool:
@@ -200,7 +117,7 @@ def _under_tips(shoe: Shoe, radius: float, found: ShoeResponse, zone: float) -> 
         part = slice(max(k - order, 0), k + order + 1)
         if largest(found.theta[part], found.pressure[part], order) > NEAR_PEAK * found.peak_pressure:
             growth = UNDER_TIP * shoe.lining.material.E_half_plane * slope / radius / found.peak_pressure
-            lacking = max(lacking, 1.0 if abs(phi[k] - tip) < AT else growth)
+            lacking = max(lacking, 1.0 if abs(phi[k] - tip) < AT_TIP else growth)
     return min(lacking, 1.0)
 
 
@@ -211,20 +128,19 @@ def _lacking(shoe: Shoe, radius: float, found: ShoeResponse) -> float:
     return 1.0 if _cornered(found, zone) else _under_tips(shoe, radius, found, zone)
 
 
-def _errors(torque: float, shoes: Sequence[Mapping[str, float]]) -> Errors:
-    """The worst shoe's errors and that of the brake's torque, with those of the shoes."""
-    worst = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
-    return Errors(worst | {"torque": torque}, tuple(shoes))
-
-
-def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
-    """The errors with what the peak lacks under tips of the gap; of 1 what is not known at all: a
-    peak at a lining's end or under a tip of its gap, and the pressure of a contact so short that
-    this is said in words."""
+def seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
+    """The errors with what p and its peak lack at corners and under tips of the gap; of 1 what is not
+    known at all: a peak at a lining's end or under a tip of its gap, and the pressure of a contact so
+    short that this is said in words."""
     shoes, said = list(error.shoes), ""
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         lacking = _lacking(shoe, brake.drum.radius, found)
-        shoes[i] = {**shoes[i], "peak": 1.0 if lacking == 1.0 else shoes[i]["peak"] + lacking}
+        left = left_at_corners(brake, i, found) + left_under_tips(shoe, brake.drum.radius, found)
+        shoes[i] = {
+            **shoes[i],
+            "pressure": shoes[i]["pressure"] + left,
+            "peak": 1.0 if lacking == 1.0 else shoes[i]["peak"] + lacking,
+        }
         length = min((end - start for start, end in pressed_arcs(shoe, found)), default=math.inf) * brake.drum.radius
         if length < SHORTEST * shoe.lining.thickness:
             said = (
@@ -232,42 +148,7 @@ def _seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]
                 "torque and forces do not need it"
             )
             shoes[i] = {name: max(e, float(name in {"pressure", "peak"})) for name, e in shoes[i].items()}
-    return _errors(error.brake["torque"], shoes), said
-
-
-QUANTITIES = ("pressure", "torque", "peak", "reaction")
-
-
-def distances(brake: Brake, a: Response, b: Response) -> Floats:
-    """Relative distances of a from b, and by how much what p differs by would change them by chance: (2, q).
-
-    Of the torque, shoes not cancelling, then of each shoe the QUANTITIES.
-    """
-    R, total = brake.drum.radius, b.torque or a.torque or 1.0
-    pairs = list(zip(a.shoes, b.shoes, strict=True))
-    own = np.array([_of(edge_zone(of, R), x, y) for of, (x, y) in zip(brake.shoes, pairs, strict=True)])
-    moved = sum(abs(x.torque - y.torque) for x, y in pairs) / total
-    by_chance = sum(abs(y.torque) * chance for (_, y), chance in zip(pairs, own[:, 1, 1], strict=True)) / total
-    return np.array([[moved, *own[:, 0].ravel()], [by_chance, *own[:, 1].ravel()]])
-
-
-def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[tuple[float, ...], ...]:
-    """Those of a shoe (2, 4), whose peak is not looked for in this zone [rad] at the lining's ends."""
-    held = reaction_size(b.hinge_reaction, b.normal_force)
-    torque = abs(a.torque - b.torque) / (b.torque or a.torque or 1.0)
-    peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or a.peak_pressure or 1.0)
-    reaction = math.dist(a.hinge_reaction, b.hinge_reaction) / held
-    if not b.pressure.any():
-        return (float(a.pressure.any()), torque, peak, reaction), (0.0,) * len(QUANTITIES)
-    edge, zone = (
-        edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular_zone(float(b.theta[-1] - b.theta[0])), zone)
-    )
-    step = Difference.of(a, b, edge, zone)
-    reach = b.contact_arcs[-1][1] - b.contact_arcs[0][0]  # on so much of the drum what balances moves a force
-    p, chance = step.distance(edge), min(step.by_chance(), reach)
-    near = max(peak, step.near_peak(zone, NEAR_PEAK))
-    by_chance = 0.0, chance if b.torque else 0.0, 0.0, chance * b.normal_force / held
-    return (p, torque, math.sqrt(p * near), reaction), by_chance
+    return Errors.worst(error.brake["torque"], shoes), said
 
 
 def check_tolerance(brake: Brake, tolerance: float) -> None:

@@ -1,0 +1,106 @@
+"""With which factors are stated errors at least the true ones? Fitted on random brakes, for the code to read."""
+
+import subprocess
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drumlin.fem.hp.estimate import QUANTITIES, Factors
+from drumlin.files import write_text
+from drumlin.journal import Journal
+from drumlin.report import figures
+from drumlin.report.page import fill
+from drumlin.report.stated_true_figure import shares
+from drumlin.verification.calibration import (
+    BRAKES,
+    FIRST_SEED,
+    MEANING,
+    QUANTILE,
+    RELEVANT,
+    Level,
+    Provenance,
+    as_text,
+    fit,
+    observe,
+    samples,
+)
+
+HERE = Path(__file__).parent
+WORKERS = 2
+FEW = 4  # brakes of the short setting
+COMPUTING = ("src/drumlin/fem", "src/drumlin/contact", "src/drumlin/response", "src/drumlin/verification")
+"""Folders whose last commit is the one that the factors belong to, without the file of the factors itself."""
+
+
+class Result(NamedTuple):
+    """What was observed of each brake, the factors that follow, and what they were fitted on."""
+
+    rows: list[dict[str, Any]]
+    factors: Factors
+    provenance: Provenance
+
+
+def study(
+    *, short: bool = False, say: Callable[[str], None] = lambda _: None, journal: Journal | None = None
+) -> Result:
+    """Observe all brakes, in two processes, and fit; `short`: few brakes, whose factors mean nothing."""
+    journal = journal or Journal()
+    seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else BRAKES))
+    left = [seed for seed in seeds if {"seed": seed} not in journal]
+    with ProcessPoolExecutor(1 if short else WORKERS, mp_context=get_context("spawn")) as pool:
+        for seed, row in zip(left, pool.map(observe, left), strict=True):
+            journal.add({"seed": seed}, row)
+            say(f"random brake {seed}")
+    rows = [journal[{"seed": seed}] for seed in seeds]
+    levels = levels_of(rows)
+    commit, date = last_commit()
+    brakes = sum(bool(row["levels"]) for row in rows)
+    words = f"{seeds[0]} to {seeds[-1]}"
+    return Result(rows, fit(levels), Provenance(words, brakes, len(levels), commit, date))
+
+
+def levels_of(rows: list[dict[str, Any]]) -> list[Level]:
+    """The levels of all brakes."""
+    return [Level(**level) for row in rows for level in row["levels"]]
+
+
+def last_commit() -> tuple[str, str]:
+    """Hash and date of the last commit that changed what the factors hang on; empty texts outside a repository."""
+    own = ":!src/drumlin/fem/hp/factors.json"
+    command = ["git", "log", "-1", "--format=%h %cs", "--", *COMPUTING, own]
+    try:
+        run = subprocess.run(command, cwd=HERE.parents[1], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return "", ""
+    commit, _, date = run.stdout.strip().partition(" ")
+    return commit, date
+
+
+def report(result: Result, folder: Path) -> Path:
+    """Write the factors' file, figure and page; returns the page."""
+    write_text(folder / "factors.json", as_text(result.factors, result.provenance))
+    levels = levels_of(result.rows)
+    force = result.factors.force
+    factors = {**result.factors._asdict(), "torque": force, "reaction": force}
+    ratios = {name: samples(levels, name).ratios(factors[name]) for name in QUANTITIES}
+    figures.save(shares(ratios), folder / "factors.svg")
+    spread = [
+        {
+            "quantity": name,
+            "factor": factors[name],
+            "levels": len(found),
+            "below": float(np.mean(found < 1)),
+            "smallest": float(found.min()),
+            "tenth": float(np.quantile(found, 0.1)),
+            "median": float(np.median(found)),
+        }
+        for name, found in ratios.items()
+    ]
+    return fill(
+        HERE / "page.html", folder / "index.html", result=result, spread=spread, meaning=MEANING, quantile=QUANTILE,
+        relevant=RELEVANT, failed=[row for row in result.rows if not row["levels"]],
+    )  # fmt: skip

@@ -1,0 +1,107 @@
+"""The factors of the error estimate are the smallest that cover what they must, and can be found again."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from drumlin.fem.hp import estimate
+from drumlin.fem.hp.estimate import FACTORS, QUANTITIES, Factors, read_factors
+from drumlin.fem.hp.levels import steps
+from drumlin.fem.model import respond
+from drumlin.studies import load
+from drumlin.verification.calibration import (
+    QUANTILE,
+    RELEVANT,
+    Level,
+    Provenance,
+    as_text,
+    drawn,
+    fit,
+    observed,
+    samples,
+)
+from drumlin.verification.stored_truth import by_finer
+
+PROVENANCE = Provenance("1 to 3", 3, 9, "abc", "2000-01-01")
+
+
+def made_up(count, part, beside=1e-9, seed=0):
+    """Levels whose true errors are a part of their steps, up to `part`."""
+    rng = np.random.default_rng(seed)
+    levels = []
+    for share in np.linspace(0, 1, count):
+        step = dict.fromkeys(QUANTITIES, 10 ** rng.uniform(-4, -2))
+        true = {name: part[name] * share * step[name] + beside for name in QUANTITIES}
+        nothing = dict.fromkeys(QUANTITIES, 0.0)
+        levels.append(Level(step, dict.fromkeys(QUANTITIES, beside), true, nothing))
+    return levels
+
+
+def test_the_fit_finds_the_factors_that_cover_all_but_the_share_that_may_be_missed():
+    part = {"pressure": 0.5, "torque": 0.3, "peak": 0.9, "reaction": 0.7}
+    levels = made_up(2000, part)
+    found = fit(levels)
+    for value, most in ((found.pressure, 0.5), (found.peak, 0.9), (found.force, 0.7)):
+        assert 0.99 * QUANTILE * most <= value <= 1.05 * most
+    for name, factor in (("pressure", found.pressure), ("peak", found.peak)):
+        ratios = samples(levels, name).ratios(factor)
+        assert np.mean(ratios < 1) <= 1 - QUANTILE
+
+
+def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
+    (level,) = made_up(1, dict.fromkeys(QUANTITIES, 0.5))
+    unknown = level._replace(true={**level.true, "peak": math.nan, "torque": 0.5 * RELEVANT, "pressure": 1e-3})
+    assert [len(samples([unknown], name).true) for name in ("pressure", "torque", "peak")] == [1, 0, 0]
+
+
+def test_the_file_holds_the_factors_and_what_they_were_fitted_on(tmp_path):
+    factors = Factors(0.5, 0.6, 0.8)
+    path = tmp_path / "factors.json"
+    path.write_text(as_text(factors, PROVENANCE), encoding="utf-8")
+    assert read_factors(path) == factors
+    data = json.loads(path.read_text(encoding="utf-8"))
+    assert data["provenance"] == {**PROVENANCE._asdict(), "quantile": QUANTILE}
+    assert all(len(data[name]["meaning"].split()) > 10 for name in Factors._fields)
+
+
+def test_the_file_that_the_code_reads_was_written_by_the_command():
+    from pathlib import Path
+
+    path = Path(estimate.__file__).with_name("factors.json")
+    data = json.loads(path.read_text(encoding="utf-8"))
+    written = Provenance(**{key: data["provenance"][key] for key in Provenance._fields})
+    assert path.read_text(encoding="utf-8") == as_text(FACTORS, written)
+    assert written.brakes > 200 and written.levels > 1000 and written.commit and written.date
+
+
+@pytest.fixture(scope="module")
+def seen():
+    _, brake = drawn(300_001)
+    return brake, observed(brake, by_finer(brake), steps(brake, respond))
+
+
+def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
+    from itertools import pairwise
+
+    brake, levels = seen
+    responses = [step.response for step in steps(brake, respond)]
+    for (before, last), level in zip(pairwise(responses), levels, strict=True):
+        stated = estimate.estimate(brake, before, last)
+        assert stated.brake["pressure"] == pytest.approx(
+            FACTORS.pressure * level.step["pressure"] + level.beside["pressure"], rel=1e-6
+        )
+        assert stated.brake["torque"] == pytest.approx(FACTORS.force * level.step["torque"] + level.beside["torque"])
+        assert level.true["pressure"] < level.step["pressure"]
+
+
+@pytest.mark.slow
+def test_the_study_writes_the_same_twice(tmp_path):
+    module, _ = load("calibration")
+    for folder in ("one", "other"):
+        module.report(module.study(short=True), tmp_path / folder)
+    one, other = ((tmp_path / folder / "factors.json").read_bytes() for folder in ("one", "other"))
+    assert one == other
+    page = (tmp_path / "one" / "index.html").read_text(encoding="utf-8")
+    assert "random brakes of every kind" in page and (tmp_path / "one" / "factors.svg").exists()
