@@ -9,11 +9,13 @@ import skfem
 from scipy.sparse.linalg import spsolve
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
+from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import materials_of, prepare
+from drumlin.fem.assembly import prepare
 from drumlin.fem.body import FRAME, condense, scalar_basis, stiffness, tie
+from drumlin.fem.elasticity import layers_of
 from drumlin.fem.elimination import dissection, eliminate
 from drumlin.fem.interface import contact_line, end_loads
 from drumlin.fem.mesh.arc import shoe_mesh
@@ -35,7 +37,7 @@ def whole(mesh):
 def test_stiffness_equals_skfems_own_form(kind):
     mesh = whole(KINDS[kind]())
     basis = scalar_basis(mesh)
-    K = stiffness(basis, {"shoe": (STEEL, 0.04)})
+    K = stiffness(basis, {"shoe": ElasticLayer.of(STEEL, 0.04)})
     vector = basis.with_element(skfem.ElementVector(basis.elem))
     theirs = 0.04 * linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(vector)
     place = np.empty(2 * basis.N, dtype=int)  # ours: 2 node + component
@@ -51,7 +53,7 @@ def test_uniaxial_plane_stress(kind):
     mesh = whole(KINDS[kind]())
     basis = scalar_basis(mesh)
     b, strain = 0.04, 1e-3
-    K = stiffness(basis, {"shoe": (STEEL, b)})
+    K = stiffness(basis, {"shoe": ElasticLayer.of(STEEL, b)})
     x, y = basis.doflocs
     u = np.column_stack([strain * x, -STEEL.nu * strain * y]).ravel()
     force = (K @ u).reshape(-1, 2)
@@ -75,7 +77,7 @@ def test_curved_cantilever_under_end_shear():
         r, phi = mesh.doflocs
         mesh = whole(skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t))
         basis = scalar_basis(mesh)
-        K = stiffness(basis, {"shoe": (Material(E=1e4, nu=0.25), 1.0)})
+        K = stiffness(basis, {"shoe": ElasticLayer.of(Material(E=1e4, nu=0.25), 1.0)})
         x, y = basis.doflocs
         u = np.zeros(2 * basis.N)
         base, tip = np.flatnonzero(np.abs(x) < 1e-12), np.flatnonzero(np.abs(y) < 1e-12)
@@ -135,7 +137,7 @@ def full_system(brake, elements=12):
     shoe = brake.shoes[0]
     mesh = shoe_mesh(shoe, brake.drum.radius, elements)
     basis = scalar_basis(mesh)
-    K = stiffness(basis, materials_of(shoe))
+    K = stiffness(basis, layers_of(shoe))
     line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
     rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
     ties = tie(basis, line.nodes, rigid, np.array([shoe.hinge.radius, 0.0]))

@@ -10,11 +10,13 @@ import skfem
 from scipy.spatial import cKDTree
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
+from drumlin.brake.elasticity import elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, vary
 from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import Cache, materials_of, prepare
+from drumlin.fem.assembly import Cache, prepare
 from drumlin.fem.body import FRAME, condense
+from drumlin.fem.elasticity import layers_of
 from drumlin.fem.fields import fields, ring_fields
 from drumlin.fem.group import groups_of
 from drumlin.fem.holding import full_slip_rotation, hold
@@ -62,11 +64,10 @@ def curved(p):
 @pytest.mark.parametrize("p", [3, 4, pytest.param(6, marks=pytest.mark.slow), pytest.param(8, marks=pytest.mark.slow)])
 def test_the_stiffness_is_that_of_skfems_own_assembly_of_the_same_mesh(p):
     mesh, xy, at = curved(p)
-    lame = plane_stress(STEEL.E, STEEL.nu)
     hierarchical = skfem.ElementQuadP(p)
     basis = skfem.Basis(mesh, skfem.ElementVector(hierarchical), intorder=2 * p + 1)
-    theirs = linear_elasticity(*lame).assemble(basis)
-    ours = stiffness(xy, np.tile(lame, (len(xy), 1)), p)
+    theirs = linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(basis)
+    ours = stiffness(xy, np.tile(elasticity_matrix(STEEL), (len(xy), 1, 1)), p)
     at_nodes = np.array([hierarchical.lbasis(at, i)[0] for i in range((p + 1) ** 2)])  # (functions, nodes)
     local = np.einsum("ia,eacbd,jb->eicjd", at_nodes, ours, at_nodes)  # on skfem's own functions
     mapped = np.zeros(theirs.shape)
@@ -91,9 +92,9 @@ def test_the_nodal_functions_are_one_at_their_own_node_and_carry_linear_fields(p
 def test_in_long_double_the_stiffness_is_the_same_and_rigid_motions_strain_nothing():
     p = 5
     _, xy, _ = curved(p)
-    lame = np.tile(plane_stress(STEEL.E, STEEL.nu), (len(xy), 1))
-    K = stiffness(xy, lame, p)
-    precise = stiffness(xy.astype(np.longdouble), lame.astype(np.longdouble), p)
+    matrices = np.tile(elasticity_matrix(STEEL), (len(xy), 1, 1))
+    K = stiffness(xy, matrices, p)
+    precise = stiffness(xy.astype(np.longdouble), matrices.astype(np.longdouble), p)
     size = np.abs(K).max()
     assert np.abs(K - precise).max() < 1e-13 * size
     turn = np.stack([-xy[:, 1], xy[:, 0]], axis=2).astype(np.longdouble)
@@ -112,7 +113,7 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
             for d in depth
         ]
     )[..., element(p).order]
-    K = condensed_elements(xy, np.tile(plane_stress(1.0, 0.3), (layers, 1)), p)
+    K = condensed_elements(xy, np.tile(elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p)
     of = stack(p, layers, contact=True, held=False)
     parts = [Piece(part, of.line, of.line) for part in columns(K, of)]
     whole = merged(parts, 2)
@@ -134,16 +135,16 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
 )
 def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_their_elements(p, contact, held):
     radii, half = 0.14 - np.array([0.0, 0.0002, 0.004, 0.011]), np.array([0.003, 0.05, 0.21])
-    lame = np.array([plane_stress(E, 0.28) for E in (1e8, 1e8, 2e11)])
+    matrices = np.array([elasticity_matrix(Material(E=E, nu=0.28)) for E in (1e8, 1e8, 2e11)])
     angles, depths = half[:, None] * lobatto(p), 0.14 - radii
 
     def place(depth, phi):
         return np.array([(0.14 - depth) * np.cos(phi), (0.14 - depth) * np.sin(phi)])
 
     of = stack(p, 3, contact=contact, held=held)
-    theirs = columns(condensed_elements(nodes_of(place, depths, angles, p), lame, p), of)
+    theirs = columns(condensed_elements(nodes_of(place, depths, angles, p), matrices, p), of)
     nodes = p + 1 if contact else 0
-    ours = arc_columns(elements(radii, angular(angles, p), lame, p), p, contact=contact, held=held)
+    ours = arc_columns(elements(radii, angular(angles, p), matrices, p), p, contact=contact, held=held)
     for K, own, side in zip(theirs, ours, half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
@@ -185,7 +186,7 @@ def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
     """Contact stiffness, unit loads, their work: against the assembled grid, nodes eliminated in another order."""
     shoe, body = body_and_parts(vary(brake, CASES[case]))
     _, ties, loads = body.condensed.inside()
-    other = condense(body.basis.stiffness(materials_of(shoe)), ties, loads, 2 * len(body.line.nodes))
+    other = condense(body.basis.stiffness(layers_of(shoe)), ties, loads, 2 * len(body.line.nodes))
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     for name in ("load_c", "load_f", "load_work"):
@@ -202,7 +203,7 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     post = read_brake(Path(__file__).parents[1] / "studies" / "post_brake" / "brake.toml")
     shoe, body = body_and_parts(vary(post, {"drum.ring": None}))
     _, ties, loads = body.condensed.inside()
-    other = condense(body.basis.stiffness(materials_of(shoe)), ties, loads, 2 * len(body.line.nodes))
+    other = condense(body.basis.stiffness(layers_of(shoe)), ties, loads, 2 * len(body.line.nodes))
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     assert body.condensed.load_f == pytest.approx(other.load_f, abs=1e-8)
@@ -602,7 +603,7 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     from drumlin.fem.assembly import actuation
 
     u = body.condensed.displacement(nodal, np.zeros(FRAME), shoe.actuation.force * actuation(body, shoe)[0])
-    forces = body.basis.stiffness(materials_of(shoe)) @ u.T.ravel()
+    forces = body.basis.stiffness(layers_of(shoe)) @ u.T.ravel()
     n = 2 * len(body.line.nodes)
     assert forces[:n] == pytest.approx(nodal, abs=1e-6 * np.abs(nodal).max())
 

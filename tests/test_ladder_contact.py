@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.fem.mesh.grading import graded
@@ -200,7 +201,7 @@ def test_lame_ring_under_inner_pressure():
 
     mesh = closed(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis = scalar_basis(mesh)
-    K = stiffness(basis, {"body": (Material(E=200e9, nu=0.3), 0.02)}).tolil()
+    K = stiffness(basis, {"body": ElasticLayer.of(Material(E=200e9, nu=0.3), 0.02)}).tolil()
     line = contact_line(basis, mesh.boundaries["contact"], 0.0)
     coupling = couple(line, 0.02, radial(1))
     f = np.zeros(2 * basis.N)

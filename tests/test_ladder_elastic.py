@@ -7,6 +7,7 @@ import pytest
 import skfem
 from scipy.sparse.linalg import spsolve
 
+from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
@@ -47,7 +48,7 @@ def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
             mesh = raise_.from_mesh(mesh)
         mesh = mesh.with_subdomains({"shoe": np.arange(mesh.nelements)})
         basis = scalar_basis(mesh)
-        K = stiffness(basis, {"shoe": (Material(E=E, nu=nu), 1.0)})
+        K = stiffness(basis, {"shoe": ElasticLayer.of(Material(E=E, nu=nu), 1.0)})
         points = np.asarray(basis.global_coordinates())
         f = np.zeros((basis.N, 2))
         for psi, dofs in zip(basis.basis, basis.element_dofs, strict=True):

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -14,6 +14,7 @@ from scipy.sparse.linalg import spsolve
 
 from conftest import ROOT
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.cli import commands as cli
@@ -227,20 +228,56 @@ def moved(basis: Any, step: float) -> Any:
     return scalar_basis(type(mesh)(places, mesh.t, _subdomains=mesh.subdomains))
 
 
+ORTHOTROPIC = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]])
+
+
+def some_layers(names: Iterable[str], *, directed: bool) -> dict[str, ElasticLayer]:
+    """A layer of each name, the first around the centre, the others straight, each stiffer than the
+    one before."""
+    found = {}
+    for k, name in enumerate(names):
+        matrix = ORTHOTROPIC if directed else elasticity_matrix(Material(E=1.0, nu=0.2))
+        found[name] = ElasticLayer(1e9 * (k + 1) * matrix, 0.03, np.array([0.6, -0.8]) if k else None)
+    return found
+
+
+@pytest.mark.parametrize("directed", [False, True], ids=["isotropic", "orthotropic"])
 @pytest.mark.parametrize("name", BODIES)
-def test_the_mutual_work_is_that_of_the_assembled_stiffness_and_so_is_its_change(name):
+def test_the_mutual_work_is_that_of_the_assembled_stiffness_and_so_is_its_change(name, directed):
     """The change is that of the stiffness assembled anew with the nodes moved, by a central difference."""
     body = BODIES[name](random_brake(3, "post")).bodies[0]
     basis, size = body.basis, np.abs(body.basis.doflocs).max()
     u, v = np.random.default_rng(0).standard_normal((2, 2 * basis.N))
-    materials = {part: (Material(E=1e9 * (k + 1), nu=0.2), 0.03) for k, part in enumerate(body.mesh.subdomains)}
-    whole = v @ (stiffness(basis, materials) @ u)
-    assert sum(work_by_part(basis, materials, u, v).values()) == pytest.approx(whole, rel=1e-9)
+    layers = some_layers(body.mesh.subdomains, directed=directed)
+    whole = v @ (stiffness(basis, layers) @ u)
+    assert sum(work_by_part(basis, layers, u, v).values()) == pytest.approx(whole, rel=1e-9)
     h = 1e-6 * size
-    ahead, behind = (v @ (stiffness(moved(basis, s), materials) @ u) for s in (h, -h))
+    ahead, behind = (v @ (stiffness(moved(basis, s), layers) @ u) for s in (h, -h))
     moves = at_nodes(basis.doflocs).T.reshape(1, -1)
-    exact = change_by_nodes(basis, materials, u, v, moves)[0]
+    exact = change_by_nodes(basis, layers, u, v, moves, [0.0])[0]
     assert exact == pytest.approx((ahead - behind) / (2 * h), rel=1e-4)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_mutual_work_changes_as_the_axis_of_straight_layers_turns(name):
+    """No node moves; the directions of the straight layers turn, by a central difference."""
+    body = BODIES[name](random_brake(3, "post")).bodies[0]
+    basis = body.basis
+    u, v = np.random.default_rng(1).standard_normal((2, 2 * basis.N))
+    layers = some_layers(body.mesh.subdomains, directed=True)
+
+    def turned(angle: float) -> dict[str, ElasticLayer]:
+        c, s = math.cos(angle), math.sin(angle)
+        turn = np.array([[c, -s], [s, c]])
+        return {
+            part: layer if layer.along is None else layer._replace(along=turn @ layer.along)
+            for part, layer in layers.items()
+        }
+
+    h = 1e-5
+    ahead, behind = (v @ (stiffness(basis, turned(angle)) @ u) for angle in (h, -h))
+    exact = change_by_nodes(basis, layers, u, v, np.zeros((1, 2 * basis.N)), [1.0])[0]
+    assert exact == pytest.approx((ahead - behind) / (2 * h), rel=1e-6)
 
 
 def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monkeypatch):

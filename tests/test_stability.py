@@ -12,8 +12,9 @@ from drumlin.contact import active_set
 from drumlin.contact.equations import Problem, condition
 from drumlin.errors import NoAnswer
 from drumlin.fem import model
-from drumlin.fem.assembly import materials_of, prepare
+from drumlin.fem.assembly import prepare
 from drumlin.fem.body import stiffness
+from drumlin.fem.elasticity import layers_of
 from drumlin.fem.group import ShoeGroup
 from drumlin.fem.hp.adapt import Tolerance, adapt
 from drumlin.fem.hp.estimate import ROUND_OFF
@@ -80,8 +81,8 @@ def test_the_designed_set_turns_every_knob_to_its_end():
 def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_motion():
     for kind in ("quad2", "quad1", "tri2", "tri1"):
         scene, brake, _ = solved(Case(elements=8, kind=kind))
-        body, materials = scene.bodies[0], materials_of(brake.shoes[0])
-        K, L = (stiffness(body.basis, materials, precise=precise) for precise in (False, True))
+        body, layers = scene.bodies[0], layers_of(brake.shoes[0])
+        K, L = (stiffness(body.basis, layers, precise=precise) for precise in (False, True))
         assert L.dtype == np.longdouble
         scale = abs(K).max()
         assert abs((K - L).toarray()).max() < 1e-13 * scale

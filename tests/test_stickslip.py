@@ -147,6 +147,7 @@ def test_flat_patch_whole_and_inclined(turned):
     """A strip pressed evenly on a plane at any inclination: even pressure to round-off, with its resultant."""
     import skfem
 
+    from drumlin.brake.elasticity import ElasticLayer
     from drumlin.brake.fields import Material
     from drumlin.contact import active_set
     from drumlin.fem.body import condense, scalar_basis, stiffness, tie
@@ -168,7 +169,7 @@ def test_flat_patch_whole_and_inclined(turned):
     normal = np.array([s, -c])
     top = basis.get_dofs(mesh.boundaries["support"]).flatten()
     # nu = 0 and a rigid top: pressing by a distance strains the strip evenly
-    K = stiffness(basis, {"body": (Material(E=2e6, nu=0.0), 1.0)})
+    K = stiffness(basis, {"body": ElasticLayer.of(Material(E=2e6, nu=0.0), 1.0)})
     condensed = condense(
         K, ties := tie(basis, line.nodes, top, np.zeros(2)), np.zeros((ties.matrix.shape[1], 0)), 2 * len(line.nodes)
     )

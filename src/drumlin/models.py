@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from drumlin.brake import unrolled
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.orthotropic import isotropic_only
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
@@ -84,7 +85,16 @@ def _short(brake: AnyBrake) -> Response:
 
 def _hinged(name: str) -> Model:
     law = LAWS[name]
-    return Model(name, law.assumes, partial(hinged.why_not, law), partial(hinged.solve, law))
+    return _law(name, law.assumes, partial(hinged.why_not, law), partial(hinged.solve, law))
+
+
+def _law(name: str, assumes: str, why_not: Callable[[AnyBrake], str | None], solve: Callable[..., Response]) -> Model:
+    """The model of a closed-form law, which knows isotropic materials alone."""
+
+    def isotropic_too(brake: AnyBrake) -> str | None:
+        return why_not(brake) or isotropic_only(brake, "a closed-form law")
+
+    return Model(name, assumes, isotropic_too, solve)
 
 
 MODELS: Mapping[str, Model] = {
@@ -96,10 +106,10 @@ MODELS: Mapping[str, Model] = {
         _hinged("cosine"),
         _hinged("block"),
         _hinged("uniform"),
-        Model("short", LAWS["short"].assumes, _short_why_not, _short),
-        Model("pivoted", pivoted.ASSUMES, pivoted.why_not, partial(rigid.solve, name="pivoted")),
-        Model("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(rigid.solve, name="linear")),
-        Model("rigid", rigid.ASSUMES, naming.why_not, rigid.solve),
+        _law("short", LAWS["short"].assumes, _short_why_not, _short),
+        _law("pivoted", pivoted.ASSUMES, pivoted.why_not, partial(rigid.solve, name="pivoted")),
+        _law("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(rigid.solve, name="linear")),
+        _law("rigid", rigid.ASSUMES, naming.why_not, rigid.solve),
         Model(
             "solid", "solid shoes of finite width, contact and friction as fem", _solid_why_not, _solid, by_name=True
         ),

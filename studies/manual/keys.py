@@ -4,7 +4,7 @@ from drumlin.brake.components import Actuation, Backing, Beam, Body, Drum, Linin
 from drumlin.brake.components import Table as SectionTable
 from drumlin.brake.drive import Drive, Link
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.fields import Material, Part, Point
+from drumlin.brake.fields import Material, Orthotropic, Part, Point
 from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatMisfit, FlatShoe, Plane
 from drumlin.brake.support import Abutment, Guide
 from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform
@@ -97,6 +97,14 @@ BRAKE: tuple[Table, ...] = (
     ("`[[link]]`: a strut", Link, {
         "from": "name of the shoe that bears on it", "to": "name of the shoe that it pushes"}),
     ("A material", Material, {"E": "Young's modulus", "nu": "Poisson's ratio"}),
+    ("An orthotropic material", Orthotropic, {
+        "E_along": "Young's modulus along the layer", "E_through": "through its thickness",
+        "G_along_through": "shear modulus between both",
+        "nu_along_through": "what the layer shrinks through its thickness per strain along it, as it is pulled along",
+        "E_across": "Young's modulus across the width; this key and the next four together or none of them",
+        "G_along_across": "shear modulus between along and across", "G_through_across": "between through and across",
+        "nu_along_across": "what it shrinks across the width per strain along it",
+        "nu_through_across": "what it shrinks across the width per strain through it"}),
     ("A point: x and y, or `{ radius = ..., angle = ... }`", Point, {
         "x": "from the drum's centre", "y": "from the drum's centre"}),
     ("A brake on a plane", FlatBrake, {

@@ -126,7 +126,7 @@ def study(
             "law": solve("sine law", cases(brake, tolerances, deviates[:2], "sine")),
         }
     lining = brake.shoes[0].lining
-    unit = 1 / (COEFFICIENT * (lining.material.E / lining.thickness))
+    unit = 1 / (COEFFICIENT * (lining.material.E_through / lining.thickness))
     healing_rows = []
     for i, case in enumerate(cases(brake, tolerances, deviates[0, : setting.healed])):
         say(f"run-in: {i} of {setting.healed}")

@@ -24,7 +24,9 @@ def assumed(brake: Brake) -> tuple[Tolerance, ...]:
     leading = 0 if sine(brake).shoes[0].self_energising else 1
     found = [
         Tolerance("friction ±0.03", within(0.03), {"friction": 1.0}),
-        Tolerance("lining's modulus ±20 %", within(0.2), {"shoe.lining.material.E": brake.shoes[0].lining.material.E}),
+        Tolerance(
+            "lining's modulus ±20 %", within(0.2), {"shoe.lining.material.E": brake.shoes[0].lining.material.E_through}
+        ),
         Tolerance("lining's thickness ±0.2 mm", within(0.2e-3), {"shoe.lining.thickness": 1.0}),
         Tolerance("drum's radius ±50 µm", within(50e-6), {key: -1.0 for key in ground_to(brake, 0.0)}),
     ]

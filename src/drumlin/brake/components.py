@@ -17,6 +17,7 @@ from pydantic import (
 from drumlin.arrays import Floats
 from drumlin.brake.fields import (
     Angle,
+    AnyMaterial,
     BendingStiffness,
     Force,
     Length,
@@ -41,12 +42,12 @@ class Section(NamedTuple):
 
     thickness: float
     width: float
-    material: Material
+    material: AnyMaterial
 
     @property
     def bending_stiffness(self) -> float:
         """EI [N m^2]."""
-        return self.material.E * self.width * self.thickness**3 / 12
+        return self.material.E_along * self.width * self.thickness**3 / 12
 
 
 class Bonded(NamedTuple):
@@ -62,8 +63,8 @@ class Bonded(NamedTuple):
 def bonded(plates: Sequence[Section]) -> Bonded:
     """The stiffnesses of plates that lie on each other in this order."""
     t = np.array([plate.thickness for plate in plates])
-    EA = np.array([plate.material.E * plate.width * plate.thickness for plate in plates])
-    GA = EA / [2 * (1 + plate.material.nu) for plate in plates]
+    EA = np.array([plate.material.E_along * plate.width * plate.thickness for plate in plates])
+    GA = np.array([plate.material.G_along_through * plate.width * plate.thickness for plate in plates])
     own = np.array([plate.bending_stiffness for plate in plates])
     middle = np.cumsum(t) - t / 2
     depth = float(EA @ middle / EA.sum())
@@ -103,7 +104,7 @@ class Ring(Part):
 
     thickness: Thickness | None = None
     width: Thickness | None = None
-    material: Material | None = None
+    material: AnyMaterial | None = None
     bending_stiffness: BendingStiffness | None = None
     support: Literal["fixed", "free"] = "fixed"
 
@@ -205,7 +206,7 @@ class Lining(Part):
     end: Angle
     thickness: Thickness
     width: Thickness
-    material: Material
+    material: AnyMaterial
     clearance: Clearance = 0.0
     misfit: Misfit = Misfit()
 
@@ -239,7 +240,7 @@ class Backing(Part):
     """
 
     thickness: Thickness
-    material: Material
+    material: AnyMaterial
 
 
 class Table(Part):
@@ -260,7 +261,7 @@ class Bar(Part):
 
     thickness: Thickness
     width: Thickness | None = None
-    material: Material | None = None
+    material: AnyMaterial | None = None
     table: Table | None = None
     bending_stiffness: BendingStiffness | None = None
     grip: Thickness | None = None
@@ -312,7 +313,7 @@ class Beam(Part):
     shape: Literal["beam"]
     thickness: Thickness | None = None
     width: Thickness | None = None
-    material: Material | None = None
+    material: AnyMaterial | None = None
     bending_stiffness: StiffnessAlong | None = None
     offset: OffsetAlong = 0.0
 

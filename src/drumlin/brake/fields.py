@@ -15,7 +15,9 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Discriminator,
     Field,
+    Tag,
     ValidationInfo,
     model_validator,
 )
@@ -97,10 +99,144 @@ class Part(BaseModel):
 
 
 class Material(Part):
-    """Linear elastic, isotropic: Young's modulus E [Pa] and Poisson's ratio nu."""
+    """Linear elastic, isotropic: Young's modulus E [Pa] and Poisson's ratio nu.
+
+    What an `Orthotropic` material has in directions of its layer it has as well, the same in all.
+    """
 
     E: Modulus
     nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True)]
+
+    @property
+    def E_along(self) -> float:
+        """Young's modulus along a layer [Pa]."""
+        return self.E
+
+    @property
+    def E_through(self) -> float:
+        """Young's modulus through a layer [Pa]."""
+        return self.E
+
+    @property
+    def G_along_through(self) -> float:
+        """Shear modulus in the plane of the brake [Pa]."""
+        return self.E / (2 * (1 + self.nu))
+
+    @property
+    def nu_along_through(self) -> float:
+        """Poisson's ratio: how much a layer shrinks through itself as it is stretched along."""
+        return self.nu
+
+    @property
+    def E_half_plane(self) -> float:
+        """Modulus of the isotropic half-plane that gives way like one of this material [Pa]."""
+        return self.E
+
+    @property
+    def moduli(self) -> dict[str, float]:
+        """All moduli [Pa] by their keys."""
+        return {"E": self.E}
+
+
+PoissonRatio = Annotated[float, Field(strict=True)]
+ACROSS = ("E_across", "G_along_across", "G_through_across", "nu_along_across", "nu_through_across")
+"""The keys of an orthotropic material that only a solid uses."""
+DEFINITE_WITHIN = 1e-12
+"""Least determinant of the compliances, each over the root of the product of its diagonal entries.
+Below it round-off decides whether the energy of a strain is positive."""
+
+
+class Orthotropic(Part):
+    """Linear elastic, orthotropic in directions of its layer: along, through and across it.
+
+    Young's moduli E [Pa] of the directions, shear moduli G [Pa] between two of them, and Poisson's
+    ratios nu: a layer that is pulled along itself shrinks through its thickness by nu_along_through
+    times as much. The keys ACROSS are for solids alone: plane stress does not depend on them.
+    """
+
+    E_along: Modulus
+    E_through: Modulus
+    G_along_through: Modulus
+    nu_along_through: PoissonRatio
+    E_across: Modulus | None = None
+    G_along_across: Modulus | None = None
+    G_through_across: Modulus | None = None
+    nu_along_across: PoissonRatio | None = None
+    nu_through_across: PoissonRatio | None = None
+
+    @model_validator(mode="after")
+    def _positive_definite(self) -> Self:
+        """Refuses constants under which some strain would have no positive energy."""
+        _check_ratio("nu_along_through", self.nu_along_through, self.E_along, self.E_through, ("along", "through"))
+        missing = [key for key in ACROSS if getattr(self, key) is None]
+        if len(missing) == len(ACROSS):
+            return self
+        if missing:
+            raise ValueError(f"{missing[0]} is missing: {', '.join(ACROSS)} go together; give all of them or none")
+        assert self.E_across is not None and self.nu_along_across is not None and self.nu_through_across is not None
+        _check_ratio("nu_along_across", self.nu_along_across, self.E_along, self.E_across, ("along", "across"))
+        low, high = self._nu_through_across_allowed(self.E_across, self.nu_along_across)
+        if not low < self.nu_through_across < high:
+            raise ValueError(
+                f"nu_through_across = {self.nu_through_across:g}: must be greater than {low:.6g} and less than "
+                f"{high:.6g}, beside these moduli and Poisson's ratios"
+            )
+        return self
+
+    def _nu_through_across_allowed(self, E_across: float, nu_along_across: float) -> tuple[float, float]:
+        """Between what nu_through_across must lie.
+
+        With every compliance over the root of the product of its diagonal entries, the determinant
+        1 - a^2 - b^2 - c^2 - 2 a b c must be positive, a, b, c being the Poisson's ratios
+        along-through, along-across and through-across times the root of their moduli's ratio.
+        """
+        a = self.nu_along_through * math.sqrt(self.E_through / self.E_along)
+        b = nu_along_across * math.sqrt(E_across / self.E_along)
+        reach = math.sqrt(max((1 - a**2) * (1 - b**2) - DEFINITE_WITHIN, 0.0))
+        unit = math.sqrt(self.E_through / E_across)
+        return (-a * b - reach) * unit, (-a * b + reach) * unit
+
+    @property
+    def E_half_plane(self) -> float:
+        """Modulus of the isotropic half-plane that gives way like one of this material [Pa].
+
+        Lekhnitskii, Anisotropic Plates, section 34: under pressure the surface of a half-plane with
+        the compliances s gives way by 2/E_half_plane, the root of 2 s_nn (sqrt(s_tt s_nn) + s_tn +
+        s_gg/2), per pressure and wave number.
+        """
+        s_tt, s_nn, s_gg = 1 / self.E_along, 1 / self.E_through, 1 / self.G_along_through
+        s_tn = -self.nu_along_through / self.E_along
+        return 2 / math.sqrt(2 * s_nn * (math.sqrt(s_tt * s_nn) + s_tn + s_gg / 2))
+
+    @property
+    def moduli(self) -> dict[str, float]:
+        """All moduli [Pa] by their keys."""
+        keys = [key for key in type(self).model_fields if not key.startswith("nu")]
+        return {key: value for key in keys if (value := getattr(self, key)) is not None}
+
+
+def _check_ratio(key: str, nu: float, E: float, other: float, names: tuple[str, str]) -> None:
+    """Raise ValueError where Poisson's ratio between directions of the moduli E and `other` is too
+    large."""
+    most = math.sqrt(E / other)
+    if 1 - (nu / most) ** 2 <= DEFINITE_WITHIN:
+        raise ValueError(
+            f"{key} = {nu:g}: must be greater than {-most:.6g} and less than {most:.6g}, "
+            f"the root of E_{names[0]} / E_{names[1]}"
+        )
+
+
+def _kind_of_material(data: object) -> str:
+    """Which of the two kinds a material is, by the keys that only an orthotropic one has."""
+    if isinstance(data, Mapping):
+        return "orthotropic" if set(data) & set(Orthotropic.model_fields) else "isotropic"
+    return "orthotropic" if isinstance(data, Orthotropic) else "isotropic"
+
+
+AnyMaterial = Annotated[
+    Annotated[Material, Tag("isotropic")] | Annotated[Orthotropic, Tag("orthotropic")],
+    Discriminator(_kind_of_material),
+]
 
 
 class Point(Part):

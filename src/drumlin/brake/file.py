@@ -32,12 +32,17 @@ ALLOWED = {
 """What is allowed, by pydantic's kinds of faults that it says in words of Python; the others it says well."""
 
 
+KINDS = {"arc", "beam", "isotropic", "orthotropic", "float", "str"}
+"""Steps to a fault that say which kind of body, material or value was read, and are no key of the
+file."""
+
+
 def _line(error: ValidationError, data: Any) -> str:
     """The first fault of a validation as one line: key = value as written: what is allowed."""
     fault = error.errors()[0]
     key = ""
     for step in fault["loc"]:
-        if step in {"arc", "beam", "float", "str"}:  # which kind of body or of value: no key of the file
+        if step in KINDS:
             continue
         key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
         try:

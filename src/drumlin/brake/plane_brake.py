@@ -17,8 +17,8 @@ from drumlin.brake.components import LARGEST_MISFIT, STEP, Backing, Bar, Frictio
 from drumlin.brake.drive import Drive, Link, driven, shares
 from drumlin.brake.drum_brake import Brake, check_grip
 from drumlin.brake.fields import (
+    AnyMaterial,
     Length,
-    Material,
     Part,
     Rows,
     Thickness,
@@ -61,7 +61,7 @@ class FlatLining(Part):
     end: Length
     width: Thickness
     thickness: Thickness | None = None
-    material: Material | None = None
+    material: AnyMaterial | None = None
     clearance: Annotated[float | Rows, number_or_table("place", "m", "clearance", "m")] = 0.0
     misfit: FlatMisfit = FlatMisfit()
 

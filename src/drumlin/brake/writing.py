@@ -10,13 +10,13 @@ from pydantic.fields import FieldInfo
 
 from drumlin.brake.components import Actuation, Lobes, Misfit, Table
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.fields import Material, Part, Point, row_units_in, unit_in
+from drumlin.brake.fields import Material, Orthotropic, Part, Point, row_units_in, unit_in
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.support import Held
 from drumlin.brake.units import COMMON, to_si
 from drumlin.errors import BadInput
 
-INLINE = (Material, Point, Misfit, Lobes, Table)
+INLINE = (Material, Orthotropic, Point, Misfit, Lobes, Table)
 READABLE = {"m": ("mm", "m"), "rad": ("deg",), "Pa": ("GPa", "MPa"), "N": ("kN", "N")}
 
 

@@ -222,7 +222,11 @@ def _misfit(brake: AnyBrake, step: float) -> Knob:
 
 
 def _modulus(brake: AnyBrake, part: str, label: str, unit: str, factor: float) -> Knob | None:
-    """Young's modulus of the linings or the shoes, from a hundredth to a hundred times that of the file."""
+    """Young's modulus of the linings or the shoes, from a hundredth to a hundred times that of the
+    file.
+
+    All moduli of an orthotropic material go in proportion.
+    """
     moduli = {i: E for i, shoe in enumerate(_shoes(brake)) if (E := _E(shoe, part)) is not None}
     if not moduli:
         return None
@@ -230,7 +234,7 @@ def _modulus(brake: AnyBrake, part: str, label: str, unit: str, factor: float) -
 
     def changes(value: float) -> Changes:
         times = value * factor / largest
-        return {key: new for i, E in moduli.items() for key, new in _stiffer(brake.shoes[i], i, part, E, times).items()}
+        return {key: new for i in moduli for key, new in _stiffer(brake.shoes[i], i, part, times).items()}
 
     start = largest / factor
     label += "" if len(set(moduli.values())) == 1 else ", the largest"
@@ -238,15 +242,20 @@ def _modulus(brake: AnyBrake, part: str, label: str, unit: str, factor: float) -
 
 
 def _E(shoe: Shoe | FlatShoe, part: str) -> float | None:
+    """The modulus that a part answers the contact with: through a lining, along a body."""
     if part == "lining":
-        return None if shoe.lining.material is None else shoe.lining.material.E
-    return shoe.body.material.E if shoe.body is not None and shoe.body.material is not None else None
+        return None if shoe.lining.material is None else shoe.lining.material.E_through
+    return shoe.body.material.E_along if shoe.body is not None and shoe.body.material is not None else None
 
 
-def _stiffer(shoe: Shoe | FlatShoe, i: int, part: str, E: float, times: float) -> Changes:
+def _stiffer(shoe: Shoe | FlatShoe, i: int, part: str, times: float) -> Changes:
+    """All moduli of a part, and its bending stiffness, so many times as large."""
+    material = shoe.lining.material if part == "lining" else None if shoe.body is None else shoe.body.material
+    assert material is not None  # _modulus
+    key = "lining" if part == "lining" else "body"
+    changes: Changes = {f"shoe[{i}].{key}.material.{name}": E * times for name, E in material.moduli.items()}
     if part == "lining":
-        return {f"shoe[{i}].lining.material.E": E * times}
-    changes: Changes = {f"shoe[{i}].body.material.E": E * times}
+        return changes
     if isinstance(shoe.body, Beam) and shoe.body.bending_stiffness is not None:  # it overrules that of the section
         EI = shoe.body.bending_stiffness
         changes[f"shoe[{i}].body.bending_stiffness"] = (

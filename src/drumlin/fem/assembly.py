@@ -14,9 +14,10 @@ import numpy as np
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.components import Beam, Misfit
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.fields import Material, Point
+from drumlin.brake.fields import AnyMaterial, Point
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
+from drumlin.fem.elasticity import layers_of
 from drumlin.fem.interface import ContactLine, Coupling, contact_line, end_loads, radial, straight
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
@@ -346,7 +347,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
             mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):
-        K = stiffness(basis, materials_of(shoe))
+        K = stiffness(basis, layers_of(shoe))
     with clock(seconds, "ties"):
         pin = shoe.own_pin
         line = line_of(basis, mesh.boundaries["contact"], shoe, brake.drum.radius)
@@ -402,9 +403,9 @@ def coupled(
     )
 
 
-def materials_of(shoe: Shoe) -> dict[str, tuple[Material, float]]:
+def materials_of(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:
     """Material and width [m] of each subdomain of a shoe."""
-    parts = {"lining": (shoe.lining.material, shoe.lining.width)}
+    parts: dict[str, tuple[AnyMaterial, float]] = {"lining": (shoe.lining.material, shoe.lining.width)}
     if shoe.backing is not None:
         parts["backing"] = (shoe.backing.material, shoe.lining.width)
     if shoe.body is not None:
@@ -436,5 +437,6 @@ def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:
 
 
 def contact_stiffness(shoe: Shoe, penalty: float) -> float:
-    """eps = penalty E/t of the lining, the contact's stiffness per area [Pa/m]."""
-    return penalty * shoe.lining.material.E / shoe.lining.thickness
+    """eps = penalty E/t of the lining, the contact's stiffness per area [Pa/m]; E through its
+    thickness."""
+    return penalty * shoe.lining.material.E_through / shoe.lining.thickness

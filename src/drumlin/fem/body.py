@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.fields import Material
+from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.errors import NoAnswer
+from drumlin.fem.elasticity import across, split
 from drumlin.fem.elimination import SINGULAR, dissection, eliminate, solve
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.lapack import dpotrf, solve_lower
@@ -105,42 +106,79 @@ def scalar_basis(mesh: Any) -> Any:
     return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
 
 
-def stiffness(basis: Any, materials: Mapping[str, tuple[Material, float]], *, precise: bool = False) -> Any:
+def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool = False) -> Any:
     """Stiffness (d nodes, d nodes) of plane stress, d = 2, or of a solid, d = 3; unknown d i + c for component c of
     node i [N/m].
 
-    materials: subdomain -> (material, width [m]), of a solid a plain factor in the width's place; precise: in long
-    double, from the nodes on (plane stress only).
+    layers: by subdomain; those of a solid are isotropic; precise: in long double, from the nodes on
+    (plane stress only).
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
-    The gradients of all shape functions meet in one batched matrix product an element, instead of one
-    form evaluation a pair of shape functions.
+    and what layers are stiffer in their own directions, see `hp.element.stiffness`. The gradients
+    of all shape functions meet in one batched matrix product an element, instead of one form
+    evaluation a pair of shape functions.
     """
     if hasattr(basis, "stiffness"):  # a grid of columns knows its own
-        return basis.stiffness(materials, precise=precise)
+        return basis.stiffness(layers, precise=precise)
     import scipy.sparse as sp  # noqa: PLC0415  (meshes alone load it)
-    from skfem.models.elasticity import lame_parameters, plane_stress  # noqa: PLC0415  (meshes alone load it)
 
     gradients, dx = (
         _precise_gradients(basis) if precise else (np.array([psi[0].grad for psi in basis.basis]), basis.dx)
     )  # (a, i, elements, points), (elements, points)
     a, d, elements, points = gradients.shape
-    constants = plane_stress if d == 2 else lame_parameters
     lame = np.zeros((2, basis.mesh.nelements))
     for name, members in basis.mesh.subdomains.items():
-        material, width = materials[name]
-        lame[:, members] = np.array(constants(material.E, material.nu))[:, None] * width
+        matrix = layers[name].stiffness
+        lame[:, members] = np.array([matrix[0, 1], matrix[-1, -1]])[:, None]
     lam, mu = lame[:, :, None, None, None, None]
     G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, d * a, points)
     H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, d, a, d)  # Int psi_a,i psi_b,j
     K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
     for i in range(d):
         K[:, :, i, :, i] += mu[:, :, 0, :, 0] * np.trace(H, axis1=2, axis2=4)
+    for name, members in basis.mesh.subdomains.items():
+        if d == 2 and has_directions(layers[name].elasticity):
+            own = gradients[:, :, members]
+            K[members] += _stiffer(layers[name], own, dx[members], points_of(basis, precise=precise)[:, members])
     dofs = (d * basis.element_dofs.T[:, :, None] + np.arange(d)).reshape(elements, d * a).astype(np.int32)
     rows = np.broadcast_to(dofs[:, :, None], (elements, d * a, d * a))
     columns = np.broadcast_to(dofs[:, None, :], rows.shape)
     return sp.coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(d * basis.N, d * basis.N)).tocsc()
+
+
+def values_of(basis: Any, *, precise: bool = False) -> Any:
+    """The shape functions (a, points) of a basis on a mesh at its points of quadrature; precise: in
+    long double."""
+    at = basis.X.astype(np.longdouble) if precise else basis.X
+    return np.array([basis.elem.lbasis(at, i)[0] for i in range(len(basis.element_dofs))])
+
+
+def points_of(basis: Any, *, precise: bool = False) -> Any:
+    """The points of quadrature (2, elements, points) [m] of a basis on a mesh; precise: in long
+    double."""
+    return np.einsum("cae,aq->ceq", basis.doflocs[:, basis.element_dofs], values_of(basis, precise=precise))
+
+
+def _stiffer(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
+    """What elements (e, a, 2, a, 2) are stiffer in the directions of their layer than its isotropic
+    part [N/m].
+
+    gradients (a, 2, e, q) of the shape functions [1/m], areas dx (e, q) [m^2], points (2, e, q)
+    [m].
+    """
+    a, d, elements, _ = gradients.shape
+    along = layer.directions(points)
+
+    def work(direction: Any) -> Any:
+        """Of the stretches in a direction (2, e, q) by unit displacements, (e, d a, d a)."""
+        grown = np.einsum("ceq,aceq->aeq", direction, gradients)
+        stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
+        return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
+
+    _, _, by_along, by_through = split(layer.stiffness)
+    found = by_along * work(along) + by_through * work(across(along))
+    return found.reshape(elements, a, d, a, d)
 
 
 def _precise_gradients(basis: Any) -> tuple[Any, Any]:

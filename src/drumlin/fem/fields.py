@@ -8,13 +8,13 @@ from typing import Any
 import meshio
 import numpy as np
 import skfem
-from skfem.models.elasticity import plane_stress
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake, Frame, Shoe
-from drumlin.brake.fields import Material
+from drumlin.brake.elasticity import ElasticLayer
 from drumlin.errors import BadInput
-from drumlin.fem.assembly import Body, Scene, actuation, materials_of
+from drumlin.fem.assembly import Body, Scene, actuation
+from drumlin.fem.elasticity import layers_of, ring_layers, stress
 from drumlin.fem.hp.grid import Grid
 from drumlin.fem.interface import Directions, radial, straight
 from drumlin.fem.mesh.arc import kind_of
@@ -46,13 +46,12 @@ class Fields:
 def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields:
     """Recover the fields of shoe `index` from the contact pressure of its response, and the force it has there."""
     shoe, body, answer = loaded(brake, response).shoes[index], scene.bodies[index], response.shoes[index]
-    materials = {name: material for name, (material, _) in materials_of(shoe).items()}
     p = answer.pressure[:: shoe.frame.sense]
     u = displaced(body, brake, shoe, answer, p).reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
     way = straight if shoe.flat else radial(shoe.sign)
-    return _fields(body.mesh, body.basis, u, materials, pressure, shoe.frame, shoe.points, way)
+    return _fields(body.mesh, body.basis, u, layers_of(shoe), pressure, shoe.frame, shoe.points, way)
 
 
 def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
@@ -62,18 +61,18 @@ def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
     p = [answer.pressure[:: shoe.frame.sense] for shoe, answer in zip(brake.shoes, response.shoes, strict=True)]
     u = ring.displacement(p, brake.drag)
-    materials = {"drum": section.material}
-    return _fields(ring.mesh, ring.basis, u, materials, np.zeros(ring.basis.N), Frame(0.0, 1), np.asarray, radial(1))
+    layers, pressure = ring_layers(section), np.zeros(ring.basis.N)
+    return _fields(ring.mesh, ring.basis, u, layers, pressure, Frame(0.0, 1), np.asarray, radial(1))
 
 
 def _fields(
-    mesh: Any, basis: Any, u: Floats, materials: dict[str, Material], pressure: Floats, frame: Frame,
+    mesh: Any, basis: Any, u: Floats, layers: dict[str, ElasticLayer], pressure: Floats, frame: Frame,
     place: Callable[[Floats], Floats], directions: Directions,
 ) -> Fields:  # fmt: skip
     """Fields in the brake's frame, where `place` has points (2, n), from displacements u (2, nodes) and nodal pressure
     in the body's own frame; directions: the lining's normals there."""
     parts = list(mesh.subdomains)
-    blocks = [_part(mesh, u, name, materials[name]) for name in parts]
+    blocks = [_part(basis, u, name, layers[name]) for name in parts]
     starts = np.cumsum([0] + [len(block[0]) for block in blocks])
     nodes = np.concatenate([block[0] for block in blocks])
     xy = basis.doflocs[:, nodes]
@@ -106,28 +105,25 @@ def displaced(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Flo
     return body.condensed.displacements(nodal[:, None], motion[:, None], load[:, None])[:, 0]
 
 
-def _part(mesh: Any, u: Floats, name: str, material: Material) -> tuple[Ints, Ints, Floats]:
+def _part(basis: Any, u: Floats, name: str, layer: ElasticLayer) -> tuple[Ints, Ints, Floats]:
     """Nodes, cells (numbered within the nodes) and nodal mean stresses (n, 2, 2) of one subdomain."""
+    mesh = basis if isinstance(basis, Grid) else basis.mesh
     dofs, slopes, cut = _at_nodes(mesh, mesh.subdomains[name])
-    nodes, cells, stress = mean_stress(u, dofs, slopes, plane_stress(material.E, material.nu))
-    return nodes, cells[cut].reshape(len(cut), -1).T, stress
-
-
-def mean_stress(u: Floats, dofs: Ints, slopes: Floats, lame: tuple[float, float]) -> tuple[Ints, Ints, Floats]:
-    """Stresses at the nodes of a part, means of its elements', in a plane (d = 2) or a solid (d = 3).
-
-    u (d, nodes) [m]; dofs (a, m): nodes of the elements; slopes (a, d, m, a): gradients of their shape functions at
-    these; lame: lambda and mu [Pa]. Returns the part's nodes (n,), dofs as numbers within them, and (n, d, d) [Pa].
-    """
     gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
-    strain = 0.5 * (gradient + gradient.transpose(1, 0, 2, 3))
-    lam, mu = lame
-    stress, d = 2 * mu * strain, range(len(u))
-    stress[d, d] += lam * np.trace(strain)
+    along = layer.directions(basis.doflocs[:, dofs].transpose(0, 2, 1))
+    nodes, cells, mean = mean_of(stress(gradient, layer.elasticity, along), dofs)
+    return nodes, cells[cut].reshape(len(cut), -1).T, mean
+
+
+def mean_of(values: Floats, dofs: Ints) -> tuple[Ints, Ints, Floats]:
+    """The means of tensors (d, d, m, a) at the nodes of m elements, whose nodes are dofs (a, m).
+
+    Returns the nodes (n,), dofs as numbers within them (a, m), and the means (n, d, d).
+    """
     nodes, cells = np.unique(dofs, return_inverse=True)
     cells = cells.reshape(dofs.shape)
-    total = np.zeros((len(nodes), len(u), len(u)))
-    np.add.at(total, cells, stress.transpose(3, 2, 0, 1))
+    total = np.zeros((len(nodes), *values.shape[:2]))
+    np.add.at(total, cells, values.transpose(3, 2, 0, 1))
     return nodes, cells, total / np.bincount(cells.ravel())[:, None, None]
 
 

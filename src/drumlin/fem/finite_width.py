@@ -10,11 +10,12 @@ import numpy as np
 
 from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.elasticity import elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
+from drumlin.brake.orthotropic import isotropic_only
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
-from drumlin.fem.shapes import plane_stress
 from drumlin.texts import formatted
 
 HELD = 0.5
@@ -29,7 +30,8 @@ def between(material: Material, share: float) -> Material:
     E' = (lambda + 2 mu) (1 - nu^2), lambda that share of the way from plane stress to plane strain.
     """
     E, nu = material.E, material.nu
-    stress, mu = plane_stress(E, nu)
+    matrix = elasticity_matrix(material)
+    stress, mu = matrix[0, 1], matrix[2, 2]
     strain = E * nu / ((1 + nu) * (1 - 2 * nu))
     stiff = stress + share * (strain - stress) + 2 * mu
     return material.model_copy(update={"E": float(stiff * (1 - nu**2))})
@@ -63,6 +65,7 @@ def corrected(shoe: Shoe) -> Material:
     Flanges are those of a table, or of a backing that stands for one, beyond a narrower part behind it.
     """
     lining = shoe.lining
+    assert isinstance(lining.material, Material)  # why_not
     material = between(lining.material, held_share(lining.width, lining.thickness))
     if not isinstance(shoe.body, Body):
         return material
@@ -71,6 +74,7 @@ def corrected(shoe: Shoe) -> Material:
     if table is None or body.width >= lining.width:
         return material
     reach = (lining.width - body.width) / 2
+    assert isinstance(table.material, Material)  # why_not
     plate = table.material.E * table.thickness**3 / (12 * (1 - table.material.nu**2))
     stretch = material.E / (1 - material.nu**2)  # across the lining, held along the arc
     mean = flange_mean(reach, plate, stretch / lining.thickness)
@@ -85,17 +89,17 @@ def why_not(brake: AnyBrake) -> str | None:
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             return f"shoe {shoe.name!r}: a mesh of its own is a section without widths"
-        nu = shoe.lining.material.nu
-        if nu > LARGEST_NU:
+        nu = shoe.lining.material.nu_along_through
+        if isinstance(shoe.lining.material, Material) and nu > LARGEST_NU:
             return f"shoe {shoe.name!r}: lining.material.nu = {nu:g}, the correction holds up to {LARGEST_NU:g}"
-    return None
+    return isotropic_only(brake, "the correction")
 
 
 def said(brake: AnyBrake, other: Brake) -> str:
     """What the correction has made of a brake, and how far it is to be trusted, in a line."""
     assert isinstance(brake, Brake)  # others are refused
     pairs = zip(brake.shoes, other.shoes, strict=True)
-    factors = [after.lining.material.E / shoe.lining.material.E for shoe, after in pairs]
+    factors = [after.lining.material.E_through / shoe.lining.material.E_through for shoe, after in pairs]
     times = ", ".join(f"{factor:.3f}" for factor in dict.fromkeys(np.round(factors, 3)))
     return (
         f"corrected for the finite width: modulus of the lining times {times}; torque within "

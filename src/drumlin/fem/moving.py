@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
+from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.fields import Point
@@ -33,15 +34,20 @@ STILL = 1e-6
 """Part of a step below which a node of the contact stays: round-off."""
 
 
+BEAM_POINTS = ("hinge", "actuation.point")
+"""The two points between which the axis of a straight beam runs."""
+
+
 class Moves(NamedTuple):
     """How the nodes of a body go as a point goes by a unit: `nodes` (2 nodes,), x and y of a node
     together, and those of the contact line, `line` (2, n); and how the force per newton of the
-    actuation on each changes, `load` (2 nodes,) [1/m]. All in the shoe's frame, as it is before it
-    moves."""
+    actuation on each changes, `load` (2 nodes,) [1/m]; how far the axis of a straight beam turns,
+    `axis` [rad/m], else 0. All in the shoe's frame, as it is before it moves."""
 
     nodes: Floats
     line: Floats
     load: Floats
+    axis: float
 
     @property
     def contact_stays(self) -> bool:
@@ -61,8 +67,10 @@ def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
             "actuation.point" if shoe.guide is not None else "hinge" if shoe.hinge is not None else "abutment.point"
         )
     else:
-        beam = isinstance(shoe.body, Beam) and key in {"hinge", "actuation.point"}
+        beam = isinstance(shoe.body, Beam) and key in BEAM_POINTS
         moving = beam or (key == "pivot" and shoe.grip(radius) is not None)
+    if shoe.mesh is not None and not moving and isinstance(shoe.body, Beam) and key in BEAM_POINTS:
+        return [_only_turned(scene.bodies[i], _axis_turn(shoe, key, way)) for way in np.eye(2)]
     if scene.nodes_of is None or not moving:
         return []
     h, found = STEP * radius, []
@@ -76,8 +84,25 @@ def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
         if not sides:
             raise NoAnswer(f"shoe {shoe.name!r}: no slope along its {key}, there its division into elements changes")
         nodes, load = (shoe.frame.to_shoe(np.mean(part, axis=0).T) for part in zip(*sides, strict=True))
-        found.append(Moves(nodes.ravel(), nodes[scene.bodies[i].line.nodes].T, load.ravel()))
+        line = nodes[scene.bodies[i].line.nodes].T
+        found.append(Moves(nodes.ravel(), line, load.ravel(), _axis_turn(shoe, key, way)))
     return found
+
+
+def _only_turned(body: Body, axis: float) -> Moves:
+    """No node of a mesh in the brake's frame moves, but the directions of a straight beam turn."""
+    still = np.zeros(2 * body.basis.N)
+    return Moves(still, np.zeros(body.line.xy.shape), still, axis)
+
+
+def _axis_turn(shoe: Shoe, key: str, way: Floats) -> float:
+    """How far the axis of a straight beam turns in the shoe's frame as the point `key` goes by a
+    unit along `way` [rad/m]; 0 of other bodies."""
+    if not isinstance(shoe.body, Beam):
+        return 0.0
+    beam = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
+    sideways = shoe.frame.sense * float(beam.along[0] * way[1] - beam.along[1] * way[0]) / beam.length
+    return {"hinge": -sideways, "actuation.point": sideways}.get(key, 0.0)
 
 
 def _in_brake(scene: Scene, i: int, shoe: Shoe) -> BodyNodes:

@@ -24,6 +24,8 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import Backing, Beam, Body, Lining, Ring, Section, bonded
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.fields import Material
+from drumlin.brake.orthotropic import isotropic_only
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import assembly
 from drumlin.fem.interface import edge_points
@@ -58,7 +60,7 @@ def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], assembly.Scene]:
     meshed: dict[Brake, assembly.Scene] = {}
 
     def sketch(brake: Brake) -> assembly.Scene:
-        reason = assembly.why_not(brake)
+        reason = assembly.why_not(brake) or isotropic_only(brake, "a sketch")
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
         bare = _rigid(brake)
@@ -98,7 +100,7 @@ def _rigid(brake: Brake) -> Brake:
             return shoe.model_copy(update={"body": None}) if shoe.mesh is None else shoe
         section = shoe.body.section
         assert section is not None  # why_not
-        stiff = section.material.model_copy(update={"E": STIFF * section.material.E})
+        stiff = section.material.model_copy(update={key: STIFF * E for key, E in section.material.moduli.items()})
         body = shoe.body.model_copy(update={"width": section.width, "material": stiff, "bending_stiffness": None})
         return shoe.model_copy(update={"body": body})
 
@@ -235,6 +237,7 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
     """
     section = ring.section
     assert section is not None  # why_not
+    assert isinstance(section.material, Material)  # sketcher
     E, nu = section.material.E, section.material.nu
     long = modes * section.thickness <= SHORT * radius
     if not long.all():

@@ -29,8 +29,9 @@ from drumlin.arrays import Bools, Floats
 from drumlin.brake.drum_brake import Brake
 from drumlin.contact.active_set import SLACK
 from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import Scene, actuation, materials_of
+from drumlin.fem.assembly import Scene, actuation
 from drumlin.fem.body import FRAME, stiffness
+from drumlin.fem.elasticity import layers_of, ring_layers
 from drumlin.fem.group import ShoeGroup
 from drumlin.fem.motions import Motions
 
@@ -141,7 +142,7 @@ class _ShoeBlock(NamedTuple):
 def _shoe_block(scene: Scene, brake: Brake, index: int, size: float, motions: Motions, carried: bool) -> _ShoeBlock:
     body, shoe = scene.bodies[index], brake.shoes[index]
     ties = body.condensed.ties.matrix.astype(LONG)
-    K = stiffness(body.basis, materials_of(shoe), precise=True)
+    K = stiffness(body.basis, layers_of(shoe), precise=True)
     A = (ties.T @ K @ ties).tocsr()
     inside, n = A.shape[0] - FRAME, len(body.line.nodes)
     unit, _ = actuation(body, shoe)
@@ -176,7 +177,7 @@ def _ring_block(scene: Scene, brake: Brake) -> _RingBlock:
     ring, part = scene.ring, brake.drum.ring
     assert ring is not None and part is not None and part.section is not None  # scene.why_not
     basis = ring.basis
-    K = stiffness(basis, {"drum": (part.section.material, part.section.width)}, precise=True).tocsr()
+    K = stiffness(basis, ring_layers(part.section), precise=True).tocsr()
     keep = np.ones(2 * basis.N, dtype=bool)
     if part.support == "fixed":
         keep[2 * ring.support] = keep[2 * ring.support + 1] = False

@@ -21,6 +21,7 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake.components import Section
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
+from drumlin.fem.elasticity import ring_layers
 from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, edge_points
 from drumlin.fem.mesh.grading import EDGE_SIZE, graded, lining_angles, lining_layers
 from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
@@ -115,7 +116,7 @@ def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> 
     section = ring.section
     mesh = ring_mesh(section, brake.drum.radius, brake.shoes, elements)
     basis = scalar_basis(mesh)
-    K = stiffness(basis, {"drum": (section.material, section.width)})
+    K = stiffness(basis, ring_layers(section))
     angles = [shoe.frame.theta(line.phi) for shoe, line in zip(brake.shoes, linings, strict=True)]
     under = _facets_under(mesh, [(float(a.min()), float(a.max())) for a in angles])
     line = contact_line(basis, under, math.pi)

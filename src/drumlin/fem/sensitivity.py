@@ -23,13 +23,15 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.file import vary
+from drumlin.brake.orthotropic import orthotropic_parts
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.brake.support import wrench
 from drumlin.brake.unrolled import unrolled
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adjoint import Adjoints, adjoints
-from drumlin.fem.assembly import Body, Scene, coupling_of, materials_of, prepare
+from drumlin.fem.assembly import Body, Scene, coupling_of, prepare
 from drumlin.fem.body import FRAME
+from drumlin.fem.elasticity import layers_of
 from drumlin.fem.group import gap_at, groups_of
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.model import PENALTY, check_penalty
@@ -52,7 +54,8 @@ class ShoeSensitivity:
 
     Of the shoe's own torque [N m]: `torque`, `friction` d torque/dmu [N m], `S` = (mu/torque) d
     torque/dmu at fixed actuation, None where it is 0. Of the brake's: dT by its `force` [m], by the
-    logarithm of each modulus, `moduli` [N m] of "lining", "backing", "shoe", by that of the
+    logarithm of each modulus, `moduli` [N m] of "lining", "backing", "shoe" (of an orthotropic part
+    by that of one factor on all its moduli, not by each of them), by that of the
     `bending_stiffness` [N m] of its body, which stands in the modulus's place where the brake gives
     it (None where not), by a `clearance` even along its lining [N], by what holds it, `held`: the
     places "hinge", "pivot", "abutment.point" (2,) [N] along x and y of the brake, the angles
@@ -185,6 +188,9 @@ def as_text(found: Sensitivity, brake: AnyBrake) -> list[str]:
             f"    clearance {own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0:+.4g} %/µm"
             + (f"; {held}" if held else ""),
         ]
+    parts = list(orthotropic_parts(brake))
+    if parts:
+        lines.append(f"  {d} E of {', '.join(parts)}: by one factor on all moduli; not given by each of them")
     return lines
 
 
@@ -199,8 +205,11 @@ def _held_text(key: str, value: Floats) -> str:
 
 
 def law_sensitivity(brake: AnyBrake) -> tuple[float | None, ...] | None:
-    """S of the rigid-shoe law: each shoe's, the whole's. Of the sine law exactly, since its pressure keeps its shape
-    (UWA notes, eq. 8); of others the whole's alone, by differences of their closed form."""
+    """S of the rigid-shoe law: each shoe's, the whole's. Of the sine law exactly, since its
+    pressure keeps its shape (UWA notes, eq. 8); of others the whole's alone, by differences of
+    their closed form. None of an orthotropic brake, which laws refuse."""
+    if any(orthotropic_parts(brake)):
+        return None
     try:
         if name_of(brake) != "sine" or isinstance(brake, FlatBrake):
             return (*(None for _ in brake.shoes), by_differences(brake, rigid_law))
@@ -287,7 +296,8 @@ def _by_nodes(every: Adjoints, k: int, u: Floats, v: Floats, moves: list[Moves])
     """
     group, at = every.group, every.of[k]
     body, shoe = group.bodies[k], group.shoes[k]
-    found = -change_by_nodes(body.basis, materials_of(shoe), u, v, np.array([move.nodes for move in moves]))
+    nodes, axes = np.array([move.nodes for move in moves]), [move.axis for move in moves]
+    found = -change_by_nodes(body.basis, layers_of(shoe), u, v, nodes, axes)
     # What a force on each node is worth, in torque per newton.
     worth = at.F * v - (at.c if k in group.cam else 0.0) * u
     for j, move in enumerate(moves):
@@ -399,7 +409,7 @@ def _moduli(body: Body, shoe: Shoe, u: Floats, v: Floats, soft: float) -> tuple[
     `soft`.
     """
     effects: dict[str, float] = {}
-    for name, work in work_by_part(body.basis, materials_of(shoe), u, v).items():
+    for name, work in work_by_part(body.basis, layers_of(shoe), u, v).items():
         own = "shoe" if name == "table" else name  # of one material
         effects[own] = effects.get(own, 0.0) - work + (soft if name == "lining" else 0.0)
     given = None if shoe.body is None else shoe.body.bending_stiffness
@@ -409,7 +419,7 @@ def _moduli(body: Body, shoe: Shoe, u: Floats, v: Floats, soft: float) -> tuple[
 def _untouched(body: Body, shoe: Shoe) -> ShoeSensitivity:
     """Of a shoe that its force does not press: nothing changes its torque of 0."""
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
-    none = dict.fromkeys(("shoe" if name == "table" else name for name in materials_of(shoe)), 0.0)
+    none = dict.fromkeys(("shoe" if name == "table" else name for name in layers_of(shoe)), 0.0)
     bent = None if shoe.body is None or shoe.body.bending_stiffness is None else none.pop("shoe")
     return ShoeSensitivity(shoe.name, 0.0, 0.0, None, 0.0, none, bent, 0.0, {}, 0.0, theta, np.zeros(len(theta)))
 
@@ -426,12 +436,24 @@ def against_differences(
     mu, shoe, of, key = brake.friction, brake.shoes[index], found.shoes[index], f"shoe[{index}]."
     gap, body, material = shoe.lining.clearance, shoe.body, shoe.lining.material
     assert isinstance(gap, float) and body is not None and body.material is not None
-    E, x, y = body.material.E, shoe.pin.x, shoe.pin.y
+    linings, bodies, x, y = material.moduli, body.material.moduli, shoe.pin.x, shoe.pin.y
     table: list[tuple[str, str, float, Callable[[float], dict[str, Any]], float]] = [
         ("dT/dμ", "N m", found.friction, lambda s: {"friction": mu + s}, 1e-5),
         ("dT/dF", "m", of.force or 0.0, lambda s: {"actuation.force": shoe.actuation.force * (1 + s)}, 1e-4),
-        ("dT/d ln E, lining", "N m", of.moduli["lining"], lambda s: {"lining.material.E": material.E * (1 + s)}, 1e-4),
-        ("dT/d ln E, shoe", "N m", of.moduli["shoe"], lambda s: {"body.material.E": E * (1 + s)}, 1e-4),
+        (
+            "dT/d ln E, lining",
+            "N m",
+            of.moduli["lining"],
+            lambda s: {f"lining.material.{name}": E * (1 + s) for name, E in linings.items()},
+            1e-4,
+        ),
+        (
+            "dT/d ln E, shoe",
+            "N m",
+            of.moduli["shoe"],
+            lambda s: {f"body.material.{name}": E * (1 + s) for name, E in bodies.items()},
+            1e-4,
+        ),
         ("dT/d clearance", "N", of.clearance, lambda s: {"lining.clearance": gap + s}, 1e-9),
         ("dT/dx, hinge", "N", float(of.held["hinge"][0]), lambda s: {"hinge": {"x": x + s, "y": y}}, 1e-6),
         ("dT/dy, hinge", "N", float(of.held["hinge"][1]), lambda s: {"hinge": {"x": x, "y": y + s}}, 1e-6),

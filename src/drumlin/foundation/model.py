@@ -19,6 +19,7 @@ import numpy as np
 from drumlin.arrays import Bools, Floats
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.orthotropic import isotropic_only
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
@@ -63,7 +64,7 @@ def why_not(brake: AnyBrake) -> str | None:
     for shoe in brake.shoes:
         if not isinstance(shoe.body, Beam):
             return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'
-    return None
+    return isotropic_only(brake, "the foundation model")
 
 
 def lifted(brake: Brake, lift: Iterable[str]) -> frozenset[str]:

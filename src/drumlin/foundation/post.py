@@ -15,6 +15,7 @@ from drumlin.brake import clearance
 from drumlin.brake.beam_axis import Axis, axis_of
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.fields import AnyMaterial, Material
 
 
 class Post(NamedTuple):
@@ -109,11 +110,12 @@ def layers(brake: Brake, shoe: Shoe, axis: Axis, theta: Floats, *, wedge: bool, 
     fills the space between the lining's back and the beam's face.
     """
 
-    def soft(thickness: Floats, E: float, nu: float) -> Floats:
-        return thickness * ((1 - nu**2) if plane_stress else 1.0) / E
+    def soft(thickness: Floats, material: AnyMaterial) -> Floats:
+        assert isinstance(material, Material)  # why_not
+        return thickness * ((1 - material.nu**2) if plane_stress else 1.0) / material.E
 
     lining, backing = shoe.lining, shoe.backing
-    total = soft(np.full(theta.shape, lining.thickness), lining.material.E, lining.material.nu)
+    total = soft(np.full(theta.shape, lining.thickness), lining.material)
     if backing is None:
         return total
     thickness = np.full(theta.shape, backing.thickness)
@@ -121,7 +123,7 @@ def layers(brake: Brake, shoe: Shoe, axis: Axis, theta: Floats, *, wedge: bool, 
         assert isinstance(shoe.body, Beam) and shoe.body.thickness is not None  # why_not
         face = axis.distance - shoe.body.thickness / 2
         thickness = face - (brake.drum.radius + lining.thickness) * np.cos(theta)
-    return total + soft(thickness, backing.material.E, backing.material.nu)
+    return total + soft(thickness, backing.material)
 
 
 def shoe_angles(axis: Axis, shoe: Shoe, theta: Floats) -> Floats:

@@ -15,6 +15,7 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.components import Ring
+from drumlin.brake.fields import Material
 
 SHEAR = 6 / 5  # shear factor of a rectangular section
 
@@ -66,6 +67,7 @@ def flexibility(ring: Ring, radius: float, d: Floats, *, twin: bool, sign: int, 
     assert section is not None  # why_not
     r = radius + sign * section.thickness / 2
     e = section.thickness**2 / (12 * r**2)
+    assert isinstance(section.material, Material)  # why_not
     shear = 2 * (1 + section.material.nu) * SHEAR
     hoop = 0.5
     n2 = shear_of_one_force(d)

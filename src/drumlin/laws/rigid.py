@@ -272,7 +272,7 @@ def cam_notes(brake: AnyBrake) -> tuple[str, ...]:
         return ()
     behind = {link.to for link in brake.links}
     linings = [shoe.lining for shoe in brake.shoes if shoe.name not in behind]
-    moduli = [own.material.E / own.thickness for own in linings if own.material is not None and own.thickness]
+    moduli = [own.material.E_through / own.thickness for own in linings if own.material is not None and own.thickness]
     if len(moduli) < 2 or math.isclose(*moduli[:2], rel_tol=1e-6):
         return ()
     return (

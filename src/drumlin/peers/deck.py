@@ -14,8 +14,10 @@ import numpy as np
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.fields import Material, Orthotropic
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import materials_of
+from drumlin.fem.elasticity import layers_of
 from drumlin.fem.group import gap_at
 from drumlin.fem.interface import edge_nodes, end_loads
 from drumlin.fem.mesh.abaqus import NAMES
@@ -122,21 +124,57 @@ def _sections(loaded: Loaded, setting: Setting) -> list[str]:
     """Materials and thickness; what is wider than the lining is stiffer instead."""
     lining = loaded.shoe.lining
     thickness = setting.thickness * lining.width * MM
-    moduli = {
-        part.upper(): (material.E * width / lining.width, material.nu)
-        for part, (material, width) in materials_of(loaded.shoe).items()
-    }
-    lines = []
-    for name, (E, nu) in (moduli | {"DRUM": (SOFT * lining.material.E, 0.0)}).items():
-        lines += [f"*MATERIAL, NAME={name}", "*ELASTIC", f"{E * MPA:.12e}, {nu:.12e}"]
-        lines += [f"*SOLID SECTION, ELSET={name}, MATERIAL={name}", f"{thickness:.12e}"]
+    parts = materials_of(loaded.shoe) | {"drum": (Material(E=SOFT * lining.material.E_through, nu=0.0), lining.width)}
+    layers, lines = layers_of(loaded.shoe), []
+    for part, (material, width) in parts.items():
+        name, times = part.upper(), width / lining.width
+        section = f"*SOLID SECTION, ELSET={name}, MATERIAL={name}"
+        lines.append(f"*MATERIAL, NAME={name}")
+        if isinstance(material, Material):
+            lines += ["*ELASTIC", f"{material.E * times * MPA:.12e}, {material.nu:.12e}"]
+        else:
+            along = layers[part].along
+            lines += _engineering_constants(material, times)
+            lines += _orientation(f"O{name}", None if along is None else loaded.shoe.frame.to_brake(along))
+            section += f", ORIENTATION=O{name}"
+        lines += [section, f"{thickness:.12e}"]
     return lines
+
+
+def _engineering_constants(material: Orthotropic, times: float) -> list[str]:
+    """The nine constants of an orthotropic material, moduli so many times as large.
+
+    CalculiX's directions 1, 2, 3 are through, along and across the layer, as in its cylindrical
+    systems. Those across do not matter in plane stress; a file without them gets a material that
+    does not contract across.
+    """
+    along, through = material.E_along, material.E_through
+    E = [through, along, material.E_across or along]
+    nu = [
+        material.nu_along_through * through / along,
+        material.nu_through_across or 0.0,
+        material.nu_along_across or 0.0,
+    ]
+    shear = material.G_along_through
+    G = [shear, material.G_through_across or shear, material.G_along_across or shear]
+    moduli = [times * MPA * value for value in (*E, *G)]
+    values = [f"{value:.12e}" for value in (*moduli[:3], *nu, *moduli[3:])]
+    return ["*ELASTIC, TYPE=ENGINEERING CONSTANTS", ", ".join(values[:8]) + ",", values[8]]
+
+
+def _orientation(name: str, along: Floats | None) -> list[str]:
+    """The directions through, along and across a layer; along (2,): in the brake's frame, None
+    around its centre."""
+    if along is None:
+        return [f"*ORIENTATION, NAME={name}, SYSTEM=CYLINDRICAL", "0., 0., 0., 0., 0., 1."]
+    x, y = along
+    return [f"*ORIENTATION, NAME={name}, SYSTEM=RECTANGULAR", f"{y:.12e}, {-x:.12e}, 0., {x:.12e}, {y:.12e}, 0."]
 
 
 def contact(brake: Brake, loaded: Loaded, setting: Setting, slave: list[str], master: str) -> list[str]:
     """Contact of the lining's faces `slave` (lines "element, face") with the face `master` of the drum's elements."""
     lining = loaded.shoe.lining
-    unit = lining.material.E * MPA / (lining.thickness * MM)
+    unit = lining.material.E_through * MPA / (lining.thickness * MM)
     return [
         "*SURFACE, NAME=SLINING, TYPE=ELEMENT",
         *slave,

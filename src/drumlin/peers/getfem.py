@@ -22,7 +22,8 @@ from drumlin.arrays import Floats
 from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, materials_of
+from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher
+from drumlin.fem.elasticity import layers_of, split
 from drumlin.fem.group import gap_at
 from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.arc import DEFAULT_KIND
@@ -203,15 +204,17 @@ def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) 
     listed = []
     for loaded in shoes:
         shoe, parts, k = loaded.shoe, loaded.parts, loaded.body
-        lining, E = shoe.lining, shoe.lining.material.E
+        lining, E = shoe.lining, shoe.lining.material.E_through
         basis, mesh = parts.basis, parts.mesh
         nodes = {name: np.unique(edge_nodes(basis, facets)) for name, facets in mesh.boundaries.items()}
-        lame = np.zeros((2, mesh.nelements))
+        constants, straight = np.zeros((4, mesh.nelements)), np.zeros((2, mesh.nelements))
         for name, elements in mesh.subdomains.items():
-            material, width = materials_of(shoe)[name]
-            G = material.E / (2 * (1 + material.nu))  # plane stress: lambda* = 2 G nu / (1 - nu)
-            lame[:, elements] = np.array([[2 * G * material.nu / (1 - material.nu)], [G]]) * width / lining.width / E
-        arrays |= {f"points{k}": basis.doflocs.T / R, f"cells{k}": basis.element_dofs.T, f"lame{k}": lame}
+            layer = layers_of(shoe)[name]
+            constants[:, elements] = split(layer.stiffness)[:, None] / lining.width / E
+            if layer.along is not None:
+                straight[:, elements] = layer.along[:, None]
+        arrays |= {f"points{k}": basis.doflocs.T / R, f"cells{k}": basis.element_dofs.T}
+        arrays |= {f"constants{k}": constants, f"straight{k}": straight}
         arrays |= {f"{name}{k}": nodes[name] for name in ("contact", "hinge", "actuation") if name in nodes}
         force, couple = loaded.force / (E * R * lining.width), loaded.couple / (E * R**2 * lining.width)
         motions, tests, sizes = _in_radii(loaded, R)
@@ -258,7 +261,7 @@ def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Stood:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM did not converge in {found['steps']} steps")
     if not abs(found["slipping"] - 1) < 1 - SLIPPING:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM: it sticks, its shear is {found['slipping']:.3g} times mu p")
-    E, b = shoe.lining.material.E, shoe.lining.width
+    E, b = shoe.lining.material.E_through, shoe.lining.width
     xy = np.array(found["xy"])
     phi = xy[0] if shoe.flat else angle_near(sum(shoe.arc) / 2, xy)
     order = np.argsort(phi)

@@ -78,7 +78,7 @@ class Body:
         self.inside = gf.MeshIm(self.mesh, gf.Integ(self.kind.inside))
         self.surface = gf.MeshIm(self.mesh, gf.Integ(self.kind.surface))
         self.model = gf.Model("real")
-        self._elasticity(problem[f"lame{number}"], numbers)
+        self._elasticity(problem[f"constants{number}"], problem[f"straight{number}"], numbers)
         self._held(shoe)
         self._load(shoe)
         self.nodes = self.scalar.basic_dof_on_region(CONTACT)
@@ -91,14 +91,31 @@ class Body:
         made.set_fem(gf.Fem(element))
         return made
 
-    def _elasticity(self, lame: Any, numbers: Any) -> None:
+    def _elasticity(self, constants: Any, straight: Any, numbers: Any) -> None:
+        """Plane stress with lambda and mu, and what cells are stiffer along and through their
+        layer.
+
+        constants (4, cells): of drumlin.fem.elasticity.split; straight (2, cells): the direction
+        along a straight layer, (0, 0) in one that runs around the origin.
+        """
         constant = self.space(self.kind.constant)
-        place = np.empty(lame.shape[1], dtype=int)
-        place[constant.basic_dof_from_cvid(numbers)[0]] = np.arange(lame.shape[1])
+        place = np.empty(constants.shape[1], dtype=int)
+        place[constant.basic_dof_from_cvid(numbers)[0]] = np.arange(constants.shape[1])
         self.model.add_fem_variable("u", self.displacement)
-        self.model.add_initialized_fem_data("lam", constant, lame[0][place])
-        self.model.add_initialized_fem_data("shear", constant, lame[1][place])
+        self.model.add_initialized_fem_data("lam", constant, constants[0][place])
+        self.model.add_initialized_fem_data("shear", constant, constants[1][place])
         self.model.add_isotropic_linearized_elasticity_brick(self.inside, "u", "lam", "shear")
+        if not constants[2:].any():
+            return
+        around = 1.0 - np.abs(straight).max(axis=0).round()  # a unit vector's larger component is 0.7 and more
+        fields = {"stiff1": constants[2], "stiff2": constants[3], "tx": straight[0], "ty": straight[1], "turns": around}
+        for name, values in fields.items():
+            self.model.add_initialized_fem_data(name, constant, values[place])
+        self.model.add_macro("along1", "(turns*[-X(2); X(1)]/Norm(X) + [tx; ty])")
+        self.model.add_macro("along2", "(turns*[X(1); X(2)]/Norm(X) + [-ty; tx])")
+        for k in (1, 2):
+            stretch, tested = (f"(along{k}.({field}*along{k}))" for field in ("Grad_u", "Grad_Test_u"))
+            self.model.add_linear_term(self.inside, f"stiff{k}*{stretch}*{tested}")
 
     def _held(self, shoe: dict[str, Any]) -> None:
         """The edge that is held moves by the sum of the shoe's free motions, by the traction `hold` that holds it. That

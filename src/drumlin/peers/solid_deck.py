@@ -12,6 +12,7 @@ import skfem
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.fields import Material
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import materials_of
 from drumlin.fem.group import gap_at
@@ -128,8 +129,12 @@ def deck(brake: Brake, loaded: Loaded, solid: Solid, setting: Setting, name: str
         lines.append(f"*ELEMENT, TYPE=C3D20R, ELSET={part.upper()}")
         lines += [line for i in np.sort(members) for line in _element(i + 1, cells[i] + 1)]
     lines += drum_lines
-    moduli = {part.upper(): (material.E, material.nu) for part, (material, _) in materials_of(shoe).items()}
-    for part, (E, nu) in (moduli | {"DRUM": (SOFT * shoe.lining.material.E, 0.0)}).items():
+    moduli = {}
+    for part, (material, _) in materials_of(shoe).items():
+        assert isinstance(material, Material)  # why_not
+        moduli[part.upper()] = material.E, material.nu
+    moduli["DRUM"] = SOFT * shoe.lining.material.E_through, 0.0
+    for part, (E, nu) in moduli.items():
         lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E * MPA:.12e}, {nu:.12e}"]
         lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
     face = face_of(solid, shoe, brake.drum.radius).nodes

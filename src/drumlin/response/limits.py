@@ -9,7 +9,7 @@ from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
 from drumlin.brake.units import deg, mm
 from drumlin.errors import NoAnswer
 
-LARGE_STRAIN = 0.05  # of the lining, p/E; small displacements are off by about as much
+LARGE_STRAIN = 0.05  # of the lining, p/E through its thickness; small displacements are off by about as much
 LARGEST_STRAIN = 10.0  # in the mean; beyond it no scaled load is meant: the force or its unit is wrong
 
 
@@ -19,7 +19,7 @@ def check_strain(shoe: Shoe, radius: float, force: float, contact: float) -> Non
     at a corner, where it only tells how fine the mesh is. radius: of the drum [m]."""
     lining = shoe.lining
     length = max(radius * contact, min(lining.thickness, radius * (lining.end - lining.start)))
-    strain = force / (lining.width * length * lining.material.E)
+    strain = force / (lining.width * length * lining.material.E_through)
     if strain > LARGEST_STRAIN:
         raise NoAnswer(
             f"shoe {shoe.name!r}: the lining would be pressed in by {strain:.3g} times its "
@@ -36,7 +36,7 @@ def warnings(brake: AnyBrake, peaks: dict[str, float]) -> tuple[str, ...]:
         f"warning: shoe {shoe.name!r}: the lining is strained by up to {100 * peaks[shoe.name] / E:.2g} %; "
         f"small displacements are taken, good up to some {100 * LARGE_STRAIN:g} %"
         for shoe in brake.shoes
-        if shoe.lining.material is not None and peaks[shoe.name] > LARGE_STRAIN * (E := shoe.lining.material.E)
+        if shoe.lining.material is not None and peaks[shoe.name] > LARGE_STRAIN * (E := shoe.lining.material.E_through)
     ]
     return (*strained, *_overlaps(brake))
 

@@ -99,7 +99,7 @@ def _compression(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
     """How far the mean pressure of a shoe presses its lining together [m], about."""
     lining = shoe.lining
     area = brake.drum.radius * (lining.end - lining.start) * lining.width
-    return found.normal_force / area * lining.thickness / lining.material.E
+    return found.normal_force / area * lining.thickness / lining.material.E_through
 
 
 def stated_and_true(brake: AnyBrake) -> tuple[Response, Truth, dict[str, float]]:

@@ -16,6 +16,7 @@ import numpy as np
 
 from drumlin.brake.components import Body
 from drumlin.brake.drum_brake import Brake
+from drumlin.brake.fields import AnyMaterial
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.brake.unrolled import on_drum
@@ -113,6 +114,11 @@ def scaled(key: str, value: float) -> Changes:
     return lambda s: {key: value * (1 + s)}
 
 
+def scaled_moduli(key: str, material: AnyMaterial) -> Changes:
+    """Changes of all moduli of the material of the part `key` by one part of their values."""
+    return lambda s: {f"{key}material.{name}": value * (1 + s) for name, value in material.moduli.items()}
+
+
 def shifted(key: str, value: float) -> Changes:
     """Changes of a key by a step."""
     return lambda s: {key: value + s}
@@ -129,7 +135,7 @@ def slopes_of(brake: AnyBrake, found: Sensitivity) -> list[Slope]:
     table += _of_drive(brake, found)
     ring = None if isinstance(brake, FlatBrake) else brake.drum.ring
     if ring is not None and found.ring is not None and ring.material is not None:
-        table.append(Slope("E of the ring", found.ring, scaled("drum.ring.material.E", ring.material.E)))
+        table.append(Slope("E of the ring", found.ring, scaled_moduli("drum.ring.", ring.material)))
     if ring is not None and found.ring_bending_stiffness is not None and ring.bending_stiffness is not None:
         EI = scaled("drum.ring.bending_stiffness", ring.bending_stiffness)
         table.append(Slope("bending_stiffness of the ring", found.ring_bending_stiffness, EI))
@@ -155,19 +161,18 @@ def _of_shoe(brake: AnyBrake, found: Sensitivity, i: int) -> Iterator[Slope]:
     if own.force is not None and own.torque and brake.actuation is None and not behind_strut:
         force = shoe.actuation.force
         yield Slope("force", own.force * force, scaled(f"{key}actuation.force", force))
-    yield Slope("E of the lining", own.moduli["lining"], scaled(f"{key}lining.material.E", lining.material.E))
+    yield Slope("E of the lining", own.moduli["lining"], scaled_moduli(f"{key}lining.", lining.material))
     if "backing" in own.moduli and shoe.backing is not None:
-        E = shoe.backing.material.E
-        yield Slope("E of the backing", own.moduli["backing"], scaled(f"{key}backing.material.E", E))
+        yield Slope("E of the backing", own.moduli["backing"], scaled_moduli(f"{key}backing.", shoe.backing.material))
     if "shoe" in own.moduli and body is not None and body.material is not None:
-        yield Slope("E of the body", own.moduli["shoe"], scaled(f"{key}body.material.E", body.material.E))
+        yield Slope("E of the body", own.moduli["shoe"], scaled_moduli(f"{key}body.", body.material))
     if own.bending_stiffness is not None and body is not None and isinstance(body.bending_stiffness, float):
         EI = scaled(f"{key}body.bending_stiffness", body.bending_stiffness)
         yield Slope("bending_stiffness of the body", own.bending_stiffness, EI)
     if isinstance(lining.clearance, float):
         force = abs(shoe.actuation.force) or max(abs(each.actuation.force) for each in brake.shoes)
         area = radius * (lining.end - lining.start) * lining.width
-        squeezed = force / area * lining.thickness / lining.material.E
+        squeezed = force / area * lining.thickness / lining.material.E_through
         yield Slope("clearance", own.clearance, shifted(f"{key}lining.clearance", lining.clearance), squeezed)
     for what, value in own.held.items():
         at: Any = brake.shoes[i]

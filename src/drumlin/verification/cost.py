@@ -16,8 +16,9 @@ import numpy as np
 from scipy.sparse.linalg import splu
 
 from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.fem.assembly import Mesher, materials_of, prepare
+from drumlin.fem.assembly import Mesher, prepare
 from drumlin.fem.body import scalar_basis, stiffness
+from drumlin.fem.elasticity import layers_of
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.grading import Division, divide
 from drumlin.fem.model import PENALTY, respond
@@ -77,7 +78,7 @@ def cost(
     bodies = {id(body): (body, shoe) for body, shoe in zip(scene.bodies, brake.shoes, strict=True)}
     phases = np.zeros(3)
     for body, shoe in bodies.values():
-        K = stiffness(body.basis, materials_of(shoe))
+        K = stiffness(body.basis, layers_of(shoe))
         free = np.ones(K.shape[0], dtype=bool)
         hinge = body.basis.get_dofs(body.mesh.boundaries["hinge"]).flatten()
         free[2 * hinge] = free[2 * hinge + 1] = False
@@ -183,7 +184,7 @@ def peak_memory() -> int:
 
 
 def _assemble(mesh: Any, shoe: Shoe) -> Any:
-    return stiffness(scalar_basis(mesh), materials_of(shoe))
+    return stiffness(scalar_basis(mesh), layers_of(shoe))
 
 
 def _time(call: Callable[[], object], repeats: int) -> float:

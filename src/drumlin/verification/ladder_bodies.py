@@ -9,6 +9,7 @@ import skfem
 from scipy.sparse.linalg import splu
 
 from drumlin.arrays import Floats
+from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
@@ -45,7 +46,7 @@ def _rectangle(length: float, height: float, along: int, through: int) -> tuple[
 def _stiff(mesh: Any, material: Material) -> tuple[Any, Any]:
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
     basis = scalar_basis(mesh)
-    return basis, stiffness(basis, {"body": (material, 1.0)}).tocsc()
+    return basis, stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
 
 
 def solved(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:

@@ -9,6 +9,7 @@ import skfem
 from scipy.sparse.linalg import splu
 
 from drumlin.arrays import Floats, Ints
+from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, equations, self_locking, stick_slip
@@ -109,7 +110,7 @@ class Flexible(NamedTuple):
     @classmethod
     def of(cls, mesh: Any, material: Material, held: Ints, directions: Directions, middle: float) -> "Flexible":
         basis = scalar_basis(mesh)
-        K = stiffness(basis, {"body": (material, 1.0)}).tocsc()
+        K = stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
         line = contact_line(basis, mesh.boundaries["contact"], middle)
         return cls(basis, K, line, couple(line, 1.0, directions), np.setdiff1d(np.arange(2 * basis.N), held))
 

@@ -215,7 +215,7 @@ def straight_edges(brake: Brake, shoe: Shoe, elements: int) -> float:
     """
     angles, height = _sagittas(brake, shoe, elements)
     lining = shoe.lining
-    E, nu = lining.material.E, lining.material.nu
+    E, nu = lining.material.E_through, lining.material.nu_along_through
     kappa, G = (3 - nu) / (1 + nu), E / (2 * (1 + nu))
     h, m = brake.drum.radius * np.diff(angles)[:, None], np.arange(1, 9)
     k = 2 * math.pi * m / h

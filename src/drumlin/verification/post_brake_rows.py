@@ -206,7 +206,9 @@ def groups(brake: Brake) -> tuple[float, float]:
     shoe, ring, R = brake.shoes[0], brake.drum.ring, brake.drum.radius
     assert shoe.backing is not None and shoe.body is not None and ring is not None
     lining = shoe.lining
-    k = lining.width / (lining.thickness / lining.material.E + shoe.backing.thickness / shoe.backing.material.E)
+    k = lining.width / (
+        lining.thickness / lining.material.E_through + shoe.backing.thickness / shoe.backing.material.E_through
+    )
     return k * R**4 / shoe.body.plates["shoe"].bending_stiffness, k * R**4 / ring.EI
 
 

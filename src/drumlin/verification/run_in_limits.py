@@ -150,7 +150,7 @@ def ratio_row(brake: Brake, ratio: float, elements: int) -> dict[str, Any]:
     """How a brake with elastic shoes runs in, its linings of `ratio` times the shoe's modulus."""
     body = brake.shoes[0].body
     assert body is not None and body.material is not None  # elastic shoes, whose modulus is known
-    changed = vary(brake, {"shoe.lining.material.E": ratio * body.material.E})
+    changed = vary(brake, {"shoe.lining.material.E": ratio * body.material.E_along})
     return {"ratio": ratio, **run_row(settle("", fem_setup(prepare(changed, elements=elements), changed)))}
 
 

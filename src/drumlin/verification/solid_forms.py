@@ -9,6 +9,7 @@ import skfem
 from scipy.sparse.linalg import splu
 
 from drumlin.arrays import Floats
+from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
@@ -55,7 +56,7 @@ def lame_error(elements: int, material: Material, radii: tuple[float, float] = (
     solid = ring_sector(np.linspace(a, b, elements + 1), np.linspace(0, math.pi / 2, 3 * elements + 1),
                         np.linspace(0, half, 3))  # fmt: skip
     E, nu, p = material.E, material.nu, 1.0
-    K = stiffness(solid.basis, {PART: (material, HALVES)})
+    K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
     face, x = face_on(solid), solid.basis.doflocs
     load = np.zeros((solid.basis.N, 3))
     load[face.nodes, :2] = -(face.couple(0.0, radial(1)).N.T @ np.full(len(face.nodes), p)).reshape(-1, 2)
@@ -80,7 +81,7 @@ def patch_error(elements: int, material: Material) -> float:
     """
     z = np.array([0.0, 0.1, 0.15])
     solid = ring_sector(np.linspace(0.6, 1.0, 3), np.linspace(-0.5, 0.5, elements + 1), z)
-    K = stiffness(solid.basis, {PART: (material, HALVES)})
+    K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
     u = -(1 - 2 * material.nu) / material.E * solid.basis.doflocs.T
     forces = (K @ u.ravel()).reshape(-1, 3)
     face = face_on(solid)
@@ -121,7 +122,7 @@ def point_contact(per_radius: int, nu: float = 0.3, size: float = 6.0, growth: f
     face = contact_face(_flat_line(solid), solid.node, solid.z)
     held = np.unique(edge_nodes(solid.plane, groups["hinge"]))
     ties = tie(solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True)
-    K = stiffness(solid.basis, {PART: (material, HALVES)})
+    K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
     body = condense(K, ties, np.zeros((ties.matrix.shape[1], 0)), 2 * len(face.nodes))
     coupling = face.couple(0.0, _upwards)
     half = body.half(coupling.N.T)

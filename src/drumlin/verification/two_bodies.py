@@ -12,6 +12,7 @@ import numpy as np
 import skfem
 
 from drumlin.arrays import Bools, Floats
+from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.contact.equations import Problem
@@ -73,7 +74,7 @@ def body(mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0)
     basis = scalar_basis(mesh)
     line = contact_line(basis, mesh.boundaries["contact"], middle)
     ties = tie(basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2))
-    K = stiffness(basis, {"body": (material, width)})
+    K = stiffness(basis, {"body": ElasticLayer.of(material, width)})
     return Body(basis, line, condense(K, ties, np.zeros((ties.matrix.shape[1], 0)), 2 * len(line.nodes)))
 
 

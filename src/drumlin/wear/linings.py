@@ -66,9 +66,10 @@ class WearSetup(NamedTuple):
 
     @property
     def stiffness(self) -> float:
-        """K = E/t of the first lining that touches [Pa/m]; 1/(k K) is the unit of sliding distance."""
+        """K = E/t of the first lining that touches [Pa/m], E through its thickness; 1/(k K) is the
+        unit of sliding distance."""
         lining = self.brake.shoes[self.surfaces[0].shoe].lining
-        return lining.material.E / lining.thickness
+        return lining.material.E_through / lining.thickness
 
     @property
     def flat(self) -> bool:

@@ -116,7 +116,7 @@ def _under_tips(shoe: Shoe, radius: float, found: ShoeResponse, zone: float) -> 
         k = int(np.abs(phi[::order] - tip).argmin()) * order
         part = slice(max(k - order, 0), k + order + 1)
         if largest(found.theta[part], found.pressure[part], order) > NEAR_PEAK * found.peak_pressure:
-            growth = UNDER_TIP * shoe.lining.material.E * slope / radius / found.peak_pressure
+            growth = UNDER_TIP * shoe.lining.material.E_half_plane * slope / radius / found.peak_pressure
             lacking = max(lacking, 1.0 if abs(phi[k] - tip) < AT_TIP else growth)
     return min(lacking, 1.0)
 

@@ -6,8 +6,10 @@ its layer, B:
 
     K = sum_kl (lambda A_kl + 2 mu A'_kl) B_kl,   grad psi = t f'(xi) g(eta)/r + n f(xi) g'(eta)/(r_2 - r_1)
 
-with psi = f g, k and l = 1, 2 for the two terms of the gradients, t and n hanging on xi alone. On a plane the radius
-does not change and n is its normal.
+with psi = f g, k and l = 1, 2 for the two terms of the gradients, t and n hanging on xi alone. On a
+plane the radius does not change and n is its normal. The directions along and through a layer hang
+on xi alone too, so that what a layer is stiffer in them (see fem.elasticity) adds two terms of the
+same form, a A''_kl B_kl + b A'''_kl B_kl.
 
 A column is its own mirror image. Its motions are the sum of symmetric ones, radial displacements even about its middle
 and tangential ones odd, and of antisymmetric ones. These two do no work on each other and have half the unknowns each.
@@ -20,6 +22,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 
 from drumlin.arrays import Floats, Ints
+from drumlin.fem.elasticity import split
 from drumlin.fem.hp.columns import columns, stack
 from drumlin.fem.hp.element import shape_functions, without_each
 
@@ -84,9 +87,13 @@ def _folded(V: Floats, p: int) -> Floats:
     return np.asarray(fold.reshape(2, *(1,) * (V.ndim - 2), *fold.shape[1:]) @ V)
 
 
-def angular(angles: Floats, p: int, *, flat: bool = False) -> Floats:
-    """A_kl and 2 A'_kl (2, c, (p + 1)^2, 8) of columns with nodes at `angles` (c, p + 1) about their middle [rad],
-    on a plane in lengths."""
+def angular(angles: Floats, p: int, *, flat: bool = False, directed: bool = False) -> Floats:
+    """A_kl and 2 A'_kl (2, c, (p + 1)^2, 8) of columns with nodes at `angles` (c, p + 1) about
+    their middle [rad].
+
+    flat: of columns on a plane, whose angles are lengths; directed: with A''_kl and A'''_kl, (2, c,
+    (p + 1)^2, 16), for layers that are not isotropic.
+    """
     of, (count, n) = functions(p), angles.shape
     circle = np.array([np.cos(angles), np.sin(angles)])
     at, by = circle @ of.values, circle @ of.slopes  # (2, c, q)
@@ -107,14 +114,23 @@ def angular(angles: Floats, p: int, *, flat: bool = False) -> Floats:
     strain[..., 0, 2, :], strain[..., 1, 2, :] = np.sqrt(0.5) * (cy + sx), np.sqrt(0.5) * (cx - sy)
     strain = _folded(strain.reshape(count, 2, 2 * n, -1), p).reshape(2 * count, 2 * n, 3, -1)  # (2 c, k a, 3, q)
     trace, whole = strain[:, :, 0] + strain[:, :, 1], np.sqrt(2) * strain.reshape(2 * count, 2 * n, -1)
-    found = np.empty((2 * count, n, n, 2, 2, 2))
-    for k, each in enumerate((trace, whole)):
+    parts = [trace, whole]
+    if directed:
+        x, y = np.tile(at / np.hypot(*at), (1, 2, 1))[:, :, None]  # the unit vector through the layers, (2 c, 1, q)
+        through = x**2 * strain[:, :, 0] + y**2 * strain[:, :, 1] + np.sqrt(2) * x * y * strain[:, :, 2]
+        parts += [trace - through, through]
+    found = np.empty((2 * count, n, n, len(parts), 2, 2))
+    for k, each in enumerate(parts):
         found[:, :, :, k] = (each @ each.swapaxes(1, 2)).reshape(-1, 2, n, 2, n).transpose(0, 2, 4, 1, 3)
-    return found.reshape(2, count, n * n, 8)
+    return found.reshape(2, count, n * n, 4 * len(parts))
 
 
-def _across(radii: Floats, lame: Floats, p: int, plane: float | None) -> Floats:
-    """lambda B_kl, mu B_kl (l, 8, (p + 1)^2) of layers between the radii (l + 1,) [m]; lame, plane: of `elements`."""
+def _across(radii: Floats, constants: Floats, p: int, plane: float | None) -> Floats:
+    """B_kl times each of m constants, (l, 4 m, (p + 1)^2), of layers between the radii (l + 1,)
+    [m].
+
+    constants (l, m): lambda, mu and, if the layers have directions, a and b; plane: of `elements`.
+    """
     x, w, values, slopes, *_ = functions(p)
     step = (radii[1:] - radii[:-1])[:, None, None]
     r, size = radii[:-1, None, None] + step * x if plane is None else plane, np.abs(step)
@@ -122,22 +138,30 @@ def _across(radii: Floats, lame: Floats, p: int, plane: float | None) -> Floats:
     B = np.array(
         [(size * w / r * values) @ values.T, mixed, mixed.swapaxes(1, 2), (w * r / size * slopes) @ slopes.T]
     ).swapaxes(0, 1)
-    return (lame[:, :, None, None, None] * B[:, None]).reshape(len(lame), 8, -1)
+    return (constants[:, :, None, None, None] * B[:, None]).reshape(*constants.shape[:1], 4 * constants.shape[1], -1)
 
 
-def elements(radii: Floats, A: Floats, lame: Floats, p: int, plane: float | None = None) -> Floats:
-    """Stiffness (l, 2, c, 4 p, 4 p) of elements on their symmetric and their antisymmetric boundary unknowns, between
-    the radii (l + 1,) [m] and with the `angular` parts A of their columns.
+def elements(radii: Floats, A: Floats, elasticity: Floats, p: int, plane: float | None = None) -> Floats:
+    """Stiffness (l, 2, c, 4 p, 4 p) of elements on their symmetric and their antisymmetric boundary
+    unknowns.
 
-    lame (l, 2): lambda and mu of plane stress times the width [N/m]; plane: of elements on a plane, whose angles are
-    lengths, by what [m]. Displacements of the left and the right side count along the radius and across it there.
+    Displacements of the left and the right side count along the radius and across it there.
+
+    Parameters
+    ----------
+    radii : (l + 1,) radii between which the layers lie [m]
+    A : the `angular` parts of the columns, directed where a layer is not isotropic
+    elasticity : (l, 3, 3) elasticity matrices times the width [N/m]
+    p : degree
+    plane : of elements on a plane, whose angles are lengths, by what [m]
     """
     of, A = functions(p), A.reshape(-1, *A.shape[2:])
-    found = np.empty((len(lame), len(A), 4 * p, 4 * p))
-    for layer, B in enumerate(_across(radii, lame, p, plane)):
+    constants = split(elasticity)[:, : A.shape[-1] // 4]
+    found = np.empty((len(constants), len(A), 4 * p, 4 * p))
+    for layer, B in enumerate(_across(radii, constants, p, plane)):
         K = (A @ B).reshape(len(A), -1)
         found[layer] = without_each(*(K.take(part, 1) for part in (of.outer, of.mixed, of.inner)))
-    return found.reshape(len(lame), 2, -1, 4 * p, 4 * p)
+    return found.reshape(len(constants), 2, -1, 4 * p, 4 * p)
 
 
 def arc_columns(parts: Floats, p: int, *, contact: bool, held: bool, loads: Floats | None = None) -> Floats:

@@ -9,6 +9,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.drum_brake import Shoe
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, Ties, tie
+from drumlin.fem.elasticity import layers_of
 from drumlin.fem.elimination import SINGULAR
 from drumlin.fem.hp import shoe as shoes
 from drumlin.fem.hp.division import Division
@@ -61,22 +62,18 @@ def condensed(shoe: Shoe, div: Division, found: shoes.Condensed, line: ContactLi
 
 
 def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
-    from drumlin.fem import assembly  # noqa: PLC0415
-
-    K = grid.stiffness(assembly.materials_of(shoe))
+    K = grid.stiffness(layers_of(shoe))
     ties = tie(grid, np.arange(div.contact_nodes), grid.sets["hinge"], shoe.own_pin)
     return _reduced(K, ties, end_load_of(div, grid)[0] if "actuation" in grid.sets else None)
 
 
 def _recovered(shoe: Shoe, div: Division, grid: Grid, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
     """What `Condensed.displacements` returns, with the elements' insides eliminated one by one."""
-    from drumlin.fem import assembly  # noqa: PLC0415
-
-    materials, sides = assembly.materials_of(shoe), grid.skeleton
+    layers, sides = layers_of(shoe), grid.skeleton
     ties = tie(sides, sides.place[: div.contact_nodes], sides.place[grid.sets["hinge"]], shoe.own_pin)
     on_sides = end_load_of(div, grid)[0][sides.dofs] if "actuation" in grid.sets else None
-    inside = _reduced(sides.stiffness(materials), ties, on_sides)
-    return sides.everywhere(materials, inside.displacements(nodal, frame, loads))
+    inside = _reduced(sides.stiffness(layers), ties, on_sides)
+    return sides.everywhere(layers, inside.displacements(nodal, frame, loads))
 
 
 def end_load_of(div: Division, grid: Grid) -> tuple[Floats, Floats]:

@@ -8,7 +8,7 @@ of the gap p goes as ln(1/x) (Johnson, Contact Mechanics, ch. 5).
 import math
 from dataclasses import replace
 from functools import cache
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy.optimize import brentq
@@ -16,6 +16,8 @@ from scipy.optimize import brentq
 from drumlin.arrays import Floats
 from drumlin.brake import clearance
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.elasticity import elasticity_matrix, has_directions
+from drumlin.brake.fields import AnyMaterial
 from drumlin.response.response import Response, ShoeResponse, singular_zone
 from drumlin.response.resultants import edge_left_out, gauss_points, lobatto
 
@@ -25,6 +27,9 @@ friction of 0.57 to 0.61 on a rigid drum."""
 SMOOTH = 1e-3
 """Size of a below which p counts as bounded at the corner. A column of a thousandth of the contact
 leaves 4e-6 of x^-0.001 at degree 7; and x^a is too near to a constant to tell them apart."""
+
+ROOTS_TRIED = 200
+"""Powers between which the determinant of an orthotropic corner is searched for a change of sign."""
 
 NEAR_CORNER = 2e-3
 """Part of a contact in which p gives way to the power of its corner: three or four columns.
@@ -87,16 +92,85 @@ def corner_power(inward: float, nu: float, softness: float = 0.0, nu_drum: float
     return float(brentq(excess, LEAST_ROOT, 1 - SMOOTH)) - 1
 
 
+@cache
+def orthotropic_corner_power(
+    inward: float, material: AnyMaterial, drum: AnyMaterial | None = None, wider: float = 1.0
+) -> float:
+    """As `corner_power`, of materials that may be orthotropic, along and square to the drum's surface.
+
+    Stresses are 2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x + mu_k y and the roots mu_k of
+    Lekhnitskii's equation (Anisotropic Plates, section 19). Two conditions on the free face, the
+    friction and the equal slopes of both surfaces are four real equations in c_1 and c_2: p goes as
+    the smallest power l - 1 at which their determinant vanishes.
+
+    Parameters
+    ----------
+    inward : float
+        As of `corner_power`.
+    material : AnyMaterial
+        Of the lining, not isotropic.
+    drum : AnyMaterial | None
+        Of the ring; None of a rigid drum.
+    wider : float
+        Width of the lining over that of the ring.
+    """
+    own, unit = _compliances(material), material.E_through
+    mu = np.sqrt(np.roots([own.along, 2 * own.mixed + own.shear, own.through]).astype(complex))
+    mu = np.where(mu.imag < 0, -mu, mu)
+    slopes = own.mixed * mu + own.through / mu
+    of_drum = None if drum is None else _compliances(drum)
+
+    def determinant(root: float, inward: float) -> float:
+        turned = mu ** (root - 1)
+        slope = slopes
+        if drum is not None and of_drum is not None:
+            local = math.sqrt(of_drum.along * of_drum.through) + of_drum.mixed
+            yields = 2 / drum.E_half_plane / math.tan(math.pi * root) + local * inward
+            slope = slopes + wider * yields
+        rows = np.array([mu**2 * turned, mu * turned, mu + inward, slope * unit])
+        return float(np.linalg.det(np.hstack([rows.real, -rows.imag])))
+
+    roots = np.linspace(LEAST_ROOT, 1 - SMOOTH, ROOTS_TRIED)
+    values = [determinant(root, inward) for root in roots.tolist()]
+    signs = np.sign(values)
+    changes = np.flatnonzero(signs[1:] != signs[:-1])
+    if not len(changes):
+        passed = signs[0] != np.sign(determinant(LEAST_ROOT, 0.0))
+        return LEAST_ROOT - 1 if passed else 0.0
+    first = int(changes[0])
+    return float(brentq(determinant, roots[first], roots[first + 1], args=(inward,))) - 1
+
+
+class _Compliances(NamedTuple):
+    """Compliances of a material in plane stress [1/Pa]."""
+
+    along: float
+    through: float
+    mixed: float
+    shear: float
+
+
+def _compliances(material: AnyMaterial) -> _Compliances:
+    mixed = -material.nu_along_through / material.E_along
+    return _Compliances(1 / material.E_along, 1 / material.E_through, mixed, 1 / material.G_along_through)
+
+
 def powers_of(brake: Brake, index: int) -> tuple[float, float]:
     """The powers of p at both ends of the lining of shoe `index`, along its own angles."""
     shoe, ring = brake.shoes[index], brake.drum.ring
     own, inward = shoe.lining, brake.drag_on(shoe)
+    drum = None if ring is None else ring.section
+    materials = [own.material] if drum is None else [own.material, drum.material]
+    if any(has_directions(elasticity_matrix(material)) for material in materials):
+        wider, behind = (1.0, None) if drum is None else (own.width / drum.width, drum.material)
+        directed = [orthotropic_corner_power(f, own.material, behind, wider) for f in (inward, -inward)]
+        return directed[0], directed[1]
     softness = nu_drum = 0.0
-    if ring is not None and ring.section is not None:
-        drum = ring.section
-        softness = own.material.E * own.width / (drum.material.E * drum.width)
-        nu_drum = drum.material.nu
-    at_start, at_end = (corner_power(f, own.material.nu, softness, nu_drum) for f in (inward, -inward))
+    if drum is not None:
+        softness = own.material.E_along * own.width / (drum.material.E_along * drum.width)
+        nu_drum = drum.material.nu_along_through
+    nu = own.material.nu_along_through
+    at_start, at_end = (corner_power(f, nu, softness, nu_drum) for f in (inward, -inward))
     return at_start, at_end
 
 
@@ -256,7 +330,7 @@ def tip_rises(shoe: Shoe, radius: float) -> list[tuple[float, float]]:
 
     c = E s/(2 pi), of a half-plane whose slope changes by s.
     """
-    half_plane = shoe.lining.material.E / (2 * math.pi * radius)
+    half_plane = shoe.lining.material.E_half_plane / (2 * math.pi * radius)
     return [(angle, half_plane * slope) for angle, slope in clearance.tips(shoe.lining)]
 
 

@@ -13,6 +13,7 @@ from numpy.polynomial.legendre import leggauss
 
 from drumlin.arrays import Floats, Ints
 from drumlin.errors import NoAnswer
+from drumlin.fem.elasticity import across, split
 from drumlin.lapack import dgemm, dpotrf, dtrsm
 from drumlin.response.resultants import lobatto
 
@@ -21,15 +22,17 @@ SINGULAR = "singular stiffness: a part hangs on nothing, or moduli or sizes are 
 
 
 class Element(NamedTuple):
-    """The element of degree p: `slopes` (a, 2 q) of its shape functions by both coordinates at q Gauss points,
-    `weights` (q,) of these. Its a nodes are those of the grid (p + 1)^2 in the order `order` (a,), where i p + i + j
-    stands for the i-th place across the layers and the j-th along them: first the `outer` on its boundary, those on
-    its left and its right side, on what is left of its first and of its last edge."""
+    """The element of degree p: `slopes` (a, 2 q) of its shape functions by both coordinates at q
+    Gauss points, `weights` (q,) of these, `values` (a, q) of the shape functions there. Its a nodes
+    are those of the grid (p + 1)^2 in the order `order` (a,), where i p + i + j stands for the i-th
+    place across the layers and the j-th along them: first the `outer` on its boundary, those on its
+    left and its right side, on what is left of its first and of its last edge."""
 
     slopes: Any
     weights: Any
     order: Ints
     outer: int
+    values: Any
 
 
 @cache
@@ -40,8 +43,14 @@ def element(p: int, *, precise: bool = False) -> Element:
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
     edges = number[:, 0], number[:, -1], number[0, 1:-1], number[-1, 1:-1]
     order = np.concatenate([*edges, number[1:-1, 1:-1].ravel()])
-    slopes = _product_slopes(p, x) if precise else shape_functions(p, _grid(x))[1]
-    return Element(np.ascontiguousarray(slopes[order].reshape(len(order), -1)), np.outer(w, w).ravel(), order, 4 * p)
+    values, slopes = _product_functions(p, x) if precise else shape_functions(p, _grid(x))
+    return Element(
+        slopes=np.ascontiguousarray(slopes[order].reshape(len(order), -1)),
+        weights=np.outer(w, w).ravel(),
+        order=order,
+        outer=4 * p,
+        values=values[order],
+    )
 
 
 def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
@@ -66,8 +75,9 @@ def _grid(x: Floats) -> Floats:
     return np.array([np.repeat(x, len(x)), np.tile(x, len(x))])
 
 
-def _product_slopes(p: int, x: Floats) -> Any:
-    """Slopes (a, 2, q) at the grid of x, as products of Lagrange's polynomials, in long double."""
+def _product_functions(p: int, x: Floats) -> tuple[Any, Any]:
+    """Values (a, q) and slopes (a, 2, q) at the grid of x, as products of Lagrange's polynomials,
+    in long double."""
     nodes, x = (0.5 * (lobatto(p) + 1)).astype(np.longdouble), x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
     value = np.array(
@@ -84,21 +94,104 @@ def _product_slopes(p: int, x: Floats) -> Any:
         ]
     )
     both = [np.einsum("ik,jl->ijkl", slope, value), np.einsum("ik,jl->ijkl", value, slope)]
-    return np.stack([each.reshape((p + 1) ** 2, -1) for each in both], axis=1)
+    slopes = np.stack([each.reshape((p + 1) ** 2, -1) for each in both], axis=1)
+    return np.einsum("ik,jl->ijkl", value, value).reshape((p + 1) ** 2, -1), slopes
 
 
-def stiffness(xy: Any, lame: Any, p: int) -> Any:
-    """Plane-stress stiffness (e, a, 2, a, 2) of elements with nodes xy (e, 2, a) [m], in the element's order.
+def gauss_points(xy: Any, p: int) -> Any:
+    """The Gauss points (e, 2, q) [m] of elements with nodes xy (e, 2, a) in the element's order, in
+    their precision."""
+    return xy @ element(p, precise=xy.dtype == np.longdouble).values
 
-    lame (e, 2): lambda and mu of plane stress times the width [N/m]. In the precision of xy.
 
-        K_ai,bj = Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
+def stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> Any:
+    """Plane-stress stiffness (e, a, 2, a, 2) of elements, nodes in the element's order, in the
+    precision of xy.
+
+    With the constants of `elasticity.split` and the unit vectors d = t along and n through the
+    layers
+
+        K_ai,bj = Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k
+                      + sum_d s_d d_i (d . grad psi_a) d_j (d . grad psi_b) dA,   s_t = a,  s_n = b.
+
+    Parameters
+    ----------
+    xy : (e, 2, a) nodes [m]
+    elasticity : (e, 3, 3) elasticity matrices times the width [N/m]
+    p : degree
+    along : (e, 2, q) unit vectors along the layers at the `gauss_points`; not needed where all
+        are isotropic
     """
-    return _stiffness(_products(xy, p), lame, slice(None), slice(None))
+    return _integrals(xy, elasticity, p, along).stiffness(slice(None), slice(None))
 
 
-def _products(xy: Any, p: int) -> Any:
-    """Int psi_a,i psi_b,j dA (e, 2, a, 2, a) for i, a, j, b of elements with nodes xy (e, 2, a)."""
+class _Integrals(NamedTuple):
+    """What the stiffness of elements is made of.
+
+    `products` Int psi_a,i psi_b,j dA (e, 2, a, 2, a) for i, a, j, b; `constants` (e, 4) of
+    `elasticity.split`; of the `directed` (m,) elements, which are not isotropic, the strains along
+    and through their layers that unit displacements make, times the root of dA, `strains` (2, m, a,
+    2, q).
+    """
+
+    products: Any
+    constants: Any
+    directed: Ints
+    strains: tuple[Any, ...]
+
+    def stiffness(self, rows: slice, columns: slice) -> Any:
+        """The part (e, rows, 2, columns, 2) of the stiffness."""
+        lam, mu = self.constants[:, :1, None], self.constants[:, 1:2, None]
+        xx, xy = self.products[:, 0, rows, 0, columns], self.products[:, 0, rows, 1, columns]
+        yx, yy = self.products[:, 1, rows, 0, columns], self.products[:, 1, rows, 1, columns]
+        K = np.empty((len(xx), xx.shape[1], 2, xx.shape[2], 2), dtype=self.products.dtype)
+        np.add((lam + 2 * mu) * xx, mu * yy, out=K[:, :, 0, :, 0])
+        np.add((lam + 2 * mu) * yy, mu * xx, out=K[:, :, 1, :, 1])
+        np.add(lam * xy, mu * yx, out=K[:, :, 0, :, 1])
+        np.add(lam * yx, mu * xy, out=K[:, :, 1, :, 0])
+        if len(self.directed):
+            K[self.directed] += self._directed(rows, columns)
+        return K
+
+    def _directed(self, rows: slice, columns: slice) -> Any:
+        """What the directed elements are stiffer, (m, rows, 2, columns, 2)."""
+
+        def work(strain: Any) -> Any:
+            left, right = strain[:, rows], strain[:, columns]
+            count, points = len(strain), strain.shape[-1]
+            found = left.reshape(count, -1, points) @ right.reshape(count, -1, points).transpose(0, 2, 1)
+            return found.reshape(*left.shape[:3], *right.shape[1:3])
+
+        a, b = self.constants[self.directed, 2:].T[:, :, None, None, None, None]
+        along, through = self.strains
+        return a * work(along) + b * work(through)
+
+
+def _integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _Integrals:
+    """The integrals over elements; parameters as of `stiffness`."""
+    slopes, constants = _rooted_slopes(xy, p), split(elasticity)
+    e, _, a, q = slopes.shape
+    flat = slopes.reshape(e, 2 * a, q)
+    products = (flat @ flat.transpose(0, 2, 1)).reshape(e, 2, a, 2, a)
+    directed = np.flatnonzero(constants[:, 2:].any(axis=1))
+    strains: tuple[Any, ...] = ()
+    if len(directed):
+        t = np.moveaxis(along[directed], 1, 0)  # (2, m, q)
+        strains = tuple(_stretches(slopes[directed], d) for d in (t, across(t)))
+    return _Integrals(products, constants, directed, strains)
+
+
+def _stretches(slopes: Any, direction: Any) -> Any:
+    """Strains (m, a, 2, q) in a direction (2, m, q) that unit displacements make; slopes (m, 2, a,
+    q)."""
+    grown = direction[0][:, None] * slopes[:, 0] + direction[1][:, None] * slopes[:, 1]
+    return np.stack([direction[0][:, None] * grown, direction[1][:, None] * grown], axis=2)
+
+
+def _rooted_slopes(xy: Any, p: int) -> Any:
+    """Gradients (e, 2, a, q) of the shape functions of elements with nodes xy (e, 2, a) at their
+    Gauss points, times the root of the area of each; of an element whose map is turned over with
+    the other sign."""
     ref = element(p, precise=xy.dtype == np.longdouble)
     e, _, a = xy.shape
     q = len(ref.weights)
@@ -109,21 +202,7 @@ def _products(xy: Any, p: int) -> Any:
     G = np.empty((e, 2, a, q), dtype=xy.dtype)  # d psi / d x_c times the root of dA, up to the sign of det
     np.subtract(J[:, 1, 1][:, None] * first, J[:, 1, 0][:, None] * second, out=G[:, 0])
     np.subtract(J[:, 0, 0][:, None] * second, J[:, 0, 1][:, None] * first, out=G[:, 1])
-    G = G.reshape(e, 2 * a, q)
-    return (G @ G.transpose(0, 2, 1)).reshape(e, 2, a, 2, a)
-
-
-def _stiffness(products: Any, lame: Any, rows: slice, columns: slice) -> Any:
-    """The part (e, rows, 2, columns, 2) of the stiffness of elements; see `stiffness` and `_products`."""
-    lam, mu = lame[:, :1, None], lame[:, 1:, None]
-    xx, xy = products[:, 0, rows, 0, columns], products[:, 0, rows, 1, columns]
-    yx, yy = products[:, 1, rows, 0, columns], products[:, 1, rows, 1, columns]
-    K = np.empty((len(xx), xx.shape[1], 2, xx.shape[2], 2), dtype=products.dtype)
-    np.add((lam + 2 * mu) * xx, mu * yy, out=K[:, :, 0, :, 0])
-    np.add((lam + 2 * mu) * yy, mu * xx, out=K[:, :, 1, :, 1])
-    np.add(lam * xy, mu * yx, out=K[:, :, 0, :, 1])
-    np.add(lam * yx, mu * xy, out=K[:, :, 1, :, 0])
-    return K
+    return G
 
 
 def without(K: Floats, C: Floats, inner: Floats) -> Floats:
@@ -148,21 +227,29 @@ def without_each(K: Floats, C: Floats, inner: Floats) -> Floats:
     return K
 
 
-def condensed_elements(xy: Floats, lame: Floats, p: int) -> Floats:
-    """Stiffness (l, c, 8 p, 8 p) of elements with nodes xy (l, c, 2, a) on their boundary nodes, x and y of a node
-    together; lame (l, 2): of each layer, see `stiffness`."""
+def condensed_elements(xy: Floats, elasticity: Floats, p: int, along: Floats | None = None) -> Floats:
+    """Stiffness (l, c, 8 p, 8 p) of elements on their boundary nodes, x and y of a node together.
+
+    Parameters
+    ----------
+    xy : (l, c, 2, a) nodes of c elements in each of l layers [m]
+    elasticity : (l, 3, 3) of each layer, see `stiffness`
+    p : degree
+    along : (l, c, 2, q), see `stiffness`
+    """
     ref, shape = element(p), xy.shape[:2]
     outer, inside = slice(ref.outer), slice(ref.outer, None)
-    xy, lame = xy.reshape(-1, *xy.shape[2:]), np.repeat(lame, shape[1], axis=0)
+    xy, elasticity = xy.reshape(-1, *xy.shape[2:]), np.repeat(elasticity, shape[1], axis=0)
+    along = None if along is None else along.reshape(len(xy), 2, -1)
     out = np.empty((len(xy), 2 * ref.outer, 2 * ref.outer))
     step = max(1, CHUNK // ref.slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
-        found = _products(xy[part], p)
-        e, sizes = len(found), (2 * ref.outer, 2 * (len(ref.order) - ref.outer))
+        found = _integrals(xy[part], elasticity[part], p, None if along is None else along[part])
+        e, sizes = len(found.products), (2 * ref.outer, 2 * (len(ref.order) - ref.outer))
         out[part] = without_each(
             *(
-                _stiffness(found, lame[part], rows, columns).reshape(e, n, m)
+                found.stiffness(rows, columns).reshape(e, n, m)
                 for rows, columns, n, m in (
                     (outer, outer, sizes[0], sizes[0]),
                     (inside, outer, sizes[1], sizes[0]),
@@ -173,11 +260,11 @@ def condensed_elements(xy: Floats, lame: Floats, p: int) -> Floats:
     return out.reshape(*shape, *out.shape[1:])
 
 
-def inner_displacements(xy: Floats, lame: Floats, p: int, u: Floats) -> Floats:
+def inner_displacements(xy: Floats, elasticity: Floats, p: int, along: Floats | None, u: Floats) -> Floats:
     """Displacements (e, 2 i, m) of the i nodes inside elements, which no force acts on.
 
-    xy (e, 2, a) and lame (e, 2) are as of `stiffness`; u (e, 8 p, m) are the displacements of the
-    boundary nodes.
+    xy (e, 2, a), elasticity (e, 3, 3) and along (e, 2, q) are as of `stiffness`; u (e, 8 p, m) are
+    the displacements of the boundary nodes.
     """
     ref = element(p)
     outer, inside = slice(ref.outer), slice(ref.outer, None)
@@ -185,10 +272,9 @@ def inner_displacements(xy: Floats, lame: Floats, p: int, u: Floats) -> Floats:
     step = max(1, CHUNK // ref.slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
-        products = _products(xy[part], p)
+        own = _integrals(xy[part], elasticity[part], p, None if along is None else along[part])
         coupling, inner = (
-            _stiffness(products, lame[part], inside, columns).reshape(len(products), found.shape[1], -1)
-            for columns in (outer, inside)
+            own.stiffness(inside, columns).reshape(len(own.products), found.shape[1], -1) for columns in (outer, inside)
         )
         found[part] = -np.linalg.solve(inner, coupling @ u[part])
     return found

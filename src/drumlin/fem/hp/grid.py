@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.fields import Material
+from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.hp.element import (
     condensed_elements,
     element,
+    gauss_points,
     inner_displacements,
     shape_functions,
     stiffness,
 )
-from drumlin.fem.shapes import plane_stress
 from drumlin.response.resultants import lobatto
 
 
@@ -107,20 +107,31 @@ class Grid:
         """Points (elements, 2, a) [m] of the nodes of each element, in that order."""
         return np.ascontiguousarray(self.doflocs[:, self.ordered_dofs].transpose(1, 0, 2))
 
-    def lame(self, materials: Mapping[str, tuple[Material, float]]) -> Floats:
-        """lambda and mu of plane stress times the width of each element (elements, 2) [N/m]."""
-        found = np.zeros((self.element_dofs.shape[1], 2))
+    def elasticity(self, layers: Mapping[str, ElasticLayer]) -> Floats:
+        """Elasticity matrix times the width of each element (elements, 3, 3) [N/m]."""
+        found = np.zeros((self.element_dofs.shape[1], 3, 3))
         for name, elements in self.subdomains.items():
-            material, width = materials[name]
-            found[elements] = np.array(plane_stress(material.E, material.nu)) * width
+            found[elements] = layers[name].stiffness
         return found
 
-    def stiffness(self, materials: Mapping[str, tuple[Material, float]], *, precise: bool = False) -> Any:
+    def along(self, layers: Mapping[str, ElasticLayer], xy: Any) -> Any:
+        """Unit vectors along the layers (elements, 2, q) at the Gauss points of elements with nodes
+        xy (elements, 2, a); None where all layers are isotropic."""
+        if not any(has_directions(layers[name].elasticity) for name in self.subdomains):
+            return None
+        points = gauss_points(xy, self.degree)
+        found = np.empty_like(points)
+        for name, elements in self.subdomains.items():
+            found[elements] = np.moveaxis(layers[name].directions(np.moveaxis(points[elements], 1, 0)), 0, 1)
+        return found
+
+    def stiffness(self, layers: Mapping[str, ElasticLayer], *, precise: bool = False) -> Any:
         """Plane-stress stiffness (2 N, 2 N), unknown 2 i + c for component c of node i [N/m];
         precise: long double."""
         kind = np.longdouble if precise else float
         xy = np.ascontiguousarray(self.doflocs.astype(kind)[:, self.ordered_dofs].transpose(1, 0, 2))
-        return _assembled(stiffness(xy, self.lame(materials).astype(kind), self.degree), self.ordered_dofs, self.N)
+        K = stiffness(xy, self.elasticity(layers).astype(kind), self.degree, self.along(layers, xy))
+        return _assembled(K, self.ordered_dofs, self.N)
 
     @cached_property
     def skeleton(self) -> "Skeleton":
@@ -162,13 +173,14 @@ class Skeleton:
         """Its displacements (2 N,) among those of the grid, x and y of a node together."""
         return np.asarray((2 * self.nodes[:, None] + np.arange(2)).ravel())
 
-    def stiffness(self, materials: Mapping[str, tuple[Material, float]]) -> Any:
+    def stiffness(self, layers: Mapping[str, ElasticLayer]) -> Any:
         """Stiffness (2 N, 2 N) [N/m] without what is inside the elements."""
         grid = self.grid
-        K = condensed_elements(grid.element_nodes[:, None], grid.lame(materials), grid.degree)
+        xy, along = grid.element_nodes, grid.along(layers, grid.element_nodes)
+        K = condensed_elements(xy[:, None], grid.elasticity(layers), grid.degree, along)
         return _assembled(K, self.element_dofs.T, self.N)
 
-    def everywhere(self, materials: Mapping[str, tuple[Material, float]], u: Floats) -> Floats:
+    def everywhere(self, layers: Mapping[str, ElasticLayer], u: Floats) -> Floats:
         """Displacements (2 grid nodes, m) of all nodes by those of its own, u (2 N, m); no force
         acts on the others."""
         grid = self.grid
@@ -176,7 +188,8 @@ class Skeleton:
         on = u.reshape(self.N, 2, -1)
         found[self.nodes] = on
         outer = on[self.element_dofs.T].reshape(len(grid.ordered_dofs), -1, u.shape[1])
-        inner = inner_displacements(grid.element_nodes, grid.lame(materials), grid.degree, outer)
+        along = grid.along(layers, grid.element_nodes)
+        inner = inner_displacements(grid.element_nodes, grid.elasticity(layers), grid.degree, along, outer)
         inside = grid.ordered_dofs[:, len(self.element_dofs) :]
         found[inside] = inner.reshape(*inside.shape, 2, -1)
         return found.reshape(2 * grid.N, -1)

@@ -107,8 +107,10 @@ def strengths(lining: Lining, radius: float) -> Floats:
     ends = np.concatenate([[lining.start], 0.5 * (angle[1:] + angle[:-1]), [lining.end]])
     spacing = np.maximum(np.diff(ends), 0.0)
     slope = np.abs(clearance.slope_changes(lining)) / radius
-    stiffness = 1 / math.sqrt(48) + radius * spacing / (math.sqrt(720) * lining.thickness)
-    return np.asarray(lining.material.E * slope * stiffness * np.sqrt(spacing))
+    material = lining.material
+    half_plane = material.E_half_plane / material.E_through
+    stiffness = half_plane / math.sqrt(48) + radius * spacing / (math.sqrt(720) * lining.thickness)
+    return np.asarray(material.E_through * slope * stiffness * np.sqrt(spacing))
 
 
 def _strongest(angle: Floats, strength: Floats, least: float) -> Floats:

@@ -10,15 +10,16 @@ import numpy as np
 from drumlin.arrays import Bools, Floats, Ints
 from drumlin.brake.components import Section
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.fields import Material
+from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, tie
+from drumlin.fem.elasticity import ring_layers, stacked
 from drumlin.fem.elimination import SINGULAR
 from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Level, ends_of, graded
 from drumlin.fem.hp.grid import Block, Grid, Skeleton
-from drumlin.fem.hp.shoe import directions, distinct, lame_of, line_of, within
+from drumlin.fem.hp.shoe import directions, distinct, line_of, within
 from drumlin.fem.interface import ContactLine
 from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
 from drumlin.lapack import dpotrf
@@ -102,8 +103,9 @@ def _columns(
     p, layers = div.degree, len(div.depths) - 1
     sizes, which = distinct(np.diff(div.angles))
     along = 0.5 * sizes[:, None] * lobatto(p)
-    lame = np.repeat(lame_of({"drum": (section.material, section.width)}, ("drum",)), layers, axis=0)
-    K = elements(radius + sign * div.depths, angular(along, p), lame, p)
+    elasticity = stacked(ring_layers(section), ("drum",) * layers)
+    A = angular(along, p, directed=bool(has_directions(elasticity).any()))
+    K = elements(radius + sign * div.depths, A, elasticity, p)
     loads = None
     if free:
         loads = _rim_loads(radius + sign * section.thickness, along, p)
@@ -242,18 +244,18 @@ def _recovered(brake: Brake, grid: Grid, rim: Floats, nodal: Floats, frame: Floa
     sides = grid.skeleton
     support, contact = (sides.place[grid.sets[name]] for name in ("support", "contact"))
     inside = _reduced(brake, sides, support, contact, rim[sides.dofs])
-    return sides.everywhere(_materials(brake), inside.displacements(nodal, frame, loads))
+    return sides.everywhere(_layers(brake), inside.displacements(nodal, frame, loads))
 
 
-def _materials(brake: Brake) -> dict[str, tuple[Material, float]]:
+def _layers(brake: Brake) -> dict[str, ElasticLayer]:
     ring = brake.drum.ring
     assert ring is not None and ring.section is not None  # scene.why_not
-    return {"drum": (ring.section.material, ring.section.width)}
+    return ring_layers(ring.section)
 
 
 def _reduced(brake: Brake, basis: Grid | Skeleton, support: Ints, contact: Ints, rim: Floats) -> Inside:
     """The stiffness of a ring and the unit loads `rim` (2 nodes, l) on its reduced unknowns."""
-    K, ring = basis.stiffness(_materials(brake)), brake.drum.ring
+    K, ring = basis.stiffness(_layers(brake)), brake.drum.ring
     if ring is not None and ring.support == "fixed":
         ties = tie(basis, contact, support, np.zeros(2))
         loads = np.zeros((ties.matrix.shape[1], 0))

@@ -10,6 +10,7 @@ from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import assembly
+from drumlin.fem.elasticity import layers_of
 from drumlin.fem.hp.body import condensed, contact_line, end_load_of, grid_of
 from drumlin.fem.hp.corner import powers_of
 from drumlin.fem.hp.division import Division, Level, Place, divide
@@ -23,7 +24,7 @@ Places = Mapping[int, Sequence[Place]]  # by the first shoe of a shape: see `div
 def body(shoe: Shoe, radius: float, div: Division, friction: bool, seconds: assembly.Seconds) -> assembly.Body:
     """The condensed body of a parametric shoe that is divided so."""
     with assembly.clock(seconds, "condensation"):
-        found = condense(shoe, radius, div, assembly.materials_of(shoe))
+        found = condense(shoe, radius, div, layers_of(shoe))
         line, grid = contact_line(shoe, radius, div), grid_of(shoe, radius, div)
         inner = condensed(shoe, div, found, line, grid)
     with assembly.clock(seconds, "coupling"):

@@ -10,13 +10,13 @@ from drumlin.arrays import Floats, Ints
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import Shoe
-from drumlin.brake.fields import Material
+from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.body import FRAME
+from drumlin.fem.elasticity import stacked
 from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Division
-from drumlin.fem.hp.element import condensed_elements, element
-from drumlin.fem.shapes import plane_stress
+from drumlin.fem.hp.element import condensed_elements, element, gauss_points
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
 LEFT = 0.02  # of forces that round-off made, what may be left of it where they are none
@@ -94,10 +94,12 @@ def distinct(sizes: Floats) -> tuple[Floats, Ints]:
     return np.array(list(found)), np.array(which)
 
 
-def lame_of(materials: dict[str, tuple[Material, float]], part: tuple[str, ...]) -> Floats:
-    """lambda and mu of plane stress times the width of each layer (l, 2) [N/m]."""
-    found = {name: width * np.array(plane_stress(m.E, m.nu)) for name, (m, width) in materials.items()}
-    return np.array([found[name] for name in part])
+def _along(layers: dict[str, ElasticLayer], part: tuple[str, ...], xy: Floats, p: int) -> Floats:
+    """Unit vectors along the layers (l, c, 2, q) at the Gauss points of their elements with nodes
+    xy (l, c, 2, a)."""
+    points = np.moveaxis(gauss_points(xy, p), 2, 1)  # (l, 2, c, q)
+    found = [layers[name].directions(own) for name, own in zip(part, points, strict=True)]
+    return np.moveaxis(np.array(found), 1, 2)
 
 
 def rigid(xy: Floats, pin: Floats) -> Floats:
@@ -118,17 +120,18 @@ class _Columns(NamedTuple):
     grip: tuple[int, int]
 
 
-def _columns(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> _Columns:
+def _columns(shoe: Shoe, radius: float, div: Division, layers: dict[str, ElasticLayer]) -> _Columns:
     p, beyond, beam = div.degree, [div.before[::-1], div.after], isinstance(shoe.body, Beam)
     parts = [div.angles, *beyond] if div.first < div.layers else [div.angles]
     under, before = len(div.angles) - 1, len(div.before) - 1
+    elasticity, plane = stacked(layers, div.part), radius if shoe.flat else None
+    directed = bool(has_directions(elasticity).any())
     if beam:
         along = np.concatenate([within(ends, p) for ends in parts])  # (columns, p + 1)
         which = np.arange(len(along))
     else:
         sizes, which = distinct(np.concatenate([ends[1:] - ends[:-1] for ends in parts]))
-        A = angular(0.5 * sizes[:, None] * lobatto(p), p, flat=shoe.flat)
-    lame, plane = lame_of(materials, div.part), radius if shoe.flat else None
+        A = angular(0.5 * sizes[:, None] * lobatto(p), p, flat=shoe.flat, directed=directed)
 
     def made(row: Ints, layer: int, *, contact: bool, held: bool) -> list[Piece]:
         """The columns of a row of kinds, of the layers from `layer` on."""
@@ -138,9 +141,10 @@ def _columns(shoe: Shoe, radius: float, div: Division, materials: dict[str, tupl
         depths, of = div.depths[layer:], stack(p, div.layers - layer, contact=contact, held=held)
         if beam:
             xy = nodes_of(map_of(shoe, radius), depths, along[kinds], p)
-            found = columns(condensed_elements(xy, lame[layer:], p), of)
+            along_layers = _along(layers, div.part[layer:], xy, p) if directed else None
+            found = columns(condensed_elements(xy, elasticity[layer:], p, along_layers), of)
         else:
-            own = elements(radius - shoe.sign * depths, A[:, kinds], lame[layer:], p, plane)
+            own = elements(radius - shoe.sign * depths, A[:, kinds], elasticity[layer:], p, plane)
             found = arc_columns(own, p, contact=contact, held=held)
         pieces = {kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)}
         return [pieces[kind] for kind in row.tolist()]
@@ -169,10 +173,10 @@ def _angle_at(shoe: Shoe, phi: Floats) -> Floats:
     return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
 
 
-def condense(shoe: Shoe, radius: float, div: Division, materials: dict[str, tuple[Material, float]]) -> Condensed:
+def condense(shoe: Shoe, radius: float, div: Division, layers: dict[str, ElasticLayer]) -> Condensed:
     """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular stiffness."""
     p, place, pin = div.degree, map_of(shoe, radius), shoe.own_pin
-    found, held = _columns(shoe, radius, div, materials), div.first == div.layers
+    found, held = _columns(shoe, radius, div, layers), div.first == div.layers
     phi, back = line_of(div.angles, p), -_angle_at(shoe, directions(div.angles, p))
     R = rigid(place(np.zeros(1), phi), pin)
     if held or any(found.grip):  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it

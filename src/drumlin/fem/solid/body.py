@@ -6,13 +6,14 @@ those of the friction surface too.
 """
 
 from functools import partial
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
+from drumlin.brake.fields import Material
 from drumlin.fem.assembly import Body, Seconds, clock, coupled, line_of, materials_of
 from drumlin.fem.body import FRAME, Ties, condense, stiffness
 from drumlin.fem.elimination import dissection
@@ -32,9 +33,13 @@ class SolidBody(Body):
         return int(3 * self.basis.N)
 
 
-def materials(shoe: Shoe) -> dict[str, Any]:
-    """What `stiffness` takes for a half that stands for the whole."""
-    return {name: (material, HALVES) for name, (material, _) in materials_of(shoe).items()}
+def solid_layers(shoe: Shoe) -> dict[str, ElasticLayer]:
+    """The layers of a half that stands for the whole."""
+    found = {}
+    for name, (material, _) in materials_of(shoe).items():
+        assert isinstance(material, Material)  # model.why_not
+        found[name] = ElasticLayer(solid_elasticity_matrix(material), HALVES)
+    return found
 
 
 def behind(shoe: Shoe) -> str:
@@ -109,7 +114,7 @@ def solid_body(brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Se
     with clock(seconds, "mesh"):
         solid = solid_mesh(shoe, brake.drum.radius, elements, across)
     with clock(seconds, "assembly"):
-        K = stiffness(solid.basis, materials(shoe))
+        K = stiffness(solid.basis, solid_layers(shoe))
     with clock(seconds, "ties"):
         face, rigid = face_of(solid, shoe, brake.drum.radius), hinged(solid, shoe)
         ties = tie(solid, face.nodes, rigid, shoe.own_pin, bonded=shoe.body is None)

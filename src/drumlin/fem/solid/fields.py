@@ -4,14 +4,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import skfem
-from skfem.models.elasticity import lame_parameters
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.drum_brake import Brake
-from drumlin.brake.fields import Material
+from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.assembly import Scene
-from drumlin.fem.fields import displaced, mean_stress
-from drumlin.fem.solid.body import materials
+from drumlin.fem.fields import displaced, mean_of
+from drumlin.fem.solid.body import solid_layers
 from drumlin.response.balance import loaded
 from drumlin.response.response import Response
 
@@ -64,10 +63,8 @@ def recover(scene: Scene, brake: Brake, response: Response, index: int) -> Solid
     u = displaced(body, brake, shoe, answer, p).reshape(-1, 3).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
-    parts = [
-        (*_part(body.mesh, u, members, materials(shoe)[name][0]), name)
-        for name, members in body.mesh.subdomains.items()
-    ]
+    layers = solid_layers(shoe)
+    parts = [(*_part(body.mesh, u, members, layers[name]), name) for name, members in body.mesh.subdomains.items()]
     starts = np.cumsum([0, *(len(nodes) for nodes, *_ in parts)])
     nodes = np.concatenate([part[0] for part in parts])
 
@@ -84,12 +81,16 @@ def recover(scene: Scene, brake: Brake, response: Response, index: int) -> Solid
     )
 
 
-def _part(mesh: Any, u: Floats, elements: Ints, material: Material) -> tuple[Ints, Ints, Floats]:
+def _part(mesh: Any, u: Floats, elements: Ints, layer: ElasticLayer) -> tuple[Ints, Ints, Floats]:
     """Nodes, cells (27, m) numbered within them, and nodal von Mises stress (n,) of the mean stresses of a part."""
     element = skfem.ElementHex2()
     at = element.doflocs.T
     basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
     slopes = np.array([psi[0].grad for psi in basis.basis])
-    nodes, cells, stress = mean_stress(u, basis.element_dofs, slopes, lame_parameters(material.E, material.nu))
+    gradient = np.einsum("ian,ajnq->ijnq", u[:, basis.element_dofs], slopes)
+    lam, mu = layer.elasticity[0, 1], layer.elasticity[-1, -1]
+    at_nodes = mu * (gradient + gradient.swapaxes(0, 1))
+    at_nodes[range(3), range(3)] += lam * np.trace(gradient)
+    nodes, cells, stress = mean_of(at_nodes, basis.element_dofs)
     deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
     return nodes, cells, np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2)))

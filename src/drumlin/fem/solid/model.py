@@ -4,6 +4,8 @@ from functools import partial
 from pathlib import Path
 
 from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.fields import Material
+from drumlin.brake.orthotropic import isotropic_only
 from drumlin.brake.plane_brake import AnyBrake
 from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput
@@ -30,7 +32,7 @@ def why_not(brake: Brake) -> str | None:
         reason = _shoe_why_not(shoe)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
-    return plane_why_not(brake)
+    return isotropic_only(brake, "the solid model") or plane_why_not(brake)
 
 
 def _shoe_why_not(shoe: Shoe) -> str | None:
@@ -40,7 +42,7 @@ def _shoe_why_not(shoe: Shoe) -> str | None:
         return "its bending_stiffness is not that of a section of its thickness and width"
     for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
         material = getattr(part, "material", None)
-        if material is not None and material.nu > SOFTEST:
+        if isinstance(material, Material) and material.nu > SOFTEST:
             return f"{name}.material.nu = {material.nu:g} is all but incompressible; at most {SOFTEST:g}"
     return None
 

@@ -15,6 +15,7 @@ from scipy.linalg.lapack import dpotrf
 from skfem.quadrature import get_quadrature_tri
 
 from drumlin.arrays import Bools, Floats, Ints
+from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.errors import NoAnswer
 from drumlin.verification.triangles.triangulation import Layer, Map, Triangles, edges_of
 
@@ -100,7 +101,9 @@ def nodes_of(mesh: Triangles, place: Map, degree: int) -> Nodes:
 
 def stiffness(mesh: Triangles, nodes: Nodes, layers: list[Layer], degree: int) -> Floats:
     """Plane-stress stiffness (m, 2n, 2n) of each triangle, unknown 2 i + c for component c of its node i [N/m]."""
-    _, slopes, weights = shape_functions(degree)
+    values, slopes, weights = shape_functions(degree)
+    matrices = np.array([layer.elastic.stiffness for layer in layers])
+    directed = has_directions(matrices)
     n = slopes.shape[0]
     found = np.empty((len(mesh.layer), 2 * n, 2 * n))
     for part in np.array_split(np.arange(len(mesh.layer)), max(1, len(mesh.layer) // 2000)):
@@ -111,17 +114,45 @@ def stiffness(mesh: Triangles, nodes: Nodes, layers: list[Layer], degree: int) -
             raise AssertionError("a triangle is turned over")
         inverse = np.stack([J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]], -1).reshape(J.shape)
         G = np.einsum("ndq,mqdc->mncq", slopes, inverse / det[..., None, None])  # d psi_n / d x_c
-        E, nu, width = (
-            np.array([getattr(one, key) for one in layers])[mesh.layer[part]] for key in ("E", "nu", "width")
-        )
-        mu, lam = width * E / (2 * (1 + nu)), width * E * nu / (1 - nu**2)  # of plane stress
+        lam, mu = matrices[mesh.layer[part]][:, [0, 2], [1, 2]].T
         H = np.einsum("mncq,mq,mkdq->mnckd", G, np.abs(det) * weights, G, optimize=True)
         K = lam[:, None, None, None, None] * H + mu[:, None, None, None, None] * H.transpose(0, 1, 4, 3, 2)
         same = mu[:, None, None] * (H[:, :, 0, :, 0] + H[:, :, 1, :, 1])
         K[:, :, 0, :, 0] += same
         K[:, :, 1, :, 1] += same
         found[part] = K.reshape(len(part), 2 * n, 2 * n)
+        for number in np.flatnonzero(directed):
+            own = np.flatnonzero(mesh.layer[part] == number)
+            points = np.einsum("mnc,nq->cmq", x[own], values)
+            area = np.abs(det[own]) * weights
+            found[part[own]] = _directed_stiffness(G[own], area, layers[number].elastic, points)
     return found
+
+
+def _directed_stiffness(G: Floats, area: Floats, layer: ElasticLayer, points: Floats) -> Floats:
+    """Stiffness (m, 2n, 2n) of triangles in a layer with directions of its own, by B^T Q^T D Q B at
+    every point.
+
+    Q takes strains in x and y to those in the layer's directions (Cook et al., Concepts and
+    Applications of Finite Element Analysis, section 8.2).
+
+    Parameters
+    ----------
+    G : (m, n, 2, q) gradients of the shape functions [1/m]
+    area : (m, q) areas that the points stand for [m^2]
+    layer : elasticity and directions
+    points : (2, m, q) [m]
+    """
+    m, n, _, q = G.shape
+    c, s = layer.directions(points)
+    turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+    D = np.einsum("ikmq,ij,jlmq->mqkl", turn, layer.stiffness, turn)
+    B = np.zeros((m, q, 3, n, 2))
+    B[:, :, 0, :, 0] = B[:, :, 2, :, 1] = G[:, :, 0].transpose(0, 2, 1)
+    B[:, :, 1, :, 1] = B[:, :, 2, :, 0] = G[:, :, 1].transpose(0, 2, 1)
+    B = B.reshape(m, q, 3, 2 * n)
+    stressed = (D * area[..., None, None]) @ B
+    return np.asarray(B.reshape(m, -1, 2 * n).transpose(0, 2, 1) @ stressed.reshape(m, -1, 2 * n))
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from drumlin.arrays import Floats
 from drumlin.brake import Shoe
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.components import Beam
+from drumlin.brake.elasticity import ElasticLayer
 from drumlin.errors import BadInput
 from drumlin.verification.triangles.triangulation import Layer, Map, Triangles, graded, spaced, start
 
@@ -74,14 +75,14 @@ def outline(shoe: Shoe, R: float) -> Outline:
     if isinstance(body, Beam):
         return _post(shoe, R)
     parts = [(lining.thickness, lining.material)] + ([(backing.thickness, backing.material)] if backing else [])
-    layers = [Layer(lining.start, lining.end, m.E, m.nu, lining.width) for _, m in parts]
+    layers = [Layer(lining.start, lining.end, ElasticLayer.of(material, lining.width)) for _, material in parts]
     thickness = [t for t, _ in parts]
     held = loaded = grip = None
     s = [lining.start, lining.end]
     corners = [(end, float(d)) for end in s for d in range(len(parts) + 1)]
     if body is not None:
         for plate in body.plates.values():
-            layers.append(Layer(body.start, body.end, plate.material.E, plate.material.nu, plate.width))
+            layers.append(Layer(body.start, body.end, ElasticLayer.of(plate.material, plate.width)))
             thickness.append(plate.thickness)
         s += [body.start, body.end]
         corners += [(end, float(d)) for end in (body.start, body.end) for d in range(len(parts), len(layers) + 1)]
@@ -129,9 +130,9 @@ def _post(shoe: Shoe, R: float) -> Outline:
 
     block = axis.distance - face - back * min(math.cos(first), math.cos(last))
     layers = [
-        Layer(first, last, lining.material.E, lining.material.nu, lining.width),
-        Layer(first, last, backing.material.E, backing.material.nu, lining.width),
-        Layer(low, high, section.material.E, section.material.nu, section.width),
+        Layer(first, last, ElasticLayer.of(lining.material, lining.width)),
+        Layer(first, last, ElasticLayer.of(backing.material, lining.width, axis.along)),
+        Layer(low, high, ElasticLayer.of(section.material, section.width, axis.along)),
     ]
     corners = [(s, d) for s in (first, last) for d in (0.0, 1.0, 2.0)] + [
         (s, d) for s in (low, high) for d in (2.0, 3.0)

@@ -7,6 +7,7 @@ import numpy as np
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import Brake
 from drumlin.brake.components import Section
+from drumlin.brake.elasticity import ElasticLayer
 from drumlin.errors import BadInput
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.contact import Rim
@@ -51,7 +52,7 @@ def with_ring(brake: Brake, drafts: list[Draft], level: Level) -> tuple[list[Tri
         under.append(np.sort(on_ring(i, one.s[within])))
     least = min(*(one.shape.least for one in drafts), section.thickness)
     s, d = _grid(under, section, R, least, level.size)
-    layer = Layer(-math.inf, math.inf, section.material.E, section.material.nu, section.width)
+    layer = Layer(-math.inf, math.inf, ElasticLayer.of(section.material, section.width))
     shape = Outline(place, [layer], np.array([section.thickness]), s[[0, -1]], np.zeros((0, 2)), None, None, 0.0, 1, R)
     ends = np.concatenate([part[[0, -1]] for part in under])
     sharp = np.concatenate([on_ring(i, one.sharp.s) for i, one in enumerate(drafts)])

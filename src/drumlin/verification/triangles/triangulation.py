@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from drumlin.arrays import Bools, Floats, Ints
+from drumlin.brake.elasticity import ElasticLayer
 
 Map = Callable[[Floats, Floats], Floats]  # s, d (...) -> points (..., 2) [m]
 MOST_ROUNDS = 200  # of bisection
@@ -19,13 +20,12 @@ MOST_ROUNDS = 200  # of bisection
 
 @dataclass(frozen=True)
 class Layer:
-    """A layer of a body: from s = `start` to `end`, its material's E [Pa] and nu, its width [m]."""
+    """A layer of a body: from s = `start` to `end`, and its elasticity, with directions in the
+    brake's frame."""
 
     start: float
     end: float
-    E: float
-    nu: float
-    width: float
+    elastic: ElasticLayer
 
 
 @dataclass(frozen=True)
