@@ -110,7 +110,10 @@ EVEN = 64
 """Least number of columns under a lining on a division that confirms a refusal. Their nodes are then a
 third of a degree apart on most linings, less than on a mesh of 80 elements. Fewer let a contact that is
 shorter than a column stand on its ends alone; more cost time and no test brake needed them."""
-SETTLED = 0.02  # of the length of the contact: an end of it is located by the first level where it moves by less
+SETTLED = 0.02
+"""Movement of an end of the contact, in parts of its length, below which the columns need not follow it.
+Larger, columns end where p does not, and the error of p is that of a coarser level; smaller, a level
+takes more passes for an end that it knows."""
 
 
 class Respond(Protocol):
