@@ -19,7 +19,9 @@ from drumlin.fem.hp.places import pressed_arcs
 from drumlin.response.response import NEAR_PEAK, Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
 
-SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
+SHORTEST = 10 * FINEST
+"""Length of a contact, in parts of the lining's thickness, below which its pressure is said not to be
+known: FINEST leaves it ten columns."""
 UNDER_TIP = math.log(1 / FINEST) / (2 * math.pi)
 """Growth of p over E s under a tip of the gap, from the lining's thickness from it down to FINEST
 of that.
@@ -27,7 +29,9 @@ of that.
 On a half-plane of modulus E a wedge whose slope changes by s has the pressure E s/(2 pi) ln(1/x)
 (Johnson, Contact Mechanics, ch. 5). It is what the peak may lack where no columns end at the tip.
 """
-NEAR = 0.5  # of the peak: p in a column at an end of the lining, where it grows without end
+NEAR = 0.5
+"""Part of the peak that p may reach in the column at an end of the lining before the peak is called
+unknown: p grows there without bound, and on a finer level it would be the peak."""
 
 
 class Tolerance(NamedTuple):
@@ -38,6 +42,8 @@ class Tolerance(NamedTuple):
 
 
 DEFAULT = Tolerance(5e-3, 1e-4)
+"""What a solve without `--tolerance` aims at: 0.5 % of p and 0.01 % of the torque, which is more than
+any brake is made to."""
 
 
 def adapt(

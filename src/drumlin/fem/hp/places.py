@@ -31,10 +31,18 @@ of many rows, such as that of a worn lining, is a curve until a level is fine en
 chords. With all kinks as places such a table takes columns by the hundred; with none a table with a
 real kink is short of the tolerance on all levels.
 """
-SEEN = 1e-3  # of the length of its contact that an opening must be to be one
-FEW = 4  # nodes that a contact must have more of
-SHORTER = 0.15  # part of where one of so few nodes presses that its contact likely is
-DIGITS = 20  # binary ones of an end of the contact
+SEEN = 1e-3
+"""Length of an opening, in parts of its contact, below which it is round-off and is ignored. Larger, real
+openings go unseen; smaller, nodes where p is all but 0 become singular points by the dozen."""
+FEW = 4
+"""Number of pressed nodes up to which a contact is taken to be shorter than they span. With fewer nodes
+of its own a short contact needs more passes until its ends are found."""
+SHORTER = 0.15
+"""Part of the arc of FEW pressed nodes or fewer that each of them stands for: a contact with n of them is
+first looked for on 0.15 n of their arc, about the resultant. The passes after that find its ends."""
+DIGITS = 20
+"""Binary digits of an end of the contact, relative to its length. Fewer move the ends by more than a
+column there; with more, round-off would change the division from machine to machine."""
 
 
 def places_of(
