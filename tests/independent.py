@@ -17,7 +17,7 @@ from scipy.sparse.linalg import splu, spsolve
 from skfem.helpers import dot
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 
 STUDIES = Path(__file__).resolve().parents[1] / "studies"

@@ -10,7 +10,7 @@ import pytest
 
 import blocks
 from drumlin import solve
-from drumlin.brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
 from drumlin.fem.hp import levels

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import drumlin
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from, vary
 from drumlin.errors import BadInput
 from drumlin.fem.fields import fields

@@ -11,10 +11,9 @@ import pytest
 
 import drumlin
 from conftest import ROOT, partly
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli.commands import app
 from drumlin.errors import DrumlinError
 from drumlin.fem.assembly import prepare
@@ -42,7 +41,7 @@ ELEMENTS = 10
 class Posed(NamedTuple):
     """A brake, its file, and a folder to write into."""
 
-    brake: AnyBrake
+    brake: Brake
     file: Path
     folder: Path
 
@@ -66,7 +65,7 @@ def solved(at: Posed) -> None:
     feet = {link.source for link in at.brake.links}
     outer = [s.actuation.vector for s in whole.shoes if s.name not in inside]
     outer += [r.hinge_reaction for s, r in zip(whole.shoes, response.shoes, strict=True) if s.name not in feet]
-    if response.bearing_load is not None and isinstance(at.brake, Brake):
+    if response.bearing_load is not None and not at.brake.surface.straight:
         total = np.sum([*outer, -response.bearing_load], axis=0)
         assert np.linalg.norm(total) < 1e-9 * np.abs(outer).max()
 
@@ -82,8 +81,8 @@ def with_clearance(at: Posed) -> None:
     assert abs(balanced(even) / effect(drumlin.solve(at.brake, elements=ELEMENTS)) - 1) < 0.3
 
 
-def radius(brake: AnyBrake) -> float:
-    return brake.drum.radius if isinstance(brake, Brake) else 0.1
+def radius(brake: Brake) -> float:
+    return brake.drum.radius if not brake.surface.straight else 0.1
 
 
 def with_misfit(at: Posed) -> None:
@@ -113,7 +112,7 @@ def worn_in(at: Posed) -> None:
 
 
 def wears(at: Posed) -> None:
-    own, rule = on_drum(at.brake), WearLaw(COEFFICIENT)
+    own, rule = at.brake, WearLaw(COEFFICIENT)
     setup = fem_setup(prepare(own, elements=ELEMENTS), own)
     states = run_in(setup, rule, distance=0.3 * unit_distance(setup, rule))
     found = checks(setup, states, rule)
@@ -125,9 +124,8 @@ def wears(at: Posed) -> None:
 
 def slopes(at: Posed) -> None:
     """All forces grown alike, those of a cylinder or a cam too, make the torque grow so where linings fit."""
-    own = on_drum(at.brake)
-    found = sensitivity(prepare(own, elements=ELEMENTS), own)
-    forces = [(s.force or 0.0) * shoe.actuation.force for s, shoe in zip(found.shoes, own.shoes, strict=True)]
+    found = sensitivity(prepare(at.brake, elements=ELEMENTS), at.brake)
+    forces = [(s.force or 0.0) * shoe.actuation.force for s, shoe in zip(found.shoes, at.brake.shoes, strict=True)]
     drive = sum(forces) if found.drive is None else found.drive
     assert drive == pytest.approx(found.torque, rel=1e-9)
     moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
@@ -136,9 +134,8 @@ def slopes(at: Posed) -> None:
 
 def held(at: Posed) -> None:
     """Turned far enough the drum is held by what it slides at, or a line says that a foot stands elsewhere."""
-    own = on_drum(at.brake)
-    scene = prepare(own, elements=ELEMENTS)
-    states = hold(scene, own, np.linspace(0, full_slip_rotation(scene, own), 4))
+    scene = prepare(at.brake, elements=ELEMENTS)
+    states = hold(scene, at.brake, np.linspace(0, full_slip_rotation(scene, at.brake), 4))
     torque = effect(drumlin.solve(at.brake, elements=ELEMENTS))
     agrees = states[-1].torque == pytest.approx(torque, rel=1e-6)
     assert agrees or "left the foot of shoe" in states[-1].notes[0]
@@ -147,7 +144,7 @@ def held(at: Posed) -> None:
 
 
 def own_meshes(at: Posed) -> None:
-    scene = prepare(on_drum(at.brake), elements=ELEMENTS)
+    scene = prepare(at.brake, elements=ELEMENTS)
     changes = {}
     for i, (shoe, body) in enumerate(zip(scene.brake.shoes, scene.bodies, strict=True)):
         path = at.folder / f"{shoe.name}.msh"
@@ -180,7 +177,7 @@ ROUGHLY = Refinement(2, LEVELS[1:3], triangles.LEVELS[:1])
 
 def referred(at: Posed) -> None:
     """Reference values, of rougher meshes than those that are cited; on a drum their other solver covers the brake."""
-    trio = responses(on_drum(at.brake), ROUGHLY)
+    trio = responses(at.brake, ROUGHLY)
     assert (trio.other is None) == flat(at.brake)
     found = reference(at.brake, at.file.read_text(), "made here", trio)
     assert found.torque.value == pytest.approx(effect(drumlin.solve(at.brake)), rel=1e-3)
@@ -256,20 +253,20 @@ class Refusal(NamedTuple):
     """What refuses which brakes, by which words."""
 
     uses: set[str]
-    where: Callable[[AnyBrake], bool]
+    where: Callable[[Brake], bool]
     words: str
 
 
-def unmeshed(brake: AnyBrake) -> bool:
+def unmeshed(brake: Brake) -> bool:
     return any(shoe.lining.thickness is None for shoe in brake.shoes)
 
 
-def flat(brake: AnyBrake) -> bool:
+def flat(brake: Brake) -> bool:
     return isinstance(brake, FlatBrake)
 
 
-def unhinged(brake: AnyBrake) -> bool:
-    return isinstance(brake, Brake) and brake.unhinged() is not None
+def unhinged(brake: Brake) -> bool:
+    return not brake.surface.straight and brake.unhinged() is not None
 
 
 HINGED = "takes shoes on hinges under forces of their own only: "

@@ -10,11 +10,11 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS, Layout, pivoted
-from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout, flat_balance
+from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout
 from drumlin.laws.hinged import layout
 from drumlin.laws.shapes import pivot_radius
 from drumlin.laws.simscape import DoubleShoe
@@ -378,7 +378,7 @@ def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
 ) -> None:
     brake = pad(h=h, span=(x_min, x_min + length), moment=70.0, mu=mu, sliding=sliding, hand=hand)
     shoe = unlocked(name, brake)
-    balance = flat_balance(brake, 0, shoe)
+    balance = shoe_balance(brake, 0, shoe)
     assert balance.force < 1e-12
     assert balance.moment < 1e-11
     law = {"linear": LINEAR, "short": FLAT_SHORT}[name]

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from conftest import ROOT, STUDY
-from drumlin.brake import clearance
+from drumlin.brake import clearance, off_circle
 from drumlin.brake.fields import Point
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.errors import BadInput
@@ -37,7 +37,7 @@ def test_the_gap_ends_on_the_linings_own_circle(dr, x, y, middle, sign):
     """At R - sign gap every point is the radius r away from the circle's centre."""
     theta = middle + np.linspace(-1.2, 1.2, 41)
     r = R * (1 + dr)
-    gap = clearance.circle_gap(R, r, Point(x=x * R, y=y * R), middle, sign, theta)
+    gap = off_circle.circle_gap(R, r, Point(x=x * R, y=y * R), middle, sign, theta)
     rho = R - sign * gap
     centre = (R - r) * np.exp(1j * middle) + R * (x + 1j * y)
     assert np.abs(rho * np.exp(1j * theta) - centre) == pytest.approx(np.full(41, r), rel=1e-13)
@@ -52,7 +52,7 @@ def test_to_first_order_the_gap_is_that_of_small_mismatches(dr, offset):
     for scale in (1.0, 0.5):
         a, b = scale * dr, scale * offset
         first = -a * (1 - np.cos(theta)) - b * np.cos(theta)
-        exact = clearance.circle_gap(R, R + a, Point(x=b, y=0.0), 0.0, 1, theta)
+        exact = off_circle.circle_gap(R, R + a, Point(x=b, y=0.0), 0.0, 1, theta)
         left.append(np.abs(exact - first).max())
         assert left[-1] < 2e-3 * np.abs(first).max()
     assert left[0] == pytest.approx(4 * left[1], rel=1e-2)
@@ -180,8 +180,10 @@ def test_a_drum_turns_with_its_surface():
     lobes = [{"order": 1, "amplitude": 2e-5, "phase": 0.4}, {"order": 3, "amplitude": 1e-5}]
     still, turned = (vary(BRAKE, {"drum.out_of_round": lobes, "drum.angle": angle}).drum for angle in (0.0, 0.7))
     theta = np.linspace(-3, 3, 13)
-    assert clearance.surface(still, np.array([0.4]))[0] == pytest.approx(2e-5 + 1e-5 * math.cos(1.2))
-    np.testing.assert_allclose(clearance.surface(turned, theta + 0.7), clearance.surface(still, theta), atol=1e-18)
+    assert off_circle.off_circle(still, np.array([0.4]))[0] == pytest.approx(2e-5 + 1e-5 * math.cos(1.2))
+    np.testing.assert_allclose(
+        off_circle.off_circle(turned, theta + 0.7), off_circle.off_circle(still, theta), atol=1e-18
+    )
 
 
 def test_a_step_between_blocks_converges_with_the_mesh():

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 import drumlin
 from conftest import partly
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.writing import brake_text
 from drumlin.errors import NoAnswer
 from drumlin.fem.self_locking import limits
@@ -30,14 +30,14 @@ ELEMENTS = 10
 SEEDS, NAMES = st.integers(0, 10**6), st.sampled_from(list(KINDS))
 
 
-def fem(brake: AnyBrake) -> Response:
+def fem(brake: Brake) -> Response:
     return drumlin.solve(brake, elements=ELEMENTS)
 
 
 MODELS = (law, fem)
 
 
-def whole_balance(brake: AnyBrake, found: Response) -> None:
+def whole_balance(brake: Brake, found: Response) -> None:
     """Forces and moments from outside, and each force that one shoe passes to another."""
     under = loaded(brake, found)
     shoes = {shoe.name: (shoe, own) for shoe, own in zip(under.shoes, found.shoes, strict=True)}
@@ -92,7 +92,7 @@ def same(a: Response, b: Response, *, size: float = 1.0, force: float = 1.0, rel
             assert y.force == pytest.approx(force * x.force, rel=rel)
 
 
-def fitting(brake: AnyBrake) -> bool:
+def fitting(brake: Brake) -> bool:
     """Whether all linings fit: then all grows with the forces."""
     return all(
         lining.clearance == 0 and lining.misfit == type(lining.misfit)()
@@ -154,7 +154,7 @@ def test_places_sizes_and_units_change_nothing_many_times(
     moved(seed, kind, turn, length, modulus)
 
 
-def both_ways(brake: AnyBrake) -> list[AnyBrake]:
+def both_ways(brake: Brake) -> list[Brake]:
     if isinstance(brake, FlatBrake):
         return [vary(brake, {"plane.sliding": sliding}) for sliding in ("+x", "-x")]
     return [vary(brake, {"rotation": rotation}) for rotation in ("clockwise", "counter-clockwise")]
@@ -186,7 +186,7 @@ def test_rigid_shoes_with_thin_linings_answer_as_the_law_many_times(kind: str) -
     assert sum(rigid_limit(seed, kind) for seed in range(12)) >= 12
 
 
-def end_by_law(brake: AnyBrake, most: float) -> float | None:
+def end_by_law(brake: Brake, most: float) -> float | None:
     """The friction up to which the law has an answer; None where that is beyond `most`."""
     low, high = brake.friction, most
     for friction in (most, *(math.nan for _ in range(30))):
@@ -213,7 +213,7 @@ def locked(seed: int, kind: str, most: float = 1.2) -> int:
         end = end_by_law(brake, most)
         if end is None:
             continue
-        own = on_drum(vary(brake, {"friction": 0.97 * end}))
+        own = vary(brake, {"friction": 0.97 * end})
         found = limits(scene_of(own, elements=24), own, 2.0, 1e6)
         assert min(limit.friction for limit in found.values()) == pytest.approx(end, rel=1e-2), (brake, end)
         assert effect(drumlin.solve(vary(brake, {"friction": 0.97 * end}))) > 0

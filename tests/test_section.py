@@ -9,11 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import drumlin
-from drumlin.brake import Brake, FlatBrake, read_any, vary
+from drumlin.brake import read_any, vary
+from drumlin.brake.brake import Brake
 from drumlin.brake.components import STEEL, Section, bonded
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, validated
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_text
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Scene, prepare
@@ -54,7 +55,7 @@ def bar(**body: Any) -> Brake:
         "actuation": {"force": 1.0, "direction": -1.5, "point": {"x": 1.0, "y": 0.02}},
     }
     data = {"title": "t", "friction": 0.0, "plane": {"sliding": "+x"}, "shoe": [shoe]}
-    return on_drum(validated(FlatBrake, data))
+    return validated(FlatBrake, data)
 
 
 def scenes(brake: Brake) -> list[Scene]:

@@ -13,7 +13,7 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from conftest import ROOT
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.cli import commands as cli

@@ -7,9 +7,8 @@ import pytest
 
 import drumlin
 from conftest import ROOT, partly
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
-from drumlin.brake.unrolled import on_drum
 from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond
 from drumlin.fem.solve import scene_of
@@ -26,7 +25,7 @@ ARCHARD = WearLaw(COEFFICIENT)
 
 
 def drawn(kind: str, seed: int) -> Brake:
-    return on_drum(random_kind(seed, kind))
+    return random_kind(seed, kind)
 
 
 @pytest.mark.parametrize(("bend", "middle"), partly([(0.1, 0.7), (0.01, 0.31)], [(0.1, 0.7)]))

@@ -7,7 +7,8 @@ from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 
 from drumlin.brake import fields
-from drumlin.brake.plane_brake import AnyBrake
+from drumlin.brake.drum_brake import DrumBrake
+from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.units import EXAMPLES, NAMES
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -66,7 +67,28 @@ def written(schema: Any) -> Any:
     return {**only[0], **{k: v for k, v in found.items() if k != "anyOf"}} if len(only) == 1 else found
 
 
+NAMES_IN_FILES = {"DrumBrake": "Brake", "DrumShoe": "Shoe", "DrumLining": "Lining"}
+"""What a schema calls the classes of a brake file on a drum: names that editors may have stored stay."""
+DEFINITION = "#/$defs/"
+
+
+def named(schema: Any) -> Any:
+    """A schema with the names of NAMES_IN_FILES for its definitions."""
+    if isinstance(schema, list):
+        return [named(part) for part in schema]
+    if isinstance(schema, str) and schema.startswith(DEFINITION):
+        name = schema.removeprefix(DEFINITION)
+        return DEFINITION + NAMES_IN_FILES.get(name, name)
+    if not isinstance(schema, dict):
+        return schema
+    found = {key: named(value) for key, value in schema.items()}
+    if "$defs" in found:
+        by_name = {NAMES_IN_FILES.get(name, name): value for name, value in found["$defs"].items()}
+        found["$defs"] = dict(sorted(by_name.items()))
+    return found
+
+
 def brake_schema() -> dict[str, Any]:
     """The schema of a brake file, on a drum or on a plane."""
-    made = TypeAdapter(AnyBrake).json_schema(schema_generator=UnitSchema)
-    return {"$schema": DIALECT, "title": "drumlin brake file", **written(made)}
+    made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
+    return {"$schema": DIALECT, "title": "drumlin brake file", **named(written(made))}

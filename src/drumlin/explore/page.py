@@ -9,7 +9,8 @@ from urllib.parse import parse_qsl, urlsplit
 
 import jinja2
 
-from drumlin.brake import AnyBrake, FlatBrake, vary
+from drumlin.brake import vary
+from drumlin.brake.brake import Brake
 from drumlin.brake.writing import brake_text
 from drumlin.errors import BadInput
 from drumlin.explore.answers import Explorer
@@ -22,7 +23,6 @@ from drumlin.explore.knobs import (
     link_of,
     motion_of,
     setting_from,
-    size_of,
 )
 from drumlin.explore.picture import (
     PETAL,
@@ -39,7 +39,6 @@ from drumlin.explore.picture import (
     picture_of,
     reach_of,
     table_html,
-    unit_of,
 )
 from drumlin.report.figures import name_of
 from drumlin.report.palette import color_of
@@ -83,8 +82,8 @@ def split(address: str) -> tuple[str, dict[str, str]]:
 def _page(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: str) -> Reply:
     brake = explorer.brake
     low, high = brake_extent(brake)
-    motion, size, flat = motion_of(brake)[0], size_of(brake) * 1e3, isinstance(brake, FlatBrake)
-    signs = {1} if isinstance(brake, FlatBrake) else {shoe.sign for shoe in brake.shoes}
+    motion, size, flat = motion_of(brake), brake.size * 1e3, brake.surface.straight
+    signs = {shoe.sign for shoe in brake.shoes}
     text = _template().render(
         title=brake.title,
         lines=lines,
@@ -102,10 +101,10 @@ def _page(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: st
         petal=PETAL,
         units=(PLACE, PRESSURE),
         rings=[-PETAL * size] if flat else sorted(size * (1 + sign * PETAL) for sign in signs),
-        place="place on the plane x [mm]" if flat else "angle on the drum θ [deg]",
+        place=brake.surface.page_axis,
         low=low,
         high=high,
-        ticks=_ticks(low, high, unit_of(brake)[0]),
+        ticks=_ticks(low, high, brake.surface.shown_unit),
     )
     return Reply(200, HTML, text)
 
@@ -179,7 +178,7 @@ def _brake(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: s
     return Reply(200, TOML, said + text, f"{_file_name(name)}_explored.toml")
 
 
-def _found_from_anywhere(brake: AnyBrake) -> AnyBrake:
+def _found_from_anywhere(brake: Brake) -> Brake:
     """The brake with absolute paths of its mesh files: the browser chooses the folder that the file is saved in."""
     meshes = {f"shoe[{i}].mesh": shoe.mesh.absolute() for i, shoe in enumerate(brake.shoes) if shoe.mesh is not None}
     return vary(brake, meshes) if meshes else brake

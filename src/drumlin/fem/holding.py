@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.contact import stick_slip
 from drumlin.contact.active_set import Contact
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
@@ -24,10 +24,8 @@ from drumlin.fem.assembly import Scene
 from drumlin.fem.at_rest import Feet, holding_problem
 from drumlin.fem.group import ShoeGroup, grouped, pressed_shoes
 from drumlin.fem.model import PENALTY, respond
-from drumlin.response.show import effect_words
 
 HALVINGS = 4  # of an increment that does not settle
-OTHER_WAY: dict[str, Any] = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
 # Full slip is looked for from the rotation FIRST [rad] on, in increments by which the moment would reach that of the
 # sliding drum, but between OVER and FASTEST times the rotation so far.
 FIRST, OVER, FASTEST, MOST_INCREMENTS = 1e-7, 0.25, 30.0, 100
@@ -182,7 +180,7 @@ def _path(held: _Held, rotations: Floats) -> tuple[list[Increment], list[float]]
                 energy += _slip_work(held.problem, step, increment.history)
                 increment = step
         except NoAnswer as error:
-            _turning(group, brake if rotation > reached else _turned_back(brake)).settled()  # raises where it locks
+            _turning(group, brake if rotation > reached else brake.reversed()).settled()  # raises where it locks
             raise NoAnswer(f"{group.names}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         done.append(increment)
@@ -212,11 +210,6 @@ def turned(
         if step == end:
             return
         reached, pieces = step, pieces - 1
-
-
-def _turned_back(brake: Brake) -> Brake:
-    """The brake whose drum rotates the other way."""
-    return brake.model_copy(update={"rotation": OTHER_WAY[brake.rotation]})
 
 
 def _turning(group: ShoeGroup, brake: Brake) -> ShoeGroup:
@@ -273,7 +266,7 @@ class _Slid(NamedTuple):
 def _slid(held: _Held, way: int) -> _Slid:
     """The group under the drum that slides so that all nodes slip one way, +1 or -1."""
     brake = held.group.brake
-    group = _turning(held.group, brake if way == brake.spin else _turned_back(brake))
+    group = _turning(held.group, brake if way == brake.spin else brake.reversed())
     try:
         group, found = group.settled()
     except NoAnswer as error:
@@ -291,9 +284,9 @@ def _apart(path: _Path, k: int) -> list[str]:
     torque, slid = held.torque(at), path.slid(way)
     if math.isclose(torque, slid.torque, rel_tol=TWO_ANSWERS):
         return []
-    shoe = held.group.shoes[0]
-    (what, unit), moving = effect_words(flat=shoe.flat), "body" if shoe.flat else "drum"
-    said = f"{held.group.names}: at full slip the {what} is {torque:.6g} {unit}"
+    surface = held.group.brake.surface
+    unit, moving = surface.effect_unit, surface.moving
+    said = f"{held.group.names}: at full slip the {surface.effect} is {torque:.6g} {unit}"
     if slid.found is None:
         return [f"{said}; solve has none: {slid.why}"]
     said += f", by solve {slid.torque:.6g} {unit}"
@@ -377,23 +370,6 @@ def _slipping(held: _Held, target: float, way: int) -> float:
         f"not converged: after a rotation of {reached:.3g} rad {sticking} of {n} nodes still stick, "
         f"at {torque:.5g} of the sliding drum's {target:.5g} N m"
     )
-
-
-def on_plane(states: list[Hold], unit: float) -> list[Hold]:
-    """States of an `unrolled` brake, of this unit [m]: rotations are slides [m], torques forces [N], places x [m]."""
-
-    def lengths(arcs: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        return tuple((unit * a, unit * b) for a, b in arcs)
-
-    return [
-        replace(
-            state,
-            theta=tuple(unit * theta for theta in state.theta),
-            stick=tuple(map(lengths, state.stick)),
-            slip=tuple(map(lengths, state.slip)),
-        )
-        for state in states
-    ]
 
 
 def as_dict(states: list[Hold]) -> list[dict[str, Any]]:

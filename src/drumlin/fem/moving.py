@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
+from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.fields import Point
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Body, BodyNodes, Scene
@@ -55,7 +55,7 @@ def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
     key: "hinge", "pivot", "abutment.point" or "actuation.point". Empty where no node moves. Raises
     NoAnswer where the division into elements changes within a step on both sides.
     """
-    radius = scene.brake.drum.radius
+    radius = scene.brake.size
     if shoe.mesh is not None:
         moving = shoe.mesh_frame == "shoe" and key == (
             "actuation.point" if shoe.guide is not None else "hinge" if shoe.hinge is not None else "abutment.point"

@@ -20,7 +20,7 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake import clearance
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, materials_of
 from drumlin.fem.group import gap_at
@@ -198,7 +198,7 @@ def _standing(
 
 def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) -> dict[str, Any]:
     """Everything that the script needs, as arrays; lengths in drum radii, stresses in moduli of the lining."""
-    R = brake.drum.radius
+    R = brake.size
     arrays: dict[str, Any] = {}
     listed = []
     for loaded in shoes:
@@ -253,7 +253,7 @@ def _run(interpreter: str, problem: dict[str, Any]) -> _Run:
 
 def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Stood:
     """A shoe's answer from the script's numbers."""
-    shoe, R = loaded.shoe, brake.drum.radius
+    shoe, R = loaded.shoe, brake.size
     if not found["converged"]:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM did not converge in {found['steps']} steps")
     if not abs(found["slipping"] - 1) < 1 - SLIPPING:

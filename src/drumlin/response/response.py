@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.plane_brake import FlatBrake, FlatShoe
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
 from drumlin.response.resultants import Inside, Resultant, by_piece, contact_arcs, edge_left_out, integrate
@@ -197,6 +197,11 @@ class Merit(NamedTuple):
     double_delta: int
     sensitivity_at_fixed_shape: float | None
 
+    @property
+    def surface(self) -> FrictionSurface:
+        """A drum."""
+        return DRUM
+
 
 class FlatMerit(NamedTuple):
     """Figures of merit of a shoe on a plane: braking force [N], the same over the actuation moment M [1/m], S."""
@@ -204,6 +209,11 @@ class FlatMerit(NamedTuple):
     braking_force: float
     braking_force_over_moment: float | None
     sensitivity_at_fixed_shape: float | None
+
+    @property
+    def surface(self) -> FrictionSurface:
+        """A plane."""
+        return PLANE
 
 
 @dataclass(frozen=True, repr=False)
@@ -235,6 +245,11 @@ class Response:
                 raise NoAnswer(
                     f"shoe {shoe.name!r}: the answer is not finite, sizes or forces are beyond the arithmetic"
                 )
+
+    @property
+    def surface(self) -> FrictionSurface:
+        """What the brake runs on."""
+        return self.merits[0].surface if self.merits else DRUM
 
     @property
     def torque(self) -> float:
@@ -271,7 +286,7 @@ class Response:
         return data
 
 
-def untouched(shoe: Shoe | FlatShoe, hinge_reaction: Floats) -> ShoeResponse:
+def untouched(shoe: Shoe, hinge_reaction: Floats) -> ShoeResponse:
     """The response of a shoe that does not touch the drum: no torque, no pressure."""
     theta = np.linspace(shoe.lining.start, shoe.lining.end, 3)
     return ShoeResponse(
@@ -284,13 +299,13 @@ def untouched(shoe: Shoe | FlatShoe, hinge_reaction: Floats) -> ShoeResponse:
         contact_arcs=(),
         theta=theta,
         pressure=np.zeros(3),
-        pivot_reaction=np.zeros(2) if isinstance(shoe, Shoe) and shoe.pivot else None,
+        pivot_reaction=np.zeros(2) if shoe.pivot else None,
     )
 
 
 def pressed_shoe(
     shoe: Shoe,
-    radius: float,
+    scale_factor: float,
     theta: Floats,
     pressure: Floats,
     *,
@@ -307,21 +322,23 @@ def pressed_shoe(
 ) -> ShoeResponse:
     """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
 
-    radius: of the drum [m]; located: the ends of the contact and the peak are located within their elements; peak: its
-    pressure [Pa], where it is known; surface: its rows as the angles; more: other attributes of ShoeResponse. Raises
-    NoAnswer beyond LARGEST_STRAIN.
+    scale_factor: of the brake's surface; located: the ends of the contact and the peak are located within their
+    elements; peak: its pressure [Pa], where it is known; surface: its rows as the angles; more: other attributes of
+    ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
     if peak is None:
-        zone = edge_zone(shoe, radius)
+        zone = edge_zone(shoe, scale_factor)
         if located:
             peak = Inside(theta, order, zone).peak(pressure)
         else:
             peak = nodal_peak(theta, pressure, edge_left_out(theta, pressure, order, zone))
     arcs = contact_arcs(theta, pressure, order, located=located)
-    force = shoe.lining.width * radius * integrate(theta, pressure, order)  # not its resultant: opposite sides cancel
-    check_strain(shoe, radius, force, sum(end - start for start, end in arcs))
+    force = (
+        shoe.lining.width * scale_factor * integrate(theta, pressure, order)
+    )  # not its resultant: opposite sides cancel
+    check_strain(shoe, scale_factor, force, sum(end - start for start, end in arcs))
     return ShoeResponse(
         name=shoe.name,
         torque=torque,
@@ -339,16 +356,23 @@ def pressed_shoe(
     )
 
 
-def edge_zone(shoe: Shoe | FlatShoe, radius: float) -> float:
-    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep; a quarter
-    of its length where that is all of it. On a plane [m], radius 1."""
-    zone, length = (shoe.lining.thickness or 0.0) / (2 * radius), shoe.lining.end - shoe.lining.start
+def edge_zone(shoe: Shoe, scale_factor: float) -> float:
+    """Half the lining's thickness at each of its ends, in which a sharp edge makes the pressure steep; a quarter of its
+    length where that is all of it. In the coordinate of a surface of this scale factor."""
+    zone, length = (shoe.lining.thickness or 0.0) / (2 * scale_factor), shoe.lining.end - shoe.lining.start
     return zone if 2 * zone < length else 0.25 * length
 
 
-def singular_zone(length: float) -> float:
-    """EDGE_ZONE at each end of a lining of this length [rad], a quarter of a short one."""
-    return min(EDGE_ZONE, 0.25 * length)
+def own_edge_zone(shoe: Shoe, size: float) -> float:
+    """The same zone in phi of the shoe's own frame, in a brake of this size [m]."""
+    unit = shoe.frame.unit
+    return edge_zone(shoe, size / unit) / unit
+
+
+def singular_zone(length: float, unit: float = 1.0) -> float:
+    """EDGE_ZONE at each end of a lining of this length, a quarter of a short one; both in a coordinate of which one
+    unit of phi has `unit`."""
+    return min(unit * EDGE_ZONE, 0.25 * length)
 
 
 class Place(NamedTuple):
@@ -358,12 +382,12 @@ class Place(NamedTuple):
     zone: float
 
 
-def peak_place(brake: Brake | FlatBrake, index: int, response: ShoeResponse) -> Place | None:
+def peak_place(brake: Brake, index: int, response: ShoeResponse) -> Place | None:
     """Where shoe `index` has its peak pressure, within STEP; None where it does not touch."""
     if not response.contact_arcs or not response.peak_pressure > 0:
         return None
     theta, pressure = response.curve()
-    zone = edge_zone(brake.shoes[index], 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius)
+    zone = edge_zone(brake.shoes[index], brake.scale_factor)
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
     if abs(pressure.max() / response.peak_pressure - 1) < SAME_PEAK or not pressure[inside].any():
         inside, zone = np.ones(len(theta), dtype=bool), 0.0

@@ -18,7 +18,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from drumlin.arrays import Bools, Floats, Ints
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import (
     ELEMENTS,
@@ -58,7 +58,7 @@ def solve(
     """
     if not 0 < penalty < math.inf:
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 and finite at quadrature points")
-    if brake.drum.ring is not None:
+    if brake.ring is not None:
         raise BadInput("drum.ring: the pointwise penalty has a rigid drum only")
     seconds: Seconds = {}
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)

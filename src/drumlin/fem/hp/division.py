@@ -17,8 +17,8 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.drum_brake import Shoe
 from drumlin.response.response import EDGE_ZONE
 
 FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: smaller ones lose too many digits

@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.response.norms import Difference
 from drumlin.response.response import (
     NEAR_PEAK,
@@ -132,28 +132,32 @@ def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
 
 def distances(brake: Brake, a: Response, b: Response) -> Distances:
     """Relative distances of a from b, and by how much chance signs of the columns would move forces."""
-    R, total = brake.drum.radius, b.torque or a.torque or 1.0
+    total = b.torque or a.torque or 1.0
     pairs = list(zip(a.shoes, b.shoes, strict=True))
-    own = np.array([_of(edge_zone(of, R), x, y) for of, (x, y) in zip(brake.shoes, pairs, strict=True)])
+    own = np.array(
+        [
+            _of(edge_zone(of, brake.scale_factor), brake.unit, x, y)
+            for of, (x, y) in zip(brake.shoes, pairs, strict=True)
+        ]
+    )
     moved = sum(abs(x.torque - y.torque) for x, y in pairs) / total
     by_chance = sum(abs(y.torque) * chance for (_, y), chance in zip(pairs, own[:, 1, 1], strict=True)) / total
     return Distances(np.array([moved, *own[:, 0].ravel()]), np.array([by_chance, *own[:, 1].ravel()]))
 
 
-def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[tuple[float, ...], ...]:
-    """Those of a shoe (2, 4), whose peak is not looked for in this zone [rad] at the lining's ends."""
+def _of(zone: float, unit: float, a: ShoeResponse, b: ShoeResponse) -> tuple[tuple[float, ...], ...]:
+    """Those of a shoe (2, 4), whose peak is not looked for in this zone at the lining's ends; unit: see `Frame`."""
     held = reaction_size(b.hinge_reaction, b.normal_force)
     torque = abs(a.torque - b.torque) / (b.torque or a.torque or 1.0)
     peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or a.peak_pressure or 1.0)
     reaction = math.dist(a.hinge_reaction, b.hinge_reaction) / held
     if not b.pressure.any():
         return (float(a.pressure.any()), torque, peak, reaction), (0.0,) * len(QUANTITIES)
-    edge, zone = (
-        edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular_zone(float(b.theta[-1] - b.theta[0])), zone)
-    )
+    singular = singular_zone(float(b.theta[-1] - b.theta[0]), unit)
+    edge, zone = (edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular, zone))
     step = Difference.of(a, b, edge, zone)
     # What balances on so much of the drum moves a force.
-    reach = b.contact_arcs[-1][1] - b.contact_arcs[0][0]
+    reach = (b.contact_arcs[-1][1] - b.contact_arcs[0][0]) / unit
     p, chance = step.distance(edge), min(step.by_chance(), reach)
     near = max(peak, step.near_peak(zone, NEAR_PEAK))
     by_chance = 0.0, chance if b.torque else 0.0, 0.0, chance * b.normal_force / held

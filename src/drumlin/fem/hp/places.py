@@ -13,8 +13,8 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake import clearance
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
-from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem import assembly
 from drumlin.fem.hp.division import Kind, Place
 from drumlin.response.response import Response, ShoeResponse
@@ -48,12 +48,12 @@ def places_of(
     """
     found: dict[int, list[Place]] = {}
     for i, (shoe, first) in enumerate(zip(brake.shoes, alike or assembly.alike(brake), strict=True)):
-        own = _places(shoe, None if response is None else response.shoes[i], brake.drum.radius, end)
+        own = _places(shoe, None if response is None else response.shoes[i], brake.scale_factor, end)
         found.setdefault(first, []).extend(own)
     return {key: sorted(places) for key, places in found.items()}
 
 
-def _places(shoe: Shoe, response: ShoeResponse | None, radius: float, level_end: float) -> list[Place]:
+def _places(shoe: Shoe, response: ShoeResponse | None, scale_factor: float, level_end: float) -> list[Place]:
     (start, end), frame = shoe.arc, shoe.frame
     arcs = [] if response is None else _likely(shoe, response)
 
@@ -62,9 +62,11 @@ def _places(shoe: Shoe, response: ShoeResponse | None, radius: float, level_end:
 
     # Where nothing presses, or nearly, a kink is nothing; but within a column a block's step would swing beyond itself.
     steps = [x for x in frame.phis(clearance.step_kinks(shoe.lining)) if start < x < end]
-    found: list[Place] = [(x, shoe.lining.step, Kind.STEP if presses(x) else Kind.OPEN_STEP) for x in steps]
+    found: list[Place] = [
+        (x, shoe.lining.step / frame.unit, Kind.STEP if presses(x) else Kind.OPEN_STEP) for x in steps
+    ]
     if response is not None:
-        angle, felt = np.array(clearance.table_kinks(shoe.lining)), strengths(shoe.lining, radius)
+        angle, felt = np.array(clearance.table_kinks(shoe.lining)), strengths(shoe.lining, scale_factor)
         inside = np.array([start < x < end and presses(x) for x in frame.phis(angle)], dtype=bool)
         _, p, weight = gauss_points(response.theta, response.pressure, response.order)
         size = math.sqrt(float(np.sum(weight * p**2)))
@@ -78,7 +80,7 @@ def _places(shoe: Shoe, response: ShoeResponse | None, radius: float, level_end:
     return found
 
 
-def strengths(lining: Lining, radius: float) -> Floats:
+def strengths(lining: Lining, scale_factor: float) -> Floats:
     """What each row of a table of clearances changes in p (k,) [Pa rad^0.5], in L2, if the table
     were a smooth curve.
 
@@ -93,8 +95,8 @@ def strengths(lining: Lining, radius: float) -> Floats:
         return angle
     ends = np.concatenate([[lining.start], 0.5 * (angle[1:] + angle[:-1]), [lining.end]])
     spacing = np.maximum(np.diff(ends), 0.0)
-    slope = np.abs(clearance.slope_changes(lining)) / radius
-    stiffness = 1 / math.sqrt(48) + radius * spacing / (math.sqrt(720) * lining.thickness)
+    slope = np.abs(clearance.slope_changes(lining)) / scale_factor
+    stiffness = 1 / math.sqrt(48) + scale_factor * spacing / (math.sqrt(720) * lining.thickness)
     return np.asarray(lining.material.E * slope * stiffness * np.sqrt(spacing))
 
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats, Ints
+from drumlin.brake.brake import Brake
 from drumlin.brake.components import Section
-from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, tie
@@ -65,7 +65,7 @@ def _within(angle: float, ends: Floats) -> bool:
 
 def ring_body(brake: Brake, level: Level, linings: tuple[ContactLine, ...]) -> RingBody:
     """The ring condensed under the linings, given by their contact lines in the shoes' frames."""
-    ring, radius, sign = brake.drum.ring, brake.drum.radius, brake.shoes[0].sign
+    ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
     assert ring is not None and ring.section is not None  # scene.why_not
     ends = [np.sort(shoe.frame.theta(line.phi[:: line.order])) for shoe, line in zip(brake.shoes, linings, strict=True)]
     div = divide(ring.section, radius, ends, level)
@@ -245,14 +245,14 @@ def _recovered(brake: Brake, grid: Grid, rim: Floats, nodal: Floats, frame: Floa
 
 
 def _materials(brake: Brake) -> dict[str, tuple[Material, float]]:
-    ring = brake.drum.ring
+    ring = brake.ring
     assert ring is not None and ring.section is not None  # scene.why_not
     return {"drum": (ring.section.material, ring.section.width)}
 
 
 def _reduced(brake: Brake, basis: Grid | Skeleton, support: Ints, contact: Ints, rim: Floats) -> Inside:
     """The stiffness of a ring and the unit loads `rim` (2 nodes, l) on its reduced unknowns."""
-    K, ring = basis.stiffness(_materials(brake)), brake.drum.ring
+    K, ring = basis.stiffness(_materials(brake)), brake.ring
     if ring is not None and ring.support == "fixed":
         ties = tie(basis, contact, support, np.zeros(2))
         loads = np.zeros((ties.matrix.shape[1], 0))

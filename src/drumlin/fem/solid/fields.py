@@ -7,7 +7,7 @@ import skfem
 from skfem.models.elasticity import lame_parameters
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.fem.assembly import Scene
 from drumlin.fem.fields import displaced, mean_stress
