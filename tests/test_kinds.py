@@ -24,7 +24,6 @@ from drumlin.fem.sensitivity import sensitivity
 from drumlin.laws import law
 from drumlin.models import pick
 from drumlin.response.balance import loaded
-from drumlin.response.merit import effect
 from drumlin.verification import triangles
 from drumlin.verification.check import check, read_curves, within
 from drumlin.verification.reference import Refinement, reference, responses
@@ -53,8 +52,8 @@ class Posed(NamedTuple):
 
 def balanced(response: Any) -> float:
     assert max(response.balance.force, response.balance.moment) < 1e-9
-    assert effect(response) > 0
-    return effect(response)
+    assert response.effect > 0
+    return response.effect
 
 
 def solved(at: Posed) -> None:
@@ -78,7 +77,7 @@ def to_tolerance(at: Posed) -> None:
 def with_clearance(at: Posed) -> None:
     gap = 2e-5
     even = drumlin.solve(vary(at.brake, {"shoe.lining.clearance": gap}), elements=ELEMENTS)
-    assert abs(balanced(even) / effect(drumlin.solve(at.brake, elements=ELEMENTS)) - 1) < 0.3
+    assert abs(balanced(even) / drumlin.solve(at.brake, elements=ELEMENTS).effect - 1) < 0.3
 
 
 def radius(brake: Brake) -> float:
@@ -93,7 +92,7 @@ def with_misfit(at: Posed) -> None:
         return
     brake = vary(at.brake, {"shoe.lining.misfit": {"radius": 0.999 * radius(at.brake)}, "drum.out_of_round": [
         {"order": 2, "amplitude": 1e-5, "phase": 0.3}]})  # fmt: skip
-    assert abs(balanced(drumlin.solve(brake, elements=ELEMENTS)) / effect(drumlin.solve(at.brake)) - 1) > 1e-3
+    assert abs(balanced(drumlin.solve(brake, elements=ELEMENTS)) / drumlin.solve(at.brake).effect - 1) > 1e-3
 
 
 def on_ring(at: Posed) -> None:
@@ -102,13 +101,13 @@ def on_ring(at: Posed) -> None:
     soft = balanced(drumlin.solve(vary(at.brake, {"drum.ring": ring}), elements=ELEMENTS))
     hard = ring | {"material": {"E": 1.1e17, "nu": 0.25}}
     stiff = balanced(drumlin.solve(vary(at.brake, {"drum.ring": hard}), elements=ELEMENTS))
-    rigid = effect(drumlin.solve(at.brake, elements=ELEMENTS))
+    rigid = drumlin.solve(at.brake, elements=ELEMENTS).effect
     assert stiff == pytest.approx(rigid, rel=1e-4)
     assert soft != pytest.approx(rigid, rel=1e-5) or len(at.brake.shoes) == 1
 
 
 def worn_in(at: Posed) -> None:
-    assert effect(drumlin.solve(at.brake, worn_in=True, elements=40)) == pytest.approx(effect(law(at.brake)), rel=1e-2)
+    assert drumlin.solve(at.brake, worn_in=True, elements=40).effect == pytest.approx(law(at.brake).effect, rel=1e-2)
 
 
 def wears(at: Posed) -> None:
@@ -136,7 +135,7 @@ def held(at: Posed) -> None:
     """Turned far enough the drum is held by what it slides at, or a line says that a foot stands elsewhere."""
     scene = prepare(at.brake, elements=ELEMENTS)
     states = hold(scene, at.brake, np.linspace(0, full_slip_rotation(scene, at.brake), 4))
-    torque = effect(drumlin.solve(at.brake, elements=ELEMENTS))
+    torque = drumlin.solve(at.brake, elements=ELEMENTS).effect
     agrees = states[-1].torque == pytest.approx(torque, rel=1e-6)
     assert agrees or "left the foot of shoe" in states[-1].notes[0]
     assert states[0].torque < states[-1].torque
@@ -180,7 +179,7 @@ def referred(at: Posed) -> None:
     trio = responses(at.brake, ROUGHLY)
     assert (trio.other is None) == flat(at.brake)
     found = reference(at.brake, at.file.read_text(), "made here", trio)
-    assert found.torque.value == pytest.approx(effect(drumlin.solve(at.brake)), rel=1e-3)
+    assert found.torque.value == pytest.approx(drumlin.solve(at.brake).effect, rel=1e-3)
     assert found.torque.uncertainty < 1e-3 * found.torque.value
     write_values(as_dict(found), at.folder / "r.json")
 
@@ -197,7 +196,7 @@ def checked(at: Posed) -> None:
     verdicts = check(at.brake, known, read_curves(curves, at.brake))
     assert within(verdicts, 5e-3)
     for verdict, shoe in zip(verdicts, drumlin.solve(at.brake).shoes, strict=True):
-        own = shoe.torque or effect(drumlin.solve(at.brake))
+        own = shoe.torque or drumlin.solve(at.brake).effect
         assert verdict.torque == pytest.approx(own, rel=2e-2)
 
 
@@ -314,7 +313,7 @@ def test_a_pad_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
     at.command("wear", "--elements", "10", "--distance", "0.1", "--torque", "5 kN")
     at.command("mesh", "--elements", "10", "--output", str(tmp_path))
     said = " ".join(capsys.readouterr().out.split())
-    force = effect(drumlin.solve(at.brake, elements=10))
+    force = drumlin.solve(at.brake, elements=10).effect
     assert f"braking force {force:.6g} N, dF/dmu" in said
     assert "slide [mm] force [N]" in said
     assert f"0.200000 {force:.4f}" in said

@@ -21,7 +21,6 @@ from drumlin.fem.self_locking import limits
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from drumlin.response.balance import contact_resultant, loaded
-from drumlin.response.merit import effect
 from drumlin.response.response import Response
 from drumlin.response.resultants import cross
 from drumlin.verification.random_kinds import KINDS, placed, random_kind, scaled
@@ -79,12 +78,12 @@ def judge(seed: int, kind: str) -> None:
     for solve in (law, drumlin.solve):
         found = solve(brake)
         assert max(found.balance.force, found.balance.moment) < 1e-9
-        assert effect(found) > 0
+        assert found.effect > 0
         whole_balance(brake, found)
 
 
 def same(a: Response, b: Response, *, size: float = 1.0, force: float = 1.0, rel: float = 1e-7) -> None:
-    assert effect(b) == pytest.approx(size * effect(a), rel=rel)
+    assert b.effect == pytest.approx(size * a.effect, rel=rel)
     for x, y in zip(a.shoes, b.shoes, strict=True):
         assert y.normal_force == pytest.approx(force * x.normal_force, rel=rel)
         assert np.linalg.norm(y.hinge_reaction) == pytest.approx(force * np.linalg.norm(x.hinge_reaction), rel=rel)
@@ -170,7 +169,7 @@ def rigid_limit(seed: int, kind: str) -> int:
             with pytest.raises(NoAnswer):
                 drumlin.solve(brake)
             continue
-        assert effect(drumlin.solve(brake)) == pytest.approx(effect(by_law), rel=3e-3)
+        assert drumlin.solve(brake).effect == pytest.approx(by_law.effect, rel=3e-3)
         answers += 1
     return answers
 
@@ -216,7 +215,7 @@ def locked(seed: int, kind: str, most: float = 1.2) -> int:
         own = vary(brake, {"friction": 0.97 * end})
         found = limits(scene_of(own, elements=24), own, 2.0, 1e6)
         assert min(limit.friction for limit in found.values()) == pytest.approx(end, rel=1e-2), (brake, end)
-        assert effect(drumlin.solve(vary(brake, {"friction": 0.97 * end}))) > 0
+        assert drumlin.solve(vary(brake, {"friction": 0.97 * end})).effect > 0
         with pytest.raises(NoAnswer):
             drumlin.solve(vary(brake, {"friction": 1.03 * end}))
         ends += 1

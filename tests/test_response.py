@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drumlin.arrays import angle_near
 from drumlin.brake.file import vary
 from drumlin.brake.surface import DRUM
 from drumlin.response.balance import contact_resultant, relative_balance, shoe_balance, worst
@@ -24,7 +25,6 @@ from drumlin.response.response import (
 )
 from drumlin.response.resultants import (
     Resultant,
-    angle_near,
     contact_arcs,
     cross,
     integrate,

@@ -12,7 +12,6 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import values_of, vary
 from drumlin.fem.assembly import prepare
 from drumlin.fem.sensitivity import Sensitivity, as_text, sensitivity
-from drumlin.response.merit import effect
 from test_freedoms_fem import BODY, brake_of
 from test_plane_fem import pad
 from test_sharing import cam_brake, servo
@@ -46,7 +45,7 @@ def differences(brake: Brake, changes: Callable[[float], dict[str, Any]], step: 
     """Of the fourth order."""
 
     def at(x: float) -> float:
-        return effect(drumlin.solve(vary(brake, changes(x)), elements=ELEMENTS))
+        return drumlin.solve(vary(brake, changes(x)), elements=ELEMENTS).effect
 
     wide, narrow = ((at(s) - at(-s)) / (2 * s) for s in (2 * step, step))
     return (4 * narrow - wide) / 3
@@ -125,7 +124,7 @@ QUICK = {"rough abutment", "guide on a ring", "cam", "chain of struts", "pad on 
 def test_the_slope_over_friction_is_that_of_differences(name: str) -> None:
     brake = BRAKES[name]()
     found = slopes(brake)
-    size = effect(drumlin.solve(brake, elements=ELEMENTS))
+    size = drumlin.solve(brake, elements=ELEMENTS).effect
     assert found.torque == pytest.approx(size, rel=1e-9)
     check(brake, rows(brake, found)[0], size)
     lines = as_text(found, brake)

@@ -17,7 +17,6 @@ from drumlin.brake.brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.files import cell
 from drumlin.models import applicable
-from drumlin.response.merit import effect, shoe_effect
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import EDGE_ZONE, Response
 from drumlin.response.show import arcs_text
@@ -139,7 +138,7 @@ def rows(
             row = {
                 **base,
                 "shoe": shoe.name,
-                "torque": shoe_effect(response, i),
+                "torque": response.effects[i],
                 "peak_pressure": shoe.peak_pressure,
                 "reaction": float(np.linalg.norm(shoe.hinge_reaction)),
                 "contact": arcs_text(shoe, brake.surface),
@@ -148,7 +147,7 @@ def rows(
             }
             if judged and true is not None:
                 other = true.shoes[i]
-                row["torque_error"] = relative(shoe_effect(response, i), shoe_effect(true, i))
+                row["torque_error"] = relative(response.effects[i], true.effects[i])
                 row["peak_error"] = relative(shoe.peak_pressure, other.peak_pressure)
                 row["pressure_error"] = pressure_distance(shoe, other, edge_of(brake))
                 row["reaction_error"] = vector_distance(shoe.hinge_reaction, other.hinge_reaction)
@@ -156,12 +155,12 @@ def rows(
         whole = {
             **base,
             "shoe": "all",
-            "torque": effect(response),
+            "torque": response.effect,
             "seconds": outcome.seconds,
             "status": "converged",
         }
         if judged and true is not None:
-            whole["torque_error"] = relative(effect(response), effect(true))
+            whole["torque_error"] = relative(response.effect, true.effect)
         table.append(whole)
     return table
 

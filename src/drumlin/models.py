@@ -64,17 +64,18 @@ def _solid_why_not(brake: Brake) -> str | None:
     return model.why_not(brake)
 
 
+SHORT: Mapping[str, tuple[Any, Any]] = {"drum": (hinged, LAWS["short"]), "plane": (flat, flat.FLAT_SHORT)}
+"""The laws of the short shoe, by the word of the surface: the module with its functions, and the law."""
+
+
 def _short_why_not(brake: Brake) -> str | None:
-    """The short shoe is a law of both kinds of brake."""
-    if brake.surface.straight:
-        return flat.why_not(flat.FLAT_SHORT, brake)
-    return hinged.why_not(LAWS["short"], brake)
+    laws, law = SHORT[brake.surface.word]
+    return laws.why_not(law, brake)
 
 
 def _short(brake: Brake) -> Response:
-    if brake.surface.straight:
-        return flat.solve(flat.FLAT_SHORT, brake)
-    return hinged.solve(LAWS["short"], brake)
+    laws, law = SHORT[brake.surface.word]
+    return laws.solve(law, brake)
 
 
 def _hinged(name: str) -> Model:

@@ -131,6 +131,10 @@ class Shoe(Meshed):
         """How far points (2, ...) [m] of its frame lie off the surface [m], positive = open."""
 
     @abstractmethod
+    def phi_of(self, xy: Floats, size: float) -> Floats:
+        """phi of points (2, ...) [m] of its frame: the nearest to the lining's middle where there are several."""
+
+    @abstractmethod
     def place_of(self, point: Point) -> float:
         """The place q of a point: the nearest to the lining's middle where there are several."""
 

@@ -15,7 +15,7 @@ from pydantic import (
     model_validator,
 )
 
-from drumlin.arrays import Floats
+from drumlin.arrays import Floats, angle_near
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake, Frame, Shoe
 from drumlin.brake.components import (
@@ -78,6 +78,10 @@ class DrumShoe(Shoe):
     def off(self, xy: Floats, size: float) -> Floats:
         """How far points (2, ...) [m] of its frame lie off the friction surface [m], positive = open."""
         return self.sign * (size - np.hypot(*xy))
+
+    def phi_of(self, xy: Floats, size: float) -> Floats:
+        """Angles [rad] of points (2, ...) [m] of its frame, within half a turn of the lining's middle."""
+        return angle_near(0.5 * sum(self.arc), xy)
 
     def place_of(self, point: Point) -> float:
         """The angle [rad] of a point, that nearest to the lining's middle."""

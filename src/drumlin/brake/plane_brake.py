@@ -180,6 +180,10 @@ class FlatShoe(Shoe):
         """Height [m] of points (2, ...) [m] of its frame above the plane."""
         return np.asarray(xy[1])
 
+    def phi_of(self, xy: Floats, size: float) -> Floats:
+        """phi of points (2, ...) [m] of its frame."""
+        return np.asarray(xy[0] / size)
+
     def place_of(self, point: Point) -> float:
         """The x [m] of a point."""
         return point.x

@@ -1,5 +1,7 @@
 """The JSON schema of a brake file, from the classes that read it: editors complete and check TOML by it."""
 
+import json
+import re
 from functools import partial
 from typing import Any
 
@@ -67,28 +69,12 @@ def written(schema: Any) -> Any:
     return {**only[0], **{k: v for k, v in found.items() if k != "anyOf"}} if len(only) == 1 else found
 
 
-NAMES_IN_FILES = {"DrumBrake": "Brake", "DrumShoe": "Shoe", "DrumLining": "Lining"}
-"""What a schema calls the classes of a brake file on a drum: names that editors may have stored stay."""
-DEFINITION = "#/$defs/"
-
-
-def named(schema: Any) -> Any:
-    """A schema with the names of NAMES_IN_FILES for its definitions."""
-    if isinstance(schema, list):
-        return [named(part) for part in schema]
-    if isinstance(schema, str) and schema.startswith(DEFINITION):
-        name = schema.removeprefix(DEFINITION)
-        return DEFINITION + NAMES_IN_FILES.get(name, name)
-    if not isinstance(schema, dict):
-        return schema
-    found = {key: named(value) for key, value in schema.items()}
-    if "$defs" in found:
-        by_name = {NAMES_IN_FILES.get(name, name): value for name, value in found["$defs"].items()}
-        found["$defs"] = dict(sorted(by_name.items()))
-    return found
+IN_FILES = re.compile(r'"(#/\$defs/)?Drum(Brake|Lining|Shoe)"')
+"""Names of the classes that read a brake on a drum. A schema calls them Brake, Lining and Shoe, which stays."""
 
 
 def brake_schema() -> dict[str, Any]:
     """The schema of a brake file, on a drum or on a plane."""
     made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
-    return {"$schema": DIALECT, "title": "drumlin brake file", **named(written(made))}
+    found = json.loads(IN_FILES.sub(r'"\1\2"', json.dumps(written(made))))
+    return {"$schema": DIALECT, "title": "drumlin brake file", **found, "$defs": dict(sorted(found["$defs"].items()))}

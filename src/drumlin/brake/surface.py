@@ -90,6 +90,10 @@ class FrictionSurface:
         """Whether its normal is the same everywhere."""
         return self.period == 0
 
+    def unlike(self, other: "FrictionSurface") -> str | None:
+        """That it is not the `other` that is wanted, in the words of a refusal; None where it is."""
+        return None if self == other else f"its shoes press on a {self.word}, not on a {other.word}"
+
     def along(self, q: Floats) -> Floats:
         """Unit vectors (2, ...) along growing q, at the places q."""
         if self.straight:

@@ -17,7 +17,7 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
 
     verbose: figures of merit, how it was found, how long that took and what is left out, too.
     """
-    from drumlin.response.merit import brake_factor, effect
+    from drumlin.response.merit import brake_factor
 
     surface = brake.surface
     what = surface.effect
@@ -30,7 +30,7 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
             tell(line)
     factor = brake_factor(brake, response)
     said = "" if factor is None else f", brake factor {factor:.4g} = {surface.factor}, F the mean actuation force"
-    tell(f"{what} {effect(response):.6g} {surface.effect_unit}{said}")
+    tell(f"{what} {response.effect:.6g} {surface.effect_unit}{said}")
     if not response.converged:
         tell("not converged")
     _print_shoes(brake, response)
@@ -50,7 +50,6 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
 
 
 def _print_shoes(brake: "Brake", response: "Response") -> None:
-    from drumlin.response.merit import shoe_effect
     from drumlin.response.response import peak_place
     from drumlin.response.show import arcs_text
 
@@ -58,7 +57,7 @@ def _print_shoes(brake: "Brake", response: "Response") -> None:
     unit = surface.shown_unit
     places = [peak_place(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     at = ["" if place is None else f"{place.at * surface.shown + 0.0:.1f}" for place in places]
-    effects = [shoe_effect(response, i) for i in range(len(response.shoes))]
+    effects = response.effects
     forces = [abs(shoe.actuation.force) * brake.scale_factor for shoe in brake.shoes]
     columns = {
         "shoe": Column("shoe", "shoe\n", [shoe.name for shoe in response.shoes], left=True),

@@ -21,7 +21,7 @@ from drumlin.fem.solve import solve
 from drumlin.laws import LAWS, locking_friction
 from drumlin.models import pick
 from drumlin.response import Response
-from drumlin.response.merit import effect, with_merits
+from drumlin.response.merit import with_merits
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.wear.archard import WearLaw, WearState, at
 from drumlin.wear.linings import WearSetup, fem_setup
@@ -166,7 +166,7 @@ class Explorer:
             except DrumlinError:
                 return None
             apart = max(pressure_distance(a, b) for a, b in zip(found.shoes, finer.shoes, strict=True))
-            return Stated(abs(relative(effect(found), effect(finer))), apart, finer.error)
+            return Stated(abs(relative(found.effect, finer.effect)), apart, finer.error)
 
         known: Stated | None = self._stated.get(brake, make)
         return known

@@ -42,7 +42,6 @@ from drumlin.explore.picture import (
 )
 from drumlin.report.figures import name_of
 from drumlin.report.palette import color_of
-from drumlin.response.merit import effect
 from drumlin.texts import one_line
 
 NO_NAMES = frozenset('/\\:*?"<>|')
@@ -147,7 +146,7 @@ def _picture(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name:
         "table": table_html(picture.rows),
         "locking": locking_html(answer, known),
         "error": error_html(answer, None, asked=False),
-        "torque": None if answer.found is None else effect(answer.found),
+        "torque": None if answer.found is None else answer.found.effect,
     }
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 

@@ -15,7 +15,7 @@ from drumlin.explore.answers import HIGHEST, WEAR_TOLERANCE, Answer, Stated
 from drumlin.report.figures import name_of, smooth
 from drumlin.response import Response
 from drumlin.response.balance import loaded
-from drumlin.response.merit import brake_factor, effect, shoe_effect
+from drumlin.response.merit import brake_factor
 from drumlin.response.show import arcs_text
 from drumlin.texts import formatted
 
@@ -153,11 +153,11 @@ def head_of(answer: Answer) -> str:
         return "no answer"
     surface = answer.brake.surface
     unit = surface.effect_unit
-    found, factor = effect(answer.found), brake_factor(answer.brake, answer.found)
+    found, factor = answer.found.effect, brake_factor(answer.brake, answer.found)
     said = [f"{surface.effect} <b>{found:.6g} {unit}</b>"]
     said += [] if factor is None else [f"brake factor {surface.factor} <b>{factor:.4g}</b>"]
     if answer.law is not None:
-        by_law = effect(answer.law)
+        by_law = answer.law.effect
         off = f" ({formatted(by_law / found - 1, '+.1%')})" if found else ""
         said.append(f"{escape(name_of(answer.law.model))} {by_law:.6g} {unit}{off}")
     if answer.distance:
@@ -226,7 +226,7 @@ def rows_of(answer: Answer, brake: Brake) -> tuple[tuple[str, ...], ...]:
 
 
 def _row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
-    shoe, made = response.shoes[i], shoe_effect(response, i)
+    shoe, made = response.shoes[i], response.effects[i]
     force = abs(loaded(brake, response).shoes[i].actuation.force)
     force *= brake.scale_factor
     return (
@@ -252,51 +252,32 @@ def table_html(rows: Sequence[Sequence[str]]) -> str:
 
 def drawing_of(brake: Brake) -> dict[str, Lines]:
     """Circle of the drum, or the plane, linings and shoe bodies as areas, and hinges as points [mm]."""
-    if brake.surface.straight:
-        return _flat_drawing(brake)
-    R = brake.size
-    circle = np.linspace(0, 2 * math.pi, 361)
     linings, bodies = [], []
     for shoe in brake.shoes:
-        lining, sign = shoe.lining, shoe.sign
-        linings.append(_layer(lining.start, lining.end, R, R - sign * lining.thickness))
-        if shoe.mesh is None and isinstance(shoe.body, Bar):
-            inner = lining.thickness + (shoe.backing.thickness if shoe.backing else 0.0)
-            far = R - sign * (inner + shoe.body.depth)
-            bodies.append(_layer(shoe.body.start, shoe.body.end, R - sign * inner, far))
-        if isinstance(shoe.body, Beam):
-            bodies.append(_beam(shoe, R))
-    held = [shoe.pin.xy * MM for shoe in brake.shoes if shoe.guide is None]
-    return {
-        "drum": Lines([R * MM * np.cos(circle)], [R * MM * np.sin(circle)]),
-        "linings": _lines(linings),
-        "bodies": _lines(bodies),
-        "hinges": Lines([xy[:1] for xy in held], [xy[1:] for xy in held]),
-    }
-
-
-def _flat_drawing(brake: Brake) -> dict[str, Lines]:
-    """As `drawing_of`, its `drum` the plane."""
-    linings, bodies = [], []
-    for shoe in brake.shoes:
-        behind = shoe.lining.thickness or 0.0
-        linings.append(_box(shoe.lining.start, shoe.lining.end, 0.0, behind))
+        lining, behind = shoe.lining, shoe.lining.thickness or 0.0
+        linings.append(_layer(shoe, brake.size, (lining.start, lining.end), (0.0, behind)))
         if shoe.mesh is None and isinstance(shoe.body, Bar):
             behind += shoe.backing.thickness if shoe.backing else 0.0
-            bodies.append(_box(shoe.body.start, shoe.body.end, behind, behind + shoe.body.thickness))
+            over = shoe.body.start, shoe.body.end
+            bodies.append(_layer(shoe, brake.size, over, (behind, behind + shoe.body.depth)))
+        if isinstance(shoe.body, Beam):
+            bodies.append(_beam(shoe, brake.size))
     held = [shoe.pin.xy * MM for shoe in brake.shoes if shoe.guide is None]
-    (x, _), reach = centre_of(brake), reach_of(brake)
     return {
-        "drum": Lines([np.array([x - reach, x + reach])], [np.zeros(2)]),
+        "drum": _surface(brake),
         "linings": _lines(linings),
         "bodies": _lines(bodies),
         "hinges": Lines([xy[:1] for xy in held], [xy[1:] for xy in held]),
     }
 
 
-def _box(start: float, end: float, low: float, high: float) -> tuple[Floats, Floats]:
-    """x and y [mm] of a rectangle between places [m]."""
-    return np.array([start, end, end, start, start]) * MM, np.array([low, low, high, high, low]) * MM
+def _surface(brake: Brake) -> Lines:
+    """The friction surface [mm]."""
+    if brake.surface.straight:
+        (x, _), reach = centre_of(brake), reach_of(brake)
+        return Lines([np.array([x - reach, x + reach])], [np.zeros(2)])
+    R, circle = brake.size * MM, np.linspace(0, 2 * math.pi, 361)
+    return Lines([R * np.cos(circle)], [R * np.sin(circle)])
 
 
 def _lines(curves: Sequence[tuple[Floats, Floats]]) -> Lines:
@@ -348,11 +329,14 @@ def reach_of(brake: Brake) -> float:
     return max(room) * MM
 
 
-def _layer(start: float, end: float, near: float, far: float) -> tuple[Floats, Floats]:
-    """x and y [mm] of a layer between two radii [m]."""
-    there = np.linspace(start, end, 90)
-    t, r = np.concatenate([there, there[::-1]]), np.repeat([near, far], 90) * MM
-    return r * np.cos(t), r * np.sin(t)
+def _layer(shoe: Shoe, size: float, over: tuple[float, float], depths: tuple[float, float]) -> tuple[Floats, Floats]:
+    """x and y [mm] of the outline of a layer of a shoe, over two places and between two depths [m]."""
+    there = np.linspace(*over, 2 if shoe.flat else 90)
+    places = np.concatenate([there, there[::-1], there[:1]])
+    near, far = depths
+    at = np.repeat([near, far, near], [len(there), len(there), 1])
+    x, y = shoe.points(shoe.at(at, shoe.frame.phi(places), size)) * MM
+    return x, y
 
 
 def _beam(shoe: Shoe, R: float) -> tuple[Floats, Floats]:

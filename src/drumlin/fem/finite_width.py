@@ -12,6 +12,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
+from drumlin.brake.surface import DRUM
 from drumlin.errors import BadInput
 from drumlin.fem.shapes import plane_stress
 from drumlin.texts import formatted
@@ -79,8 +80,9 @@ def corrected(shoe: Shoe) -> Material:
 
 def why_not(brake: Brake) -> str | None:
     """Why the correction does not apply to a brake (None: it does)."""
-    if brake.surface.straight:
-        return "its shoes press on a plane, not on a drum"
+    unlike = brake.surface.unlike(DRUM)
+    if unlike is not None:
+        return unlike
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             return f"shoe {shoe.name!r}: a mesh of its own is a section without widths"

@@ -20,7 +20,6 @@ from drumlin.brake.fields import Point
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Body, BodyNodes, Scene
 from drumlin.fem.interface import ContactLine
-from drumlin.response.resultants import angle_near
 
 STEP = 1e-5
 """Step of the central differences of places and of what hangs on places alone, in radii of the
@@ -103,8 +102,7 @@ def _moved(point: Point, step: Floats) -> Point:
 
 def lines_at(body: Body, shoe: Shoe, radius: float, moves: Moves) -> Iterator[tuple[float, ContactLine]]:
     """The contact line a step ahead and a step behind, with the step [m]."""
-    line, (start, end) = body.line, shoe.arc
+    line = body.line
     for step in (STEP * radius, -STEP * radius):
         xy = line.xy + step * moves.line
-        phi = xy[0] / radius if shoe.flat else angle_near(0.5 * (start + end), xy)
-        yield step, replace(line, xy=xy, phi=phi)
+        yield step, replace(line, xy=xy, phi=shoe.phi_of(xy, radius))

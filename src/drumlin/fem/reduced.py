@@ -29,7 +29,6 @@ from drumlin.fem import assembly
 from drumlin.fem.interface import edge_points
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.ring import RingBody
-from drumlin.response.resultants import angle_near
 
 ELEMENTS = 24  # along a lining
 SECTIONS = 96  # of a shoe
@@ -210,7 +209,7 @@ def _waves(body: assembly.Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
     """b Int psi_i cos k theta ds and that with sin, of the brake's angle theta: two arrays (modes, n) [m^2]."""
     line = body.line
     psi, x, ds = edge_points(line.xy[:, line.pieces])
-    wave = np.exp(1j * k[:, None, None] * shoe.frame.theta(angle_near(sum(shoe.arc) / 2, x)))
+    wave = np.exp(1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of(x, 1.0)))
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
     for value, nodes in zip(psi, line.pieces, strict=True):  # no node twice in one row of pieces
         found[:, nodes] += shoe.lining.width * (wave * (value * ds)).sum(axis=2)

@@ -19,6 +19,7 @@ import numpy as np
 from drumlin.arrays import Bools, Floats
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
+from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
 from drumlin.errors import BadInput, NoAnswer
@@ -55,10 +56,9 @@ NO_RING = frozenset({"thick-ring", "all-modes", "own-pressure", "ring-friction"}
 
 def why_not(brake: Brake) -> str | None:
     """Why the foundation model does not apply to a brake (None: it does)."""
-    if brake.surface.straight:
-        return "its shoes press on a plane, not on a drum"
-    if brake.shares:
-        return brake.shares
+    refusal = brake.surface.unlike(DRUM) or brake.shares
+    if refusal is not None:
+        return refusal
     for shoe in brake.shoes:
         if not isinstance(shoe.body, Beam):
             return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'

@@ -16,6 +16,7 @@ import numpy as np
 from drumlin.arrays import Floats, Values
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOVES
+from drumlin.brake.surface import PLANE
 from drumlin.brake.units import mm
 from drumlin.errors import NoAnswer
 from drumlin.laws.rigid import LEFT_OUT, no_contact
@@ -119,10 +120,9 @@ def layout(brake: Brake, shoe: Shoe) -> FlatLayout:
 
 def why_not(law: FlatLaw, brake: Brake) -> str | None:
     """Why a law of flat shoes does not apply to a brake; None where it does."""
-    if not brake.surface.straight:
-        return "its shoes press on a drum, not on a plane"
-    if brake.shares:
-        return brake.shares
+    refusal = brake.surface.unlike(PLANE) or brake.shares
+    if refusal is not None:
+        return refusal
     for shoe in brake.shoes:
         if shoe.held_by != "hinge":
             return f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}"

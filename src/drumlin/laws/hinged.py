@@ -14,6 +14,7 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOVES
+from drumlin.brake.surface import DRUM
 from drumlin.brake.units import deg
 from drumlin.errors import NoAnswer
 from drumlin.laws.rigid import LEFT_OUT, NODES, no_contact
@@ -39,8 +40,9 @@ def locking_friction(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
 
 def why_not(law: Law, brake: Brake) -> str | None:
     """Why a law of hinged shoes does not apply to a brake; None where it does."""
-    if brake.surface.straight or brake.shares:
-        return brake.shares or "its shoes press on a plane, not on a drum"
+    refusal = brake.shares or brake.surface.unlike(DRUM)
+    if refusal is not None:
+        return refusal
     for shoe in brake.shoes:
         phi_1, phi_2 = shoe.arc
         said = f"shoe {shoe.name!r}:"

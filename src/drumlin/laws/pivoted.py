@@ -19,6 +19,7 @@ import numpy as np
 
 from drumlin.arrays import Floats, Values
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.surface import DRUM
 from drumlin.laws.shapes import Layout, cos_load, moments_about, sine_load
 
 ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no moment about the pivot"
@@ -92,10 +93,9 @@ def locking_friction(arc: Layout, x: float, y: float) -> float:
 
 def why_not(brake: Brake) -> str | None:
     """Why the law does not apply to a brake; None where it does."""
-    if brake.surface.straight:
-        return "its shoes press on a plane, not on a drum"
-    if brake.shares:
-        return brake.shares
+    refusal = brake.surface.unlike(DRUM) or brake.shares
+    if refusal is not None:
+        return refusal
     for shoe in brake.shoes:
         if shoe.pivot is None:
             return f"shoe {shoe.name!r}: it has no pivot"

@@ -40,7 +40,6 @@ from drumlin.peers.peer import (
     untouched_response,
 )
 from drumlin.response.response import Balance, ShoeResponse
-from drumlin.response.resultants import angle_near
 
 SCRIPT = Path(__file__).with_name("getfem_brake.py")
 INSTALL = "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
@@ -260,10 +259,10 @@ def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Stood:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM: it sticks, its shear is {found['slipping']:.3g} times mu p")
     E, b = shoe.lining.material.E, shoe.lining.width
     xy = np.array(found["xy"])
-    phi = xy[0] if shoe.flat else angle_near(sum(shoe.arc) / 2, xy)
+    phi = shoe.phi_of(xy, 1.0)
     order = np.argsort(phi)
     size = E * R * b
-    torque = abs(found["torque"]) * size * (1 if shoe.flat else R)
+    torque = abs(found["torque"]) * size * brake.scale_factor
     forces = Forces(
         size * np.array(found["normal"]),
         size * np.array(found["tangential"]),

@@ -94,17 +94,6 @@ def flat_merit(brake: Brake, index: int, response: ShoeResponse) -> FlatMerit:
     )
 
 
-def shoe_effect(response: Response, index: int) -> float:
-    """What a shoe does: its torque [N m], on a plane its braking force [N]."""
-    merit = response.merits[index] if response.merits else None
-    return merit.braking_force if isinstance(merit, FlatMerit) else response.shoes[index].torque
-
-
-def effect(response: Response) -> float:
-    """What a brake does: its torque [N m], on a plane its braking force [N]."""
-    return math.fsum(shoe_effect(response, i) for i in range(len(response.shoes)))
-
-
 def brake_factor(brake: Brake, response: Response) -> float | None:
     """T/(F R) of the whole brake, F the mean force of its actuation; on a plane braking force / F; None without force.
 
@@ -113,7 +102,7 @@ def brake_factor(brake: Brake, response: Response) -> float | None:
     pushed = {link.to for link in brake.links}
     forces = [abs(shoe.actuation.force) for shoe in loaded(brake, response).shoes if shoe.name not in pushed]
     force = math.fsum(forces) / len(forces)
-    return _over(effect(response), force * brake.scale_factor)
+    return _over(response.effect, force * brake.scale_factor)
 
 
 def with_merits(brake: Brake, response: Response) -> Response:
@@ -123,7 +112,11 @@ def with_merits(brake: Brake, response: Response) -> Response:
     if brake.surface.straight:  # a shoe on a plane has a braking force, in its figures of merit, and no torque
         merits = tuple(flat_merit(brake, i, shoe) for i, shoe in shoes)
         return replace(
-            response, shoes=tuple(replace(shoe, torque=0.0) for shoe in response.shoes), merits=merits, notes=notes
+            response,
+            shoes=tuple(replace(shoe, torque=0.0) for shoe in response.shoes),
+            merits=merits,
+            notes=notes,
+            surface=brake.surface,
         )
     contacts = [contact_resultant(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     return replace(
@@ -143,7 +136,7 @@ def sensitivity(brake: Brake, solve: Callable[[Brake], Response], step: float = 
 
     def at(friction: float) -> float:
         varied = vary(brake, {"friction": friction})
-        return effect(with_merits(varied, solve(varied)))
+        return with_merits(varied, solve(varied)).effect
 
     high, low = at(brake.friction * (1 + step)), at(brake.friction * (1 - step))
     if high + low == 0:

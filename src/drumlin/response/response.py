@@ -9,7 +9,7 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
+from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
 from drumlin.response.resultants import Inside, Resultant, by_piece, contact_arcs, edge_left_out, integrate
@@ -197,10 +197,9 @@ class Merit(NamedTuple):
     double_delta: int
     sensitivity_at_fixed_shape: float | None
 
-    @property
-    def surface(self) -> FrictionSurface:
-        """A drum."""
-        return DRUM
+    def effect_of(self, shoe: ShoeResponse) -> float:
+        """What the shoe does: its torque [N m]."""
+        return shoe.torque
 
 
 class FlatMerit(NamedTuple):
@@ -210,10 +209,9 @@ class FlatMerit(NamedTuple):
     braking_force_over_moment: float | None
     sensitivity_at_fixed_shape: float | None
 
-    @property
-    def surface(self) -> FrictionSurface:
-        """A plane."""
-        return PLANE
+    def effect_of(self, shoe: ShoeResponse) -> float:
+        """What the shoe does: its braking force [N]."""
+        return self.braking_force
 
 
 @dataclass(frozen=True, repr=False)
@@ -223,7 +221,7 @@ class Response:
     `seconds`: time of each phase; `left_out`: what was not computed, and why; `merits`: one a shoe;
     `bearing_load` (2,) [N]: force of all shoes on the drum, which its bearings carry.
     `error`: estimated relative errors "pressure" (L2 outside the edge zones, the worst shoe's) and "torque", None
-    where nothing was estimated.
+    where nothing was estimated. `surface`: what the brake runs on, known once it has `merits`.
     """
 
     model: str
@@ -237,6 +235,7 @@ class Response:
     merits: tuple[Merit | FlatMerit, ...] = ()
     bearing_load: Floats | None = None
     error: Mapping[str, float] | None = None
+    surface: FrictionSurface = DRUM
 
     def __post_init__(self) -> None:
         for shoe in self.shoes:
@@ -247,14 +246,21 @@ class Response:
                 )
 
     @property
-    def surface(self) -> FrictionSurface:
-        """What the brake runs on."""
-        return self.merits[0].surface if self.merits else DRUM
-
-    @property
     def torque(self) -> float:
         """Torque of all shoes on the drum [N m], >= 0, against the rotation."""
         return math.fsum(shoe.torque for shoe in self.shoes)
+
+    @property
+    def effects(self) -> list[float]:
+        """What each shoe does: its torque [N m], on a plane its braking force [N]."""
+        if not self.merits:
+            return [shoe.torque for shoe in self.shoes]
+        return [merit.effect_of(shoe) for merit, shoe in zip(self.merits, self.shoes, strict=True)]
+
+    @property
+    def effect(self) -> float:
+        """What the brake does: its torque [N m], on a plane its braking force [N]."""
+        return math.fsum(self.effects)
 
     def __repr__(self) -> str:
         return as_text(self)

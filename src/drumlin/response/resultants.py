@@ -46,11 +46,6 @@ def _coefficients(order: int) -> Floats:
     return np.asarray(np.linalg.inv(legendre.legvander(lobatto(order), order)), dtype=float)
 
 
-def angle_near(middle: float, xy: Floats) -> Floats:
-    """Angles [rad] of the points xy (2, ...), within half a turn of `middle` [rad]."""
-    return np.asarray(middle + np.angle(np.exp(-1j * middle) * (xy[0] + 1j * xy[1])))
-
-
 def shape(order: int, xi: Floats) -> Floats:
     """Lagrange shape functions of degree `order` on the nodes `lobatto` at xi (any shape): (order + 1, *xi.shape)."""
     rows = _legendre(order, xi)

@@ -13,11 +13,6 @@ if TYPE_CHECKING:
 POINTS = 20  # of a curve in each piece of the pressure
 
 
-def _forces(response: "Response") -> list[float]:
-    """Braking force [N] of each shoe on a plane; none on a drum."""
-    return [getattr(merit, "braking_force") for merit in response.merits if hasattr(merit, "braking_force")]  # noqa: B009
-
-
 def arcs_text(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
     """Contact arcs as text: numbers in the unit in which a person sees places of the surface."""
     factor = surface.shown
@@ -26,8 +21,7 @@ def arcs_text(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
 
 def rows_of(response: "Response") -> list[tuple[str, ...]]:
     """The head, one row a shoe, and one of the whole brake."""
-    forces = _forces(response)
-    surface = response.surface
+    surface, effects = response.surface, response.effects
     head = (
         "shoe",
         f"{surface.effect} [{surface.effect_unit}]",
@@ -41,14 +35,14 @@ def rows_of(response: "Response") -> list[tuple[str, ...]]:
         rows.append(
             (
                 shoe.name,
-                f"{forces[i] if forces else shoe.torque:.6g}",
+                f"{effects[i]:.6g}",
                 f"{shoe.normal_force:.6g}",
                 f"{shoe.peak_pressure * 1e-6:.4g}",
                 arcs_text(shoe, surface),
                 "yes" if shoe.self_energising else "no",
             )
         )
-    return [*rows, ("all", f"{sum(forces) if forces else response.torque:.6g}", "", "", "", "")]
+    return [*rows, ("all", f"{response.effect:.6g}", "", "", "", "")]
 
 
 def as_text(response: "Response") -> str:
@@ -88,7 +82,5 @@ def plot(response: "Response", axes: Any = None) -> Any:
 
 
 def _title(response: "Response") -> str:
-    said, forces = "" if response.converged else ", not converged", _forces(response)
-    surface = response.surface
-    size = sum(forces) if forces else response.torque
-    return f"{response.model}: {surface.effect} {size:.6g} {surface.effect_unit}{said}"
+    said, surface = "" if response.converged else ", not converged", response.surface
+    return f"{response.model}: {surface.effect} {response.effect:.6g} {surface.effect_unit}{said}"

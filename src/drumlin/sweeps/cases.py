@@ -24,7 +24,7 @@ from drumlin.fem.assembly import Cache
 from drumlin.fem.mesh.content import content_digest
 from drumlin.journal import Journal, key_of, source_stamp
 from drumlin.models import pick
-from drumlin.response.merit import brake_factor, effect, shoe_effect
+from drumlin.response.merit import brake_factor
 from drumlin.response.response import Response
 from drumlin.sweeps.workers import Say, waiting_since
 
@@ -108,14 +108,14 @@ def row_of(brake: Brake, response: Response) -> Row:
     name = brake.surface.key
     row: Row = {
         "status": "solved" if response.converged else "failed: not converged",
-        name: effect(response),
+        name: response.effect,
         "brake_factor": brake_factor(brake, response),
         "peak_pressure": max(shoe.peak_pressure for shoe in response.shoes),
         "balance": max(response.balance.force, response.balance.moment),
         **{f"error_{name}": value for name, value in (response.error or {}).items()},
     }
     for i, shoe in enumerate(response.shoes):
-        own, load = shoe_effect(response, i), abs(brake.shoes[i].actuation.force)
+        own, load = response.effects[i], abs(brake.shoes[i].actuation.force)
         row |= {
             f"{shoe.name}.{key}": value
             for key, value in {

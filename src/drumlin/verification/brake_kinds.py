@@ -16,7 +16,7 @@ from drumlin.fem.self_locking import limits
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 from drumlin.models import MODELS, applicable
-from drumlin.response.merit import brake_factor, effect
+from drumlin.response.merit import brake_factor
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response
 from drumlin.wear import worn_in
@@ -71,7 +71,7 @@ def mu_lock(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
 def row_of(found: Case, limit: float | None) -> dict[str, Any]:
     """One row of the table of brakes; `factor`, `factor_worn`: brake factors by finite elements, new and worn in."""
     brake, new = found.brake, found.new
-    size = effect(new)
+    size = new.effect
 
     def distance(by: Response) -> float:
         """Of the law's pressure, L2, the worst shoe."""
@@ -89,8 +89,8 @@ def row_of(found: Case, limit: float | None) -> dict[str, Any]:
         "peak": max(shoe.peak_pressure for shoe in new.shoes),
         "reaction": max(float(np.linalg.norm(shoe.hinge_reaction)) for shoe in new.shoes),
         "mu_lock": limit,
-        "new": relative(effect(found.law), size),
-        "worn": relative(effect(found.law), effect(found.worn)),
+        "new": relative(found.law.effect, size),
+        "worn": relative(found.law.effect, found.worn.effect),
         "p": distance(new),
         "p_worn": distance(found.worn),
         "peak_worn": max(shoe.peak_pressure for shoe in found.worn.shoes),
@@ -106,8 +106,8 @@ def others_of(found: Case) -> list[dict[str, Any]]:
         if outcome.response is None:
             rows.append(base | {"model": name, "status": outcome.failure})
             continue
-        by = effect(outcome.response)
-        errors = {"new": relative(by, effect(found.new)), "worn": relative(by, effect(found.worn))}
+        by = outcome.response.effect
+        errors = {"new": relative(by, found.new.effect), "worn": relative(by, found.worn.effect)}
         rows.append(base | {"model": name, "effect": by} | errors | {"status": "solved"})
     return rows
 

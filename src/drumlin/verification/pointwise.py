@@ -36,7 +36,7 @@ from drumlin.fem.interface import edge_points, radial
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
-from drumlin.response.resultants import angle_near, cross
+from drumlin.response.resultants import cross
 
 PENALTY = 1e3
 """Default penalty factor alpha: eps = alpha E/t. A stiffer one locks the points, which are more than the nodes."""
@@ -127,7 +127,7 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
     psi, x, ds = edge_points(line.xy[:, line.pieces], at, weights)
     normal, tangent = radial(shoe.sign)(x)
     radius = np.hypot(*x)
-    phi = angle_near(sum(shoe.arc) / 2, x)
+    phi = shoe.phi_of(x, brake.size)
     unknowns = parts.ties.matrix.shape[1]
     first = unknowns - FRAME - 2 * len(line.nodes)
 

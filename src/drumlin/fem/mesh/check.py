@@ -16,7 +16,6 @@ from drumlin.brake.units import mm
 from drumlin.errors import BadInput
 from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.response.resultants import angle_near
 
 ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
 APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
@@ -171,8 +170,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         )
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
     xy = mesh.p[:, nodes]
-    middle = sum(shoe.arc) / 2
-    phi, text = xy[0] / radius if shoe.flat else angle_near(middle, xy), shoe.surface.place
+    phi, text = shoe.phi_of(xy, radius), shoe.surface.place
     arc = (float(phi.min()), float(phi.max()))
     if max(abs(a - b) for a, b in zip(arc, shoe.arc, strict=True)) > ARC_SLACK:
         theta = sorted(shoe.frame.theta(np.array(arc)).tolist())
