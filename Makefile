@@ -71,9 +71,9 @@ calibrate: .venv/ready
 sharpness: .venv/ready
 	$(BIN)/python -m drumlin.verification.sharpness tests/truths
 
-# Which tests notice where a number that was found by experiment is changed: hours.
+# Which tests notice where a number that was found by trying is changed: half an hour. make noticed ARGS="fem/model.py".
 noticed: .venv/ready
-	$(BIN)/python tests/mutations.py
+	$(BIN)/python tests/mutations.py $(ARGS)
 
 # needs uv; writes every version that is the newest now, with the hashes of all its files
 constraints:

@@ -1,122 +1,227 @@
-"""Changes each number that was found by experiment, and runs the tests that should notice.
+"""Changes each number that was found by trying, and runs the tests that notice it.
 
-    make noticed, or python tests/mutations.py [MODULE ...]
+    make noticed [ARGS="MODULE or CONSTANT ..."], or python tests/mutations.py [MODULE or CONSTANT ...]
 
-It takes hours, so that no other target runs it. A number that no test notices is useless or unguarded. For each
-number of TUNED this copies src/, changes the number there, and runs JUDGES against the copy: tests that judge answers
-by independent solutions, never by the number itself. A number is doubled and halved, a whole one goes one up and one
-down. Prints a line for each change: the test that noticed, or that none did. Exit status 1 where one was not noticed.
+A number that no test notices is useless or unguarded. For each number of TUNED, and for both sides,
+this copies src/, changes the number in the copy, and runs the named tests there until one fails.
+The tests judge answers, refusals, balances and counts of work that a user would see, never the
+number itself.
+
+How a number x changes, `moved`:
+- a whole number below 50 goes one up or one down;
+- a number between 0 and 1, a ratio or a power, is doubled, but goes at most half of its way to one,
+  or is halved;
+- any other number is doubled or halved.
+A constant that is a single number is changed as a whole, whatever the expression that it is computed
+by. Of a table the numbers change one by one, of LEVELS column by column.
+
+A number is guarded where its unsafe side is red. The command prints a line for each change: module,
+constant, side, new value, and the test that noticed. Its exit status is 1 where an unsafe side is
+green, or where a test is red without a change.
 """
 
 import ast
+import importlib
+import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
-JUDGES = ("tests/test_stored_truths.py", "tests/test_ways.py", "tests/test_blocks.py", "tests/test_locking.py")
+PACKAGE = ROOT / "src" / "drumlin"
 PATIENCE = 300
-"""Seconds after which a run of the judges counts as noticed. On two idle cores they take one minute, so that a change
-which makes them five times slower is one that a user would see."""
+"""Seconds after which a run of tests counts as red. The slowest named tests take one minute on two
+idle cores, so that a change which makes them five times slower is one that a user would see."""
 
-TUNED = {
-    "fem/hp/levels.py": ("LEVELS", "SETTLED", "EVEN"),
-    "fem/hp/adapt.py": ("SLOWEST", "OF_FORCES", "RULES", "CHANCE", "SOFTER", "SHORTEST", "NEAR", "ROUND_OFF"),
-    "fem/hp/division.py": ("FINEST", "FADES", "COARSEST", "BENT", "FACE", "SHORT", "SAME", "STEP_POWER"),
-    "fem/hp/places.py": ("UNFELT", "SEEN", "FEW", "SHORTER", "DIGITS"),
-    "fem/hp/shoe.py": ("LEFT",),
-    "fem/model.py": ("REFINED_FROM", "MAX_REFINED", "LARGEST_LOSS", "MOST_LOSS", "UNSTATED_LOSS"),
-    "contact/active_set.py": ("WIDER", "FAR", "PATIENCE", "SMALL", "MOST_SETS"),
-    "contact/self_locking.py": ("STEP", "QUIET", "LIKE", "LARGE"),
-    "response/response.py": ("EDGE_ZONE", "STEP", "SAME_PEAK", "NEAR_PEAK"),
+
+class Guard(NamedTuple):
+    """The `tests` that notice a constant, and its `unsafe` side: up, down, both, or either of them.
+
+    Where an `either` is enough, one red side guards the number. slow: the tests are slow ones.
+    """
+
+    unsafe: str = "either"
+    tests: tuple[str, ...] = ("tests/test_stored_truths.py",)
+    slow: bool = False
+
+
+JUDGED = Guard()
+"""By the stored truths alone, whatever the side."""
+
+TUNED: dict[str, dict[str, Guard]] = {
+    "fem/hp/levels.py": dict.fromkeys(("LEVELS", "SETTLED", "EVEN"), JUDGED),
+    "fem/hp/adapt.py": dict.fromkeys(("SHORTEST", "NEAR", "DEFAULT"), JUDGED),
+    "fem/hp/estimate.py": dict.fromkeys(("SOFTER", "ROUND_OFF"), JUDGED),
+    "fem/hp/factors.json": dict.fromkeys(("pressure", "force", "peak"), JUDGED),
+    "fem/hp/division.py": dict.fromkeys(
+        (
+            *("FINEST", "FADES", "COARSEST", "BENT", "FACE", "SHORT", "SAME"),
+            *("SHARPEST", "CORNER_SIZE", "CORNER_COUNTS", "STEP_POWER"),
+        ),
+        JUDGED,
+    ),
+    "fem/hp/corner.py": dict.fromkeys(("SMOOTH", "NEAR_CORNER", "PIECE_RATIO"), JUDGED),
+    "fem/hp/places.py": dict.fromkeys(("UNFELT", "SEEN", "FEW", "SHORTER", "DIGITS"), JUDGED),
+    "fem/hp/shoe.py": dict.fromkeys(("LEFT",), JUDGED),
+    "fem/assembly.py": {
+        "ELEMENTS": Guard("down", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
+    },
+    "fem/holding.py": {
+        "HALVINGS": Guard("down", ("tests/test_holding.py::test_an_increment_that_does_not_settle_is_halved",)),
+        "LATER": Guard("down", ("tests/test_holding.py::test_at_the_rotation_of_full_slip_no_path_sticks",)),
+    },
+    "fem/mesh/grading.py": {
+        "EDGE_SIZE": Guard("up", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
+    },
+    "response/response.py": {"NEAR_PEAK": JUDGED},
 }
-"""Module-level numbers that were found by trying, by their module in src/drumlin."""
+"""Constants that were found by trying, by their module in src/drumlin. The objects of a .json file,
+each with its `value`, count as constants of that file."""
 
 
 class Change(NamedTuple):
-    """A changed number: `where` it stands in words, and the replacements (start, end, new text) in the source."""
+    """A changed constant: its `name`, the `side`, the new numbers in words, and the new source."""
 
-    where: str
-    edits: tuple[tuple[int, int, str], ...]
+    name: str
+    side: str
+    now: str
+    source: str
 
 
-def changes(source: str, name: str) -> Iterator[Change]:
-    """All changes of the numbers of a module constant, LEVELS by its columns."""
-    value = _value(ast.parse(source), name)
-    starts = _line_starts(source)
-    numbers = [
-        node for node in ast.walk(value) if isinstance(node, ast.Constant) and isinstance(node.value, int | float)
-    ]
-    numbers.sort(key=lambda node: (node.lineno, node.col_offset))
-    if name == "LEVELS":
-        rows = [row.elts for row in ast.walk(value) if isinstance(row, ast.Tuple) and len(row.elts) == 10]
-        groups = {f"column {j}": [next(_numbers(row[j])) for row in rows] for j in range(10)}
+def moved(number: float, side: str) -> float:
+    """A number on its upper or lower side, by the rule of the module's docstring."""
+    if isinstance(number, int) and abs(number) < 50:
+        return number + 1 if side == "up" else number - 1
+    if side == "down":
+        return number // 2 if isinstance(number, int) else number / 2
+    if 0 < number < 1:
+        return min(2 * number, (1 + number) / 2)
+    return 2 * number
+
+
+def changes(module: str, name: str) -> Iterator[Change]:
+    """All changes of a constant of a module of src/drumlin, both sides of each of its numbers.
+
+    Raises LookupError for a constant that does not stand on a line of its own.
+    """
+    text = (PACKAGE / module).read_text(encoding="utf-8")
+    if module.endswith(".json"):
+        yield from in_table(text, name)
     else:
-        groups = {f"number {j}" if len(numbers) > 1 else "": [number] for j, number in enumerate(numbers)}
-    for where, group in groups.items():
-        for way in (1, -1):
-            edits = tuple(_edit(starts, node, way) for node in group)
-            label = f"{name} {where}".strip()
-            yield Change(f"{label} {'up' if way > 0 else 'down'}: {', '.join(edit[2] for edit in edits)}", edits)
+        yield from in_source(text, name, getattr(imported(module), name, None))
 
 
-def _numbers(node: ast.AST) -> Iterator[ast.Constant]:
+def in_source(text: str, name: str, value: object = None) -> Iterator[Change]:
+    """All changes of a constant in a source text; value: of the constant, where it is known."""
+    expression = _expression(ast.parse(text), name)
+    if isinstance(value, int | float):
+        groups: list[list[tuple[ast.expr, float]]] = [[(expression, value)]]
+    elif name == "LEVELS":
+        rows = [row.elts for row in ast.walk(expression) if isinstance(row, ast.Tuple) and len(row.elts) == 10]
+        groups = [[_numbers(row[column])[0] for row in rows] for column in range(10)]
+    else:
+        groups = [[number] for number in _numbers(expression)]
+    for place, group in enumerate(groups):
+        label = name if len(groups) == 1 else f"{name}[{place}]"
+        for side in ("up", "down"):
+            new = [(node, repr(moved(number, side))) for node, number in group]
+            yield Change(label, side, ", ".join(now for _, now in new), _replaced(text, new))
+
+
+def in_table(text: str, name: str) -> Iterator[Change]:
+    """The changes of the `value` of an object of a .json file."""
+    for side in ("up", "down"):
+        data = json.loads(text)
+        data[name]["value"] = moved(data[name]["value"], side)
+        yield Change(name, side, repr(data[name]["value"]), json.dumps(data, indent=1))
+
+
+def imported(module: str) -> object:
+    """The imported module of a file in src/drumlin."""
+    path = module.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+    return importlib.import_module(f"drumlin.{path}")
+
+
+def constants(module: str) -> list[str]:
+    """The module-level constants of a file in src/drumlin in whose expression or value is a number."""
+    found = []
+    for node in ast.parse((PACKAGE / module).read_text(encoding="utf-8")).body:
+        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+            continue
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        names = [each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)]
+        for name in names:
+            if name.isupper() and (_numbers(node.value) or type(getattr(imported(module), name)) in {int, float}):
+                found.append(name)
+    return found
+
+
+def _numbers(node: ast.AST) -> list[tuple[ast.expr, float]]:
+    """The numbers written in an expression, in their order."""
+    found: list[tuple[ast.expr, float]] = []
     for each in ast.walk(node):
-        if isinstance(each, ast.Constant):
-            yield each
+        if isinstance(each, ast.Constant) and type(each.value) in {int, float}:
+            found.append((each, each.value))
+    return sorted(found, key=lambda pair: (pair[0].lineno, pair[0].col_offset))
 
 
-def _value(tree: ast.Module, name: str) -> ast.expr:
+def _expression(tree: ast.Module, name: str) -> ast.expr:
     for node in tree.body:
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id == name:
             return node.value
-    raise LookupError(f"no module constant {name}")
-
-
-def _edit(starts: list[int], node: ast.Constant, way: int) -> tuple[int, int, str]:
-    """The replacement of a number: a whole one by one more or less, others by twice or half."""
-    assert node.end_col_offset is not None
-    value = node.value
-    if isinstance(value, int) and abs(value) < 50:
-        new: float = value + way
-    else:
-        assert isinstance(value, int | float)
-        new = value * 2.0**way
-    first = starts[node.lineno - 1] + node.col_offset
-    return first, first + node.end_col_offset - node.col_offset, repr(new)
+    raise LookupError(f"no module constant {name} on a line of its own")
 
 
 def _line_starts(source: str) -> list[int]:
+    """Where lines start, in bytes: ast counts columns in bytes of UTF-8."""
     starts = [0]
-    for line in source.splitlines(keepends=True):
+    for line in source.encode().splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
     return starts
 
 
-def changed(source: str, change: Change) -> str:
-    """The source with the numbers of a change replaced."""
-    for first, last, text in sorted(change.edits, reverse=True):
-        source = source[:first] + text + source[last:]
-    return source
+def _replaced(source: str, new: list[tuple[ast.expr, str]]) -> str:
+    """The source with some expressions replaced by other texts."""
+    text, starts = source.encode(), _line_starts(source)
+    for node, now in sorted(new, key=lambda pair: (pair[0].lineno, pair[0].col_offset), reverse=True):
+        assert node.end_lineno is not None
+        assert node.end_col_offset is not None
+        first = starts[node.lineno - 1] + node.col_offset
+        last = starts[node.end_lineno - 1] + node.end_col_offset
+        text = text[:first] + now.encode() + text[last:]
+    return text.decode()
 
 
-def noticed(module: str, change: Change) -> str:
-    """The first test of JUDGES that fails with a change, or an empty text."""
+def red(guard: Guard, module: str = "", source: str = "") -> str:
+    """The first test of a guard that fails with another source of a module, or with none; else an empty text."""
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "src"
         shutil.copytree(ROOT / "src", copy)
-        path = copy / "drumlin" / module
-        path.write_text(changed(path.read_text(encoding="utf-8"), change), encoding="utf-8")
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "-p", "no:cacheprovider", *JUDGES]
-        environment = os.environ | {"PYTHONPATH": str(copy)}
+        if module:
+            (copy / "drumlin" / module).write_text(source, encoding="utf-8")
+        options = ["-x", "-q", "--no-header", "-p", "no:cacheprovider"]
+        options += ["--no-skips"] if guard.slow else []
+        command = [sys.executable, "-m", "pytest", *options, *guard.tests]
+        environment = os.environ | {
+            "PYTHONPATH": str(copy),
+            "OMP_NUM_THREADS": "1",
+            "OPENBLAS_NUM_THREADS": "1",
+        }
         try:
             run = subprocess.run(
-                command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=False
+                command,
+                cwd=ROOT,
+                env=environment,
+                capture_output=True,
+                text=True,
+                timeout=PATIENCE,
+                check=False,
             )
         except subprocess.TimeoutExpired:
             return f"took more than {PATIENCE} s"
@@ -126,20 +231,53 @@ def noticed(module: str, change: Change) -> str:
     return failed[0].split(" - ")[0] if failed else f"pytest ended with status {run.returncode}"
 
 
-def main(*modules: str) -> int:
-    """Try all changes of some modules of TUNED, by default of all; 1 where one is not noticed."""
-    unseen = 0
-    for module, names in TUNED.items():
-        if modules and module not in modules:
-            continue
-        source = (ROOT / "src" / "drumlin" / module).read_text(encoding="utf-8")
-        for name in names:
-            for change in changes(source, name):
-                by = noticed(module, change)
-                unseen += not by
-                sys.stdout.write(f"{module}  {change.where}  {by or 'NOT NOTICED'}\n")
+@cache
+def red_unchanged(guard: Guard) -> str:
+    """The first test of a guard that fails with no change; else an empty text."""
+    return red(guard._replace(unsafe="either"))
+
+
+def unguarded(guard: Guard, noticed: dict[tuple[str, str], str]) -> list[str]:
+    """What is not noticed though it is unsafe; noticed: what noticed each (constant, side), or empty."""
+    found = []
+    for name in dict.fromkeys(name for name, _ in noticed):
+        green = [side for side in ("up", "down") if not noticed.get((name, side), "not tried")]
+        if guard.unsafe == "either":
+            found += [f"{name}: neither side is noticed"] if len(green) == 2 else []
+        else:
+            found += [f"{name}: {side} is not noticed" for side in green if guard.unsafe in {side, "both"}]
+    return found
+
+
+def tried(module: str, name: str, *, safe: bool = True) -> Iterator[tuple[Change, str]]:
+    """The changes of a constant of TUNED, and what noticed each. safe: its safe side as well."""
+    guard = TUNED[module][name]
+    for change in changes(module, name):
+        if safe or guard.unsafe in {change.side, "both", "either"}:
+            yield change, red(guard, module, change.source)
+
+
+def main(*wanted: str) -> int:
+    """Try the changes of some modules or constants of TUNED, by default of all; 1 where one is not guarded."""
+    open_ = []
+    for module, guards in TUNED.items():
+        for name, guard in guards.items():
+            if wanted and module not in wanted and name not in wanted:
+                continue
+            broken = red_unchanged(guard)
+            if broken:
+                open_.append(f"{module} {name}: red without a change: {broken}")
+                continue
+            noticed = {}
+            for change, by in tried(module, name):
+                noticed[change.name, change.side] = by
+                unsafe = "unsafe" if guard.unsafe in {change.side, "both", "either"} else "safe"
+                said = f"{module}  {change.name}  {change.side} ({unsafe}): {change.now}  {by or 'NOT NOTICED'}"
+                sys.stdout.write(f"{said}\n")
                 sys.stdout.flush()
-    return int(unseen > 0)
+            open_ += [f"{module} {line}" for line in unguarded(guard, noticed)]
+    sys.stdout.write("\n".join(["Not guarded:", *open_] if open_ else ["All are guarded."]) + "\n")
+    return int(bool(open_))
 
 
 if __name__ == "__main__":

@@ -11,10 +11,10 @@ from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
-from drumlin.fem.mesh.grading import refine
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.reference import responses
+from drumlin.verification.work_precision import refined_division
 
 NAMES = ("pressure", "torque", "peak", "reaction")
 CLEARANCE = {"shoe.lining.clearance": 1e-4}  # partial contact: open at the hinge, and in the middle of one lining
@@ -113,7 +113,7 @@ def test_kinks_of_a_clearance_are_refined(brake):
 
 def test_refined_divisions_shrink_towards_the_edges_the_more_the_finer_they_are(brake):
     shoe, radius = brake.shoes[0], brake.drum.radius
-    coarse, fine = (refine(shoe, radius, elements, 6) for elements in (36, 72))
+    coarse, fine = (refined_division(shoe, radius, elements, 6) for elements in (36, 72))
     for division in (coarse, fine):
         steps = np.diff(division.angles)
         assert (steps > 0).all() and steps.max() <= division.step * (1 + 1e-9)

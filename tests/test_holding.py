@@ -19,6 +19,8 @@ from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.model import respond
 from drumlin.fem.self_locking import limits
 from drumlin.verification.random_brake import random_brake
+from drumlin.verification.random_kinds import random_kind
+from drumlin.verification.standing_off import standing_off
 
 ELEMENTS = 16
 OTHER = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
@@ -69,6 +71,28 @@ def test_random_brakes_go_through_full_slip_and_back(count):
         ends["back"] += 1
     assert ends["forth"] == count
     assert ends["back"] >= 2 * count / 3 - 1, ends
+
+
+def test_at_the_rotation_of_full_slip_no_path_sticks():
+    """A pad whose last node comes to slip later the finer the path is that leads there."""
+    pad = random_kind(410003, "pad on a pivot")
+    scene = prepare(pad, elements=12)
+    end = full_slip_rotation(scene, pad, increments=1)
+    for count in (2, 6, 12):
+        last = hold(scene, pad, np.linspace(0, end, count))[-1]
+        assert last.sticking == 0
+        assert last.torque == pytest.approx(respond(scene, pad).torque, rel=1e-6)
+
+
+def test_an_increment_that_does_not_settle_is_halved():
+    """A shoe that stands off its drum goes at once through forty times the rotation to full slip, to and fro."""
+    brake = standing_off(420078)
+    scene = prepare(brake, elements=12)
+    far = 40 * full_slip_rotation(scene, brake)
+    there, back, again = hold(scene, brake, np.array([far, -far, far]))
+    assert there.sticking == back.sticking == again.sticking == 0
+    assert again.torque == pytest.approx(there.torque, rel=1e-6)
+    assert there.torque == pytest.approx(respond(scene, brake).torque, rel=1e-6)
 
 
 def test_every_increment_obeys_contact_and_friction():

@@ -22,7 +22,7 @@ from drumlin.fem.hp import division, levels, places
 from drumlin.fem.hp.adapt import DEFAULT, adapt
 from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack, turned
-from drumlin.fem.hp.division import divide, graded
+from drumlin.fem.hp.division import Kind, divide, graded
 from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
 from drumlin.fem.hp.estimate import FACTORS, ROUND_OFF, estimate
 from drumlin.fem.hp.levels import LEVELS, steps
@@ -523,8 +523,10 @@ def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
     response = solve(kinked, elements=40)
     places = places_of(kinked, response)
-    kinks = sorted(x for found in places.values() for x, _, kink in found if kink)
+    kinks = sorted(x for found in places.values() for x, _, kind in found if kind == Kind.KINK)
     assert kinks == pytest.approx(sorted(brake.shoes[0].frame.phi(np.array([-0.5, 0.1, 0.6])).tolist()))
+    (tip,) = (x for found in places.values() for x, _, kind in found if kind == Kind.TIP)
+    assert tip == pytest.approx(float(brake.shoes[0].frame.phi(np.array(0.1))))
     theta = solve(kinked).shoes[0].theta
     for angle in (-0.5, 0.1, 0.6):
         assert np.abs(theta - angle).min() < 1e-12

@@ -26,4 +26,6 @@ def test_orders_and_estimates(tmp_path):
     text = module.report(result, tmp_path).read_text()
     assert "Observed orders" in text and "estimate over truth" in text
     assert "true above stated" in text and (tmp_path / "stated_true.csv").read_text().count("\n") == module.FEW + 1
+    assert [row["tolerance"] for row in result.corners] == [5e-3, 1e-3, 1e-4]
+    assert "Corners and tips" in text and (tmp_path / "corners.csv").is_file()
     assert "Benchmark ladder" in text and "failed: outside" not in text

@@ -103,7 +103,8 @@ def test_where_the_pressure_peaks(root, brake):
     response = solve(brake, elements=40)
     for i, shoe in enumerate(response.shoes):
         place, zone = peak_place(brake, i, shoe), edge_zone(brake.shoes[i], brake.drum.radius)
-        assert place.zone == pytest.approx(4 / 150, rel=1e-12) == zone  # half of 8 mm at R = 150 mm
+        assert zone == pytest.approx(4 / 150, rel=1e-12)  # half of 8 mm at R = 150 mm
+        assert place.zone == (zone if shoe.pressure.max() > shoe.peak_pressure else 0.0)
         assert shoe.theta[0] + zone <= place.at <= shoe.theta[-1] - zone
     lifted = vary(brake, {"shoe[0].actuation.force": -1.0})
     assert peak_place(lifted, 0, solve(lifted, "sine").shoes[0]) is None

@@ -84,18 +84,14 @@ def report(result: Result, folder: Path) -> Path:
     """Write the factors' file, figure and page; returns the page."""
     write_text(folder / "factors.json", as_text(result.factors, result.provenance))
     levels = levels_of(result.rows)
-    factors = {
-        "pressure": (result.factors.pressure, 0.0),
-        "torque": (result.factors.force, result.factors.cancelled / result.factors.force),
-        "reaction": (result.factors.force, result.factors.cancelled / result.factors.force),
-        "peak": (result.factors.peak, 0.0),
-    }
-    ratios = {name: samples(levels, name).ratios(*factors[name]) for name in QUANTITIES}
+    force = result.factors.force
+    factors = {**result.factors._asdict(), "torque": force, "reaction": force}
+    ratios = {name: samples(levels, name).ratios(factors[name]) for name in QUANTITIES}
     figures.save(shares(ratios), folder / "factors.svg")
     spread = [
         {
             "quantity": name,
-            "factor": factors[name][0],
+            "factor": factors[name],
             "levels": len(found),
             "below": float(np.mean(found < 1)),
             "smallest": float(found.min()),

@@ -18,7 +18,7 @@ from drumlin.journal import Journal
 from drumlin.report import figures, stated_true_figure
 from drumlin.report.page import fill
 from drumlin.report.stated_true_figure import cloud
-from drumlin.verification import ladder
+from drumlin.verification import corner_rows, ladder
 from drumlin.verification.orders import distance, estimate_row, level_rows, line, order_rows
 from drumlin.verification.random_brake import random_brake
 from drumlin.verification.random_kinds import KINDS as KINDS_OF_HOLDING
@@ -34,16 +34,20 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 JUDGED, BRAKES, FEW = 8500, 500, 3  # first seed of those on which the factors of the estimate were not found; how many
+CORNERS = 40
+"""Brakes that press with a corner or under a tip: four of each kind."""
 TENTH, THIRD = 10, 3  # of the seeds: with triangles as truth, to the last tolerance too
 
 
 class Result(NamedTuple):
-    """Errors over meshes of every kind, stated against true errors, random brakes, and cases with known answers."""
+    """Errors over meshes of every kind, stated against true errors, random brakes, those that press with corners or
+    under tips, and cases with known answers."""
 
     orders: list[dict[str, Any]]
     levels: list[dict[str, Any]]
     estimates: list[dict[str, Any]]
     judged: list[dict[str, Any]]
+    corners: list[dict[str, Any]]
     floor: dict[str, float]
     ladder: list[dict[str, Any]]
     seconds: float
@@ -76,9 +80,13 @@ def study(
     for seed in range(JUDGED, JUDGED + (FEW if short else BRAKES)):
         say(f"random brake {seed}")
         judged += judged_rows(seed, journal, short=short)
+    corners = []
+    for seed in range(corner_rows.FIRST_CORNER, corner_rows.FIRST_CORNER + (FEW if short else CORNERS)):
+        say(f"random corner {seed}")
+        corners += journal.once({"corner": seed}, partial(_cornered, seed))["rows"]
     say("benchmark ladder")
     known = [ladder.row(case) for case in ladder.CASES]
-    return Result(orders, levels, estimates, judged, floor, known, time.perf_counter() - start)
+    return Result(orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start)
 
 
 def judged_rows(seed: int, journal: Journal, *, short: bool = False) -> list[dict[str, Any]]:
@@ -86,6 +94,10 @@ def judged_rows(seed: int, journal: Journal, *, short: bool = False) -> list[dic
     some = TOLERANCES[:1] if short else TOLERANCES if seed % THIRD == 0 else TOLERANCES[:-1]
     rows: list[dict[str, Any]] = journal.once({"seed": seed}, partial(_judged, seed, some))["rows"]
     return rows
+
+
+def _cornered(seed: int) -> dict[str, Any]:
+    return {"rows": corner_rows.rows(seed)}
 
 
 def _drawn(seed: int) -> Brake:
@@ -116,6 +128,7 @@ def report(result: Result, folder: Path) -> Path:
         figures.save(figures.convergence(series, "error of p in L2"), folder / f"orders_{i + 1}.svg")
     figures.save(cloud(result.judged), folder / "stated_true.svg")
     write_text(folder / "stated_true.csv", as_csv(result.judged))
+    write_text(folder / "corners.csv", as_csv(result.corners))
     figures.save(stated_true_figure.levels(result.levels), folder / "levels.svg")
     write_text(folder / "levels.csv", as_csv(result.levels))
     write_text(folder / "orders.csv", as_csv(result.orders))
@@ -123,6 +136,7 @@ def report(result: Result, folder: Path) -> Path:
     write_text(folder / "ladder.csv", as_csv(result.ladder))
     return fill(
         HERE / "page.html", folder / "index.html", result=result, cases=list(CASES), judged=summary(result.judged),
+        corners=corner_rows.by_kind(result.corners), steep=corner_rows.STEEP,
         independent=summary([one for one in result.judged if one["truth"] == "triangles"]),
         families=len(ladder.families()), line=line(result.levels),
     )  # fmt: skip

@@ -30,15 +30,13 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats, Ints
+from drumlin.contact.active_set import GOLDEN, PATIENCE, WIDER
 from drumlin.errors import NoAnswer
 from drumlin.lapack import dgetrf, dgetrs
 
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
 MOST_STEPS = 60  # of Newton's method; an increment of a brake needs some five
-PATIENCE = 6  # steps in which the wrong nodes do not become fewer
 MOST_PASSES = 6  # changes of each node while an answer is followed
-WIDER = 0.01  # by this part of the largest gap, slip or pressure the first states of a followed answer hold at least
-GOLDEN = 0.6180339887498949
 SLACK = 1e-10
 
 
@@ -181,7 +179,7 @@ def _newton(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
     for step in range(1, MOST_STEPS + 1):
         piece = _Piece(system, state)
         point = piece.at(system.q, system.h)
-        outside = piece.margins(point) < -_slack(system, piece, point)
+        outside = piece.margins(point) < -SLACK * _sizes(system, piece, point)
         wrong = int(np.count_nonzero(outside))
         if not wrong:
             return state, point, step
@@ -204,12 +202,12 @@ def _wanted(system: _System, state: Ints, point: _Point, outside: Bools) -> Ints
     return wanted
 
 
-def _slack(system: _System, piece: _Piece, point: _Point) -> Floats:
-    """Round-off of the margins (2, n)."""
+def _sizes(system: _System, piece: _Piece, point: _Point) -> Floats:
+    """The largest numbers that the margins (2, n) are differences of."""
     of_z = np.abs(point.z).max(initial=0.0)
     of_v = max(np.abs(system.q).max(), np.abs(system.B @ point.y).max(), np.abs(point.v).max())
     opened, sticks = piece.state == OPEN, piece.state == STICK
-    return SLACK * np.array([np.where(opened, of_v, of_z), np.where(sticks, of_z, of_v)])
+    return np.array([np.where(opened, of_v, of_z), np.where(sticks, of_z, of_v)])
 
 
 def _followed(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
@@ -271,7 +269,7 @@ def _lift(system: _System, piece: _Piece, wide: bool) -> tuple[Floats, Floats]:
     """Changes of q (2n,) and h (k,) under which every node lies within its piece."""
     point, state = piece.at(system.q, system.h), piece.state
     n = len(state)
-    slack = WIDER / SLACK * _slack(system, piece, point)
+    slack = WIDER * _sizes(system, piece, point)
     margin = piece.margins(point)
     uneven = 1 + np.arange(2 * n).reshape(2, n) * GOLDEN % 1  # no two nodes change together
     low = margin <= 0

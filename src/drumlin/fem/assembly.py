@@ -25,8 +25,10 @@ from drumlin.fem.ring import RingBody, ring_body
 from drumlin.laws import rigid
 from drumlin.response.response import own_edge_zone
 
-ELEMENTS = 80  # default number along a lining: p within about 0.2 % in L2, torque within 1e-5
-
+ELEMENTS = 80
+"""Default number along a lining. On most brakes p is then within about 0.2 % in L2 and the torque within
+1e-5. With half of it the errors of 22 random brakes are two and three times as large in the median, with
+twice as many 0.7 and 0.5 times, at four times the work."""
 MOST_ELEMENTS = 4000  # along a lining: the dense contact matrices fill 2 GB
 ROOM = 200_000_000  # bytes of bodies that are kept for the next scenes
 

@@ -32,8 +32,8 @@ FRICTION_STEP = self_locking.STEP / 4
 """Step of the drum's friction, above 1 relative to it, after which feet are asked how they slide and shoes whether they
 are pushed. A foot that leaves and comes back within one step is not seen."""
 NEAR_POLE = 1e-4
-"""Relative distance from the pole of the pressures up to which feet are asked how they slide. A change nearer to the
-pole moves the limit by less than this."""
+"""Relative distance from the pole of the pressures up to which feet are asked how they slide. A change
+nearer to the pole moves the limit by less than this, the last digit of four that are printed."""
 ROWS = 64  # of a matrix that are made at a time: of a large one no more stay near the processor
 
 

@@ -25,11 +25,27 @@ from drumlin.fem.at_rest import Feet, holding_problem
 from drumlin.fem.group import ShoeGroup, grouped, pressed_shoes
 from drumlin.fem.model import PENALTY, respond
 
-HALVINGS = 4  # of an increment that does not settle
-# Full slip is looked for from the rotation FIRST [rad] on, in increments by which the moment would reach that of the
-# sliding drum, but between OVER and FASTEST times the rotation so far.
-FIRST, OVER, FASTEST, MOST_INCREMENTS = 1e-7, 0.25, 30.0, 100
-MARGIN = 1.1  # beyond it, for other increments come to full slip a little later
+HALVINGS = 8
+"""Halvings of an increment that does not settle before the rotation is refused.
+
+The states of a node may change more than once within an increment: then no set of states settles in
+one step. Increments that do not settle are some times the rotation to full slip, and each halving
+allows twice as many: one of forty times that rotation needs seven or eight. More only take longer to
+refuse.
+"""
+FIRST = 1e-7
+"""Rotation [rad] from which on full slip is looked for: far below any that slips, 1e-4 of p/E or more.
+The search is geometric, so that a hundredth of it takes one increment in a hundred more."""
+LATER = 0.1
+"""Part by which a path of other increments may come to full slip later than the one that has found
+the rotation.
+
+`full_slip_rotation` goes so far beyond what it has found. With half of it some linings on a pivot
+still stick there at a few nodes; more leaves fewer of the rotations of a user's path to partial slip.
+The search itself is no finer: each of its increments grows the rotation by this part at least, and by
+its reciprocal at most.
+"""
+MOST_INCREMENTS = 100
 TWO_ANSWERS = 1e-6
 """Relative difference of two torques at full slip above which they are two answers. The equations of both ways
 differ by the penalty only, which is worth 1e-8."""
@@ -193,7 +209,7 @@ def turned(
 ) -> Iterator[Increment]:
     """The increments from a converged one at the rotation `start` to `end` [rad], q_s growing by lever (n,) a radian.
 
-    One, where its states settle; else halves of it. Raises NoAnswer where 2^-4 of it does not settle.
+    One, where its states settle; else halves of it, see HALVINGS. Raises NoAnswer where none settles.
     """
     reached, pieces = start, 1
     while reached != end or start == end:
@@ -341,7 +357,7 @@ def full_slip_rotation(scene: Scene, brake: Brake, *, increments: int = 20, pena
             ends.append(_slipping(held, target, FORWARD if brake.spin > 0 else BACKWARD))
         except NoAnswer as error:
             raise NoAnswer(f"{held.group.names}: {error}") from error
-    return MARGIN * max(ends)
+    return (1 + LATER) * max(ends)
 
 
 def _slipping(held: _Held, target: float, way: int) -> float:
@@ -364,7 +380,7 @@ def _slipping(held: _Held, target: float, way: int) -> float:
                 f"at once it slides at {target:.5g} N m"
             )
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
-        step = min(max(step * lacking, OVER * reached), FASTEST * reached)
+        step = min(max(step * lacking, LATER * reached), reached / LATER)
     sticking = np.count_nonzero(increment.state[:n] == STICK)
     raise NoAnswer(
         f"not converged: after a rotation of {reached:.3g} rad {sticking} of {n} nodes still stick, "

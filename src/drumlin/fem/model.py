@@ -23,7 +23,6 @@ from drumlin.fem.sharing import PULLED, WOULD_PULL
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import (
-    NEAR_PEAK,
     NEITHER,
     Balance,
     Change,
@@ -45,13 +44,19 @@ PENALTY = 1e8
 """Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-8 of the
 lining's own compression p t/E, and the pressure is off by about as much, in a contact that is short beside the
 lining's thickness by more; each response states by how much."""
-REFINED_FROM = 1e-9  # relative imbalance from which on the condensed bodies have lost too many digits
-MAX_REFINED = 240_000  # unknowns of a group of shoes, times their degree squared, up to which that is done before it
-# must be: it takes seconds
-LARGEST_IMBALANCE = 1e-8  # one that balances worse, though refined, is no answer
-LARGEST_LOSS = 1e-5  # relative, of the pressure, from which on it is refined
-MOST_LOSS = 1e-3  # that is left or cannot be refined, on columns: the stated error has it ten times over
-UNSTATED_LOSS = 1e-6  # of the largest pressure, that is left on a mesh, which states no error
+LARGEST_IMBALANCE = 1e-8
+"""Imbalance of forces and moments, relative to the largest, above which condensed bodies have lost too
+many digits: they are refined. An answer that is out of balance by more although refined is refused."""
+LARGEST_LOSS = 1e-5
+"""Part of the pressure that may be lost to round-off before an answer is refined, and on a mesh, which
+states no error, after that: else it is refused. A mesh itself is off by a hundred times as much; columns
+state ten times what is left. A judgement, said by the refusal."""
+MOST_LOSS = 1e-3
+"""Part of the pressure that may be lost on columns that cannot be refined. Their stated error holds ten
+times the loss, 1 %; an answer that has lost more is refused. A judgement, said by the refusal."""
+MAX_REFINED = 240_000
+"""Limit of time: unknowns of a group of shoes, times their degree squared, up to which columns are
+refined. It takes seconds; what the factors of larger systems fill grows with the square."""
 SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
 REFINED = "refined in the whole system, condensed it loses digits"
@@ -173,7 +178,7 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     lost = max(answer.response.lost.pressure for answer in answers.values())
     refinable = not solid and (small or max(body.line.order for body in group.bodies) <= 2)  # else the factors fill
     most = LARGEST_LOSS if solid or refinable else MOST_LOSS
-    if lost < most and _imbalance(answers) < (REFINED_FROM if small and not solid else LARGEST_IMBALANCE):
+    if lost < most and _imbalance(answers) < LARGEST_IMBALANCE:
         return answers
     if not refinable:
         balance = f"it balances only to {_imbalance(answers):.1e}"
@@ -189,7 +194,7 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
         answers[i] = _answer(group, k, p, y, changes[:, part], steps, forces[k], refined=True)
     left = _imbalance(answers)
     if max(body.line.order for body in group.bodies) <= 2:
-        lost, most = refined.correction, UNSTATED_LOSS
+        lost, most = refined.correction, LARGEST_LOSS
     else:
         lost, most = max(answer.response.lost.pressure for answer in answers.values()), MOST_LOSS
     if lost >= most or not left < LARGEST_IMBALANCE:
@@ -329,8 +334,7 @@ def _changed(group: ShoeGroup, k: int, p: Floats, changes: Floats, held_size: fl
         weight = area
     held_by = held(body, changes.T, group.brake.drag_on(shoe), np.zeros((3, 1)))
     top = float(p[weight > 0].max(initial=0.0))
-    near = (weight > 0) & (p >= NEAR_PEAK * top)
-    highest = np.abs(changes[:, near]).max(axis=1, initial=0.0)
+    highest = np.abs(changes[:, (weight > 0) & (p == top)]).max(axis=1, initial=0.0)
     parts = np.array([np.sqrt(changes**2 @ weight), np.abs(changes @ lever), np.hypot(*held_by[:2]), highest]).T
     wholes = [math.sqrt(weight @ p**2), float(lever @ p), held_size, top]
     return [Change(*row) for row in (parts / [whole or 1.0 for whole in wholes]).tolist()]

@@ -30,15 +30,23 @@ from drumlin.fem.interface import edge_points
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.ring import RingBody
 
-ELEMENTS = 24  # along a lining
-SECTIONS = 96  # of a shoe
-MODES = 72  # of the ring at least
-WAVES = 8  # of the ring on the shortest contact: its pressure has none that are shorter
+ELEMENTS = 24
+"""Default number along a lining of a sketch, whose change is to be within a factor of two."""
+SECTIONS = 4 * ELEMENTS
+"""Sections of a shoe: some a contact element, as the shoe is longer than its lining. Half of them is not
+noticed by any test of the predictions."""
+WAVES = 8
+"""Waves of the ring on the shortest contact: a pressure that rises and falls has few that are shorter."""
+MODES = 3 * ELEMENTS
+"""Least number of modes of the ring: as many as the nodes of a lining resolve over a third of the drum."""
 MOST_MODES = 4000
-DEGREE = 6  # of a ring's displacement through its thickness
-SHORT = 7.0  # radians of a wave through the ring's thickness from which on it meets a half-plane
+DEGREE = 6
+"""Degree of a ring's displacement through its thickness: it is not seen in any digit that is used."""
+SHORT = 7.0
+"""Radians of a wave through the ring's thickness from which on the wave meets a half-plane, to 1 %."""
+STIFF = 1e5
+"""Factor by which a sketched straight beam is meshed stiffer than it is: rigid, but for 1e-5."""
 SHEAR = 6 / 5  # kappa of a rectangular section
-STIFF = 1e5  # a sketched straight beam is meshed so much stiffer than it is: rigid
 
 
 def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], assembly.Scene]:

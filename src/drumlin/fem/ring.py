@@ -22,7 +22,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Section
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, edge_points
-from drumlin.fem.mesh.grading import FACE_SIZE, graded, lining_angles, lining_layers
+from drumlin.fem.mesh.grading import EDGE_SIZE, graded, lining_angles, lining_layers
 from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 
 
@@ -75,7 +75,7 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
     gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
     filled = [a + g * np.arange(k := max(1, round(g / (1.5 * step)))) / k for a, g in zip(angles, gaps, strict=True)]
     angles = np.concatenate(filled)
-    depths = graded(0, ring.thickness, lining_layers(elements), ring.thickness / 2, FACE_SIZE)
+    depths = graded(0, ring.thickness, lining_layers(elements), ring.thickness / 2, EDGE_SIZE)
     return closed_mesh(angles, depths, radius, sign, "drum")
 
 

@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.arrays import Bools, Floats, Ints
 from drumlin.response.response import EDGE_ZONE, ShoeResponse
 from drumlin.response.resultants import GAUSS, WEIGHTS, edge_left_out
 
@@ -49,17 +49,22 @@ class Difference:
             return math.sqrt(float(np.vdot(weight, off**2)) / size)
         return math.inf if off.any() else 0.0
 
-    def by_chance(self) -> float:
-        """The part of the integral of p_b by which it would differ if that of each column had a sign by chance."""
-        own = np.searchsorted(self.b.theta[:: self.b.order], self.theta[:, 0], side="right") - 1
-        columns = np.bincount(own, (self.weight * self.off).sum(axis=1))
-        return float(np.linalg.norm(columns) / np.vdot(self.weight, self.pressure))
+    @property
+    def columns(self) -> Ints:
+        """The column of b that each piece (pieces,) is in."""
+        return np.asarray(np.searchsorted(self.b.theta[:: self.b.order], self.theta[:, 0], side="right") - 1)
 
-    def near_peak(self, zone: float, part: float) -> float:
-        """The largest difference inside the zone where p_b is at least this part of its peak, in parts of the peak."""
-        peak = self.b.peak_pressure
-        near = (self.pressure >= part * peak) & self.inside(zone)[:, None]
-        return float(np.abs(self.off[near]).max(initial=0.0)) / peak
+    def of_columns(self) -> float:
+        """The sum of the columns' parts, without their signs, of the integral of p_a - p_b, over that of p_b."""
+        columns = np.bincount(self.columns, (self.weight * self.off).sum(axis=1))
+        return float(np.abs(columns).sum() / np.vdot(self.weight, self.pressure))
+
+    def at_peak(self, zone: float) -> float:
+        """The largest difference in the column where p_b is largest inside the zone, in parts of the peak."""
+        inside, columns = self.inside(zone), self.columns
+        highest = np.where(inside, self.pressure.max(axis=1), -math.inf).argmax()
+        off = self.off[inside & (columns == columns[highest])]
+        return float(np.abs(off).max(initial=0.0)) / self.b.peak_pressure
 
 
 def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE) -> float:

@@ -17,10 +17,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.arrays import Bools, Floats
 from drumlin.brake.brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.hp.adapt import seen
+from drumlin.fem.hp.corner import with_powers
 from drumlin.fem.hp.estimate import QUANTITIES, Errors, Factors, beside, distances
 from drumlin.fem.hp.levels import Step, steps
 from drumlin.fem.model import respond
@@ -41,10 +42,6 @@ RELEVANT = 1e-6
 """True error below which a level is not fitted on. No solve is asked for so small an error of p, and
 there the truth and the arithmetic are in doubt themselves."""
 
-WEIGHTS = tuple(2.0**-k for k in range(6, 16))
-"""Candidates for the weight of what chance signs would move a force by, over that of the step: the
-one with the sharpest estimate is taken. Above 1/64 the fit always chose less."""
-
 DIGITS = 2
 """Significant digits of a factor. More would not be found again on other brakes."""
 
@@ -52,12 +49,11 @@ DIGITS = 2
 class Level(NamedTuple):
     """What is known of the answer of one level, of each of QUANTITIES.
 
-    `step`, `chance`: the worst shoe's of `Distances`; `beside`: penalty and round-off errors;
-    `true`: the error; `unsure`: the uncertainty of the true error.
+    `step`: the worst shoe's of `distances`; `beside`: penalty and round-off errors; `true`: the
+    error; `unsure`: the uncertainty of the true error.
     """
 
     step: Mapping[str, float]
-    chance: Mapping[str, float]
     beside: Mapping[str, float]
     true: Mapping[str, float]
     unsure: Mapping[str, float]
@@ -88,9 +84,9 @@ def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
     nothing = Errors.worst(0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes))
     levels: list[Level] = []
     before = None
-    for _, response in found:
+    for _, raw in found:
+        response = with_powers(brake, raw)
         if before is not None:
-            moved = distances(brake, before, response)
             unknown, _ = seen(nothing, brake, response)
             true = {
                 name: math.nan if unknown.brake[name] > 0 else value
@@ -98,8 +94,7 @@ def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
             }
             levels.append(
                 Level(
-                    step=_worst(moved.steps),
-                    chance=_worst(moved.chance),
+                    step=_worst(distances(brake, before, response)),
                     beside=_worst(beside(response.shoes)),
                     true=true,
                     unsure=dict(truth.unsure),
@@ -110,61 +105,49 @@ def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
 
 
 def _worst(values: Floats) -> dict[str, float]:
-    """Of values (1 + 4 shoes,), in the order of `Distances`, the brake's torque and the worst shoe's others."""
+    """Of values (1 + 4 shoes,), in the order of `distances`, the brake's torque and the worst shoe's others."""
     most = values[1:].reshape(-1, len(QUANTITIES)).max(axis=0).tolist()
     return dict(zip(QUANTITIES, most, strict=True)) | {"torque": float(values[0])}
 
 
 class Samples(NamedTuple):
-    """Of one quantity on all brakes and levels: `step`, `chance`, `beside`, `true`, `unsure` (m,)."""
+    """Of one quantity on all brakes and levels: `step`, `beside`, `true`, `unsure` (m,)."""
 
     step: Floats
-    chance: Floats
     beside: Floats
     true: Floats
     unsure: Floats
 
-    def needed(self, weight: float) -> Floats:
-        """The factor (m,) of step + weight chance with which the true error would just be stated."""
-        most = self.true - self.unsure - self.beside
-        return np.maximum(most, 0.0) / np.maximum(self.step + weight * self.chance, np.finfo(float).tiny)
+    @property
+    def known(self) -> Bools:
+        """Which true errors (m,) are known well: others may be errors of the truth."""
+        return np.asarray(self.true > CERTAIN * self.unsure)
 
-    def ratios(self, factor: float, weight: float) -> Floats:
+    @property
+    def needed(self) -> Floats:
+        """The factors of the step with which the true errors that are known well would just be stated."""
+        most = np.maximum(self.true - self.unsure - self.beside, 0.0)
+        return (most / np.maximum(self.step, np.finfo(float).tiny))[self.known]
+
+    def ratios(self, factor: float) -> Floats:
         """Stated over true error, of the true errors that are known well."""
-        stated = factor * (self.step + weight * self.chance) + self.beside
-        known = self.true > CERTAIN * self.unsure
-        return stated[known] / self.true[known]
+        return ((factor * self.step + self.beside) / self.true)[self.known]
 
 
 def samples(levels: Sequence[Level], quantity: str) -> Samples:
     """The relevant levels' values of a quantity."""
     rows = [[of[quantity] for of in level] for level in levels]
-    found = np.array([row for row in rows if row[3] >= RELEVANT]).reshape(-1, len(Level._fields))
+    found = np.array([row for row in rows if row[2] >= RELEVANT]).reshape(-1, len(Level._fields))
     return Samples(*found.T)
 
 
 def fit(levels: Sequence[Level]) -> Factors:
     """The smallest factors that state at least QUANTILE of the true errors of each quantity.
 
-    Torque and reaction share theirs. Of the WEIGHTS of chance that with the smallest median of
-    stated over true error.
+    Torque and reaction share theirs, the larger of the two.
     """
-    pressure, peak = (samples(levels, name) for name in ("pressure", "peak"))
-    forces = [samples(levels, name) for name in ("torque", "reaction")]
-
-    def factor(weight: float) -> float:
-        return max(_up(float(np.quantile(of.needed(weight), QUANTILE))) for of in forces)
-
-    def sharpness(weight: float) -> float:
-        return float(np.median(np.concatenate([of.ratios(factor(weight), weight) for of in forces])))
-
-    weight = min(WEIGHTS, key=sharpness)
-    return Factors(
-        pressure=_up(float(np.quantile(pressure.needed(0.0), QUANTILE))),
-        force=factor(weight),
-        cancelled=_up(factor(weight) * weight),
-        peak=_up(float(np.quantile(peak.needed(0.0), QUANTILE))),
-    )
+    needed = {name: _up(float(np.quantile(samples(levels, name).needed, QUANTILE))) for name in QUANTITIES}
+    return Factors(needed["pressure"], max(needed["torque"], needed["reaction"]), needed["peak"])
 
 
 def _up(value: float) -> float:
@@ -176,12 +159,10 @@ def _up(value: float) -> float:
 MEANING = {
     "pressure": "Error of p in L2 over the distance of p on the last two levels. Smaller: stated errors of p are too "
     "small. Larger: solves go on to a finer level that nobody needed.",
-    "force": "Error of a torque or a reaction over its distance on the last two levels. Smaller and larger as above.",
-    "cancelled": "Fraction of what a force would move by, were the signs of the columns' contributions chance, that is "
-    "added to its error. Smaller: forces that two levels share by accident are stated as sure. Larger: the errors of "
-    "torque and reactions are stated many times too large where p is hardly known, as at a pressed corner.",
-    "peak": "Error of the peak pressure over the geometric mean of the distances of p near the peak and in L2. Smaller "
-    "and larger as above.",
+    "force": "Error of a torque or a reaction over its distance on the last two levels, with what cannot cancel in it. "
+    "Smaller and larger as above.",
+    "peak": "Error of the peak pressure over its distance on the last two levels, or where that is larger over the "
+    "geometric mean of the distances of p in the column of the peak and in L2. Smaller and larger as above.",
 }
 """A sentence on each of the factors, which stands in their file."""
 

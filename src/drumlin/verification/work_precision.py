@@ -27,7 +27,7 @@ from drumlin.fem.assembly import Scene, prepare
 from drumlin.fem.hp.adapt import DEFAULT, Tolerance, adapt
 from drumlin.fem.hp.levels import LEVELS, steps
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.mesh.grading import Division, lining_layers, refine
+from drumlin.fem.mesh.grading import EDGE_SIZE, Division, graded, inner_steps, lining_layers
 from drumlin.fem.model import respond
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance, relative, vector_distance
@@ -42,6 +42,12 @@ MOST_REPEATS = 9
 LEAST_SAMPLE = 2e-3  # s; what is faster is run several times a sample
 ALIKE = 1.2  # times that differ by less are taken as equal
 FURTHER = 0.9  # of the friction coefficient, in the further load case
+GRADED_FROM = 36
+"""Elements along a lining from which on the smallest ones of a `refined_mesh` shrink in proportion, so
+that its error goes on falling where the pressure is singular. Coarser meshes are graded as any other."""
+BEHIND = 4
+"""Least number of layers through backing and body each of a `refined_mesh`: their error stays below the
+lining's, where a mesh is to show how far refinement goes."""
 ERRORS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
 
 
@@ -85,7 +91,22 @@ def even_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
 
 def refined_mesh(shoe: Shoe, radius: float, elements: int, layers: int, kind: str) -> Any:
     """A mesh of a shoe whose least elements at the lining's ends are the smaller, the more it has."""
-    return shoe_mesh(shoe, radius, refine(shoe, radius, elements, layers), kind)
+    return shoe_mesh(shoe, radius, refined_division(shoe, radius, elements, layers), kind)
+
+
+def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> Division:
+    """Elements of at most 1/`elements` of the lining, graded to its edges: the more, the smaller the smallest."""
+    (start, end), zone = shoe.arc, shoe.lining.thickness / radius
+    fineness = max(1.0, elements / GRADED_FROM)
+    half, smallest = (end - start) / 2, EDGE_SIZE / fineness
+    step = (end - start) / elements
+    count = max(2, math.ceil(2 * inner_steps(half, half, zone, smallest) / step))
+    return Division(
+        angles=graded(start, end, count, zone, smallest),
+        depths=graded(0, shoe.lining.thickness, layers, shoe.lining.thickness / 2, smallest),
+        step=step,
+        behind=BEHIND,
+    )
 
 
 def _mesh(

@@ -11,6 +11,7 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Cache
+from drumlin.fem.hp.corner import AT_TIP, left_at_corners, left_under_tips, with_powers
 from drumlin.fem.hp.division import FINEST
 from drumlin.fem.hp.estimate import SOFTER, Errors, estimate
 from drumlin.fem.hp.levels import Respond, Step, steps
@@ -19,9 +20,6 @@ from drumlin.response.response import NEAR_PEAK, Response, ShoeResponse, edge_zo
 from drumlin.response.resultants import edge_left_out, largest
 
 SHORTEST = 10 * FINEST  # of the lining's thickness: the pressure of a shorter contact is not known
-AT = 1e-9
-"""Distance [rad] up to which a tip of the gap is at an end of columns, as a place is but for
-round-off."""
 UNDER_TIP = math.log(1 / FINEST) / (2 * math.pi)
 """Growth of p over E s under a tip of the gap, from the lining's thickness from it down to FINEST
 of that.
@@ -62,10 +60,10 @@ def adapt(
     missed = f"tolerance {tolerance.pressure:g} not reached"
     try:
         for scene, found in along or steps(brake, respond, cache):
-            responses.append(found)
+            responses.append(with_powers(brake, found))
             unknowns = max(body.unknowns for body in scene.bodies)
             if len(responses) > 1:
-                error, unseen = seen(estimate(brake, responses[-2], responses[-1]), brake, found)
+                error, unseen = seen(estimate(brake, responses[-2], responses[-1]), brake, responses[-1])
                 if error.brake["pressure"] <= tolerance.pressure and error.brake["torque"] <= tolerance.torque:
                     return Step(scene, _final(responses, error, unknowns, ""))
                 if unseen:
@@ -118,7 +116,7 @@ def _under_tips(shoe: Shoe, scale_factor: float, found: ShoeResponse, zone: floa
         part = slice(max(k - order, 0), k + order + 1)
         if largest(found.theta[part], found.pressure[part], order) > NEAR_PEAK * found.peak_pressure:
             growth = UNDER_TIP * shoe.lining.material.E * slope / scale_factor / found.peak_pressure
-            lacking = max(lacking, 1.0 if abs(found.theta[k] - tip) < AT * shoe.frame.unit else growth)
+            lacking = max(lacking, 1.0 if abs(found.theta[k] - tip) < AT_TIP * shoe.frame.unit else growth)
     return min(lacking, 1.0)
 
 
@@ -130,13 +128,18 @@ def _lacking(shoe: Shoe, scale_factor: float, found: ShoeResponse) -> float:
 
 
 def seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
-    """The errors with what the peak lacks under tips of the gap; of 1 what is not known at all: a
-    peak at a lining's end or under a tip of its gap, and the pressure of a contact so short that
-    this is said in words."""
+    """The errors with what p and its peak lack at corners and under tips of the gap; of 1 what is not
+    known at all: a peak at a lining's end or under a tip of its gap, and the pressure of a contact so
+    short that this is said in words."""
     shoes, said = list(error.shoes), ""
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         lacking = _lacking(shoe, brake.scale_factor, found)
-        shoes[i] = {**shoes[i], "peak": 1.0 if lacking == 1.0 else shoes[i]["peak"] + lacking}
+        left = left_at_corners(brake, i, found) + left_under_tips(shoe, brake.scale_factor, found)
+        shoes[i] = {
+            **shoes[i],
+            "pressure": shoes[i]["pressure"] + left,
+            "peak": 1.0 if lacking == 1.0 else shoes[i]["peak"] + lacking,
+        }
         length = min((end - start for start, end in pressed_arcs(shoe, found)), default=math.inf) * brake.size
         if length < SHORTEST * shoe.lining.thickness:
             said = (

@@ -19,6 +19,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
+from drumlin.fem.hp.corner import tip_size
 from drumlin.response.response import EDGE_ZONE
 
 FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: smaller ones lose too many digits
@@ -28,6 +29,23 @@ BENT = 2.0  # times the size at most on an elastic shoe: it bends, which corners
 FACE = 0.035  # of the length of a short contact: it rules the layer at the face as EDGE_ZONE does under a long one
 SHORT = 0.6  # of the length of a short contact: it rules the columns at its ends
 SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
+SHARPEST = 1e-7
+"""Smallest columns and layers at a tip of the gap, in parts of the lining's thickness.
+
+Columns of a size w through layers of the thickness t lose about 1e-16 (t/w)^2 of p in the column
+itself, and so some 1e-6 of p in L2 at 2e-7 of t. FINEST, which holds for all other places, would
+leave 1e-3 of p under a tip, whose error in L2 falls as the root of w.
+"""
+CORNER_SIZE = 1e-4
+"""Size of columns and layers at a pressed corner where p has no bound, in parts of its contact.
+
+Nearer to the corner p is the power of the corner, see `corner.with_powers`. At 1e-3 the second level
+of two brakes had 2.5 times the error of p; at 1e-5 it had the same on a sixth more unknowns. Columns
+that are 0.03 of the contact or more feel the rest of it, not the power alone.
+"""
+CORNER_COUNTS = 6 * EDGE_ZONE
+"""Length of a contact [rad] up to which the corner that it reaches is divided for its own sake. Half
+the force of a longer one is beyond EDGE_ZONE from the corner, and p is judged there alone."""
 STEP_POWER = 1 / 3
 """Power of a level's `end` by which columns at the ends of a step between blocks shrink, from the
 step's arc on.
@@ -43,16 +61,19 @@ to a sixth of it; with 1/4 the fourth has 2.4 times the error.
 
 class Kind(IntEnum):
     """What is not smooth at a place: the pressure at an end of the contact; the slope of the gap;
-    its curvature, at the ends of a step between blocks; that too, but where nothing presses."""
+    its curvature, at the ends of a step between blocks; that too, but where nothing presses; the
+    slope of the gap where it points to the drum, and p rises without end."""
 
     END = 0
     KINK = 1
     STEP = 2
     OPEN_STEP = 3
+    TIP = 4
 
 
 Place = tuple[float, float, int]
-"""Its phi [rad], the length over which the pressure changes there [rad], its Kind."""
+"""Its phi [rad], the length over which the pressure changes there [rad], its Kind. The length of a
+tip is that of `corner.tip_size`."""
 
 
 class Mark(NamedTuple):
@@ -103,7 +124,8 @@ class Division:
 
     `angles` (m + 1,) phi [rad]: ends of the columns under the lining; `before`, `after`: of those of the body beyond
     it, starting at the lining; `depths` (l + 1,): ends of the layers, from the contact inwards, of an arc [m], of a
-    beam in layers; `part` (l,): what each layer belongs to.
+    beam in layers; `part` (l,): what each layer belongs to; `sharp` [m]: size of the layer at the face
+    where p has no bound at a corner or under a tip and asks for a thin one, inf elsewhere.
     """
 
     degree: int
@@ -112,6 +134,7 @@ class Division:
     after: Floats
     depths: Floats
     part: tuple[str, ...]
+    sharp: float = math.inf
 
     @property
     def key(self) -> tuple[int, bytes, bytes, bytes, bytes]:
@@ -200,11 +223,20 @@ def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
     return found
 
 
-def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = (), *, tip: bool = False) -> Division:
+def divide(
+    shoe: Shoe,
+    radius: float,
+    level: Level,
+    places: Sequence[Place] = (),
+    *,
+    tip: bool = False,
+    powers: tuple[float, float] = (0.0, 0.0),
+) -> Division:
     """The division of a shoe. `places`, growing: where the pressure is not smooth; it may be unbounded at a kink of the
     gap. An end of the lining that is known to bear nothing is graded as the ends of other layers, all of them more
-    coarsely beyond a contact that is short, see `faded`. `tip`: whether it matters how far its loaded end goes, which
-    then is graded too: the contact feels only what force is there."""
+    coarsely beyond a contact that is short, see `faded`. `tip`: whether it matters how far its loaded
+    end goes, which then is graded too: the contact feels only what force is there. `powers`: those of p at the
+    lining's ends where they press, see `corner.powers_of`."""
     start, end = shoe.arc
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
@@ -228,6 +260,8 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
         min(max(min(scale, away), faded(level.back, x / pressed, most) * min(t, x)), max(level.edge * length, least))
         for x, away, length in zip(beyond, apart, reached, strict=True)
     )
+    corners = [_corner(length, power) for length, power in zip(reached, powers, strict=True)]
+    left, right = min(left, corners[0]), min(right, corners[1])
     marks = _marks(
         Mark(start, left, level.ratio),
         Mark(end, right, level.ratio),
@@ -254,15 +288,19 @@ def divide(shoe: Shoe, radius: float, level: Level, places: Sequence[Place] = ()
             last = min(held, far - end) if tip else far - end
             sizes = graded(far - end, right, last, level.ratio, max(body, level.largest))
             after = end + ends_of(sizes, 0.0, far - end)
+    face = max(level.zone * min(EDGE_ZONE, t, end - start, *reached, *(FACE * x for x in lengths)), least)
+    tips = [_tip(level, t, length) for _, length, kind in places if kind == Kind.TIP]
+    sharp = min(*tips, *corners)
     depths, part = _depths(
         layers,
         level,
-        radius * max(level.zone * min(EDGE_ZONE, t, end - start, *reached, *(FACE * x for x in lengths)), least),
+        radius * min(face, sharp),
         radius * pressed,
         most,
         straight=isinstance(shoe.body, Beam),
     )
-    return Division(level.degree, np.array([*np.concatenate(angles), end]), before, after, depths, part)
+    ends = np.array([*np.concatenate(angles), end])
+    return Division(level.degree, ends, before, after, depths, part, radius * sharp if sharp < face else math.inf)
 
 
 def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
@@ -279,7 +317,20 @@ def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
     size = 2.0 ** math.floor(math.log2(max(size, FINEST * t)))
     if kind == Kind.KINK:
         return Mark(x, size, level.ratio)
+    if kind == Kind.TIP:
+        return Mark(x, _tip(level, t, length), level.ratio)
     return Mark(round(2 * x / size) * size / 2, size, level.opening if length <= t else level.ratio)
+
+
+def _tip(level: Level, t: float, length: float) -> float:
+    """Size of columns and layers at a tip of the gap [rad], under a lining of thickness t [rad]."""
+    return 2.0 ** math.floor(math.log2(max(tip_size(length, level.degree, level.end), SHARPEST * t)))
+
+
+def _corner(length: float, power: float) -> float:
+    """Size of columns and layers at a corner [rad] that a contact of this length [rad] reaches; inf
+    where p is bounded there or does not count."""
+    return CORNER_SIZE * length if power < 0 and length <= CORNER_COUNTS else math.inf
 
 
 def _reached(start: float, end: float, places: Sequence[Place]) -> tuple[float, float]:

@@ -112,6 +112,6 @@ def _off(arc: tuple[float, float], places: Sequence[Place], now: Sequence[Place]
     """Whether an end of the contact is away from where columns end, over the length that it bounds,
     or a kink is."""
     meant = [*arc, *(place[0] for place in places)]
-    if any(kind == Kind.KINK and x not in meant for x, _, kind in now):
+    if any(kind in {Kind.KINK, Kind.TIP} and x not in meant for x, _, kind in now):
         return True
     return any(kind == Kind.END and min(abs(x - y) for y in meant) > SETTLED * length for x, length, kind in now)

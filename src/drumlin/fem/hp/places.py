@@ -16,6 +16,7 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
 from drumlin.fem import assembly
+from drumlin.fem.hp.corner import tip_rises
 from drumlin.fem.hp.division import Kind, Place
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_points
@@ -72,11 +73,23 @@ def _places(shoe: Shoe, response: ShoeResponse | None, scale_factor: float, leve
         size = math.sqrt(float(np.sum(weight * p**2)))
         kinks = _strongest(angle[inside], felt[inside], UNFELT * level_end * size)
         found += [(x, end - start, Kind.KINK) for x in frame.phis(kinks)]
+        found += _tips(shoe, scale_factor, size, kinks)
     for one, other in arcs:
         first, last = (min(max(_rounded(x, other - one), start), end) for x in (one, other))
         found += [(first, last - first, Kind.END), (last, last - first, Kind.END)]
     if response is not None:
         found += [(_rounded(x, length), length, Kind.END) for x, length in _hidden(shoe, response, arcs)]
+    return found
+
+
+def _tips(shoe: Shoe, scale_factor: float, size: float, kinks: Floats) -> list[Place]:
+    """Those of the kinks (k,) that point to the drum, in a lining whose pressure has the norm
+    `size`, in Pa times the root of the surface's coordinate."""
+    found: list[Place] = []
+    for angle, rise in tip_rises(shoe, scale_factor):
+        if angle in kinks:
+            (tip,) = shoe.frame.phis([angle])
+            found.append((tip, (size / rise) ** 2 / shoe.frame.unit, Kind.TIP))
     return found
 
 

@@ -38,8 +38,9 @@ class Division(NamedTuple):
     depths: Floats
 
 
-def divide(section: Section, radius: float, linings: list[Floats], level: Level) -> Division:
-    """The division of a ring; `linings`: ends of the columns of each, growing, in the brake's angles [rad]."""
+def divide(section: Section, radius: float, linings: list[Floats], level: Level, sharp: float = math.inf) -> Division:
+    """The division of a ring; `linings`: ends of the columns of each, growing, in the brake's angles [rad]; sharp [m]:
+    as of the linings' `division.Division`, that of the thinnest layer."""
     origin = min(float(ends[0]) % TURN for ends in linings)
     parts = [ends - ends[0] + (float(ends[0]) - origin) % TURN for ends in linings]
     places = np.sort(np.concatenate([part % TURN for part in parts]))
@@ -55,7 +56,7 @@ def divide(section: Section, radius: float, linings: list[Floats], level: Level)
         angles.append(ends_of(pieces, a, b)[1:])
         contact += [covered] * len(pieces)
     t = section.thickness
-    layers = graded(t, level.back * t, t, level.through, t)
+    layers = graded(t, min(level.back * t, sharp), t, level.through, t)
     return Division(level.degree, origin + np.concatenate(angles), np.array(contact), ends_of(layers, 0.0, t))
 
 
@@ -63,12 +64,12 @@ def _within(angle: float, ends: Floats) -> bool:
     return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, TURN))
 
 
-def ring_body(brake: Brake, level: Level, linings: tuple[ContactLine, ...]) -> RingBody:
-    """The ring condensed under the linings, given by their contact lines in the shoes' frames."""
+def ring_body(brake: Brake, level: Level, linings: tuple[ContactLine, ...], *, sharp: float = math.inf) -> RingBody:
+    """The ring condensed under the linings, given by their contact lines in the shoes' frames; sharp: see `divide`."""
     ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
     assert ring is not None and ring.section is not None  # scene.why_not
     ends = [np.sort(shoe.frame.theta(line.phi[:: line.order])) for shoe, line in zip(brake.shoes, linings, strict=True)]
-    div = divide(ring.section, radius, ends, level)
+    div = divide(ring.section, radius, ends, level, sharp)
     free = ring.support == "free"
     made, line = _columns(ring.section, radius, sign, div, free=free)
     grid = grid_of(radius, sign, div)

@@ -11,6 +11,7 @@ from drumlin.brake.components import Beam
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import assembly
 from drumlin.fem.hp.body import condensed, contact_line, end_load_of, grid_of
+from drumlin.fem.hp.corner import powers_of
 from drumlin.fem.hp.division import Division, Level, Place, divide
 from drumlin.fem.hp.ring import ring_body
 from drumlin.fem.hp.shoe import condense
@@ -50,7 +51,11 @@ def scene(
     alike = alike or assembly.alike(brake)
     shoes = {i: brake.shoes[i] for i in alike}  # the first of each shape
     cam = brake.actuation is not None and brake.actuation.is_cam
-    divided = {i: divide(shoe, radius, level, (places or {}).get(i, ()), tip=cam) for i, shoe in shoes.items()}
+    powers = {i: _steepest(brake, alike, i) for i in shoes}
+    divided = {
+        i: divide(shoe, radius, level, (places or {}).get(i, ()), tip=cam, powers=powers[i])
+        for i, shoe in shoes.items()
+    }
     together = sum if brake.ring is not None else max
     nodes = together(divided[i].contact_nodes for i in alike)
     if nodes > MOST_NODES:
@@ -68,14 +73,15 @@ def scene(
         left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
     if brake.friction == 0:
         left_out.append("friction: mu = 0, symmetric, without the flexibility under drag")
-    ring, ring_under = None, partial(ring_body, brake, level)
+    sharp = min(each.sharp for each in divided.values())
+    ring, ring_under = None, partial(ring_body, brake, level, sharp=sharp)
     if brake.ring is not None:
         with assembly.clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
-            own = (assembly.bare(brake), level, *(each.key for each in divided.values()))
+            own = (assembly.bare(brake), level, sharp, *(each.key for each in divided.values()))
             ring = (cache or assembly.Cache()).get(own, partial(ring_under, lines), assembly.size_of)
     again = {
-        i: partial(_nodes_of, shoe, divided[i], radius, level, (places or {}).get(i, ()), cam)
+        i: partial(_nodes_of, shoe, divided[i], radius, level, (places or {}).get(i, ()), cam, powers[i])
         for i, shoe in shoes.items()
     }
     return assembly.Scene(
@@ -89,8 +95,21 @@ def scene(
     )
 
 
+def _steepest(brake: Brake, alike: Sequence[int], first: int) -> tuple[float, float]:
+    """The smallest powers of p at both ends of the linings of all shoes of one shape."""
+    each = [powers_of(brake, j) for j, shape in enumerate(alike) if shape == first]
+    return min(start for start, _ in each), min(end for _, end in each)
+
+
 def _nodes_of(
-    shoe: Shoe, div: Division, radius: float, level: Level, places: Sequence[Place], tip: bool, other: Shoe
+    shoe: Shoe,
+    div: Division,
+    radius: float,
+    level: Level,
+    places: Sequence[Place],
+    tip: bool,
+    powers: tuple[float, float],
+    other: Shoe,
 ) -> assembly.BodyNodes:
     """The nodes of the body of another shoe that is divided by the rule by which `div` divides this
     one.
@@ -99,7 +118,8 @@ def _nodes_of(
     the hinge.
     """
     turn = other.arc[0] - shoe.arc[0]
-    found = divide(other, radius, level, [(phi + turn, length, kink) for phi, length, kink in places], tip=tip)
+    moved = [(phi + turn, length, kink) for phi, length, kink in places]
+    found = divide(other, radius, level, moved, tip=tip, powers=powers)
     if isinstance(shoe.body, Beam):
         found = replace(found, angles=div.angles + turn)
     grid = grid_of(other, radius, found)

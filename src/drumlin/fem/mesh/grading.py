@@ -11,13 +11,19 @@ import numpy as np
 from drumlin.arrays import Floats
 from drumlin.brake.brake import Shoe
 
-EDGE_SIZE = 1 / 32  # of an element at the lining's sharp edge, relative to one in its middle
-FACE_SIZE = 1 / 8  # of a layer at the lining's faces, relative to one in its middle
-COARSE = 36  # elements along a lining; on finer meshes that are refined both sizes shrink in proportion
-BEHIND = 4  # layers through backing and body each, at least, on meshes that are refined
-MOST_BEYOND = 200  # elements along the body on either side of the lining
-MOST_LAYERS = 8  # through backing and body each: more costs time and changes nothing that matters
-MOST_THIN = 80  # the same of linear elements
+EDGE_SIZE = 1 / 32
+"""Size of an element at the lining's sharp edge, relative to one in its middle, and of a layer at its
+faces. The pressure is singular at the edge. With four times this size the error of p is a quarter larger
+in the median of 22 random brakes, at most six times; with half of it, it is the same."""
+MOST_BEYOND = 200
+"""Limit of memory: elements along the body on either side of the lining."""
+MOST_LAYERS = 8
+"""Limit of memory: layers through backing and body each, so that unknowns grow with the number of
+elements along the lining and not with its square. On 22 random brakes twice as many have 1.4 times the
+unknowns and the same error of p, half as many up to 2.4 times that error."""
+MOST_THIN = 80
+"""The same limit for linear elements, which bend well only in thin layers: as many as the default
+number along a lining. On 22 random brakes 40 and 160 give the same errors."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +46,7 @@ def divide(shoe: Shoe, radius: float, elements: int) -> Division:
     thickness = shoe.lining.thickness
     return Division(
         angles=start + lining_angles(end - start, shoe, radius, elements),
-        depths=graded(0, thickness, lining_layers(elements), thickness / 2, FACE_SIZE),
+        depths=graded(0, thickness, lining_layers(elements), thickness / 2, EDGE_SIZE),
         step=(end - start) / elements,
     )
 
@@ -100,21 +106,6 @@ def _growth(total: float) -> float:
     return high
 
 
-def refine(shoe: Shoe, radius: float, elements: int, layers: int) -> Division:
-    """Elements of at most 1/`elements` of the lining, graded to its edges: the more, the smaller the smallest."""
-    (start, end), zone = shoe.arc, shoe.lining.thickness / radius
-    fineness = max(1.0, elements / COARSE)
-    half, smallest = (end - start) / 2, EDGE_SIZE / fineness
-    step = (end - start) / elements
-    count = max(2, math.ceil(2 * _parts(half, half, zone, smallest) / step))
-    return Division(
-        angles=graded(start, end, count, zone, smallest),
-        depths=graded(0, shoe.lining.thickness, layers, shoe.lining.thickness / 2, FACE_SIZE / fineness),
-        step=step,
-        behind=BEHIND,
-    )
-
-
 def graded(start: float, end: float, count: int, zone: float, smallest: float) -> Floats:
     """count + 1 points from start to end; steps shrink linearly over `zone` at each end to `smallest` of the inner.
 
@@ -122,10 +113,10 @@ def graded(start: float, end: float, count: int, zone: float, smallest: float) -
     equal parts of Int dd / h.
     """
     half = (end - start) / 2
-    total = _parts(half, half, zone, smallest)
+    total = inner_steps(half, half, zone, smallest)
     part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
     reach = min(zone * (1 - smallest), half)
-    inner = _parts(reach, half, zone, smallest)
+    inner = inner_steps(reach, half, zone, smallest)
     d = np.where(part <= inner, zone * smallest * np.expm1(np.minimum(part, inner) / zone), reach + part - inner)
     left = np.arange(count + 1) <= count / 2
     points = np.where(left, start + d, end - d)
@@ -133,7 +124,10 @@ def graded(start: float, end: float, count: int, zone: float, smallest: float) -
     return points
 
 
-def _parts(d: float, half: float, zone: float, smallest: float) -> float:
-    """Int_0^d dd h_0 / h of `graded`; beyond the reach of the grading all steps are h_0."""
+def inner_steps(d: float, half: float, zone: float, smallest: float) -> float:
+    """Int_0^d dd h_0 / h of `graded`: the inner steps h_0 that its steps up to `d` stand for.
+
+    Beyond the reach of the grading all steps are h_0.
+    """
     reach = min(zone * (1 - smallest), half)
     return zone * math.log1p(min(d, reach) / (zone * smallest)) + max(d - reach, 0.0)

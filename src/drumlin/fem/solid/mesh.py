@@ -19,7 +19,9 @@ from drumlin.fem.body import scalar_basis
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.grading import Division, graded
 
-SIDE_SIZE = 1 / 8  # of an element at a free side, relative to one in the middle
+SIDE_SIZE = 1 / 8
+"""Size of an element at a free side, relative to one in the middle: there are few elements across, so
+that they shrink less than along the lining."""
 CORNERS = [2, 2, 1, 3, 1, 3, 0, 0], [1, 0, 1, 1, 0, 0, 1, 0]
 """Corners of skfem's hexahedra: the corner of the section's quadrilateral, and whether it is the outer one."""
 

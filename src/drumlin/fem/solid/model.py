@@ -14,7 +14,7 @@ from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
 ELEMENTS = 48
-"""Default number along a lining."""
+"""Default number along a lining: a limit of time, as the work goes with its fourth power."""
 STIFFNESS = 2500  # bytes of a row
 SOFTEST = 0.499  # Poisson's ratio up to which displacements alone describe a solid
 

@@ -18,7 +18,7 @@ from drumlin.verification.triangles.ring import rim, with_ring
 from drumlin.verification.triangles.shared import shared
 from drumlin.verification.triangles.solution import ShoeSolution, solution
 
-ENDS = 13  # halvings at most towards an end of the contact, where p is small, and a kink of the gap
+ENDS = 13  # halvings at most towards an end of the contact, where p is small, and a kink of the gap that is no tip
 SLACK = 1e-9  # of the lining, of places that are its ends
 NARROWEST = 1e-4  # contact to whose width triangles are made
 
@@ -84,15 +84,17 @@ def solve(brake: Brake, level: Level, before: Sequence[ShoeSolution] | None = No
 
 def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: Level) -> Sharp:
     """Kinks of a lining's gap, and the ends of its contact that are not the lining's, triangles in proportion to it."""
-    lining = shoe.lining
-    places = [(angle, shape.least) for angle in clearance.kinks(lining)]
+    lining, tips = shoe.lining, {angle for angle, _ in clearance.tips(shoe.lining)}
+    most = min(ENDS, level.halvings)
+    beyond = 0.5 ** (level.halvings - most)  # under a tip p has no bound
+    places = [(angle, shape.least * (beyond if angle in tips else 1.0)) for angle in clearance.kinks(lining)]
     for arc in [] if before is None else before.arcs:
         width = max((arc[1] - arc[0]) * shape.length, NARROWEST * shape.least)
         places += [(float(end), min(shape.least, width / 4)) for end in arc]
     slack = SLACK * (lining.end - lining.start)
     inside = [one for one in places if lining.start + slack < one[0] < lining.end - slack]
     angle, length = np.reshape(inside, (-1, 2)).T
-    return Sharp((angle - shape.origin) * shape.turn, length * 0.5 ** min(ENDS, level.halvings))
+    return Sharp((angle - shape.origin) * shape.turn, length * 0.5**most)
 
 
 def _touching(one: Face, before: ShoeSolution | None) -> Bools:

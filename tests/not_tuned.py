@@ -1,0 +1,133 @@
+"""Module-level numbers of fem, contact and response that were not found by trying: the reason of each.
+
+A definition follows from a formula or a name; a format from a file or a library; a limit bounds
+memory, time or passes, and a brake beyond it is refused or cut short with a word; round-off is far
+above the arithmetic's and far below what a user sees; a threshold rules when a line is said and
+changes no answer.
+"""
+
+DEFINITION, FORMAT = "definition", "format"
+MEMORY, PASSES = "limit of memory or size", "limit of passes or steps"
+ROUND_OFF, SAID = "round-off", "threshold of a warning or a refusal that names it"
+SPEED = "size of pieces that stay near the processor"
+SKETCH = "size of a sketch that predicts within a factor of two"
+
+NOT_TUNED: dict[str, dict[str, str]] = {
+    "contact/active_set.py": {
+        "MOST_STEPS": PASSES,
+        "MOST_PASSES": PASSES,
+        "GOLDEN": DEFINITION,
+        "WIDER": ROUND_OFF,
+        "PATIENCE": PASSES,
+        "SMALL": SPEED,
+        "MOST_SETS": MEMORY,
+        "SLACK": ROUND_OFF,
+    },
+    "contact/equations.py": {"LARGE": SPEED},
+    "contact/self_locking.py": {
+        "LARGEST": "limit of the search that is said",
+        "CLOSE": ROUND_OFF,
+        "RESOLUTION": ROUND_OFF,
+        "STEP": "first step of a search that adapts; a matter of time",
+        "QUIET": "growth up to half of mu_lock, by its pole",
+        "LARGE": SPEED,
+        "LIKE": "any number between 0.004 and 0.7 tells two answers from two meshes",
+    },
+    "contact/stick_slip.py": {
+        **dict.fromkeys(("OPEN", "STICK", "FORWARD", "BACKWARD"), "names of states"),
+        "MOST_STEPS": PASSES,
+        "MOST_PASSES": PASSES,
+        "SLACK": ROUND_OFF,
+    },
+    "fem/assembly.py": {"MOST_ELEMENTS": MEMORY, "ROOM": MEMORY, "KEPT": MEMORY},
+    "fem/body.py": {"FRAME": DEFINITION},
+    "fem/elimination.py": {"LEAF": SPEED},
+    "fem/finite_width.py": {
+        "HELD": "share that solid shoes show, whose difference is said with the answer",
+        "LARGEST_NU": "range that has been checked",
+        "TORQUE": "measured error that is said",
+        "PRESSURE": "measured error that is said",
+    },
+    "fem/group.py": {
+        "FRICTION_STEP": "a quarter of self_locking.STEP",
+        "NEAR_POLE": "last digit of a limit that is printed",
+        "ROWS": SPEED,
+    },
+    "fem/holding.py": {
+        "FIRST": "start of a geometric search",
+        "MOST_INCREMENTS": PASSES,
+        "TWO_ANSWERS": SAID,
+        "OTHER_FRICTION": SAID,
+    },
+    "fem/hp/adapt.py": {"UNDER_TIP": DEFINITION},
+    "fem/hp/corner.py": {"LEAST_ROOT": "limit of a search", "SMALLEST_PIECE": ROUND_OFF, "AT_TIP": ROUND_OFF},
+    "fem/hp/element.py": {"CHUNK": SPEED},
+    "fem/hp/levels.py": {"DEG": DEFINITION, "MOST_PASSES": PASSES},
+    "fem/hp/ring.py": {"TURN": DEFINITION, "CLOSE": ROUND_OFF},
+    "fem/hp/scene.py": {"MOST_NODES": MEMORY},
+    "fem/mesh/abaqus.py": {"NODES": FORMAT, "MOST_MEMBERS": MEMORY, "PER_LINE": FORMAT},
+    "fem/mesh/check.py": dict.fromkeys(
+        ("ARC_SLACK", "APART", "MOST_PAIRS", "LARGEST", "BENT", "OFF", "DEEP", "STEEP", "UPRIGHT"),
+        SAID,
+    ),
+    "fem/mesh/content.py": {"LARGEST_MESH": MEMORY},
+    "fem/mesh/file.py": {"MOST_NODES": MEMORY, "LARGEST_NUMBER": MEMORY, "SCALE": FORMAT},
+    "fem/mesh/grading.py": {"MOST_BEYOND": MEMORY, "MOST_LAYERS": MEMORY, "MOST_THIN": MEMORY},
+    "fem/mesh/vtu.py": {"MOST_UNPACKED": MEMORY, "MOST_ARRAYS": MEMORY, "_HEADS": FORMAT},
+    "fem/model.py": {
+        "DOUBLE": DEFINITION,
+        "OVERLAP": SAID,
+        "PENALTY": "default of an option, whose effect each response states",
+        "LARGEST_IMBALANCE": SAID,
+        "LARGEST_LOSS": SAID,
+        "MOST_LOSS": SAID,
+        "MAX_REFINED": "limit of time: seconds of a refinement",
+        "SETTLED": ROUND_OFF,
+    },
+    "fem/moving.py": {
+        "STEP": ROUND_OFF,
+        "FARTHEST": "tells another division from a moved one",
+        "STILL": ROUND_OFF,
+    },
+    "fem/mutual_work.py": {"CHUNK": MEMORY},
+    "fem/omission.py": {"OMISSIONS": DEFINITION},
+    "fem/reach.py": {"LARGEST_TURN": SAID},
+    "fem/reduced.py": {
+        **dict.fromkeys(("ELEMENTS", "SECTIONS", "MODES", "WAVES"), SKETCH),
+        "MOST_MODES": MEMORY,
+        "DEGREE": ROUND_OFF,
+        "SHORT": "1 % of a closed form",
+        "STIFF": ROUND_OFF,
+        "SHEAR": DEFINITION,
+    },
+    "fem/refinement.py": {
+        "EPSILON": DEFINITION,
+        "MOST_CORRECTIONS": PASSES,
+        "SETTLED": ROUND_OFF,
+        "SLOWEST": "factor by which corrections that converge shrink",
+        "MOST_SETS": PASSES,
+    },
+    "fem/sensitivity.py": {"PERCENT_PER_MM": DEFINITION},
+    "fem/sharing.py": {"PULLED": ROUND_OFF},
+    "fem/solid/__init__.py": {"MOST_ELEMENTS": MEMORY, "MOST_ACROSS": MEMORY},
+    "fem/solid/body.py": {"HALVES": DEFINITION},
+    "fem/solid/fields.py": dict.fromkeys(("_BOTTOM", "_CORNERS", "_EDGES", "_TURNED"), FORMAT),
+    "fem/solid/mesh.py": {"SIDE_SIZE": "mesh of a model without stated errors", "CORNERS": FORMAT},
+    "fem/solid/model.py": {
+        "ELEMENTS": "default of an option: a minute of work",
+        "STIFFNESS": MEMORY,
+        "SOFTEST": SAID,
+    },
+    "fem/solve.py": {"UNSAID": SAID},
+    "response/limits.py": {"LARGE_STRAIN": SAID, "LARGEST_STRAIN": SAID},
+    "response/response.py": {
+        "EDGE_ZONE": DEFINITION,
+        "STEP": "points of a picture or a table",
+        "CURVE_STEP": ROUND_OFF,
+        "NEITHER": ROUND_OFF,
+        "NONE": DEFINITION,
+        "NO_FORCE": ROUND_OFF,
+    },
+    "response/resultants.py": {"GAUSS": DEFINITION, "WEIGHTS": DEFINITION, "SAMPLES": DEFINITION},
+    "response/show.py": {"POINTS": "points of a small picture"},
+}

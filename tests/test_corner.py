@@ -1,0 +1,132 @@
+"""What the pressure does at a pressed corner and under a tip, by closed forms and by a solved contact."""
+
+import math
+from itertools import islice, pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drumlin.fem.hp.corner import (
+    NEAR_CORNER,
+    corner_power,
+    left_at_corners,
+    left_by_power,
+    left_under_tips,
+    power_at_corner,
+    powers_of,
+    steep_corners,
+    tip_size,
+    with_powers,
+)
+from drumlin.fem.hp.levels import steps
+from drumlin.fem.model import respond
+from drumlin.response.resultants import gauss_points, lobatto
+from drumlin.verification.stated_true import errors
+from drumlin.verification.stored_truth import read
+
+TRUTHS = Path(__file__).parent / "truths"
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
+def test_without_friction_on_a_rigid_drum_the_pressure_is_bounded_by_symmetry(nu):
+    assert corner_power(0.0, nu) == 0.0
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
+def test_a_little_friction_makes_the_power_4_over_pi_of_it(nu):
+    assert corner_power(2e-3, nu) == pytest.approx(-8e-3 / math.pi, rel=1e-2)
+
+
+def test_a_square_block_on_a_half_plane_of_its_own_material_has_the_power_of_dundurs_and_lee():
+    assert corner_power(0.0, 0.3, 1.0, 0.3) == pytest.approx(-0.226, abs=5e-4)
+
+
+def test_friction_towards_the_corner_leaves_the_pressure_bounded_and_away_from_it_makes_it_steeper():
+    assert corner_power(-0.3, 0.2) == 0.0
+    powers = [corner_power(f, 0.2) for f in (0.0, 0.1, 0.2, 0.4, 0.6)]
+    assert all(a > b > -1 for a, b in pairwise(powers))
+
+
+@pytest.mark.parametrize(("power", "degree"), [(-0.2, 0), (-0.2, 5), (-0.35, 7), (0.5, 4)])
+def test_what_a_polynomial_leaves_of_a_power_is_its_distance_by_gauss_and_jacobi(power, degree):
+    """By Legendre coefficients: 1 - the sum of their squares over that of x^(2a)."""
+    coefficients = [
+        math.gamma(power + 1) ** 2 / (math.gamma(power + n + 2) * math.gamma(power - n + 1)) for n in range(degree + 1)
+    ]
+    inside = sum((2 * n + 1) * c**2 for n, c in enumerate(coefficients))
+    assert left_by_power(power, degree) == pytest.approx(math.sqrt(1 - inside * (2 * power + 1)), rel=1e-6)
+
+
+def test_columns_at_a_tip_leave_the_error_that_they_are_made_for():
+    """Of ln x on both sides, by least squares on many points."""
+    degree, error, length = 4, 1e-2, 3.0
+    size = tip_size(length, degree, error)
+    x, weight = np.polynomial.legendre.leggauss(400)
+    x, weight = 0.5 + 0.5 * x, 0.5 * weight
+    basis = np.polynomial.legendre.legvander(2 * x - 1, degree) * np.sqrt(weight)[:, None]
+    target = np.log(x) * np.sqrt(weight)
+    left = np.linalg.norm(target - basis @ np.linalg.lstsq(basis, target, rcond=None)[0])
+    assert math.sqrt(2 * size) * left == pytest.approx(error * math.sqrt(length), rel=1e-3)
+
+
+def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
+    """The slopes of log p by a solve whose columns there are polynomials, without any power of its own: between
+    0.0003 and 0.01 of the contact, where neither the columns at the corner nor the rest of the lining matter."""
+    stored = read(TRUTHS / "corner_dragged_inwards.json")
+    *_, last = islice(steps(stored.brake, respond), 5)
+    (found,) = last.response.shoes
+    ((at_start, power),) = steep_corners(stored.brake, 0, found)
+    assert power == pytest.approx(min(powers_of(stored.brake, 0))) and power < -0.2
+    x = found.theta - found.theta[0] if at_start else found.theta[-1] - found.theta
+    length = sum(b - a for a, b in found.contact_arcs)
+    near = (x > 3e-4 * length) & (x < 1e-2 * length)
+    slope = np.polyfit(np.log(x[near]), np.log(found.pressure[near]), 1)[0]
+    assert slope == pytest.approx(power, abs=3e-3)
+
+
+@pytest.mark.parametrize("at_start", [True, False])
+def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_again(at_start):
+    """Of p = x^-0.3 + 2 - x, interpolated on columns that grow from a corner, its value there made up."""
+    power, order = -0.3, 6
+    ends = np.concatenate([[0.0], 1e-4 * 2.4 ** np.arange(11)])
+    x = np.append((ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])).ravel(), ends[-1])
+    with np.errstate(divide="ignore"):
+        exact = x**power + 2 - x
+    exact[0] = exact[1]
+    theta, p = (1.0 + x, exact) if at_start else ((1.0 + ends[-1] - x)[::-1], exact[::-1])
+    new, value = power_at_corner(theta, p, order, power, reach=NEAR_CORNER, at_start=at_start)
+    at, q, weight = gauss_points(new, value, order)
+    before, r, own = gauss_points(theta, p, order)
+    assert (weight * q).sum() == pytest.approx((own * r).sum(), rel=1e-12)
+    assert (weight * q * at).sum() == pytest.approx((own * r * before).sum(), rel=1e-12)
+    assert (np.diff(new) > 0).all() and new[0] == theta[0] and new[-1] == theta[-1]
+
+
+@pytest.mark.parametrize(("name", "level", "most", "gain"), [
+    ("corner_dragged_inwards", 2, 6e-4, 10),
+    ("corner_dragged_inwards", 3, 2e-4, 30),
+    ("corner_little_friction", 4, 3e-5, 5),
+])  # fmt: skip
+def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, gain):
+    stored = read(TRUTHS / f"{name}.json")
+    *_, last = islice(steps(stored.brake, respond), level)
+    raw = errors(stored.brake, last.response.shoes, stored.true.shoes)["pressure"]
+    found = with_powers(stored.brake, last.response)
+    error = errors(stored.brake, found.shoes, stored.true.shoes)["pressure"]
+    assert error < most and error < raw / gain
+
+
+def test_what_is_left_of_p_is_known_where_it_has_no_bound():
+    """Under a tip the columns leave what the true error is; far smaller pieces leave little at a corner."""
+    stored = read(TRUTHS / "tip_short.json")
+    *_, last = islice(steps(stored.brake, respond), 4)
+    (shoe,), (found,) = stored.brake.shoes, last.response.shoes
+    left = left_under_tips(shoe, stored.brake.drum.radius, found)
+    assert left == pytest.approx(errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3)
+    corner = read(TRUTHS / "corner_dragged_inwards.json").brake
+    *_, last = islice(steps(corner, respond), 2)
+    (found,) = last.response.shoes
+    assert left_at_corners(corner, 0, found) > 2e-3
+    (better,) = with_powers(corner, last.response).shoes
+    assert left_at_corners(corner, 0, better) < 3e-4

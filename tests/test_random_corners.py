@@ -1,0 +1,27 @@
+"""Random brakes that press with a corner of a lining alone, or under a tip of the gap."""
+
+import math
+
+import pytest
+
+import drumlin
+from drumlin.verification.random_corners import KINDS, SHORT_CONTACT, at_corner, at_tip, random_corner
+
+FIRST = 400_000
+
+
+@pytest.mark.parametrize("number", [0, 1, 5, 6, 9])
+def test_a_seed_gives_a_brake_that_presses_as_its_kind_says(number):
+    """With a corner or under a tip, and on no more of the lining than some degrees."""
+    kind = list(KINDS)[number]
+    brake = random_corner(FIRST + number)
+    assert brake == random_corner(FIRST + number, kind)
+    found = drumlin.solve(brake)
+    pairs = list(zip(brake.shoes, found.shoes, strict=True))
+    presses = {"corner": at_corner, "tip": at_tip, "table": lambda *pair: at_corner(*pair) or at_tip(*pair)}
+    assert any(presses[KINDS[kind].presses](*pair) for pair in pairs)
+    assert all(math.fsum(b - a for a, b in shoe.contact_arcs) < math.radians(12) for shoe in found.shoes)
+
+
+def test_short_contacts_are_in_the_zones_that_other_brakes_leave_out():
+    assert SHORT_CONTACT[1] <= 4 * math.radians(0.2)
