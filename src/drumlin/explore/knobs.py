@@ -16,7 +16,6 @@ from drumlin.models import applicable
 from drumlin.texts import one_line
 
 Changes = dict[str, Any]
-SENSES = {"rotation": ("counter-clockwise", "clockwise"), "sliding": ("+x", "-x")}
 LARGEST_WEAR = 50.0  # of 1/(k K); a stiff brake is worn in after some 46
 DRIVES = {
     "pressure": ("pressure of the cylinder", "MPa", 1e6),
@@ -58,7 +57,7 @@ WEAR = Knob("wear", "wear: sliding distance", "1/(k K)", 0.0, LARGEST_WEAR, 0.25
 @dataclass(frozen=True)
 class Setting:
     """Where the knobs stand: values by name, of those that are away from the brake file; `sense` of the motion, one of
-    SENSES; the law beside."""
+    `Brake.directions`; the law beside."""
 
     sense: str
     law: str | None
@@ -77,7 +76,7 @@ class Setting:
 
 
 def motion_of(brake: Brake) -> str:
-    """What a file calls the sense of the motion, one of SENSES."""
+    """What a file calls the direction of the motion."""
     return brake.direction_key.rpartition(".")[2]
 
 
@@ -262,7 +261,7 @@ def link_of(knobs: Sequence[Knob], brake: Brake, setting: Setting) -> str:
     start = start_of(brake)
     said = {knob.name: f"{setting.values[knob.name]:.12g}" for knob in knobs if knob.name in setting.values}
     if setting.sense != start.sense:
-        said[motion_of(brake)[0]] = setting.sense
+        said[motion_of(brake)] = setting.sense
     if setting.law is not None and setting.law != start.law:
         said["law"] = setting.law
     return urlencode(said)
@@ -272,8 +271,8 @@ def setting_from(knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]) 
     """The setting of a link, and a line for each part of it that was refused or moved into its range."""
     setting, lines = start_of(brake), list[str]()
     known = {knob.name: knob for knob in knobs}
-    motion = motion_of(brake)[0]
-    words = {motion: SENSES[motion], "law": laws_of(brake)}
+    motion = motion_of(brake)
+    words = {motion: brake.directions, "law": laws_of(brake)}
     for name, text in query.items():
         if name in known:
             setting, line = _read(known[name], text, setting)

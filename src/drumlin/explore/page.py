@@ -16,7 +16,6 @@ from drumlin.errors import BadInput
 from drumlin.explore.answers import Explorer
 from drumlin.explore.knobs import (
     LONGEST_LINK,
-    SENSES,
     Knob,
     Setting,
     laws_of,
@@ -88,7 +87,7 @@ def _page(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: st
         lines=lines,
         knobs=[_slider(knob, setting) for knob in explorer.knobs],
         motion=motion,
-        senses=SENSES[motion],
+        senses=brake.directions,
         laws={law: name_of(law) for law in laws_of(brake)},
         setting=setting,
         colors={model: color_of(model) for model in ("fem", *laws_of(brake))},
