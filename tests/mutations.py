@@ -13,7 +13,7 @@ How a number x changes, `moved`:
   or is halved;
 - any other number is doubled or halved.
 A constant that is a single number is changed as a whole, whatever the expression that it is computed
-by. Of a table the numbers change one by one, of LEVELS column by column.
+by. Of a table the numbers change one by one.
 
 A number is guarded where its unsafe side is red. The command prints a line for each change: module,
 constant, side, new value, and the test that noticed. Its exit status is 1 where an unsafe side is
@@ -55,17 +55,11 @@ JUDGED = Guard()
 """By the stored truths alone, whatever the side."""
 
 TUNED: dict[str, dict[str, Guard]] = {
-    "fem/hp/levels.py": dict.fromkeys(("LEVELS", "SETTLED", "EVEN"), JUDGED),
+    "fem/hp/levels.py": dict.fromkeys(("RULE", "SETTLED", "EVEN"), JUDGED),
     "fem/hp/adapt.py": dict.fromkeys(("SHORTEST", "NEAR", "DEFAULT"), JUDGED),
     "fem/hp/estimate.py": dict.fromkeys(("SOFTER", "ROUND_OFF"), JUDGED),
     "fem/hp/factors.json": dict.fromkeys(("pressure", "force", "peak"), JUDGED),
-    "fem/hp/division.py": dict.fromkeys(
-        (
-            *("FINEST", "FADES", "COARSEST", "BENT", "FACE", "SHORT", "SAME"),
-            *("SHARPEST", "CORNER_SIZE", "CORNER_COUNTS", "STEP_POWER"),
-        ),
-        JUDGED,
-    ),
+    "fem/hp/division.py": dict.fromkeys(("FINEST", "SAME", "SHARPEST", "CORNER_SIZE", "CORNER_COUNTS"), JUDGED),
     "fem/hp/corner.py": dict.fromkeys(("SMOOTH", "NEAR_CORNER", "PIECE_RATIO"), JUDGED),
     "fem/hp/places.py": dict.fromkeys(("UNFELT", "SEEN", "FEW", "SHORTER", "DIGITS"), JUDGED),
     "fem/hp/shoe.py": dict.fromkeys(("LEFT",), JUDGED),
@@ -122,9 +116,6 @@ def in_source(text: str, name: str, value: object = None) -> Iterator[Change]:
     expression = _expression(ast.parse(text), name)
     if isinstance(value, int | float):
         groups: list[list[tuple[ast.expr, float]]] = [[(expression, value)]]
-    elif name == "LEVELS":
-        rows = [row.elts for row in ast.walk(expression) if isinstance(row, ast.Tuple) and len(row.elts) == 10]
-        groups = [[_numbers(row[column])[0] for row in rows] for column in range(10)]
     else:
         groups = [[number] for number in _numbers(expression)]
     for place, group in enumerate(groups):

@@ -62,7 +62,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/hp/adapt.py": {"UNDER_TIP": DEFINITION},
     "fem/hp/corner.py": {"LEAST_ROOT": "limit of a search", "SMALLEST_PIECE": ROUND_OFF, "AT_TIP": ROUND_OFF},
     "fem/hp/element.py": {"CHUNK": SPEED},
-    "fem/hp/levels.py": {"DEG": DEFINITION, "MOST_PASSES": PASSES},
+    "fem/hp/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
     "fem/hp/ring.py": {"TURN": DEFINITION, "CLOSE": ROUND_OFF},
     "fem/hp/scene.py": {"MOST_NODES": MEMORY},
     "fem/mesh/abaqus.py": {"NODES": FORMAT, "MOST_MEMBERS": MEMORY, "PER_LINE": FORMAT},

@@ -2,8 +2,6 @@
 
 import subprocess
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,9 +26,9 @@ from drumlin.verification.calibration import (
     observe,
     samples,
 )
+from drumlin.verification.side_by_side import PROCESSES, Case, kept
 
 HERE = Path(__file__).parent
-WORKERS = 2
 FEW = 4  # brakes of the short setting
 COMPUTING = ("src/drumlin/fem", "src/drumlin/contact", "src/drumlin/response", "src/drumlin/verification")
 """Folders whose last commit is the one that the factors belong to, without the file of the factors itself."""
@@ -50,17 +48,17 @@ def study(
     """Observe all brakes, in two processes, and fit; `short`: few brakes, whose factors mean nothing."""
     journal = journal or Journal()
     seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else BRAKES))
-    left = [seed for seed in seeds if {"seed": seed} not in journal]
-    with ProcessPoolExecutor(1 if short else WORKERS, mp_context=get_context("spawn")) as pool:
-        for seed, row in zip(left, pool.map(observe, left), strict=True):
-            journal.add({"seed": seed}, row)
-            say(f"random brake {seed}")
-    rows = [journal[{"seed": seed}] for seed in seeds]
+    cases = [{"seed": seed} for seed in seeds]
+    rows = kept(cases, _observed, journal, say, 1 if short else PROCESSES)
     levels = levels_of(rows)
     commit, date = last_commit()
     brakes = sum(bool(row["levels"]) for row in rows)
     words = f"{seeds[0]} to {seeds[-1]}"
     return Result(rows, fit(levels), Provenance(words, brakes, len(levels), commit, date))
+
+
+def _observed(case: Case) -> dict[str, Any]:
+    return observe(case["seed"])
 
 
 def levels_of(rows: list[dict[str, Any]]) -> list[Level]:

@@ -2,8 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,6 +22,7 @@ from drumlin.verification.orders import distance, estimate_row, level_rows, line
 from drumlin.verification.random_brake import random_brake
 from drumlin.verification.random_kinds import KINDS as KINDS_OF_HOLDING
 from drumlin.verification.random_kinds import random_kind
+from drumlin.verification.side_by_side import PROCESSES, Case, kept
 from drumlin.verification.stated_true import TOLERANCES, by_columns, by_triangles, row, summary
 
 HERE = Path(__file__).parent
@@ -33,7 +33,9 @@ CASES: dict[str, dict[str, Any]] = {
 }
 
 
-JUDGED, BRAKES, FEW = 8500, 500, 3  # first seed of those on which the factors of the estimate were not found; how many
+JUDGED, BRAKES, FEW = 600_000, 500, 3
+"""First seed of the random brakes that are judged, their number, and that of the short setting. No factor of the
+estimate, level or rule was found on them."""
 CORNERS = 40
 """Brakes that press with a corner or under a tip: four of each kind."""
 TENTH, THIRD = 10, 3  # of the seeds: with triangles as truth, to the last tolerance too
@@ -76,28 +78,28 @@ def study(
             estimates.append(estimate_row(brake, case, tolerance, reference, floor[case]))
     say("columns, level by level")
     levels = level_rows(read_brake(BRAKE))
-    judged = []
-    for seed in range(JUDGED, JUDGED + (FEW if short else BRAKES)):
-        say(f"random brake {seed}")
-        judged += judged_rows(seed, journal, short=short)
-    corners = []
-    for seed in range(corner_rows.FIRST_CORNER, corner_rows.FIRST_CORNER + (FEW if short else CORNERS)):
-        say(f"random corner {seed}")
-        corners += journal.once({"corner": seed}, partial(_cornered, seed))["rows"]
+    processes = 1 if short else PROCESSES
+    cases = [{"seed": seed, "tolerances": _tolerances(seed, short=short)} for seed in _seeds(JUDGED, BRAKES, short)]
+    say("random brakes")
+    judged = [one for found in kept(cases, _judged, journal, say, processes) for one in found["rows"]]
+    cases = [{"corner": seed} for seed in _seeds(corner_rows.FIRST_CORNER, CORNERS, short)]
+    say("random corners and tips")
+    corners = [one for found in kept(cases, _cornered, journal, say, processes) for one in found["rows"]]
     say("benchmark ladder")
     known = [ladder.row(case) for case in ladder.CASES]
     return Result(orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start)
 
 
-def judged_rows(seed: int, journal: Journal, *, short: bool = False) -> list[dict[str, Any]]:
-    """Stated against true errors of a random brake, one row a tolerance; a case of the journal."""
-    some = TOLERANCES[:1] if short else TOLERANCES if seed % THIRD == 0 else TOLERANCES[:-1]
-    rows: list[dict[str, Any]] = journal.once({"seed": seed}, partial(_judged, seed, some))["rows"]
-    return rows
+def _seeds(first: int, count: int, short: bool) -> range:
+    return range(first, first + (FEW if short else count))
 
 
-def _cornered(seed: int) -> dict[str, Any]:
-    return {"rows": corner_rows.rows(seed)}
+def _tolerances(seed: int, *, short: bool) -> list[float]:
+    return list(TOLERANCES[:1] if short else TOLERANCES if seed % THIRD == 0 else TOLERANCES[:-1])
+
+
+def _cornered(case: Case) -> dict[str, Any]:
+    return {"rows": corner_rows.rows(case["corner"])}
 
 
 def _drawn(seed: int) -> Brake:
@@ -107,7 +109,9 @@ def _drawn(seed: int) -> Brake:
     return brake
 
 
-def _judged(seed: int, tolerances: Sequence[float]) -> dict[str, Any]:
+def _judged(case: Case) -> dict[str, Any]:
+    """Stated against true errors of a random brake, one row a tolerance."""
+    seed, tolerances = case["seed"], case["tolerances"]
     brake, failure, true = _drawn(seed), "", None
     triangular = seed // 2 % TENTH == 0
     try:

@@ -88,7 +88,7 @@ def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
     *_, last = islice((step.response for step in steps(brake, respond_)), refinement.first)
     found = []
     for level in refinement.levels:
-        last = respond_(scene(brake, level, places_of(brake, last, end=level.end)), brake, start=last)
+        last = respond_(scene(brake, level, places_of(brake, last, error=level.error)), brake, start=last)
         found.append(last)
     before, value = found
     return Trio(value, before, _by_triangles(brake, value, refinement))

@@ -22,13 +22,13 @@ from drumlin.brake.components import Beam
 from drumlin.fem.hp.corner import tip_size
 from drumlin.response.response import EDGE_ZONE
 
-FINEST = 1e-5  # of the thickness of the lining, the smallest column or layer: smaller ones lose too many digits
-FADES = 1.5  # power of the distance by which corners beyond a short contact are divided more coarsely
-COARSEST = 0.6  # part of a length up to which they are
-BENT = 2.0  # times the size at most on an elastic shoe: it bends, which corners feel however far they are
-FACE = 0.035  # of the length of a short contact: it rules the layer at the face as EDGE_ZONE does under a long one
-SHORT = 0.6  # of the length of a short contact: it rules the columns at its ends
-SAME = 1e-3  # of the length of a contact: one that ends so near the lining's end reaches it
+FINEST = 1e-5
+"""Smallest column or layer, in parts of the lining's thickness. The stiffness of smaller ones loses
+more digits to round-off than they resolve of p; larger ones leave the ends of the shortest contacts
+unresolved, see `adapt.SHORTEST`."""
+SAME = 1e-3
+"""Distance of an end of the contact from the lining's end up to which it counts as reaching the lining's
+end, in parts of the contact's length. An open gap that is longer has columns of its own."""
 SHARPEST = 1e-7
 """Smallest columns and layers at a tip of the gap, in parts of the lining's thickness.
 
@@ -46,17 +46,6 @@ that are 0.03 of the contact or more feel the rest of it, not the power alone.
 CORNER_COUNTS = 6 * EDGE_ZONE
 """Length of a contact [rad] up to which the corner that it reaches is divided for its own sake. Half
 the force of a longer one is beyond EDGE_ZONE from the corner, and p is judged there alone."""
-STEP_POWER = 1 / 3
-"""Power of a level's `end` by which columns at the ends of a step between blocks shrink, from the
-step's arc on.
-
-At an end of the contact p rises as the root of the distance x, at the end of a step it goes as
-x ln x. The error in L2 of columns of size w goes as w at the first and as w^1.5 at the second, so
-that columns at a step may shrink more slowly from level to level. On four random linings of 8 to 10
-steps the error of p falls by 3 to 17 from level to level with 1/3, and is 3e-4 to 6e-4 on the
-second. With 1/2 the second has a fifth more columns and about the same error, the fourth a third
-to a sixth of it; with 1/4 the fourth has 2.4 times the error.
-"""
 
 
 class Kind(IntEnum):
@@ -89,8 +78,8 @@ class Level:
     """How finely a body is divided. Sizes next to singular places, as parts of the length that rules there:
 
     `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, columns where this is less than `edge`,
-    layers of FACE where the contact is short;
-    `edge`: columns at the lining's ends, of its thickness; `end`: columns at ends of the contact and kinks, of SHORT of
+    `edge`: columns at the lining's ends, of its thickness or half its length, and of half the length of a
+    contact that reaches one; `end`: columns at ends of the contact and kinks, of
     the contact's length, or of its geometric mean with the thickness where this is less: p rises from an end over the
     thickness, and the longer the contact, the less of p is there; `back`: layers at the ends of layers, of the thinner
     layer; `hinge`: columns and layers at the face that the hinge holds, of the body's thickness.
@@ -108,6 +97,12 @@ class Level:
     back: float
     hinge: float
     through: float
+
+    @property
+    def error(self) -> float:
+        """What the growth of sizes by 1/`ratio` leaves of p in L2, relative: see `levels.LevelRule`."""
+        root = math.sqrt(self.ratio)
+        return ((1 - root) / (1 + root)) ** self.degree
 
 
 @dataclass(frozen=True)
@@ -190,15 +185,16 @@ def graded(
     return [*first, *[rest / count] * count, *last[::-1]]
 
 
-def faded(part: float, distance: float, most: float) -> float:
-    """The part of a length to which a corner is divided, at a distance from the contact in lengths of the contact: at
-    most `most` times `part`.
+def faded(part: float, distance: float, *, fades: bool) -> float:
+    """The part of a length to which a corner is divided, at a distance from the contact in lengths of the contact.
 
-    In a layer on a rigid shoe stresses fall at least as the inverse distance beyond a short contact, and what a corner
-    adds to the error with their square. In powers of two, as the columns at the ends of the contact: see `_mark`.
+    Stresses fall at least as the inverse distance beyond a short contact. A corner may be so much
+    coarser there, up to a whole length, if it `fades`. In powers of two, as the columns at the ends
+    of the contact: see `_mark`.
     """
-    coarser = min(most, 2.0 ** math.floor(FADES * math.log2(max(distance, 1.0))))
-    return max(part, min(COARSEST, part * coarser))
+    if not fades:
+        return part
+    return max(part, min(1.0, part * 2.0 ** math.floor(math.log2(max(distance, 1.0)))))
 
 
 def ends_of(sizes: Sequence[float], start: float, end: float) -> Floats:
@@ -245,19 +241,21 @@ def divide(
     lengths = [length for _, length, kind in places if kind == Kind.END]
     least, reached = FINEST * t, _reached(start, end, places)
     pressed = max(*lengths, least) if lengths else end - start
-    if 2 * sum(layer.thickness for layer in layers) > radius * (end - start):
-        most = 1.0  # a column bears a force down to its foot: corners there feel it
-    elif shoe.body is None:
-        most = math.inf
-    else:  # the force of one short contact follows from balance, that of others from how the shoe bends
-        most = BENT if len(lengths) == 2 and pressed < t else 1.0
+    # A column deeper than long bears a force down to its foot: corners there feel it.
+    deep = 2 * sum(layer.thickness for layer in layers) > radius * (end - start)
+    # The force of one short contact follows from balance. That of others on an elastic shoe follows
+    # from how the shoe bends, which corners feel however far they are.
+    fades = not deep and (shoe.body is None or (len(lengths) == 2 and pressed < t))
     beyond = contact[0] - start, end - contact[-1]
     apart = [
         max(0.5 * x, least) if x > 0 and math.isinf(length) else math.inf
         for x, length in zip(beyond, reached, strict=True)
     ]
     left, right = (
-        min(max(min(scale, away), faded(level.back, x / pressed, most) * min(t, x)), max(level.edge * length, least))
+        min(
+            max(min(scale, away), faded(level.back, x / pressed, fades=fades) * min(t, x)),
+            max(level.edge * 0.5 * length, least),
+        )
         for x, away, length in zip(beyond, apart, reached, strict=True)
     )
     corners = [_corner(length, power) for length, power in zip(reached, powers, strict=True)]
@@ -288,7 +286,9 @@ def divide(
             last = min(held, far - end) if tip else far - end
             sizes = graded(far - end, right, last, level.ratio, max(body, level.largest))
             after = end + ends_of(sizes, 0.0, far - end)
-    face = max(level.zone * min(EDGE_ZONE, t, end - start, *reached, *(FACE * x for x in lengths)), least)
+    # Under a short contact the layer at the face is as thick as the columns at its ends are wide.
+    face = min(level.zone * min(EDGE_ZONE, t, end - start, *reached), *(level.end * x for x in lengths), math.inf)
+    face = max(face, least)
     tips = [_tip(level, t, length) for _, length, kind in places if kind == Kind.TIP]
     sharp = min(*tips, *corners)
     depths, part = _depths(
@@ -296,7 +296,7 @@ def divide(
         level,
         radius * min(face, sharp),
         radius * pressed,
-        most,
+        fades=fades,
         straight=isinstance(shoe.body, Beam),
     )
     ends = np.array([*np.concatenate(angles), end])
@@ -307,13 +307,20 @@ def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
     """The mark of a place under a lining of thickness t [rad], so far from the lining's end [rad]
     that this gap is columns of its own: an end of the contact to half a column, so that bodies of
     brakes that differ by less are one and the same. Where nothing presses, columns of half a step
-    follow the cubic of its gap exactly."""
+    follow the cubic of its gap exactly.
+
+    At an end of the contact p rises as the root of the distance x, at the end of a step it goes as
+    x ln x, so that columns of size w leave errors in L2 that go as w and as w^1.5. Columns at a step,
+    in parts of the step, need to shrink less from level to level, therefore: as the root of `end`. On
+    10 and 12 steps that is as accurate on the second level as the power 2/3, of which both errors
+    would fall alike, with an eighth fewer unknowns.
+    """
     x, length, kind = place
     if kind == Kind.OPEN_STEP:
         return Mark(x, 0.5 * length, level.ratio)
     if kind == Kind.STEP:
-        return Mark(x, length * level.end**STEP_POWER, level.ratio)
-    size = min(level.end * min(SHORT * length, math.sqrt(t * length)), max(0.5 * gap, SAME * length))
+        return Mark(x, length * math.sqrt(level.end), level.ratio)
+    size = min(level.end * min(length, math.sqrt(t * length)), max(0.5 * gap, SAME * length))
     size = 2.0 ** math.floor(math.log2(max(size, FINEST * t)))
     if kind == Kind.KINK:
         return Mark(x, size, level.ratio)
@@ -372,14 +379,16 @@ def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float,
 
 
 def _depths(
-    layers: list[Layer], level: Level, face: float, pressed: float, most: float, *, straight: bool
+    layers: list[Layer], level: Level, face: float, pressed: float, *, fades: bool, straight: bool
 ) -> tuple[Floats, tuple[str, ...]]:
     depths, part, at = [np.zeros(1)], [], 0.0
     deep = np.cumsum([layer.thickness for layer in layers]) / pressed
     for k, layer in enumerate(layers):
         t = layer.thickness
-        outer = face if k == 0 else faded(level.back, deep[k - 1], most) * min(t, layers[k - 1].thickness)
-        inner = faded(level.back, deep[k], most) * (min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t)
+        outer = face if k == 0 else faded(level.back, deep[k - 1], fades=fades) * min(t, layers[k - 1].thickness)
+        inner = faded(level.back, deep[k], fades=fades) * (
+            min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
+        )
         if layer.part == "shoe":  # the last layer is held
             inner = level.hinge * t
         sizes = graded(t, outer, inner, level.through, t)

@@ -22,10 +22,10 @@ from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_points
 
 UNFELT = 0.1
-"""Error in L2 of p over `end` of a level, up to which the kinks of a table of clearances may be
+"""Error in L2 of p over `Level.error`, up to which the kinks of a table of clearances may be
 left out of its places.
 
-A level has an error of p of about its `end`, half of it to a tenth. So what all those kinks do that
+A level has an error of p of about a tenth of its `error`. So what all those kinks do that
 are left out, the weakest, stays below the error of the level itself, on finer levels too: a table
 of many rows, such as that of a worn lining, is a curve until a level is fine enough to see its
 chords. With all kinks as places such a table takes columns by the hundred; with none a table with a
@@ -38,23 +38,23 @@ DIGITS = 20  # binary ones of an end of the contact
 
 
 def places_of(
-    brake: Brake, response: Response | None, alike: Sequence[int] = (), end: float = 0.0
+    brake: Brake, response: Response | None, alike: Sequence[int] = (), error: float = 0.0
 ) -> dict[int, list[Place]]:
     """The places of each shape of shoe, growing, those of all shoes that have it, by the first of
     these.
 
     Without a response, kinks of a table are no places yet: how much one matters depends on how hard
-    the lining bears. alike: as of `assembly.alike`, where it is known; end: that of the level, with
+    the lining bears. alike: as of `assembly.alike`, where it is known; error: that of the level, with
     0 all kinks of a table are places where the lining presses.
     """
     found: dict[int, list[Place]] = {}
     for i, (shoe, first) in enumerate(zip(brake.shoes, alike or assembly.alike(brake), strict=True)):
-        own = _places(shoe, None if response is None else response.shoes[i], brake.scale_factor, end)
+        own = _places(shoe, None if response is None else response.shoes[i], brake.scale_factor, error)
         found.setdefault(first, []).extend(own)
     return {key: sorted(places) for key, places in found.items()}
 
 
-def _places(shoe: Shoe, response: ShoeResponse | None, scale_factor: float, level_end: float) -> list[Place]:
+def _places(shoe: Shoe, response: ShoeResponse | None, scale_factor: float, level_error: float) -> list[Place]:
     (start, end), frame = shoe.arc, shoe.frame
     arcs = [] if response is None else _likely(shoe, response)
 
@@ -71,7 +71,7 @@ def _places(shoe: Shoe, response: ShoeResponse | None, scale_factor: float, leve
         inside = np.array([start < x < end and presses(x) for x in frame.phis(angle)], dtype=bool)
         _, p, weight = gauss_points(response.theta, response.pressure, response.order)
         size = math.sqrt(float(np.sum(weight * p**2)))
-        kinks = _strongest(angle[inside], felt[inside], UNFELT * level_end * size)
+        kinks = _strongest(angle[inside], felt[inside], UNFELT * level_error * size)
         found += [(x, end - start, Kind.KINK) for x in frame.phis(kinks)]
         found += _tips(shoe, scale_factor, size, kinks)
     for one, other in arcs:
