@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake import Brake, read_brake
+from drumlin.brake import read_brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.verification import triangles
 from drumlin.verification.stated_true import errors

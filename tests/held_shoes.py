@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from
 
 R = 0.11

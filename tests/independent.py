@@ -17,7 +17,7 @@ from scipy.sparse.linalg import splu, spsolve
 from skfem.helpers import dot
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 
 STUDIES = Path(__file__).resolve().parents[1] / "studies"
@@ -43,7 +43,7 @@ class Shoe(NamedTuple):
 def shoe(brake: Brake, index: int, elements: int) -> Shoe:
     """A shoe with an arc body; spring: the lining's E b / t per area [N/m^3]."""
     spec = brake.shoes[index]
-    R, side = brake.drum.radius, spec.sign
+    R, side = brake.size, spec.sign
     lining, body = spec.lining, spec.body
     assert body is not None
     step = (lining.end - lining.start) / elements

@@ -39,7 +39,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_PASSES": PASSES,
         "SLACK": ROUND_OFF,
     },
-    "fem/assembly.py": {"MOST_ELEMENTS": MEMORY, "ROOM": MEMORY, "KEPT": MEMORY},
+    "fem/assembly.py": {"MOST_ELEMENTS": MEMORY, "ROOM": MEMORY},
     "fem/body.py": {"FRAME": DEFINITION},
     "fem/elimination.py": {"LEAF": SPEED},
     "fem/finite_width.py": {
@@ -60,7 +60,12 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "OTHER_FRICTION": SAID,
     },
     "fem/hp/adapt.py": {"UNDER_TIP": DEFINITION},
-    "fem/hp/corner.py": {"LEAST_ROOT": "limit of a search", "SMALLEST_PIECE": ROUND_OFF, "AT_TIP": ROUND_OFF},
+    "fem/hp/corner.py": {
+        "LEAST_ROOT": "limit of a search",
+        "ROOTS_TRIED": "steps of a search",
+        "SMALLEST_PIECE": ROUND_OFF,
+        "AT_TIP": ROUND_OFF,
+    },
     "fem/hp/element.py": {"CHUNK": SPEED},
     "fem/hp/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
     "fem/hp/ring.py": {"TURN": DEFINITION, "CLOSE": ROUND_OFF},

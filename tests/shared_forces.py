@@ -4,7 +4,7 @@ import math
 from math import pi, radians
 from typing import Any
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from
 
 R = 0.11

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import drumlin
-from drumlin.brake import Brake, read_any, vary
+from drumlin.brake import read_any, vary
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from
 from drumlin.errors import BadInput
 from drumlin.fem.holding import full_slip_rotation, hold

@@ -10,7 +10,7 @@ import pytest
 
 import blocks
 from drumlin import solve
-from drumlin.brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
 from drumlin.fem.hp import levels
@@ -46,7 +46,7 @@ def test_a_lining_of_many_blocks_reaches_the_tolerance_and_says_its_error(steps:
 def test_columns_at_steps_shrink_with_the_levels_where_the_lining_presses_and_not_elsewhere() -> None:
     """Where nothing presses two columns follow the cubic of a step exactly."""
     brake = blocks.brake_of(12)
-    shoe, R = brake.shoes[0], brake.drum.radius
+    shoe, R = brake.shoes[0], brake.size
     (start, end), step = shoe.arc, shoe.lining.step
     middle = 0.5 * (start + end)
     counts = {}
@@ -64,7 +64,7 @@ def test_an_end_of_the_contact_beside_a_step_ends_a_column() -> None:
     """Also where it is nearer to the step's end than the columns there are wide: with the place of
     the step in its stead, errors stayed from the second level to the sixth."""
     brake = blocks.brake_of(12)
-    shoe, R = brake.shoes[0], brake.drum.radius
+    shoe, R = brake.shoes[0], brake.size
     step, middle = shoe.lining.step, 0.5 * sum(shoe.arc)
     for level in LEVELS[1:]:
         contact = middle + 0.1 * step
@@ -104,7 +104,7 @@ def test_what_the_chords_of_a_table_change_in_p_is_foretold() -> None:
     """On a rigid shoe with a thin lining p = M (closed - gap)/t, whose gap strays from its curve by
     a known parabola."""
     brake = blocks.brake_of(10)
-    shoe, R = brake.shoes[0], brake.drum.radius
+    shoe, R = brake.shoes[0], brake.size
     lining, rows = shoe.lining, 400
     theta = np.linspace(lining.start, lining.end, rows)
     curve = 1e-4 * (theta - lining.middle) ** 2

@@ -122,7 +122,7 @@ def test_what_is_left_of_p_is_known_where_it_has_no_bound():
     stored = read(TRUTHS / "tip_short.json")
     *_, last = islice(steps(stored.brake, respond), 4)
     (shoe,), (found,) = stored.brake.shoes, last.response.shoes
-    left = left_under_tips(shoe, stored.brake.drum.radius, found)
+    left = left_under_tips(shoe, stored.brake.size, found)
     assert left == pytest.approx(errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3)
     corner = read(TRUTHS / "corner_dragged_inwards.json").brake
     *_, last = islice(steps(corner, respond), 2)

@@ -23,7 +23,6 @@ from drumlin.explore.page import reply
 from drumlin.explore.picture import numbers_of, picture_of, scale_of
 from drumlin.fem.model import respond
 from drumlin.laws import sine
-from drumlin.response.merit import effect
 from drumlin.response.resultants import integrate
 from drumlin.wear.worn_in import worn_in
 from shared_forces import cam_brake, servo
@@ -167,22 +166,22 @@ def test_a_brake_on_a_plane_is_explored_too():
     answer = explorer.answer(start_of(brake))
     solved = drumlin.solve(brake)
     assert not answer.failure
-    assert effect(answer.found) == pytest.approx(effect(solved), rel=1e-3)
+    assert answer.found.effect == pytest.approx(solved.effect, rel=1e-3)
     other = knob(explorer, "friction")
     changed = turned(explorer, friction=0.5 * other.start)
     expected = drumlin.solve(vary(brake, {"friction": 0.5 * other.start}))
-    assert effect(explorer.answer(changed).found) == pytest.approx(effect(expected), rel=1e-3)
-    back = "-x" if brake.plane.sliding == "+x" else "+x"
+    assert explorer.answer(changed).found.effect == pytest.approx(expected.effect, rel=1e-3)
+    back = brake.other_direction
     setting, lines = setting_from(explorer.knobs, brake, {"sliding": back})
     assert not lines and link_of(explorer.knobs, brake, setting) == f"sliding={back.replace('+', '%2B')}"
     expected = drumlin.solve(vary(brake, {"plane.sliding": back}))
-    assert effect(explorer.answer(setting).found) == pytest.approx(effect(expected), rel=1e-3)
+    assert explorer.answer(setting).found.effect == pytest.approx(expected.effect, rel=1e-3)
     picture = picture_of(answer, brake)
     for shoe, curve in zip(solved.shoes, picture.fem, strict=True):
         assert np.trapezoid(curve.p, curve.at * 1e-3) * 1e6 == pytest.approx(
             integrate(shoe.theta, shoe.pressure, shoe.order), rel=5e-3
         )
-    assert f"braking force <b>{effect(answer.found):.6g} N</b>" in picture.head and "-0.0 %" not in picture.head
+    assert f"braking force <b>{answer.found.effect:.6g} N</b>" in picture.head and "-0.0 %" not in picture.head
     for address in ("/", "/picture", "/locking", "/brake.toml?friction=0.2"):
         assert reply(explorer, address, "b").status == 200
     assert read_any(path, reply(explorer, "/brake.toml?friction=0.2", "b").text).friction == 0.2

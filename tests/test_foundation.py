@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from conftest import ROOT
 from drumlin import foundation
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.foundation import ring

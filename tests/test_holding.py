@@ -9,7 +9,6 @@ import pytest
 import independent
 from conftest import STUDY
 from drumlin.brake.file import read_brake, vary
-from drumlin.brake.unrolled import on_drum
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK
 from drumlin.errors import NoAnswer
@@ -34,7 +33,7 @@ def any_brake(seed):
     """
     rng = np.random.default_rng(seed)
     brake = random_brake(seed, ("locking", "opposed")[seed % 2])
-    R = brake.drum.radius
+    R = brake.size
     if seed % 3 == 1:
         ring = {"thickness": 0.1 * R, "width": 0.04, "material": {"E": 1e11, "nu": 0.3}}
         brake = vary(brake, {"drum.ring": ring | {"support": rng.choice(["fixed", "free"])}})
@@ -76,7 +75,7 @@ def test_random_brakes_go_through_full_slip_and_back(count):
 
 def test_at_the_rotation_of_full_slip_no_path_sticks():
     """A pad whose last node comes to slip later the finer the path is that leads there."""
-    pad = on_drum(random_kind(410003, "pad on a pivot"))
+    pad = random_kind(410003, "pad on a pivot")
     scene = prepare(pad, elements=12)
     end = full_slip_rotation(scene, pad, increments=1)
     for count in (2, 6, 12):
@@ -87,7 +86,7 @@ def test_at_the_rotation_of_full_slip_no_path_sticks():
 
 def test_an_increment_that_does_not_settle_is_halved():
     """A shoe that stands off its drum goes at once through forty times the rotation to full slip, to and fro."""
-    brake = on_drum(standing_off(420078))
+    brake = standing_off(420078)
     scene = prepare(brake, elements=12)
     far = 40 * full_slip_rotation(scene, brake)
     there, back, again = hold(scene, brake, np.array([far, -far, far]))
@@ -164,7 +163,7 @@ def test_another_discretisation_and_another_method_give_the_same_history():
 def test_the_history_converges_with_the_increment():
     """With a gap to close, forth and back: the error of moment and energy falls with the increment."""
     brake, scene = any_brake(7)
-    brake = vary(brake, {"shoe[0].lining.clearance": 1e-4 * brake.drum.radius})
+    brake = vary(brake, {"shoe[0].lining.clearance": 1e-4 * brake.size})
     end = full_slip_rotation(scene, brake)
 
     def after(n):

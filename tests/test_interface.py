@@ -7,6 +7,7 @@ import pytest
 import skfem
 
 from drumlin.brake.file import vary
+from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set
 from drumlin.fem.assembly import prepare
 from drumlin.fem.body import scalar_basis
@@ -63,7 +64,8 @@ def test_nodal_forces_have_the_resultant_of_the_traction(brake):
     phi = body.line.phi
     p = 1e6 * np.sin(phi)
     force = (-body.coupling.N.T @ p + 0.3 * body.coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
-    exact = resultant(phi, p, order=2, radius=brake.drum.radius, width=shoe.lining.width, sign=1, drag=0.3)
+    R = brake.drum.radius
+    exact = resultant(DRUM, phi, p, order=2, size=R, per_place=R * shoe.lining.width, sign=1, drag=0.3)
     assert force == pytest.approx(exact.force, rel=1e-7)
 
 

@@ -11,10 +11,9 @@ import pytest
 
 import drumlin
 from conftest import ROOT, partly
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli.commands import app
 from drumlin.errors import DrumlinError
 from drumlin.fem.assembly import prepare
@@ -25,7 +24,6 @@ from drumlin.fem.sensitivity import sensitivity
 from drumlin.laws import law
 from drumlin.models import pick
 from drumlin.response.balance import loaded
-from drumlin.response.merit import effect
 from drumlin.verification import triangles
 from drumlin.verification.check import check, read_curves, within
 from drumlin.verification.reference import Refinement, reference, responses
@@ -42,7 +40,7 @@ ELEMENTS = 10
 class Posed(NamedTuple):
     """A brake, its file, and a folder to write into."""
 
-    brake: AnyBrake
+    brake: Brake
     file: Path
     folder: Path
 
@@ -54,8 +52,8 @@ class Posed(NamedTuple):
 
 def balanced(response: Any) -> float:
     assert max(response.balance.force, response.balance.moment) < 1e-9
-    assert effect(response) > 0
-    return effect(response)
+    assert response.effect > 0
+    return response.effect
 
 
 def solved(at: Posed) -> None:
@@ -66,7 +64,7 @@ def solved(at: Posed) -> None:
     feet = {link.source for link in at.brake.links}
     outer = [s.actuation.vector for s in whole.shoes if s.name not in inside]
     outer += [r.hinge_reaction for s, r in zip(whole.shoes, response.shoes, strict=True) if s.name not in feet]
-    if response.bearing_load is not None and isinstance(at.brake, Brake):
+    if response.bearing_load is not None and not at.brake.surface.straight:
         total = np.sum([*outer, -response.bearing_load], axis=0)
         assert np.linalg.norm(total) < 1e-9 * np.abs(outer).max()
 
@@ -79,11 +77,11 @@ def to_tolerance(at: Posed) -> None:
 def with_clearance(at: Posed) -> None:
     gap = 2e-5
     even = drumlin.solve(vary(at.brake, {"shoe.lining.clearance": gap}), elements=ELEMENTS)
-    assert abs(balanced(even) / effect(drumlin.solve(at.brake, elements=ELEMENTS)) - 1) < 0.3
+    assert abs(balanced(even) / drumlin.solve(at.brake, elements=ELEMENTS).effect - 1) < 0.3
 
 
-def radius(brake: AnyBrake) -> float:
-    return brake.drum.radius if isinstance(brake, Brake) else 0.1
+def radius(brake: Brake) -> float:
+    return 0.1 if brake.surface.straight else brake.size
 
 
 def with_misfit(at: Posed) -> None:
@@ -94,7 +92,7 @@ def with_misfit(at: Posed) -> None:
         return
     brake = vary(at.brake, {"shoe.lining.misfit": {"radius": 0.999 * radius(at.brake)}, "drum.out_of_round": [
         {"order": 2, "amplitude": 1e-5, "phase": 0.3}]})  # fmt: skip
-    assert abs(balanced(drumlin.solve(brake, elements=ELEMENTS)) / effect(drumlin.solve(at.brake)) - 1) > 1e-3
+    assert abs(balanced(drumlin.solve(brake, elements=ELEMENTS)) / drumlin.solve(at.brake).effect - 1) > 1e-3
 
 
 def on_ring(at: Posed) -> None:
@@ -103,17 +101,17 @@ def on_ring(at: Posed) -> None:
     soft = balanced(drumlin.solve(vary(at.brake, {"drum.ring": ring}), elements=ELEMENTS))
     hard = ring | {"material": {"E": 1.1e17, "nu": 0.25}}
     stiff = balanced(drumlin.solve(vary(at.brake, {"drum.ring": hard}), elements=ELEMENTS))
-    rigid = effect(drumlin.solve(at.brake, elements=ELEMENTS))
+    rigid = drumlin.solve(at.brake, elements=ELEMENTS).effect
     assert stiff == pytest.approx(rigid, rel=1e-4)
     assert soft != pytest.approx(rigid, rel=1e-5) or len(at.brake.shoes) == 1
 
 
 def worn_in(at: Posed) -> None:
-    assert effect(drumlin.solve(at.brake, worn_in=True, elements=40)) == pytest.approx(effect(law(at.brake)), rel=1e-2)
+    assert drumlin.solve(at.brake, worn_in=True, elements=40).effect == pytest.approx(law(at.brake).effect, rel=1e-2)
 
 
 def wears(at: Posed) -> None:
-    own, rule = on_drum(at.brake), WearLaw(COEFFICIENT)
+    own, rule = at.brake, WearLaw(COEFFICIENT)
     setup = fem_setup(prepare(own, elements=ELEMENTS), own)
     states = run_in(setup, rule, distance=0.3 * unit_distance(setup, rule))
     found = checks(setup, states, rule)
@@ -125,9 +123,8 @@ def wears(at: Posed) -> None:
 
 def slopes(at: Posed) -> None:
     """All forces grown alike, those of a cylinder or a cam too, make the torque grow so where linings fit."""
-    own = on_drum(at.brake)
-    found = sensitivity(prepare(own, elements=ELEMENTS), own)
-    forces = [(s.force or 0.0) * shoe.actuation.force for s, shoe in zip(found.shoes, own.shoes, strict=True)]
+    found = sensitivity(prepare(at.brake, elements=ELEMENTS), at.brake)
+    forces = [(s.force or 0.0) * shoe.actuation.force for s, shoe in zip(found.shoes, at.brake.shoes, strict=True)]
     drive = sum(forces) if found.drive is None else found.drive
     assert drive == pytest.approx(found.torque, rel=1e-9)
     moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
@@ -136,10 +133,9 @@ def slopes(at: Posed) -> None:
 
 def held(at: Posed) -> None:
     """Turned far enough the drum is held by what it slides at, or a line says that a foot stands elsewhere."""
-    own = on_drum(at.brake)
-    scene = prepare(own, elements=ELEMENTS)
-    states = hold(scene, own, np.linspace(0, full_slip_rotation(scene, own), 4))
-    torque = effect(drumlin.solve(at.brake, elements=ELEMENTS))
+    scene = prepare(at.brake, elements=ELEMENTS)
+    states = hold(scene, at.brake, np.linspace(0, full_slip_rotation(scene, at.brake), 4))
+    torque = drumlin.solve(at.brake, elements=ELEMENTS).effect
     agrees = states[-1].torque == pytest.approx(torque, rel=1e-6)
     assert agrees or "left the foot of shoe" in states[-1].notes[0]
     assert states[0].torque < states[-1].torque
@@ -147,7 +143,7 @@ def held(at: Posed) -> None:
 
 
 def own_meshes(at: Posed) -> None:
-    scene = prepare(on_drum(at.brake), elements=ELEMENTS)
+    scene = prepare(at.brake, elements=ELEMENTS)
     changes = {}
     for i, (shoe, body) in enumerate(zip(scene.brake.shoes, scene.bodies, strict=True)):
         path = at.folder / f"{shoe.name}.msh"
@@ -180,10 +176,10 @@ ROUGHLY = Refinement(2, LEVELS[1:3], triangles.LEVELS[:1])
 
 def referred(at: Posed) -> None:
     """Reference values, of rougher meshes than those that are cited; on a drum their other solver covers the brake."""
-    trio = responses(on_drum(at.brake), ROUGHLY)
+    trio = responses(at.brake, ROUGHLY)
     assert (trio.other is None) == flat(at.brake)
     found = reference(at.brake, at.file.read_text(), "made here", trio)
-    assert found.torque.value == pytest.approx(effect(drumlin.solve(at.brake)), rel=1e-3)
+    assert found.torque.value == pytest.approx(drumlin.solve(at.brake).effect, rel=1e-3)
     assert found.torque.uncertainty < 1e-3 * found.torque.value
     write_values(as_dict(found), at.folder / "r.json")
 
@@ -196,11 +192,11 @@ def checked(at: Posed) -> None:
         app(["check", str(at.file), str(curves), "--reference", str(at.folder / "r.json")])
     assert end.value.code == 0
     known = read_reference(at.folder / "r.json")
-    assert known.flat == flat(at.brake)
+    assert known.surface == at.brake.surface
     verdicts = check(at.brake, known, read_curves(curves, at.brake))
     assert within(verdicts, 5e-3)
     for verdict, shoe in zip(verdicts, drumlin.solve(at.brake).shoes, strict=True):
-        own = shoe.torque or effect(drumlin.solve(at.brake))
+        own = shoe.torque or drumlin.solve(at.brake).effect
         assert verdict.torque == pytest.approx(own, rel=2e-2)
 
 
@@ -256,20 +252,20 @@ class Refusal(NamedTuple):
     """What refuses which brakes, by which words."""
 
     uses: set[str]
-    where: Callable[[AnyBrake], bool]
+    where: Callable[[Brake], bool]
     words: str
 
 
-def unmeshed(brake: AnyBrake) -> bool:
+def unmeshed(brake: Brake) -> bool:
     return any(shoe.lining.thickness is None for shoe in brake.shoes)
 
 
-def flat(brake: AnyBrake) -> bool:
+def flat(brake: Brake) -> bool:
     return isinstance(brake, FlatBrake)
 
 
-def unhinged(brake: AnyBrake) -> bool:
-    return isinstance(brake, Brake) and brake.unhinged() is not None
+def unhinged(brake: Brake) -> bool:
+    return not brake.surface.straight and brake.unhinged() is not None
 
 
 HINGED = "takes shoes on hinges under forces of their own only: "
@@ -317,7 +313,7 @@ def test_a_pad_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
     at.command("wear", "--elements", "10", "--distance", "0.1", "--torque", "5 kN")
     at.command("mesh", "--elements", "10", "--output", str(tmp_path))
     said = " ".join(capsys.readouterr().out.split())
-    force = effect(drumlin.solve(at.brake, elements=10))
+    force = drumlin.solve(at.brake, elements=10).effect
     assert f"braking force {force:.6g} N, dF/dmu" in said
     assert "slide [mm] force [N]" in said
     assert f"0.200000 {force:.4f}" in said

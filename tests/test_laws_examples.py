@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from, vary
 from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS, Layout, locking_friction

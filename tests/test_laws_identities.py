@@ -10,11 +10,11 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS, Layout, pivoted
-from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout, flat_balance
+from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout
 from drumlin.laws.hinged import layout
 from drumlin.laws.shapes import pivot_radius
 from drumlin.laws.simscape import DoubleShoe
@@ -74,13 +74,13 @@ def unlocked(name: str, brake: Brake) -> ShoeResponse:
 def forces(brake: Brake, shoe: ShoeResponse) -> tuple[np.ndarray, float]:
     """Force (2,) and moment about O of p(theta) on the shoe, by trapezoids with the tractions written out."""
     theta = np.linspace(shoe.theta[0], shoe.theta[-1], 40001)
-    p = shoe.pressure_at(theta) * brake.shoes[0].lining.width * brake.drum.radius
+    p = shoe.pressure_at(theta) * brake.shoes[0].lining.width * brake.size
     outward = 1 if brake.shoes[0].side == "internal" else -1
-    drag = brake.friction * (1 if brake.rotation == "counter-clockwise" else -1)
+    drag = brake.friction * (1 if brake.direction == "counter-clockwise" else -1)
     x = -outward * p * np.cos(theta) - drag * p * np.sin(theta)
     y = -outward * p * np.sin(theta) + drag * p * np.cos(theta)
     force = np.array([np.trapezoid(x, theta), np.trapezoid(y, theta)])
-    return force, float(np.trapezoid(drag * p, theta) * brake.drum.radius)
+    return force, float(np.trapezoid(drag * p, theta) * brake.size)
 
 
 @many
@@ -107,7 +107,7 @@ def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None
     data = brake.shoes[0]
     theta = np.linspace(shoe.theta[0], shoe.theta[-1], 20001)
     middle = 0.5 * (theta[0] + theta[-1])
-    area = data.lining.width * brake.drum.radius
+    area = data.lining.width * brake.size
     p = shoe.pressure_at(theta) * area
     N = np.trapezoid(p if name == "short" else p * np.cos(theta - middle), theta)
     F = brake.friction * np.trapezoid(p, theta)
@@ -115,11 +115,11 @@ def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None
     contact = -data.sign * N * e_r + brake.spin * F * e_t
     largest = max(N, F, np.linalg.norm(shoe.hinge_reaction))
     assert np.linalg.norm(contact + data.actuation.vector + shoe.hinge_reaction) < 1e-7 * largest
-    arm = brake.drum.radius * e_r - data.hinge.xy
+    arm = brake.size * e_r - data.hinge.xy
     moment = arm[0] * contact[1] - arm[1] * contact[0]
     actuation = data.actuation.moment_about(data.hinge)
     assert abs(moment + actuation) < 1e-7 * max(largest * np.linalg.norm(arm), abs(actuation))
-    assert shoe.torque == approx(F * brake.drum.radius, rel=1e-7)
+    assert shoe.torque == approx(F * brake.size, rel=1e-7)
     balance = shoe_balance(brake, 0, shoe)
     assert balance.force < 1e-12
     assert balance.moment < 1e-11
@@ -155,7 +155,7 @@ def test_shoe_factor_by_barecki_from_the_position_of_the_resultant(brake: Brake,
     assume(brake.friction > 1e-3)
     unlocked(name, brake)
     (merit,) = MODELS[name].solve(brake).merits
-    shoe, R = brake.shoes[0], brake.drum.radius
+    shoe, R = brake.shoes[0], brake.size
     angle = float(shoe.frame.phi(np.array(merit.resultant_angle)))
     up = brake.spin * shoe.frame.sense  # friction on the shoe points from the hinge to the loaded end
     leading = up if shoe.side == "external" else -up
@@ -244,8 +244,8 @@ def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictio
     assert not free.self_energising
     mu = 1e-6
     slight = MODELS[name].solve(vary(brake, {"friction": mu})).shoes[0]
-    integral = np.trapezoid(free.pressure, free.theta) * brake.shoes[0].lining.width * brake.drum.radius**2
-    M_N = LAWS[name].moments(Layout(*brake.shoes[0].arc, brake.drum.radius, brake.shoes[0].hinge.radius, 1))
+    integral = np.trapezoid(free.pressure, free.theta) * brake.shoes[0].lining.width * brake.size**2
+    M_N = LAWS[name].moments(Layout(*brake.shoes[0].arc, brake.size, brake.shoes[0].hinge.radius, 1))
     assume(abs(M_N[1] / M_N[0]) < 100)
     assert slight.torque / mu == approx(integral, rel=1e-3)
 
@@ -310,7 +310,7 @@ def test_pivoted_shoe_keeps_both_equilibria(brake: Brake) -> None:
     force, moment = forces(brake, shoe)
     size = np.linalg.norm(force)
     pivot = data.pivot.xy
-    assert abs(moment - (pivot[0] * force[1] - pivot[1] * force[0])) < 1e-7 * size * brake.drum.radius
+    assert abs(moment - (pivot[0] * force[1] - pivot[1] * force[0])) < 1e-7 * size * brake.size
     assert np.linalg.norm(shoe.pivot_reaction + force) < 1e-7 * size
     assert np.linalg.norm(shoe.hinge_reaction + force + data.actuation.vector) < 1e-7 * size
     assert shoe_balance(brake, 0, shoe).moment < 1e-9
@@ -378,7 +378,7 @@ def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
 ) -> None:
     brake = pad(h=h, span=(x_min, x_min + length), moment=70.0, mu=mu, sliding=sliding, hand=hand)
     shoe = unlocked(name, brake)
-    balance = flat_balance(brake, 0, shoe)
+    balance = shoe_balance(brake, 0, shoe)
     assert balance.force < 1e-12
     assert balance.moment < 1e-11
     law = {"linear": LINEAR, "short": FLAT_SHORT}[name]

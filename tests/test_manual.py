@@ -35,7 +35,7 @@ def parts(kind=Part):
 def test_every_key_of_every_file_is_described():
     listed = [kind for _, kind, _ in (*keys.BRAKE, *keys.SWEEP)]
     here = {kind for kind in parts() if kind.__module__.startswith(("drumlin.brake", "drumlin.sweeps"))}
-    in_no_file = {"Bar", "ContactOptions", "Distribution", "Held", "Meshed", "StraightLining", "StraightShoe"}
+    in_no_file = {"Bar", "ContactOptions", "Distribution", "Held", "Brake", "Lining", "Meshed", "Shoe"}
     assert {kind.__name__ for kind in here - set(listed)} == in_no_file
     assert len(listed) == len(set(listed))
     text = listing.brake_file() + listing.sweep_file()

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from conftest import ROOT, STUDY
-from drumlin.brake import clearance
+from drumlin.brake import clearance, off_circle
 from drumlin.brake.fields import Point
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.errors import BadInput
@@ -37,7 +37,7 @@ def test_the_gap_ends_on_the_linings_own_circle(dr, x, y, middle, sign):
     """At R - sign gap every point is the radius r away from the circle's centre."""
     theta = middle + np.linspace(-1.2, 1.2, 41)
     r = R * (1 + dr)
-    gap = clearance.circle_gap(R, r, Point(x=x * R, y=y * R), middle, sign, theta)
+    gap = off_circle.circle_gap(R, r, Point(x=x * R, y=y * R), middle, sign, theta)
     rho = R - sign * gap
     centre = (R - r) * np.exp(1j * middle) + R * (x + 1j * y)
     assert np.abs(rho * np.exp(1j * theta) - centre) == pytest.approx(np.full(41, r), rel=1e-13)
@@ -52,7 +52,7 @@ def test_to_first_order_the_gap_is_that_of_small_mismatches(dr, offset):
     for scale in (1.0, 0.5):
         a, b = scale * dr, scale * offset
         first = -a * (1 - np.cos(theta)) - b * np.cos(theta)
-        exact = clearance.circle_gap(R, R + a, Point(x=b, y=0.0), 0.0, 1, theta)
+        exact = off_circle.circle_gap(R, R + a, Point(x=b, y=0.0), 0.0, 1, theta)
         left.append(np.abs(exact - first).max())
         assert left[-1] < 2e-3 * np.abs(first).max()
     assert left[0] == pytest.approx(4 * left[1], rel=1e-2)
@@ -178,10 +178,10 @@ def test_steps_between_blocks_begin_and_end_at_the_kinks():
 def test_a_drum_turns_with_its_surface():
     """Turned by an angle, what stood at theta stands at theta + angle."""
     lobes = [{"order": 1, "amplitude": 2e-5, "phase": 0.4}, {"order": 3, "amplitude": 1e-5}]
-    still, turned = (vary(BRAKE, {"drum.out_of_round": lobes, "drum.angle": angle}).drum for angle in (0.0, 0.7))
+    still, turned = (vary(BRAKE, {"drum.out_of_round": lobes, "drum.angle": angle}) for angle in (0.0, 0.7))
     theta = np.linspace(-3, 3, 13)
-    assert clearance.surface(still, np.array([0.4]))[0] == pytest.approx(2e-5 + 1e-5 * math.cos(1.2))
-    np.testing.assert_allclose(clearance.surface(turned, theta + 0.7), clearance.surface(still, theta), atol=1e-18)
+    assert still.surface_off(np.array([0.4]))[0] == pytest.approx(2e-5 + 1e-5 * math.cos(1.2))
+    np.testing.assert_allclose(turned.surface_off(theta + 0.7), still.surface_off(theta), atol=1e-18)
 
 
 def test_a_step_between_blocks_converges_with_the_mesh():
@@ -270,7 +270,7 @@ def test_mirror_image_and_units_change_nothing(dr, x, y, taper, depth, lobe, ang
 
 def test_the_foundation_has_the_same_misfit():
     brake = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
-    radius = brake.drum.radius
+    radius = brake.size
     changed = vary(brake, {f"{MISFIT}.radius": radius + 1e-3, f"{MISFIT}.taper": 1e-4})
     tables = {}
     for i, shoe in enumerate(changed.shoes):

@@ -16,7 +16,6 @@ from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
 from drumlin.peers.deck import BEARING, Setting, deck, drum_angles
 from drumlin.peers.peer import loaded_shoes
-from drumlin.response.merit import shoe_effect
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.brake_kinds import both_ways
 from drumlin.verification.random_kinds import KINDS, random_kind
@@ -293,7 +292,7 @@ def agree(brake, elements=16, close=2e-4, balanced=1e-9, **options):
     assert max(peer.balance.force, peer.balance.moment) < balanced
     for shoe, a, b in zip(brake.shoes, peer.shoes, own.shoes, strict=True):
         size = np.linalg.norm(b.hinge_reaction)
-        assert shoe_effect(peer, own.shoes.index(b)) == pytest.approx(shoe_effect(own, own.shoes.index(b)), rel=close)
+        assert peer.effects[own.shoes.index(b)] == pytest.approx(own.effects[own.shoes.index(b)], rel=close)
         assert a.hinge_reaction == pytest.approx(b.hinge_reaction, abs=close * size)
         assert pressure_distance(a, b, edge_of(brake)) < 0.02
         assert a.self_energising == b.self_energising

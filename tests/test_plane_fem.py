@@ -11,7 +11,6 @@ from conftest import ROOT, partly
 from drumlin.brake.fields import Material
 from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.brake.unrolled import on_drum, unrolled
 from drumlin.cli.commands import app
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import prepare
@@ -104,9 +103,9 @@ def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(mu: float,
     material = {"E": 3e8, "nu": 0.3}
     lining = LINING | {"start": 0.06, "end": 0.18, "thickness": 0.02, "material": material}
     brake = pad("guide", mu=mu, lining=lining)
-    found = respond(scene(unrolled(brake), LEVELS[5]), unrolled(brake)).shoes[0]
+    found = respond(scene(brake, LEVELS[5]), brake).shoes[0]
     r = np.geomspace(2e-6, 4e-5, 12)
-    p = found.pressure_at((0.06 + r) / 0.12)
+    p = found.pressure_at(0.06 + r)
     slope = np.polyfit(np.log(r), np.log(p), 1)[0]
     assert slope == pytest.approx(exponent - 1, abs=0.02)
 
@@ -180,9 +179,9 @@ def test_a_centred_pad_without_friction_bears_no_moment_and_is_answered() -> Non
 
 
 def test_the_end_face_by_which_a_hinge_holds_a_pad_lies_on_the_plane_as_it_is() -> None:
-    brake = unrolled(pad("hinge", body=BODY))
+    brake = pad("hinge", body=BODY)
     (shoe,) = brake.shoes
-    near, far = (shoe.end_face(brake.drum.radius, loaded=loaded) - shoe.own_pin for loaded in (False, True))
+    near, far = (shoe.end_face(brake.size, loaded=loaded) - shoe.own_pin for loaded in (False, True))
     assert near == pytest.approx([0.05, 0.011 - 0.06], rel=1e-12)  # half of the body behind the lining
     assert far == pytest.approx([0.19, 0.011 - 0.06], rel=1e-12)
 
@@ -200,7 +199,7 @@ def test_pads_are_worn_on_guides_along_the_normal_of_the_plane(capsys: pytest.Ca
 
 def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
     """Its shape, a clearance on the plane, gives the pressure that wore it, a wrong pad's too."""
-    own = unrolled(pad("hinge", body=BODY, lining=LINING | {"start": 0.06, "end": 0.18, "misfit": {"taper": 1e-6}}))
+    own = pad("hinge", body=BODY, lining=LINING | {"start": 0.06, "end": 0.18, "misfit": {"taper": 1e-6}})
     made, rule = prepare(own, elements=20), WearLaw(COEFFICIENT)
     setup = fem_setup(made, own)
     last = run_in(setup, rule, distance=0.3 * unit_distance(setup, rule))[-1]
@@ -213,10 +212,9 @@ def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
 def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: str) -> None:
     """Pressed nodes stay on the plane, under the stress that p and friction make there; the plane pushes up."""
     brake = placed(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4)
-    own = on_drum(brake)
-    made = scene_of(own)
-    response = respond(made, own, penalty=math.inf)
-    found = fields(made, own, response, 0)
+    made = scene_of(brake)
+    response = respond(made, brake, penalty=math.inf)
+    found = fields(made, brake, response, 0)
     shoe = brake.shoes[0]
     assert shoe.body is not None
     (left, low), (right, high) = found.points.min(axis=0), found.points.max(axis=0)

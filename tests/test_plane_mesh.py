@@ -14,7 +14,6 @@ import drumlin
 from conftest import partly
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.brake.unrolled import on_drum
 from drumlin.brake.writing import brake_text
 from drumlin.cli.commands import app
 from drumlin.comparison import compare
@@ -32,9 +31,8 @@ QUICK = {("hinge", True), ("abutment", False), ("guide", False)}
 
 def filed(brake: FlatBrake, path: Path, kind: str = "quad2", elements: int = ELEMENTS, **more: Any) -> FlatBrake:
     """The pad with its parametric mesh as a file."""
-    own = on_drum(brake)
-    division = divide(own.shoes[0], own.drum.radius, elements)
-    write_mesh(path, shoe_mesh(own.shoes[0], own.drum.radius, division, kind), own.shoes[0])
+    division = divide(brake.shoes[0], brake.size, elements)
+    write_mesh(path, shoe_mesh(brake.shoes[0], brake.size, division, kind), brake.shoes[0])
     return vary(brake, {"shoe.mesh": str(path)} | {f"shoe.{key}": value for key, value in more.items()})
 
 
@@ -82,7 +80,7 @@ def test_units_frames_and_mirror_images_change_nothing(tmp_path: Path) -> None:
     np.testing.assert_allclose(c.pressure, a.pressure, atol=1e-7 * a.peak_pressure)
     np.testing.assert_allclose(d.pressure_at(0.4 - a.theta), a.pressure, atol=1e-7 * a.peak_pressure)
     second = image.shoes[0].model_copy(update={"name": "second"})
-    both = on_drum(shared.model_copy(update={"shoes": (shared.shoes[0], second)}))
+    both = shared.model_copy(update={"shoes": (shared.shoes[0], second)})
     bodies = prepare(both).bodies
     assert bodies[0] is bodies[1]
 
@@ -188,7 +186,7 @@ def test_a_damaged_mesh_is_solved_or_refused_in_one_line(tmp_path: Path) -> None
     path = tmp_path / "pad.msh"
     own, rng, endings = filed(pad("hinge", body=BODY), path, "tri2", 4), random.Random(3), [0, 0]
     whole = path.read_text().split("\n")
-    shoe, unit = on_drum(own).shoes[0], on_drum(own).drum.radius
+    shoe, unit = own.shoes[0], own.size
     for i in range(60):
         lines, at, other = list(whole), rng.randrange(len(whole)), rng.randrange(len(whole))
         words = lines[at].split(" ")

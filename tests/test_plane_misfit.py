@@ -9,11 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import drumlin
-from drumlin.brake import clearance
+from drumlin.brake import off_circle
 from drumlin.brake.fields import Point
 from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import FlatBrake
-from drumlin.brake.unrolled import unrolled
 from drumlin.errors import BadInput
 from drumlin.fem.hp.division import Kind
 from drumlin.fem.hp.levels import LEVELS
@@ -51,10 +50,10 @@ def pressed(brake: FlatBrake) -> ShoeResponse:
 def test_the_gap_ends_on_the_faces_own_circle(radius: float, crowned: bool, x: float, y: float) -> None:
     """Every point of the face is the radius away from the circle's centre, above a crowned face, below a hollow one."""
     r, along = radius if crowned else -radius, np.linspace(-0.06, 0.06, 41)
-    gap = clearance.crown_gap(r, Point(x=x, y=y), along)
+    gap = off_circle.crown_gap(r, Point(x=x, y=y), along)
     away = np.hypot(along - x, gap - (r + y))
     np.testing.assert_allclose(away, radius, rtol=1e-13)
-    assert clearance.crown_gap(r, Point(x=0.0, y=0.0), along)[20] == 0.0  # it meets the plane in the lining's middle
+    assert off_circle.crown_gap(r, Point(x=0.0, y=0.0), along)[20] == 0.0  # it meets the plane in the lining's middle
 
 
 def test_a_crowned_pad_with_a_thin_lining_is_pressed_by_a_parabola() -> None:
@@ -136,8 +135,7 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     assert 0.02 < second[0] < 0.02 + step
     brake = pad("hinge", body=BODY)  # under which only the far end bears
     stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
-    own, fits = unrolled(stepped), unrolled(brake)
-    (places,) = places_of(own, respond(scene(fits, LEVELS[1]), fits)).values()
+    (places,) = places_of(stepped, respond(scene(brake, LEVELS[1]), brake)).values()
     assert sum(kind in {Kind.STEP, Kind.OPEN_STEP} for *_, kind in places) == 4
     a, b = pressed(brake), pressed(stepped)
     assert b.contact_arcs[0] == pytest.approx(a.contact_arcs[0], rel=1e-3)

@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drumlin.arrays import angle_near
 from drumlin.brake.file import vary
+from drumlin.brake.surface import DRUM
 from drumlin.response.balance import contact_resultant, relative_balance, shoe_balance, worst
 from drumlin.response.response import (
     Balance,
@@ -23,7 +25,6 @@ from drumlin.response.response import (
 )
 from drumlin.response.resultants import (
     Resultant,
-    angle_near,
     contact_arcs,
     cross,
     integrate,
@@ -82,7 +83,7 @@ def shoe_of(theta, pressure, order=2, **more):
 def test_an_even_pressure_on_an_arc(sign, drag):
     """p R b over a < theta < b: -sign p R b (sin b - sin a, cos a - cos b) and drag times that turned by 90 deg."""
     theta, p, R, width = polynomial(2, KNOTS), 3e5, 0.2, 0.05
-    found = resultant(theta, np.full(len(theta), p), order=2, radius=R, width=width, sign=sign, drag=drag)
+    found = resultant(DRUM, theta, np.full(len(theta), p), order=2, size=R, per_place=R * width, sign=sign, drag=drag)
     along = p * R * width * np.array([math.sin(1.9) - math.sin(0.2), math.cos(0.2) - math.cos(1.9)])
     assert found.normal == pytest.approx(-sign * along, rel=1e-9)
     assert found.friction == pytest.approx(drag * np.array([-along[1], along[0]]), rel=1e-9)
@@ -186,7 +187,7 @@ def test_a_shoe_is_balanced_by_the_integrals_of_its_pressure_or_by_what_is_lumpe
     spec, R = brake.shoes[0], brake.drum.radius
     theta = np.linspace(spec.lining.start, spec.lining.end, 41)
     p = 1e5 * (1 + theta**2)
-    contact = resultant(theta, p, order=2, radius=R, width=spec.lining.width, sign=1, drag=0.3)
+    contact = resultant(DRUM, theta, p, order=2, size=R, per_place=R * spec.lining.width, sign=1, drag=0.3)
     pin = -contact.force - spec.actuation.vector
     shoe = replace(shoe_of(theta, p), hinge_reaction=pin)
     found = contact_resultant(brake, 0, shoe)

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from command_line import drumlin
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.brake.unrolled import on_drum
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, History
 from drumlin.errors import NoAnswer
@@ -121,10 +120,9 @@ def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:
 def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
     """`hold`: the force at rest, then the plane slides. `solve`: the plane slides already as the force comes on."""
     brake = pad(tmp_path)
-    own = on_drum(brake)
-    scene = prepare(own, elements=40)
-    end = full_slip_rotation(scene, own)
-    states = hold(scene, own, np.linspace(0.0, end, 21))
+    scene = prepare(brake, elements=40)
+    end = full_slip_rotation(scene, brake)
+    states = hold(scene, brake, np.linspace(0.0, end, 21))
     free = Layer(np.array([0.0, -1e-9, 0.0]), np.zeros(SPRINGS), 0.0, 0.0)
     at = free
     for share in np.linspace(0, 1, 21)[1:]:
@@ -138,18 +136,17 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
     for share in np.linspace(0, 1, 21)[1:]:
         at = moved(brake, at, share, brake.spin * share)  # a metre: all springs slip
     slid = brake.spin * at.t.sum()
-    assert respond(scene, own).torque == pytest.approx(slid, rel=0.01)  # the springs leave out the lining's ends
+    assert respond(scene, brake).torque == pytest.approx(slid, rel=0.01)  # the springs leave out the lining's ends
     assert held > 1.1 * slid
 
 
 def test_hold_says_where_it_ends_elsewhere(tmp_path: Path) -> None:
     brake = pad(tmp_path)
-    own = on_drum(brake)
-    scene = prepare(own, elements=20)
-    states = hold(scene, own, np.linspace(0.0, full_slip_rotation(scene, own), 5))
+    scene = prepare(brake, elements=20)
+    states = hold(scene, brake, np.linspace(0.0, full_slip_rotation(scene, brake), 5))
     (line,) = states[-1].notes
     assert f"at full slip the braking force is {states[-1].torque:.6g} N" in line
-    assert f"by solve {respond(scene, own).torque:.6g} N" in line
+    assert f"by solve {respond(scene, brake).torque:.6g} N" in line
     assert "left the foot of shoe 'pad'" in line
     assert states[0].notes == ()
     done = drumlin("hold", tmp_path / "pad.toml", "--steps", 4, "--elements", 20, "--json", tmp_path / "h.json")
@@ -159,7 +156,7 @@ def test_hold_says_where_it_ends_elsewhere(tmp_path: Path) -> None:
 
 
 def test_hold_says_nothing_where_the_foot_is_smooth(tmp_path: Path) -> None:
-    own = on_drum(vary(pad(tmp_path), {"shoe.abutment.friction": 0.0}))
+    own = vary(pad(tmp_path), {"shoe.abutment.friction": 0.0})
     scene = prepare(own, elements=20)
     last = hold(scene, own, np.linspace(0.0, full_slip_rotation(scene, own), 5))[-1]
     assert last.torque == pytest.approx(respond(scene, own).torque, rel=1e-6)
@@ -169,7 +166,7 @@ def test_hold_says_nothing_where_the_foot_is_smooth(tmp_path: Path) -> None:
 def rough_brakes(count: int) -> list[Brake]:
     """Random brakes with a rough abutment."""
     kinds = ("rough abutment", "cylinder", "pad on an abutment")
-    return [on_drum(random_kind(seed, kinds[seed % len(kinds)])) for seed in range(count)]
+    return [random_kind(seed, kinds[seed % len(kinds)]) for seed in range(count)]
 
 
 @pytest.mark.parametrize("count", [6, pytest.param(60, marks=pytest.mark.slow)])
@@ -242,7 +239,7 @@ def test_the_limit_of_thin_linings_is_that_of_the_law() -> None:
     """The law has an answer up to there and none beyond, a foot that slides the other way on the way there or not."""
     seen = 0
     for seed in range(8):
-        brake = on_drum(random_kind(seed, "rough abutment", rigid=True))
+        brake = random_kind(seed, "rough abutment", rigid=True)
         lock = limits(prepare(brake, elements=40), brake, 3.0)[0,].friction
         if math.isinf(lock):
             continue

@@ -9,11 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import drumlin
-from drumlin.brake import Brake, FlatBrake, read_any, vary
+from drumlin.brake import read_any, vary
+from drumlin.brake.brake import Brake
 from drumlin.brake.components import STEEL, Section, bonded
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, validated
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_text
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Scene, prepare
@@ -54,7 +55,7 @@ def bar(**body: Any) -> Brake:
         "actuation": {"force": 1.0, "direction": -1.5, "point": {"x": 1.0, "y": 0.02}},
     }
     data = {"title": "t", "friction": 0.0, "plane": {"sliding": "+x"}, "shoe": [shoe]}
-    return on_drum(validated(FlatBrake, data))
+    return validated(FlatBrake, data)
 
 
 def scenes(brake: Brake) -> list[Scene]:
@@ -143,7 +144,7 @@ def test_the_second_solver_has_the_same_plates() -> None:
 def test_the_plates_of_a_t_section_have_their_widths_in_solids(flexible: Brake) -> None:
     """Volumes of half a shoe, plate by plate, in closed form; the hinge holds the width of the web."""
     brake = vary(flexible, {"shoe.body.table": {"thickness": 3e-3, "width": 0.04}, "shoe.body.width": 5e-3})
-    shoe, R = brake.shoes[0], brake.drum.radius
+    shoe, R = brake.shoes[0], brake.size
     solid = solid_mesh(shoe, R, 8, 2)
     volumes = solid.basis.dx.sum(axis=1)
     far = R - shoe.lining.thickness

@@ -13,7 +13,7 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from conftest import ROOT
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
@@ -71,7 +71,7 @@ def on_columns(brake: Brake) -> Any:
 
 
 def central(brake: Brake, i: int, key: str, way: int, torque: Callable[[Brake], float], step: float) -> float:
-    h = step * brake.drum.radius
+    h = step * brake.size
     up, down = (torque(along(brake, i, key, way, s)) for s in (h, -h))
     return (up - down) / (2 * h)
 
@@ -145,7 +145,7 @@ def test_posts_under_a_cam_share_its_force_anew_as_their_hinges_move(elements):
 def test_a_mesh_in_the_shoes_frame_turns_with_its_pin(kind, draw, tmp_path):
     brake = draw(3, kind)
     shoe, path = brake.shoes[0], tmp_path / "shoe.msh"
-    write_mesh(path, shoe_mesh(shoe, brake.drum.radius, ELEMENTS), shoe)
+    write_mesh(path, shoe_mesh(shoe, brake.size, ELEMENTS), shoe)
     mesh = meshio.read(path)
     mesh.points[:, :2] = shoe.own_points(mesh.points[:, :2])
     mesh.write(path, file_format="gmsh22", binary=False)
@@ -166,7 +166,7 @@ def largest(brake: Brake, elements: int | None, key: str = "") -> float:
 @pytest.mark.parametrize("scene", [on_mesh, on_columns])
 def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_none(scene):
     brake = random_brake(5, "arc on ring")
-    body, ring = brake.shoes[0].body, brake.drum.ring
+    body, ring = brake.shoes[0].body, brake.ring
     EI = {
         "shoe[0].body.bending_stiffness": body.plates["shoe"].bending_stiffness,
         "drum.ring.bending_stiffness": ring.EI,

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drumlin.brake.unrolled import on_drum
 from drumlin.verification.sharpness import (
     complaints,
     judge_folder,
@@ -82,7 +81,7 @@ def test_finer_hp_elements_agree_with_triangles_where_both_have_an_answer():
 
     stored = read(FOLDER / "hinge.json")
     assert stored.by == "triangles" and len(FINER) == 3
-    brake = on_drum(stored.brake)
+    brake = stored.brake
     finer = by_finer(brake)
     for quantity, off in errors(brake, finer.shoes, stored.true.shoes).items():
         assert off <= 2 * (finer.unsure[quantity] + stored.true.unsure[quantity]), quantity

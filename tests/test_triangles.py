@@ -8,6 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drumlin.brake.elasticity import ElasticLayer
+from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.errors import NoAnswer
 from drumlin.fem.solve import solve
@@ -25,7 +27,8 @@ SMALL = (Level(3, 5, 1.4, 1.0), Level(5, 7, 1.2, 1.0))
 
 def block(a, b):
     """A grid of a rectangle in a plane in which s and d are lengths."""
-    return start(np.linspace(0, a, 4), [np.linspace(0, 1, 3)], [Layer(0.0, a, 1.0, 0.0, 1.0)])
+    elastic = ElasticLayer.of(Material(E=1.0, nu=0.0), 1.0)
+    return start(np.linspace(0, a, 4), [np.linspace(0, 1, 3)], [Layer(0.0, a, elastic)])
 
 
 def area(mesh):
@@ -81,7 +84,7 @@ def test_shape_functions_are_lagranges_and_carry_all_polynomials(degree):
 def test_ring_under_even_pressure_is_lames():
     """Plane stress, outer rim held: u = A r + B/r with A (1 + nu) - B (1 - nu)/a^2 = -p (1 - nu^2)/E, A b + B/b = 0."""
     a, b, E, nu, width, p = 0.1, 0.13, 2e11, 0.3, 0.04, 1e6
-    layer = Layer(-math.inf, math.inf, E, nu, width)
+    layer = Layer(-math.inf, math.inf, ElasticLayer.of(Material(E=E, nu=nu), width))
 
     def place(s, d):
         r = a + (b - a) * d

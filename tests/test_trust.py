@@ -59,7 +59,7 @@ def corner(gap, force):
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     table = [["-70 deg", "1 mm"], ["54.8 deg", gap], ["55 deg", "0 mm"]]
     brake = vary(brake, {"shoe[0].lining.clearance": table, "shoe[0].actuation.force": force})
-    shoe, R = brake.shoes[0], brake.drum.radius
+    shoe, R = brake.shoes[0], brake.size
     out = np.array([math.cos(shoe.lining.end), math.sin(shoe.lining.end)])
     per_normal = cross(R * out - shoe.pin.xy, brake.friction * np.array([-out[1], out[0]]) - out)
     normal = -cross(shoe.actuation.point.xy - shoe.pin.xy, shoe.actuation.vector) / per_normal

@@ -17,8 +17,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from drumlin.brake import Brake, vary
     from drumlin.brake import read_any as read_brake
+    from drumlin.brake import vary
+    from drumlin.brake.brake import Brake
     from drumlin.comparison import compare
     from drumlin.errors import BadInput, NoAnswer
     from drumlin.models import solve

@@ -16,3 +16,8 @@ Values = float | Floats
 def in_turn(sizes: Iterable[int]) -> tuple[slice, ...]:
     """The places of parts of these sizes in an array that holds one after the other."""
     return tuple(slice(a, b) for a, b in pairwise(accumulate(sizes, initial=0)))
+
+
+def angle_near(middle: float, xy: Floats) -> Floats:
+    """Angles [rad] of the points xy (2, ...), within half a turn of `middle` [rad]."""
+    return np.asarray(middle + np.angle(np.exp(-1j * middle) * (xy[0] + 1j * xy[1])))

@@ -13,18 +13,16 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.files import cell
 from drumlin.models import applicable
-from drumlin.response.merit import effect, shoe_effect
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import EDGE_ZONE, Response
-from drumlin.response.show import arcs_text, effect_words
+from drumlin.response.show import arcs_text
 from drumlin.texts import formatted
 
-B = TypeVar("B", bound=Brake | FlatBrake)
+B = TypeVar("B", bound=Brake)
 
 
 @dataclass(frozen=True)
@@ -131,7 +129,7 @@ COLUMNS = (
 
 
 def rows(
-    brake: AnyBrake, outcomes: Sequence[Outcome], reference: str = "fem", case: str | None = None
+    brake: Brake, outcomes: Sequence[Outcome], reference: str = "fem", case: str | None = None
 ) -> list[dict[str, Any]]:
     """One row a model and shoe, errors against the outcome called `reference`; failed models stay as rows.
 
@@ -141,9 +139,8 @@ def rows(
     """
     true = next((o.response for o in outcomes if o.model == reference), None)
     table: list[dict[str, Any]] = []
-    flat = isinstance(brake, FlatBrake)
     for outcome in outcomes:
-        base = {"case": case or brake.title, "rotation": motion_of(brake), "model": outcome.model}
+        base = {"case": case or brake.title, "rotation": brake.sense, "model": outcome.model}
         if outcome.response is None:
             table.append({**base, "shoe": "all", "seconds": outcome.seconds, "status": f"failed: {outcome.failure}"})
             continue
@@ -152,16 +149,16 @@ def rows(
             row = {
                 **base,
                 "shoe": shoe.name,
-                "torque": shoe_effect(response, i),
+                "torque": response.effects[i],
                 "peak_pressure": shoe.peak_pressure,
                 "reaction": float(np.linalg.norm(shoe.hinge_reaction)),
-                "contact": arcs_text(shoe, flat=flat),
+                "contact": arcs_text(shoe, brake.surface),
                 "self_energising": "yes" if shoe.self_energising else "no",
                 "status": "converged" if response.converged else "not converged",
             }
             if judged and true is not None:
                 other = true.shoes[i]
-                row["torque_error"] = relative(shoe_effect(response, i), shoe_effect(true, i))
+                row["torque_error"] = relative(response.effects[i], true.effects[i])
                 row["peak_error"] = relative(shoe.peak_pressure, other.peak_pressure)
                 row["pressure_error"] = pressure_distance(shoe, other, edge_of(brake))
                 row["reaction_error"] = vector_distance(shoe.hinge_reaction, other.hinge_reaction)
@@ -169,36 +166,31 @@ def rows(
         whole = {
             **base,
             "shoe": "all",
-            "torque": effect(response),
+            "torque": response.effect,
             "seconds": outcome.seconds,
             "status": "converged",
         }
         if judged and true is not None:
-            whole["torque_error"] = relative(effect(response), effect(true))
+            whole["torque_error"] = relative(response.effect, true.effect)
         table.append(whole)
     return table
 
 
-def motion_of(brake: AnyBrake) -> str:
-    """The sense of the motion: that of the rotation, on a plane of the sliding."""
-    return f"slides {brake.plane.sliding}" if isinstance(brake, FlatBrake) else brake.rotation
+def edge_of(brake: Brake) -> float:
+    """The zones at a lining's ends in which no pressure is compared, in the coordinate of the brake's surface."""
+    return EDGE_ZONE * brake.unit
 
 
-def edge_of(brake: AnyBrake) -> float:
-    """The zones at a lining's ends in which no pressure is compared [rad], on a plane [m] as elements take them."""
-    return EDGE_ZONE * (brake.unit if isinstance(brake, FlatBrake) else 1.0)
-
-
-def columns_of(brake: AnyBrake) -> tuple[Column, ...]:
+def columns_of(brake: Brake) -> tuple[Column, ...]:
     """The columns of a table of a brake: on a plane the braking force stands for the torque, lengths for angles."""
-    if not isinstance(brake, FlatBrake):
+    surface = brake.surface
+    if not surface.straight:
         return COLUMNS
-    what, unit = effect_words(flat=True)
     words: dict[str, dict[str, Any]] = {
-        "rotation": {"heading": "body"},
-        "torque": {"heading": what, "unit": unit},
+        "rotation": {"heading": surface.moving},
+        "torque": {"heading": surface.effect, "unit": surface.effect_unit},
         "torque_error": {"heading": "error of the force"},
-        "contact": {"unit": "mm"},
+        "contact": {"unit": surface.shown_unit},
     }
     return tuple(column._replace(**words.get(column.key, {})) for column in COLUMNS)
 

@@ -4,10 +4,8 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
-from drumlin.brake import unrolled
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.orthotropic import isotropic_only
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import BadInput
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
 from drumlin.response.response import Response
@@ -22,12 +20,12 @@ class Model(NamedTuple):
 
     name: str
     assumes: str
-    why_not: Callable[[AnyBrake], str | None]
+    why_not: Callable[[Brake], str | None]
     solve: Callable[..., Response]
     by_name: bool = False
 
 
-def _fem(brake: AnyBrake, *, worn_in: bool = False, **options: Any) -> Response:
+def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
     if worn_in:
         from drumlin.wear.worn_in import solve as by_worn_in
 
@@ -37,11 +35,9 @@ def _fem(brake: AnyBrake, *, worn_in: bool = False, **options: Any) -> Response:
     return by_elements(brake, **options)
 
 
-def _fem_why_not(brake: AnyBrake) -> str | None:
+def _fem_why_not(brake: Brake) -> str | None:
     from drumlin.fem import assembly
 
-    if isinstance(brake, FlatBrake):
-        return unrolled.why_not(brake)
     return assembly.why_not(brake)
 
 
@@ -51,36 +47,36 @@ def _foundation(brake: Brake, **options: Any) -> Response:
     return on_springs(brake, **options)
 
 
-def _foundation_why_not(brake: AnyBrake) -> str | None:
+def _foundation_why_not(brake: Brake) -> str | None:
     from drumlin.foundation import why_not
 
     return why_not(brake)
 
 
-def _solid(brake: AnyBrake, **options: Any) -> Response:
+def _solid(brake: Brake, **options: Any) -> Response:
     from drumlin.fem.solid import model
 
     return model.solve(brake, **options)
 
 
-def _solid_why_not(brake: AnyBrake) -> str | None:
+def _solid_why_not(brake: Brake) -> str | None:
     from drumlin.fem.solid import model
 
-    reason = unrolled.why_not(brake) if isinstance(brake, FlatBrake) else None
-    return reason or model.why_not(unrolled.on_drum(brake))
+    return model.why_not(brake)
 
 
-def _short_why_not(brake: AnyBrake) -> str | None:
-    """The short shoe is a law of both kinds of brake."""
-    if isinstance(brake, FlatBrake):
-        return flat.why_not(flat.FLAT_SHORT, brake)
-    return hinged.why_not(LAWS["short"], brake)
+SHORT: Mapping[str, tuple[Any, Any]] = {"drum": (hinged, LAWS["short"]), "plane": (flat, flat.FLAT_SHORT)}
+"""The laws of the short shoe, by the word of the surface: the module with its functions, and the law."""
 
 
-def _short(brake: AnyBrake) -> Response:
-    if isinstance(brake, FlatBrake):
-        return flat.solve(flat.FLAT_SHORT, brake)
-    return hinged.solve(LAWS["short"], brake)
+def _short_why_not(brake: Brake) -> str | None:
+    laws, law = SHORT[brake.surface.word]
+    return laws.why_not(law, brake)
+
+
+def _short(brake: Brake) -> Response:
+    laws, law = SHORT[brake.surface.word]
+    return laws.solve(law, brake)
 
 
 def _hinged(name: str) -> Model:
@@ -88,10 +84,10 @@ def _hinged(name: str) -> Model:
     return _law(name, law.assumes, partial(hinged.why_not, law), partial(hinged.solve, law))
 
 
-def _law(name: str, assumes: str, why_not: Callable[[AnyBrake], str | None], solve: Callable[..., Response]) -> Model:
+def _law(name: str, assumes: str, why_not: Callable[[Brake], str | None], solve: Callable[..., Response]) -> Model:
     """The model of a closed-form law, which knows isotropic materials alone."""
 
-    def isotropic_too(brake: AnyBrake) -> str | None:
+    def isotropic_too(brake: Brake) -> str | None:
         return why_not(brake) or isotropic_only(brake, "a closed-form law")
 
     return Model(name, assumes, isotropic_too, solve)
@@ -117,7 +113,7 @@ MODELS: Mapping[str, Model] = {
 }
 
 
-def solve(brake: AnyBrake, model: str = "fem", **options: Any) -> Response:
+def solve(brake: Brake, model: str = "fem", **options: Any) -> Response:
     """Solve a brake by one model.
 
     Parameters
@@ -145,7 +141,7 @@ def solve(brake: AnyBrake, model: str = "fem", **options: Any) -> Response:
     return pick(model, brake).solve(brake, **options)
 
 
-def pick(name: str, brake: AnyBrake) -> Model:
+def pick(name: str, brake: Brake) -> Model:
     """The model called `name`; raises BadInput where there is none, or where it does not apply to the brake."""
     if name not in MODELS:
         raise BadInput(f"--model = {name!r}: unknown model{nearest(name, MODELS)}; allowed: {', '.join(MODELS)}")
@@ -157,12 +153,12 @@ def pick(name: str, brake: AnyBrake) -> Model:
     return model
 
 
-def applicable(brake: AnyBrake) -> tuple[Model, ...]:
+def applicable(brake: Brake) -> tuple[Model, ...]:
     """The models that apply to a brake and answer at once."""
     return tuple(model for model in MODELS.values() if not model.by_name and model.why_not(brake) is None)
 
 
-def refusals(brake: AnyBrake) -> dict[str, str]:
+def refusals(brake: Brake) -> dict[str, str]:
     """Why each of the other models does not apply to a brake, by name."""
     reasons = {model.name: model.why_not(brake) for model in MODELS.values() if not model.by_name}
     return {name: reason for name, reason in reasons.items() if reason is not None}

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 from matplotlib.figure import Figure
 
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, read_any
-from drumlin.comparison import as_csv, motion_of
+from drumlin.brake.brake import Brake
+from drumlin.brake.plane_brake import read_any
+from drumlin.comparison import as_csv
 from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
@@ -52,14 +52,14 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
             continue
         own = []
         for brake in both_ways(read_any(path)):
-            say(f"{path.stem}: {motion_of(brake)}")
+            say(f"{path.stem}: {brake.sense}")
             found = case(path.stem, brake, 24 if short else 60, solid=not short)
             cases.append(found)
             own.append(row_of(found, None if short else mu_lock(brake)))
         rows += own
         verdicts[path.stem] = verdict(own)
         brake = cases[-1].brake
-        if isinstance(brake, Brake) and brake.actuation is not None and brake.actuation.is_cam:
+        if not brake.surface.straight and brake.actuation is not None and brake.actuation.is_cam:
             cams[path.stem] = cam_factor(brake)
     others = [row for found in cases for row in others_of(found)]
     return Result(cases, rows, others, verdicts, cams)
@@ -69,7 +69,7 @@ def report(result: Result, folder: Path) -> Path:
     """Write page, pictures, figures and table; returns the page."""
     write_text(folder / "brakes.csv", as_csv(result.rows))
     write_text(folder / "models.csv", as_csv(result.others))
-    drawn: dict[str, AnyBrake] = {}
+    drawn: dict[str, Brake] = {}
     for found in result.cases:
         drawn.setdefault(found.file, found.brake)
     for file, brake in drawn.items():
@@ -79,8 +79,8 @@ def report(result: Result, folder: Path) -> Path:
                 continue
             for i, shoe in enumerate(found.brake.shoes):
                 of = {"fem": found.new.shoes[i], "worn": found.worn.shoes[i], found.law.model: found.law.shoes[i]}
-                panels.append((f"{shoe.name}, {motion_of(found.brake)}", of))
-        drawn_pressures = figures.pressures(panels, flat=isinstance(brake, FlatBrake))
+                panels.append((f"{shoe.name}, {found.brake.sense}", of))
+        drawn_pressures = figures.pressures(panels, surface=brake.surface)
         for ending in ("svg", "png") if file == SHOWN else ("svg",):
             figures.save(drawn_pressures, folder / f"{file}.{ending}")
         figure = Figure(figsize=(4.5, 4.5), layout="constrained")

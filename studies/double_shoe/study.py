@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import COLUMNS, Comparison, Convergence, as_csv, compare, converge
 from drumlin.files import write_text

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import read_any
 from drumlin.errors import DrumlinError
 from drumlin.models import applicable, refusals
 
@@ -24,7 +24,7 @@ def covered() -> tuple[dict[str, Path], dict[str, str]]:
         except DrumlinError:
             continue  # data of a study, no brake
         refusal = refusals(brake).get("fem")
-        unlike = "its shoes press on a plane" if isinstance(brake, FlatBrake) else brake.unhinged()
+        unlike = "its shoes press on a plane" if brake.surface.straight else brake.unhinged()
         if refusal is not None:
             models = ", ".join(model.name for model in applicable(brake))
             refused[name] = f"{refusal}; only {models}, and nothing to judge by"

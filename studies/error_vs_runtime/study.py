@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from studies.error_vs_runtime.brakes import MAIN, covered, simplified, stiff_to_soft
 from studies.error_vs_runtime.figures import predictions, work_precision
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import as_csv
 from drumlin.fem.assembly import ELEMENTS

@@ -7,7 +7,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.brake.plane_brake import AnyBrake
+from drumlin.brake.brake import Brake
 from drumlin.laws.shapes import SHORT, Layout, equivalent_friction
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.drawing import draw_brake
@@ -18,7 +18,7 @@ from drumlin.response.response import ShoeResponse
 HIGHEST = 4.0  # of eta and S in a figure; both grow without bound towards locking
 
 
-def drawing(brakes: Sequence[tuple[str, AnyBrake]]) -> Figure:
+def drawing(brakes: Sequence[tuple[str, Brake]]) -> Figure:
     """Brakes side by side, each under its title."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.2 * len(brakes), 4.8), layout="constrained")

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 from studies.laws.figures import drawing, friction_over_arc, pressures, short_shoe_merits, torque_over_speed
 
-from drumlin.brake.drum_brake import Brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
 from drumlin.files import write_text
@@ -60,7 +59,6 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("brake files")
     applies = [row for file in FILES for row in law_rows(read_any(HERE.parent / file), file)]
     post_brake = read_any(HERE.parent / "post_brake/brake.toml")
-    assert isinstance(post_brake, Brake)
     shoes = first_shoes(read_any(HERE / "block.toml"), read_any(HERE / "pad.toml"))
     return Result(examples, applies, word_rows(post_brake), shoes)
 

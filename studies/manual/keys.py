@@ -1,9 +1,9 @@
 """What each key of a brake file and of a sweep file means, in words, beside what its type says."""
 
-from drumlin.brake.components import Actuation, Backing, Beam, Body, Drum, Lining, Lobes, Misfit, Ring
+from drumlin.brake.components import Actuation, Backing, Beam, Body, Drum, DrumLining, Lobes, Misfit, Ring
 from drumlin.brake.components import Table as SectionTable
 from drumlin.brake.drive import Drive, Link
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.drum_brake import DrumBrake, DrumShoe
 from drumlin.brake.fields import Material, Orthotropic, Part, Point
 from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatMisfit, FlatShoe, Plane
 from drumlin.brake.support import Abutment, Guide
@@ -46,7 +46,7 @@ _BAR = {
     "bending_stiffness": "EI; in place of width and material, or overruling them"}  # fmt: skip
 
 BRAKE: tuple[Table, ...] = (
-    ("The brake", Brake, {
+    ("The brake", DrumBrake, {
         "title": "heads tables, figures and reports", "rotation": "how the drum turns",
         "friction": "friction coefficient μ, the same on all linings", "drum": "the table `[drum]`",
         "shoe": "the tables `[[shoe]]`, one a shoe", **_SHARED}),
@@ -59,13 +59,13 @@ BRAKE: tuple[Table, ...] = (
     ("`[drum.ring]`", Ring, {
         **_SECTION, "thickness": "radial, away from the shoes",
         "support": "its far edge: held, or only against rigid motion"}),
-    ("`[[shoe]]`", Shoe, {
+    ("`[[shoe]]`", DrumShoe, {
         **_HELD, "side": "inside or outside of the drum"}),
     ("`[shoe.abutment]`", Abutment, {
         "point": "where its foot bears", "direction": "normal of the face: of the force on the foot without friction",
         "friction": "of the foot on the face, opposing the slide"}),
     ("`[shoe.guide]`", Guide, {"direction": "along which the shoe moves without turning"}),
-    ("`[shoe.lining]`", Lining, {
+    ("`[shoe.lining]`", DrumLining, {
         **_ARC, "thickness": "radial", "width": "across the plane", "material": "its material",
         "clearance": "gap of the unloaded lining, positive is open: one value, or rows of angle and gap",
         "misfit": "how its surface is off the drum's circle besides, below"}),

@@ -12,8 +12,8 @@ from studies.misfit import figures
 from studies.misfit.tolerances import assumed, nominal
 
 from drumlin.arrays import Floats
+from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import ground_to, set_off
-from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
 from drumlin.fem.assembly import prepare

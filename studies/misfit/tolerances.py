@@ -2,8 +2,8 @@
 
 import math
 
+from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import along_hinge, ground_to
-from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
 from drumlin.laws import sine
 from drumlin.sweeps.tolerances import Tolerance, between, within
@@ -12,7 +12,7 @@ from drumlin.sweeps.tolerances import Tolerance, between, within
 def nominal(brake: Brake) -> Brake:
     """The brake with the keys that tolerances move: the lining's own radius, and an oval of nothing."""
     oval = [{"order": 2, "amplitude": 0.0}]
-    return vary(brake, {"shoe.lining.misfit.radius": brake.drum.radius, "drum.out_of_round": oval})
+    return vary(brake, {"shoe.lining.misfit.radius": brake.size, "drum.out_of_round": oval})
 
 
 def assumed(brake: Brake) -> tuple[Tolerance, ...]:

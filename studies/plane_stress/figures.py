@@ -57,7 +57,7 @@ def faces(three: Three, worn: Worn) -> Figure:
         new = three.solid.shoes
         figure = Figure(figsize=(11.5, 2.7 * len(new) + 0.8), layout="constrained")
         grid = figure.subplots(len(new), 2, squeeze=False)
-        zones = [edge_zone(shoe, three.brake.drum.radius) for shoe in three.brake.shoes]
+        zones = [edge_zone(shoe, three.brake.size) for shoe in three.brake.shoes]
         top = max(_top(shoe, zone) for shoe, zone in zip(new, zones, strict=True))
         for row, a, b in zip(grid, new, worn.last, strict=True):
             for axes, shoe, state in ((row[0], a, "new"), (row[1], b, "worn in")):

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from studies.plane_stress import figures
 
+from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
-from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
 from drumlin.fem import finite_width

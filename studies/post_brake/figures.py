@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.report.figures import STYLE, key, name_of
 from drumlin.report.palette import FAINT, GRADES, INK, look_of
 from drumlin.texts import formatted

@@ -12,7 +12,7 @@ import numpy as np
 from studies.post_brake import figures
 
 from drumlin import foundation
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import COLUMNS, Comparison, as_csv, run
 from drumlin.fem.assembly import prepare

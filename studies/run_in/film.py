@@ -26,7 +26,7 @@ def film(one: Run, frames: Sequence[Frame], path: Path) -> Path:
     top = 1.15 * peak(one.setup, frames[0].state)
     stress = float(np.percentile(np.concatenate([f.von_mises for f in frames[0].fields]), 99)) * 1e-6
     move = max(float(np.abs(f.displacement).max()) for f in frames[0].fields)
-    scale = float(f"{0.06 * one.setup.brake.drum.radius / move:.1g}")
+    scale = float(f"{0.06 * one.setup.brake.size / move:.1g}")
     pictures = []
     for number in range(len(frames)):
         figure = _frame(one, frames, number, (top, stress, scale))
@@ -81,7 +81,7 @@ def _shoes(
     """The shoes deformed, without the turn beyond `first` that takes up the wear: it would leave the picture."""
     top, stress, scale = scales
     brake = setup.brake
-    radius = brake.drum.radius
+    radius = brake.size
     for fields, shoe, turn, start in zip(frame.fields, brake.shoes, frame.turns, first, strict=True):
         arm = fields.points - shoe.pin.xy
         followed = (turn - start) * np.column_stack([-arm[:, 1], arm[:, 0]])

@@ -9,9 +9,9 @@ from typing import Any
 from studies.run_in import figures
 from studies.run_in.film import film
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import prepare
@@ -108,7 +108,7 @@ def cases(*, short: bool) -> tuple[list[tuple[str, str, Brake]], list[str]]:
             brake = read_any(path)
         except BadInput:
             continue  # another kind of file
-        if isinstance(brake, FlatBrake):
+        if brake.surface.straight:
             skipped.append(f"{name}: shoes on a plane are not modelled elastically")
             continue
         ways, reason = limits.ways(brake)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
 from drumlin.errors import NoAnswer
@@ -106,7 +106,6 @@ def _drawn(seed: int) -> Brake:
     """A hinged brake of any shape, or, of odd seeds, one of any way to hold and push shoes on a drum."""
     ways = [way for way in KINDS_OF_HOLDING if not way.startswith("pad")]
     brake = random_kind(seed, ways[seed // 2 % len(ways)]) if seed % 2 else random_brake(seed)
-    assert isinstance(brake, Brake)
     return brake
 
 

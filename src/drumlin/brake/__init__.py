@@ -1,11 +1,25 @@
 """The brake as frozen, validated data: what drums and shoes are made of, quantities with units, its file.
 
-A brake on a drum is a `Brake`, one on a plane a `FlatBrake`; both are read from a TOML file by `read_any`. Imports
-nothing of drumlin but arrays, errors, texts and files.
+A `Brake` runs on a surface, a drum or a plane, see `drumlin.brake.surface`; `read_any` reads it from a TOML file.
+Imports nothing of drumlin but arrays, errors, texts and files.
 """
 
-from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.file import read_brake, vary
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe, read_any
+import warnings
+from typing import Any
 
-__all__ = ["AnyBrake", "Brake", "FlatBrake", "FlatShoe", "Shoe", "read_any", "read_brake", "vary"]
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.file import read_brake, vary
+from drumlin.brake.plane_brake import read_any
+
+__all__ = ["Brake", "Shoe", "read_any", "read_brake", "vary"]
+
+
+def __getattr__(name: str) -> Any:
+    """The names of the times when a brake on a plane was a class of its own, with a warning."""
+    from drumlin.brake import plane_brake  # noqa: PLC0415  (only where an old name is asked for)
+
+    old = {"AnyBrake": Brake, "FlatBrake": plane_brake.FlatBrake, "FlatShoe": plane_brake.FlatShoe}
+    if name not in old:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warnings.warn(f"drumlin.brake.{name}: use Brake or Shoe, whatever they run on", DeprecationWarning, stacklevel=2)
+    return old[name]

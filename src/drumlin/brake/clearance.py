@@ -7,16 +7,14 @@ not exist. The slope of the surfaces is left out: normals stay those of the drum
 and amplitude a leaves out at most n a/(mu R) of the torque.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Drum, Lining
-from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.fields import Point
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.components import Lining
 from drumlin.brake.file import vary
 
 ROUND = 1e-9
@@ -25,48 +23,17 @@ T = TypeVar("T")
 
 
 def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
-    """Gap [m] of a shoe's unloaded lining from the drum as it stands, at the angles theta [rad], same shape."""
+    """Gap [m] of a shoe's unloaded lining from the surface as it stands, at the places theta, same shape."""
     lining, misfit = shoe.lining, shoe.lining.misfit
     total = lining.clearance_at(theta)
     if misfit.radius is not None or misfit.offset.radius > 0:
-        R, middle = brake.drum.radius, lining.middle
-        if shoe.flat:
-            total = total + crown_gap(misfit.radius, misfit.offset, R * (theta - middle))
-        else:
-            total = total + circle_gap(R, misfit.radius, misfit.offset, middle, shoe.sign, theta)
+        total = total + shoe.misfit_gap(theta, brake.size)
     if misfit.taper:
         total = total + misfit.taper * (shoe.frame.sense * (theta - lining.middle)) / (lining.end - lining.start)
     if misfit.blocks:
         total = total + block_gap(lining, theta)
-    if brake.drum.out_of_round:
-        total = total + shoe.sign * surface(brake.drum, theta)
-    return total
-
-
-def circle_gap(R: float, radius: float | None, offset: Point, middle: float, sign: int, theta: Floats) -> Floats:
-    """Gap [m] between a drum of radius R [m] and a lining of its own radius [m], exactly, along the drum's radii.
-
-    The lining's circle meets the drum's at the angle `middle` [rad] and is moved from there by `offset`: about
-    its centre c it lies at  rho = c.e_r + sqrt(r^2 - (c x e_r)^2)  from the drum's centre, and the gap is
-    sign (R - rho), to first order  sign ((R - r)(1 - cos(theta - middle)) - offset.e_r).
-    sign: +1 for an internal lining. With `radius` None the lining has the drum's.
-    """
-    r = R if radius is None else radius
-    c = (R - r) * np.array([np.cos(middle), np.sin(middle)]) + offset.xy
-    along = c[0] * np.cos(theta) + c[1] * np.sin(theta)
-    across = c[0] * np.sin(theta) - c[1] * np.cos(theta)
-    return sign * (R - along - np.sqrt(r**2 - across**2))
-
-
-def crown_gap(radius: float | None, offset: Point, x: Floats) -> Floats:
-    """Gap [m] between a plane and a face ground to a circle of this radius [m], exactly, at x [m] from its middle.
-
-    The circle meets the plane there and is moved by `offset`; a negative radius is that of a hollow face, None a flat.
-    """
-    along = x - offset.x
-    if radius is None:
-        return np.full(np.shape(x), offset.y)
-    return offset.y + along**2 / (radius + math.copysign(1.0, radius) * np.sqrt(radius**2 - along**2))
+    off = brake.surface_off(theta)
+    return total if off is None else total + shoe.sign * off
 
 
 def block_gap(lining: Lining, theta: Floats) -> Floats:
@@ -116,13 +83,6 @@ def slope_changes(lining: Lining) -> Floats:
     return np.diff(np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]]))
 
 
-def surface(drum: Drum, theta: Floats) -> Floats:
-    """How far [m] the drum's surface lies outside its circle at theta [rad], same shape; it turns with the drum."""
-    at = np.asarray(theta) - drum.angle
-    lobes = (part.amplitude * np.cos(part.order * (at - part.phase)) for part in drum.out_of_round)
-    return np.sum([np.zeros(at.shape), *lobes], axis=0)
-
-
 def thermal_growth(R: float, expansion: float, warming: float) -> float:
     """Growth of a drum's radius [m] by its mean warming [K], expansion [1/K]: the amplitude of lobes of order 0."""
     return expansion * warming * R
@@ -138,7 +98,7 @@ def one_turn(brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float])
 
 def ground_to(brake: Brake, mismatch: float) -> dict[str, float]:
     """Changes (of `vary`): every lining ground to a radius that is greater than the drum's by the mismatch [m]."""
-    return {f"shoe[{i}].lining.misfit.radius": brake.drum.radius + mismatch for i in range(len(brake.shoes))}
+    return {f"shoe[{i}].lining.misfit.radius": brake.size + mismatch for i in range(len(brake.shoes))}
 
 
 def set_off(brake: Brake, size: float) -> dict[str, float]:

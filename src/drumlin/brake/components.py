@@ -1,9 +1,10 @@
 """What drums and shoes are made of: ring, drum, lining, backing, bodies, actuation. Every number is SI."""
 
 import math
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
@@ -196,6 +197,44 @@ class Misfit(Part):
 
 
 class Lining(Part):
+    """The friction lining, as all of drumlin sees it, from place `start` to `end` on the surface.
+
+    `step`: length of the rounded step from one block's height to the next, in the surface's coordinate.
+    """
+
+    if TYPE_CHECKING:  # the fields of a file, in the order that each shape of file has
+
+        @property
+        def start(self) -> float: ...
+        @property
+        def end(self) -> float: ...
+        @property
+        def thickness(self) -> float: ...
+        @property
+        def width(self) -> float: ...
+        @property
+        def material(self) -> AnyMaterial: ...
+        @property
+        def clearance(self) -> float | Rows: ...
+        @property
+        def misfit(self) -> Misfit: ...
+
+    @property
+    def middle(self) -> float:
+        """The place of its middle."""
+        return 0.5 * (self.start + self.end)
+
+    @property
+    @abstractmethod
+    def step(self) -> float:
+        """Length of the rounded step from one block's height to the next."""
+
+    def clearance_at(self, theta: Floats) -> Floats:
+        """Clearance [m] at the places `theta`, same shape, without the misfit."""
+        return value_at(self.clearance, theta)
+
+
+class DrumLining(Lining):
     """The friction lining, from angle `start` to `end` on the friction surface.
 
     `clearance` [m] is the gap of the unloaded lining, positive = open: one value, or a table of
@@ -211,11 +250,6 @@ class Lining(Part):
     misfit: Misfit = Misfit()
 
     @property
-    def middle(self) -> float:
-        """The angle of its middle [rad]."""
-        return 0.5 * (self.start + self.end)
-
-    @property
     def step(self) -> float:
         """Arc [rad] of the rounded step from one block's height to the next."""
         return STEP
@@ -227,10 +261,6 @@ class Lining(Part):
                 f"end = {deg(self.end)} must be greater than start = {deg(self.start)}, by less than 360 deg"
             )
         return self
-
-    def clearance_at(self, theta: Floats) -> Floats:
-        """Clearance [m] at the angles `theta` [rad], same shape, without the misfit."""
-        return value_at(self.clearance, theta)
 
 
 class Backing(Part):
@@ -265,6 +295,15 @@ class Bar(Part):
     table: Table | None = None
     bending_stiffness: BendingStiffness | None = None
     grip: Thickness | None = None
+
+    if TYPE_CHECKING:  # fields of each shape of file, from place to place on the surface
+
+        @property
+        def shape(self) -> str: ...
+        @property
+        def start(self) -> float: ...
+        @property
+        def end(self) -> float: ...
 
     @model_validator(mode="after")
     def _whole(self) -> Self:

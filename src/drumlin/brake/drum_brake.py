@@ -1,13 +1,12 @@
-"""The brake as frozen, validated data.
+"""The brake on a drum, the data of a brake file with [drum].
 
 Conventions: the drum's centre O is the origin, angles run counter-clockwise from +x, and all
 numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surface of radius R.
 """
 
 import math
-from collections.abc import Iterable, Sequence
 from functools import cached_property
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -16,8 +15,9 @@ from pydantic import (
     model_validator,
 )
 
-from drumlin.arrays import Floats
+from drumlin.arrays import Floats, angle_near
 from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.brake import Brake, Frame, Shoe
 from drumlin.brake.components import (
     LARGEST_MISFIT,
     AnyBody,
@@ -26,71 +26,28 @@ from drumlin.brake.components import (
     Beam,
     Body,
     Drum,
+    DrumLining,
     Friction,
-    Lining,
+    Lobes,
     Ring,
     Table,
 )
-from drumlin.brake.drive import Drive, Link, driven, shares
-from drumlin.brake.fields import Part, Point, Title, check_names
-from drumlin.brake.support import MOVES, Held, Meshed, check_motions
+from drumlin.brake.drive import Drive, Link, driven
+from drumlin.brake.fields import Point, Title, check_names
+from drumlin.brake.off_circle import circle_gap, off_circle
+from drumlin.brake.support import Held, check_motions
+from drumlin.brake.surface import DRUM
 from drumlin.brake.units import deg, mm
-from drumlin.errors import BadInput
 
 
-class Frame(NamedTuple):
-    """A shoe's own frame: polar angle phi at O, measured from the hinge (`Held.pin`) towards the lining.
-
-    theta = origin + sense * phi. In it a shoe and its mirror image are the same thing.
-    """
-
-    origin: float
-    sense: int
-
-    def phi(self, theta: Floats) -> Floats:
-        """phi of angles theta [rad], same shape."""
-        return self.sense * (np.asarray(theta) - self.origin)
-
-    def phis(self, theta: Iterable[float]) -> list[float]:
-        """phi of a few angles theta [rad]."""
-        return [self.sense * (angle - self.origin) for angle in theta]
-
-    def theta(self, phi: Floats) -> Floats:
-        """theta of angles phi [rad], same shape."""
-        return self.origin + self.sense * np.asarray(phi)
-
-    def to_brake(self, vectors: Floats) -> Floats:
-        """Vectors (..., 2) of the shoe's frame in the brake's."""
-        c, s = math.cos(self.origin), math.sin(self.origin)
-        return np.asarray(vectors) @ np.array([[c, s], [-self.sense * s, self.sense * c]])
-
-    def to_shoe(self, vectors: Floats) -> Floats:
-        """Vectors (..., 2) of the brake's frame in the shoe's."""
-        c, s = math.cos(self.origin), math.sin(self.origin)
-        return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
-
-
-class Shoe(Meshed):
+class DrumShoe(Shoe):
     """One shoe with its lining, held by a hinge or otherwise (`Held`); without `body` the shoe is rigid."""
 
+    surface = DRUM
     side: Literal["internal", "external"]
-    lining: Lining
+    lining: DrumLining
     backing: Backing | None = None
     body: AnyBody | None = None
-
-    @property
-    def sign(self) -> int:
-        """Outward normal of the lining n = sign * e_r: +1 internal, -1 external."""
-        return 1 if self.side == "internal" else -1
-
-    @property
-    def depth(self) -> float:
-        """Radial thickness of lining, backing and body together [m]."""
-        return (
-            self.lining.thickness
-            + (self.backing.thickness if self.backing else 0.0)
-            + (self.body.depth if self.body else 0.0)
-        )
 
     @cached_property
     def frame(self) -> Frame:
@@ -99,22 +56,6 @@ class Shoe(Meshed):
         offset = math.remainder(middle - self.pin.angle, 2 * math.pi)
         sense = 1 if offset >= 0 else -1
         return Frame(middle - offset, sense)
-
-    @cached_property
-    def arc(self) -> tuple[float, float]:
-        """The lining's arc (phi_1, phi_2) [rad] in the shoe's frame."""
-        first, last = self.frame.phis((self.lining.start, self.lining.end))
-        return min(first, last), max(first, last)
-
-    @property
-    def flat(self) -> bool:
-        """Whether it presses on a plane: `unrolled`."""
-        return False
-
-    @property
-    def face(self) -> str:
-        """What it presses on, in a word."""
-        return "plane" if self.flat else "drum"
 
     @property
     def own_pin(self) -> Floats:
@@ -129,98 +70,96 @@ class Shoe(Meshed):
         """Points (2, n) [m] of its frame in the brake's."""
         return np.asarray(self.frame.to_brake(xy.T).T)
 
-    def at(self, depth: Floats, phi: Floats, radius: float) -> Floats:
+    def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
         """Points (2, ...) [m] of its frame, at a depth [m] behind the friction surface and angles phi [rad]."""
-        r = radius - self.sign * depth
+        r = size - self.sign * depth
         return np.array([r * np.cos(phi), r * np.sin(phi)])
 
-    def off(self, xy: Floats, radius: float) -> Floats:
+    def off(self, xy: Floats, size: float) -> Floats:
         """How far points (2, ...) [m] of its frame lie off the friction surface [m], positive = open."""
-        return self.sign * (radius - np.hypot(*xy))
+        return self.sign * (size - np.hypot(*xy))
 
-    def end_face(self, radius: float, *, loaded: bool = False) -> Floats:
-        """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds an arc, or of that
-        which the actuation pushes."""
-        assert isinstance(self.body, Body)
-        phi = (max if loaded else min)(self.frame.phis((self.body.start, self.body.end)), key=abs)
-        return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), radius)
+    def phi_of(self, xy: Floats, size: float) -> Floats:
+        """Angles [rad] of points (2, ...) [m] of its frame, within half a turn of the lining's middle."""
+        return angle_near(0.5 * sum(self.arc), xy)
 
-    def angle_of(self, point: Point) -> float:
+    def place_of(self, point: Point) -> float:
         """The angle [rad] of a point, that nearest to the lining's middle."""
-        return self.lining.middle + math.remainder(point.angle - self.lining.middle, 2 * math.pi)
+        return self.surface.nearest(point.angle, self.lining.middle)
 
-    def back(self, radius: float) -> float:
+    def back(self, size: float) -> float:
         """Radius [m] of the back of its body."""
-        return radius - self.sign * self.depth
+        return size - self.sign * self.depth
 
     @property
-    def gripped(self) -> bool:
-        """Whether what holds the shoe grips the back of an elastic body, not an end face: the force acts on it then."""
-        return self.held_by in {"pivot", "guide"} or (isinstance(self.body, Body) and self.body.grip is not None)
+    def closing(self) -> float:
+        """Direction [rad] of the radius through the lining's middle, towards the friction surface."""
+        return self.lining.middle + (self.sign < 0) * math.pi
 
-    def grip(self, radius: float) -> tuple[float, float] | None:
-        """The arc [rad] in its frame of the body's back that is held (see `Bar`), on a drum of this radius [m].
-
-        None where what holds the shoe holds an end face of its body, or all of the back of a rigid one.
-        """
-        if not isinstance(self.body, Body) or self.mesh is not None or not self.gripped:
-            return None
-        start, end = self.arc
-        angle = self.lining.middle if self.pivot is None else self.angle_of(self.pivot)
-        half = min(0.5 * (self.body.grip or self.body.thickness) / self.back(radius), 0.3 * (end - start))
-        at = float(np.clip(self.frame.phi(np.array(angle)), start + 1.5 * half, end - 1.5 * half))
-        return at - half, at + half
+    def misfit_gap(self, theta: Floats, size: float) -> Floats:
+        """Gap [m] of a lining of its own radius, moved by its offset, at the angles theta [rad], same shape."""
+        misfit = self.lining.misfit
+        return circle_gap(size, misfit.radius, misfit.offset, self.lining.middle, self.sign, theta)
 
 
-class Brake(Part):
+class DrumBrake(Brake):
     """A brake: friction coefficient, sense of rotation, drum and shoes."""
+
+    surface = DRUM
+    direction_key = "rotation"
+    directions = ("counter-clockwise", "clockwise")
 
     title: Title
     rotation: Literal["counter-clockwise", "clockwise"]
     friction: Friction
     drum: Drum
-    shoes: Annotated[tuple[Shoe, ...], Field(alias="shoe", min_length=1)]
+    shoes: Annotated[tuple[DrumShoe, ...], Field(alias="shoe", min_length=1)]
     actuation: Drive | None = None
     links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
 
     @property
-    def spin(self) -> int:
-        """Sense of the drum's rotation s: +1 counter-clockwise, -1 clockwise."""
-        return 1 if self.rotation == "counter-clockwise" else -1
+    def direction(self) -> str:
+        """The sense of the drum's rotation."""
+        return self.rotation
 
     @property
-    def drag(self) -> float:
-        """Friction on the lining per pressure along e_theta at full slip: mu s."""
-        return self.friction * self.spin
-
-    def drag_on(self, shoe: Shoe) -> float:
-        """The same along growing angles of the shoe's own frame."""
-        return self.drag * shoe.frame.sense
+    def size(self) -> float:
+        """The drum's radius [m]."""
+        return self.drum.radius
 
     @property
-    def shares(self) -> str | None:
-        """That a cam or a strut shares a force among its shoes, in words; None where each shoe has its own."""
-        return shares(self.actuation, self.links)
+    def ring(self) -> Ring | None:
+        """The drum's elastic ring."""
+        return self.drum.ring
+
+    def reversed(self) -> Self:
+        """The brake whose drum turns the other way."""
+        return self.model_copy(update={"rotation": self.other_direction})
+
+    def bare(self) -> Self:
+        """The brake without what its bodies do not depend on, but for the shoes."""
+        drum = self.drum.model_copy(update={"out_of_round": (), "angle": 0.0})
+        friction = float(self.friction > 0)
+        return self.model_copy(
+            update={"title": "-", "rotation": self.directions[0], "friction": friction, "drum": drum}
+        )
+
+    def without_ring(self) -> Self:
+        """The brake on a rigid drum."""
+        return self.model_copy(update={"drum": self.drum.model_copy(update={"ring": None})})
+
+    def round(self) -> Self:
+        """The brake on a drum that is round."""
+        return self.model_copy(update={"drum": self.drum.model_copy(update={"out_of_round": ()})})
 
     @property
-    def motion(self) -> str:
-        """What moves, in words."""
-        return f"drum turns {self.rotation}"
+    def lobes(self) -> tuple[Lobes, ...]:
+        """What the drum's surface is off its circle."""
+        return self.drum.out_of_round
 
-    def unhinged(self) -> str | None:
-        """The first thing that is not plain hinges under forces of their own, in words of a refusal; None if all is."""
-        moving = (f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}" for shoe in self.shoes if shoe.held_by != "hinge")
-        return self.shares or next(moving, None)
-
-    def check_hinged(self, what: str) -> None:
-        """Raise BadInput for `what` is done with shoes on hinges only, under forces of their own."""
-        reason = self.unhinged()
-        if reason is not None:
-            raise BadInput(f"{what} takes shoes on hinges under forces of their own only: {reason}")
-
-    def names(self, group: Sequence[int]) -> str:
-        """The shoes of a group as a refusal names them."""
-        return ", ".join(f"shoe {self.shoes[i].name!r}" for i in group)
+    def surface_off(self, theta: Floats) -> Floats | None:
+        """How far [m] the drum's surface lies outside its circle at theta [rad], same shape."""
+        return off_circle(self.drum, theta) if self.drum.out_of_round else None
 
     @model_validator(mode="after")
     def _geometry(self, info: ValidationInfo) -> Self:
@@ -240,7 +179,7 @@ def _check_round(drum: Drum) -> None:
         raise ValueError(f"drum.out_of_round = {mm(off)} in all: must be at most {LARGEST_MISFIT:g} R = {mm(most)}")
 
 
-def _check_misfit(key: str, lining: Lining, radius: float) -> None:
+def _check_misfit(key: str, lining: DrumLining, radius: float) -> None:
     """Raise ValueError for a misfit that is no small one of a drum of this radius [m], or blocks not on the lining."""
     misfit, most = lining.misfit, LARGEST_MISFIT * radius
     allowed = f"{LARGEST_MISFIT:g} R = {mm(most)}"
@@ -252,7 +191,7 @@ def _check_misfit(key: str, lining: Lining, radius: float) -> None:
 THINNEST = 1e-9  # of the drum's radius: a thinner layer has no elements that arithmetic can tell from nothing
 
 
-def _check_thickness(key: str, part: "Lining | Backing | Body | Beam | Ring | Table | None", radius: float) -> None:
+def _check_thickness(key: str, part: "DrumLining | Backing | Body | Beam | Ring | Table | None", radius: float) -> None:
     thickness = None if part is None else part.thickness
     if thickness is not None and thickness < THINNEST * radius:
         raise ValueError(
@@ -260,7 +199,7 @@ def _check_thickness(key: str, part: "Lining | Backing | Body | Beam | Ring | Ta
         )
 
 
-def _check_shoe(key: str, shoe: Shoe, radius: float) -> None:
+def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
     """Raise ValueError where a shoe does not fit together or into a drum of this radius [m]."""
     table = shoe.body.table if isinstance(shoe.body, Body) else None
     parts = {"lining": shoe.lining, "backing": shoe.backing, "body": shoe.body, "body.table": table}
@@ -300,7 +239,7 @@ def check_grip(key: str, shoe: Held) -> None:
         raise ValueError(f"{key}.body.grip = {mm(body.grip)}: an abutment holds the body's end face; leave it out")
 
 
-def _check_beam(key: str, shoe: Shoe, radius: float) -> None:
+def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
     said = f'{key}.body.shape = "beam"'
     if shoe.sign > 0 or shoe.held_by != "hinge":
         raise ValueError(f"{said}: only for an external shoe that turns about its hinge")
@@ -321,7 +260,7 @@ def _check_beam(key: str, shoe: Shoe, radius: float) -> None:
         )
 
 
-def _check_support(key: str, shoe: Shoe, radius: float) -> None:
+def _check_support(key: str, shoe: DrumShoe, radius: float) -> None:
     if shoe.guide is not None:
         away = shoe.sign * math.cos(shoe.guide.direction - shoe.lining.middle)
         if away <= 0:

@@ -9,7 +9,8 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import ValidationError
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
+from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import Part, Point, unit_in
 from drumlin.errors import BadInput
 from drumlin.files import read_text
@@ -79,7 +80,7 @@ def brake_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Pa
 
     `base`: folder that relative mesh paths start from. Raises BadInput with one line.
     """
-    return validated(Brake, data, unit_required=unit_required, base=base)
+    return validated(DrumBrake, data, unit_required=unit_required, base=base)
 
 
 def toml_text(path: Path) -> str:

@@ -3,22 +3,21 @@ alone."""
 
 from collections.abc import Iterator
 
+from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Orthotropic
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 
 
-def orthotropic_parts(brake: AnyBrake) -> Iterator[str]:
+def orthotropic_parts(brake: Brake) -> Iterator[str]:
     """The parts of a brake whose material is orthotropic, as a refusal names them."""
     for shoe in brake.shoes:
         for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
             if isinstance(getattr(part, "material", None), Orthotropic):
                 yield f"shoe {shoe.name!r}: {name}.material"
-    ring = None if isinstance(brake, FlatBrake) else brake.drum.ring
-    if ring is not None and isinstance(ring.material, Orthotropic):
+    if brake.ring is not None and isinstance(brake.ring.material, Orthotropic):
         yield "drum.ring.material"
 
 
-def isotropic_only(brake: AnyBrake, model: str) -> str | None:
+def isotropic_only(brake: Brake, model: str) -> str | None:
     """Why a `model` that takes isotropic materials alone does not apply; None where it does."""
     part = next(orthotropic_parts(brake), None)
     return None if part is None else f"{part} is orthotropic; {model} takes isotropic materials only"

@@ -1,4 +1,4 @@
-"""The brake on a plane: shoes that press on a body which slides straight on.
+"""The brake on a plane, the data of a brake file with [plane]: shoes that press on a body which slides straight on.
 
 Conventions: the sliding surface is y = 0, the body lies below it, the shoes above; a lining reaches
 from x = start to x = end. It is the same kind of data as a drum brake, with lengths in place of angles.
@@ -6,20 +6,23 @@ from x = start to x = end. It is the same kind of data as a drum brake, with len
 
 import math
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, ValidationInfo, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import LARGEST_MISFIT, STEP, Backing, Bar, Friction, Misfit
-from drumlin.brake.drive import Drive, Link, driven, shares
-from drumlin.brake.drum_brake import Brake, check_grip
+from drumlin.brake.brake import Brake, Frame, Shoe
+from drumlin.brake.components import LARGEST_MISFIT, STEP, Backing, Bar, Friction, Lining, Misfit
+from drumlin.brake.drive import Drive, Link, driven
+from drumlin.brake.drum_brake import DrumBrake, check_grip
 from drumlin.brake.fields import (
     AnyMaterial,
     Length,
     Part,
+    Point,
     Rows,
     Thickness,
     Title,
@@ -27,8 +30,10 @@ from drumlin.brake.fields import (
     number_or_table,
     table,
 )
-from drumlin.brake.file import brake_from, read_toml, toml_data, validated
-from drumlin.brake.support import Meshed, check_motions
+from drumlin.brake.file import read_toml, toml_data, validated
+from drumlin.brake.off_circle import crown_gap
+from drumlin.brake.support import check_motions
+from drumlin.brake.surface import PLANE
 from drumlin.brake.units import deg, mm
 from drumlin.errors import BadInput
 
@@ -50,7 +55,7 @@ class FlatMisfit(Misfit):
     blocks: Annotated[Rows, table("place", "m", "depth", "m")] = ()
 
 
-class FlatLining(Part):
+class FlatLining(Lining):
     """The friction lining on the plane, from x = `start` to x = `end` [m], `width` [m] across.
 
     `thickness` [m] and `material` are what finite elements need; `clearance` [m]: how far it stands off the plane, one
@@ -60,8 +65,8 @@ class FlatLining(Part):
     start: Length
     end: Length
     width: Thickness
-    thickness: Thickness | None = None
-    material: AnyMaterial | None = None
+    thickness: Thickness | None = None  # type: ignore[assignment]
+    material: AnyMaterial | None = None  # type: ignore[assignment]
     clearance: Annotated[float | Rows, number_or_table("place", "m", "clearance", "m")] = 0.0
     misfit: FlatMisfit = FlatMisfit()
 
@@ -77,8 +82,13 @@ class FlatLining(Part):
                 f"{1 / (8 * LARGEST_MISFIT):g} times the lining's length"
             )
         allowed = f"{LARGEST_MISFIT:g} of the lining's length, {mm(most)}"
-        self.misfit.check("misfit", (self.start, self.end), STEP * long, mm, most, allowed)
+        self.misfit.check("misfit", (self.start, self.end), self.step, mm, most, allowed)
         return self
+
+    @property
+    def step(self) -> float:
+        """Length [m] of the rounded step from one block's height to the next."""
+        return STEP * (self.end - self.start)
 
 
 class FlatBody(Bar):
@@ -87,27 +97,32 @@ class FlatBody(Bar):
     start: Length
     end: Length
 
+    @property
+    def shape(self) -> str:
+        """Its shape in phi: that of an arc."""
+        return "arc"
 
-class FlatFrame(NamedTuple):
-    """A flat shoe's own frame: distance from the hinge's foot on the plane towards the lining.
 
-    x = origin + sense * distance. In it a shoe and its mirror image are the same thing.
+class FlatFrame(Frame):
+    """A flat shoe's own frame, whose origin is the hinge's foot on the plane.
+
+    Its points are (distance from there towards the lining, height above the plane) [m].
     """
 
-    origin: float
-    sense: int
+    def to_brake(self, vectors: Floats) -> Floats:
+        """Vectors (..., 2) of the shoe's frame in the brake's."""
+        return np.asarray(vectors) * np.array([float(self.sense), 1.0])
 
-    def distance(self, x: Floats) -> Floats:
-        """Distances [m] of the places x [m], same shape."""
-        return self.sense * (np.asarray(x) - self.origin)
-
-    def x(self, distance: Floats) -> Floats:
-        """Places x [m] at the distances [m], same shape."""
-        return self.origin + self.sense * np.asarray(distance)
+    def to_shoe(self, vectors: Floats) -> Floats:
+        """Vectors (..., 2) of the brake's frame in the shoe's."""
+        return np.asarray(vectors) * np.array([float(self.sense), 1.0])
 
 
-class FlatShoe(Meshed):
+class FlatShoe(Shoe):
     """A shoe with a flat lining, held by a hinge or otherwise (`Held`); without `body` it is rigid."""
+
+    surface = PLANE
+    _size: float | None = PrivateAttr(None)
 
     lining: FlatLining
     backing: Backing | None = None
@@ -124,20 +139,75 @@ class FlatShoe(Meshed):
         return self
 
     @property
-    def frame(self) -> FlatFrame:
-        """The shoe's own frame; its sense is chosen so that the lining's middle is at a distance >= 0."""
-        middle = 0.5 * (self.lining.start + self.lining.end)
-        return FlatFrame(self.pin.x, 1 if middle >= self.pin.x else -1)
+    def side(self) -> str:
+        """The side of a drum whose shoes look at their lining as this one does."""
+        return "internal"
 
     @property
-    def span(self) -> tuple[float, float]:
-        """The lining (x_min, x_max) [m] in the shoe's frame."""
-        ends = self.frame.distance(np.array([self.lining.start, self.lining.end]))
-        return float(ends.min()), float(ends.max())
+    def size(self) -> float:
+        """The size [m] of its brake; of a shoe that no brake has yet, the length of its own lining."""
+        return self.lining.end - self.lining.start if self._size is None else self._size
+
+    def of_size(self, size: float) -> Self:
+        """The shoe in a brake of this size [m]."""
+        shoe = self.model_copy()
+        shoe._size = size
+        return shoe
+
+    @cached_property
+    def frame(self) -> FlatFrame:
+        """The shoe's own frame; its sense is chosen so that the lining's middle is at a distance >= 0."""
+        return FlatFrame(self.pin.x, 1 if self.lining.middle >= self.pin.x else -1, self.size)
+
+    @property
+    def own_pin(self) -> Floats:
+        """The pin (2,) [m] in its frame."""
+        return np.array([0.0, self.pin.y])
+
+    def own_points(self, xy: Floats) -> Floats:
+        """Points (..., 2) [m] of the brake's frame in its own."""
+        return self.frame.to_shoe(np.asarray(xy) - np.array([self.pin.x, 0.0]))
+
+    def points(self, xy: Floats) -> Floats:
+        """Points (2, n) [m] of its frame in the brake's."""
+        return np.array([self.pin.x + self.frame.sense * xy[0], xy[1]])
+
+    def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
+        """Points (2, ...) [m] of its frame, at a height [m] above the plane and at phi."""
+        return np.stack(np.broadcast_arrays(size * phi, depth))
+
+    def off(self, xy: Floats, size: float) -> Floats:
+        """Height [m] of points (2, ...) [m] of its frame above the plane."""
+        return np.asarray(xy[1])
+
+    def phi_of(self, xy: Floats, size: float) -> Floats:
+        """phi of points (2, ...) [m] of its frame."""
+        return np.asarray(xy[0] / size)
+
+    def place_of(self, point: Point) -> float:
+        """The x [m] of a point."""
+        return point.x
+
+    def back(self, size: float) -> float:
+        """Length [m] of the back of its body per unit of phi."""
+        return size
+
+    @property
+    def closing(self) -> float:
+        """Direction [rad] of the plane's normal, towards the plane."""
+        return -math.pi / 2
+
+    def misfit_gap(self, theta: Floats, size: float) -> Floats:
+        """Gap [m] of a face ground to a circle, moved by its offset, at the places x [m], same shape."""
+        return crown_gap(self.lining.misfit.radius, self.lining.misfit.offset, theta - self.lining.middle)
 
 
-class FlatBrake(Part):
+class FlatBrake(Brake):
     """A brake on a plane: friction coefficient, sliding plane and shoes."""
+
+    surface = PLANE
+    direction_key = "plane.sliding"
+    directions = ("+x", "-x")
 
     title: Title
     friction: Friction
@@ -147,29 +217,30 @@ class FlatBrake(Part):
     links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
 
     @property
-    def unit(self) -> float:
-        """The length [m] that others are measured by, as by a drum's radius: that of its first lining."""
-        return self.shoes[0].lining.end - self.shoes[0].lining.start
+    def direction(self) -> str:
+        """The direction in which the body slides."""
+        return self.plane.sliding
 
     @property
-    def spin(self) -> int:
-        """Sense of the sliding: +1 along +x, -1 along -x."""
-        return 1 if self.plane.sliding == "+x" else -1
+    def size(self) -> float:
+        """The length [m] of its first lining."""
+        return self.shoes[0].size
 
-    @property
-    def shares(self) -> str | None:
-        """That a cam or a strut shares a force among its shoes, in words; None where each shoe has its own."""
-        return shares(self.actuation, self.links)
+    def reversed(self) -> Self:
+        """The brake whose body slides the other way."""
+        return self.model_copy(update={"plane": self.plane.model_copy(update={"sliding": self.other_direction})})
 
-    @property
-    def motion(self) -> str:
-        """What moves, in words."""
-        return f"body slides along {self.plane.sliding}"
+    def bare(self) -> Self:
+        """The brake without what its bodies do not depend on, but for the shoes."""
+        friction = float(self.friction > 0)
+        return self.model_copy(update={"title": "-", "friction": friction, "plane": Plane(sliding="+x")})
 
     @model_validator(mode="after")
     def _whole(self, info: ValidationInfo) -> Self:
         check_names([shoe.name for shoe in self.shoes])
         shoes = driven(self.shoes, self.actuation, self.links, file=bool((info.context or {}).get("unit_required")))
+        size = shoes[0].lining.end - shoes[0].lining.start
+        shoes = tuple(shoe.of_size(size) for shoe in shoes)
         for i, shoe in enumerate(shoes):
             check_grip(f"shoe[{i}]", shoe)
             check_motions(f"shoe[{i}]", shoe, slice(1, 3))
@@ -179,17 +250,12 @@ class FlatBrake(Part):
         return self.model_copy(update={"shoes": shoes})
 
 
-AnyBrake = Brake | FlatBrake
-
-
-def any_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> AnyBrake:
+def any_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> Brake:
     """As `brake_from`, with [plane] a brake on a plane."""
-    if "plane" in data:
-        return validated(FlatBrake, data, unit_required=unit_required, base=base)
-    return brake_from(data, unit_required=unit_required, base=base)
+    return validated(Brake.shape_of(data), data, unit_required=unit_required, base=base)
 
 
-def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
+def read_any(path: Path | str, text: str | None = None) -> Brake:
     """The brake described by a TOML file: with [plane] one on a plane, else one on a drum.
 
     Parameters
@@ -217,6 +283,6 @@ def read_any(path: Path | str, text: str | None = None) -> AnyBrake:
 def read_drum(path: Path, what: str, text: str | None = None) -> Brake:
     """The brake on a drum of a TOML file, for `what` takes no other. Raises BadInput as `read_any`, and for a plane."""
     brake = read_any(path, text)
-    if isinstance(brake, FlatBrake):
+    if not isinstance(brake, DrumBrake):
         raise BadInput(f"{path}: is a brake on a plane; {what} takes brakes on a drum")
     return brake

@@ -1,5 +1,7 @@
 """The JSON schema of a brake file, from the classes that read it: editors complete and check TOML by it."""
 
+import json
+import re
 from functools import partial
 from typing import Any
 
@@ -7,7 +9,8 @@ from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 
 from drumlin.brake import fields
-from drumlin.brake.plane_brake import AnyBrake
+from drumlin.brake.drum_brake import DrumBrake
+from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.units import EXAMPLES, NAMES
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -66,7 +69,12 @@ def written(schema: Any) -> Any:
     return {**only[0], **{k: v for k, v in found.items() if k != "anyOf"}} if len(only) == 1 else found
 
 
+IN_FILES = re.compile(r'"(#/\$defs/)?Drum(Brake|Lining|Shoe)"')
+"""Names of the classes that read a brake on a drum. A schema calls them Brake, Lining and Shoe, which stays."""
+
+
 def brake_schema() -> dict[str, Any]:
     """The schema of a brake file, on a drum or on a plane."""
-    made = TypeAdapter(AnyBrake).json_schema(schema_generator=UnitSchema)
-    return {"$schema": DIALECT, "title": "drumlin brake file", **written(made)}
+    made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
+    found = json.loads(IN_FILES.sub(r'"\1\2"', json.dumps(written(made))))
+    return {"$schema": DIALECT, "title": "drumlin brake file", **found, "$defs": dict(sorted(found["$defs"].items()))}

@@ -8,10 +8,9 @@ from typing import Annotated, Any
 
 from pydantic.fields import FieldInfo
 
+from drumlin.brake.brake import Brake
 from drumlin.brake.components import Actuation, Lobes, Misfit, Table
-from drumlin.brake.drum_brake import Brake
 from drumlin.brake.fields import Material, Orthotropic, Part, Point, row_units_in, unit_in
-from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.support import Held
 from drumlin.brake.units import COMMON, to_si
 from drumlin.errors import BadInput
@@ -31,7 +30,7 @@ def brake_text(brake: Part) -> str:
 
 def _as_given(brake: Part) -> Part:
     """The brake without the forces that follow from its drive and its struts: a file must not repeat them."""
-    if not isinstance(brake, Brake | FlatBrake) or not (brake.actuation or brake.links):
+    if not isinstance(brake, Brake) or not (brake.actuation or brake.links):
         return brake
     pushed = {link.to for link in brake.links}
     none = Held.model_fields["actuation"].default

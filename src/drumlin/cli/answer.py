@@ -6,23 +6,21 @@ from typing import TYPE_CHECKING
 from drumlin.cli.terminal import Column, print_columns, tell
 
 if TYPE_CHECKING:
-    from drumlin.brake.plane_brake import AnyBrake
+    from drumlin.brake.brake import Brake
     from drumlin.response.response import FlatMerit, Merit, Response
 
 LEAST = ["shoe_factor", "reaction", "normal_force", "at"]
 
 
-def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = False) -> None:
+def print_response(brake: "Brake", response: "Response", *, verbose: bool = False) -> None:
     """Torque and brake factor, a row a shoe, warnings, how bodies are held; shoes that do not touch are said first.
 
     verbose: figures of merit, how it was found, how long that took and what is left out, too.
     """
-    from drumlin.brake.plane_brake import FlatBrake
-    from drumlin.response.merit import brake_factor, effect
-    from drumlin.response.show import effect_words, factor_word
+    from drumlin.response.merit import brake_factor
 
-    flat = isinstance(brake, FlatBrake)
-    what, unit = effect_words(flat=flat)
+    surface = brake.surface
+    what = surface.effect
     tell(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
     apart = {line for line in response.notes if ": no contact" in line}
     warned = [line for line in response.notes if line.startswith("warning:")]
@@ -31,10 +29,8 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
         if line in apart:
             tell(line)
     factor = brake_factor(brake, response)
-    said = (
-        "" if factor is None else f", brake factor {factor:.4g} = {factor_word(flat=flat)}, F the mean actuation force"
-    )
-    tell(f"{what} {effect(response):.6g} {unit}{said}")
+    said = "" if factor is None else f", brake factor {factor:.4g} = {surface.factor}, F the mean actuation force"
+    tell(f"{what} {response.effect:.6g} {surface.effect_unit}{said}")
     if not response.converged:
         tell("not converged")
     _print_shoes(brake, response)
@@ -53,24 +49,19 @@ def print_response(brake: "AnyBrake", response: "Response", *, verbose: bool = F
         _print_more(response, apart.union(warned, held))
 
 
-def _print_shoes(brake: "AnyBrake", response: "Response") -> None:
-    from drumlin.brake.plane_brake import FlatBrake
-    from drumlin.response.merit import shoe_effect
+def _print_shoes(brake: "Brake", response: "Response") -> None:
     from drumlin.response.response import peak_place
-    from drumlin.response.show import arcs_text, factor_word, place_unit
+    from drumlin.response.show import arcs_text
 
-    flat = isinstance(brake, FlatBrake)
-    unit, per_unit = place_unit(flat=flat)
+    surface = brake.surface
+    unit = surface.shown_unit
     places = [peak_place(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
-    at = ["" if place is None else f"{place.at * per_unit + 0.0:.1f}" for place in places]
-    effects = [shoe_effect(response, i) for i in range(len(response.shoes))]
-    size = 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius
-    forces = [abs(shoe.actuation.force) * size for shoe in brake.shoes]
+    at = ["" if place is None else f"{place.at * surface.shown + 0.0:.1f}" for place in places]
+    effects = response.effects
+    forces = [abs(shoe.actuation.force) * brake.scale_factor for shoe in brake.shoes]
     columns = {
         "shoe": Column("shoe", "shoe\n", [shoe.name for shoe in response.shoes], left=True),
-        "effect": Column(
-            "torque", "braking\nforce [N]" if flat else "torque\n[N m]", [f"{value:.6g}" for value in effects]
-        ),
+        "effect": Column("torque", surface.heading, [f"{value:.6g}" for value in effects]),
         "normal_force": Column(
             "normal force", "normal\nforce [N]", [f"{shoe.normal_force:.6g}" for shoe in response.shoes]
         ),
@@ -79,14 +70,14 @@ def _print_shoes(brake: "AnyBrake", response: "Response") -> None:
         ),
         "at": Column("where the pressure peaks", f"at\n[{unit}]", at),
         "contact": Column(
-            "contact", f"contact\n[{unit}]", [arcs_text(shoe, flat=flat).replace(", ", "\n") for shoe in response.shoes]
+            "contact", f"contact\n[{unit}]", [arcs_text(shoe, surface).replace(", ", "\n") for shoe in response.shoes]
         ),
         "reaction": Column(
             "hinge reaction", "reaction\n[N]", [f"{math.hypot(*shoe.hinge_reaction):.6g}" for shoe in response.shoes]
         ),
         "shoe_factor": Column(
             "shoe factor",
-            f"{factor_word(flat=flat)}\n",
+            f"{surface.factor}\n",
             [f"{value / force:.3f}" if force else "" for value, force in zip(effects, forces, strict=True)],
         ),
     }

@@ -22,16 +22,15 @@ def cost(
 ) -> None:
     """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
     from drumlin.brake.plane_brake import read_any
-    from drumlin.brake.unrolled import on_drum
     from drumlin.fem.solve import check_divided
     from drumlin.models import pick
     from drumlin.verification.cost import measure, solid_table, table
 
-    given = read_any(brake_file)
+    brake = read_any(brake_file)
     if model not in {"fem", "solid"}:
         raise BadInput(f"--model = {model!r}: has no cost to print; allowed: fem, solid")
-    pick(model, given)
-    brake = on_drum(given)
+    pick(model, brake)
+    brake.check_meshable()
     check_divided(brake, elements=elements)
     options = fem_options(elements, penalty=penalty)
     if by_size and options:
@@ -58,7 +57,6 @@ def reference(
     from drumlin.brake.file import toml_text
     from drumlin.brake.plane_brake import read_any
     from drumlin.files import check_outputs
-    from drumlin.response.show import effect_words
     from drumlin.verification.reference import reference as make
     from drumlin.verification.reference_file import as_dict, write_values
 
@@ -69,7 +67,7 @@ def reference(
     with busy("columns of high degree, then triangles"):
         found = make(brake, text, typed(["drumlin", "reference", str(brake_file)]))
     write_values(as_dict(found), path)
-    effect, unit = effect_words(flat=found.flat)
+    effect, unit = brake.surface.effect, brake.surface.effect_unit
     tell(f"{effect} {found.torque.value:.10g} {unit}, uncertainty {found.torque.uncertainty:.1e}")
     for shoe in found.shoes:
         tell(
@@ -98,7 +96,7 @@ def check(
 ) -> None:
     """Compare anybody's p(theta) with reference values. The last line is the verdict; exit status 0 either way."""
     from drumlin.brake.file import toml_text
-    from drumlin.brake.plane_brake import FlatBrake, read_any
+    from drumlin.brake.plane_brake import read_any
     from drumlin.studies import REPOSITORY
     from drumlin.verification.check import check as compare_with
     from drumlin.verification.check import lines, read_curves
@@ -119,5 +117,5 @@ def check(
         found, said = read_reference(path), str(path)
     verdicts = compare_with(brake, found, curves)
     tell(f"reference: {said}")
-    for line in lines(verdicts, tolerance, flat=isinstance(brake, FlatBrake)):
+    for line in lines(verdicts, tolerance, brake.surface):
         tell(line)

@@ -8,7 +8,7 @@ import typer
 from drumlin.errors import BadInput
 
 if TYPE_CHECKING:
-    from drumlin.brake.plane_brake import AnyBrake
+    from drumlin.brake.brake import Brake
 
 BrakeFiles = Annotated[list[Path], typer.Argument(metavar="BRAKE.toml...", help="one brake file or more")]
 BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake file")]
@@ -37,7 +37,7 @@ def fem_options(elements: int | None, *, kind: str | None = None, penalty: str |
     return options
 
 
-def for_width(brake: "AnyBrake", wanted: bool) -> tuple["AnyBrake", list[str]]:
+def for_width(brake: "Brake", wanted: bool) -> tuple["Brake", list[str]]:
     """The brake, where it is `wanted` corrected for the widths of its shoes, and a line that says so."""
     if not wanted:
         return brake, []

@@ -44,7 +44,6 @@ def mesh(
 ) -> None:
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
     from drumlin.brake.plane_brake import read_any
-    from drumlin.brake.unrolled import on_drum
     from drumlin.fem.assembly import prepare
     from drumlin.fem.mesh.file import write_mesh
     from drumlin.fem.solve import check_divided
@@ -52,7 +51,8 @@ def mesh(
 
     if name is not None and Path(name).name != name:
         raise BadInput(f"--name = {name!r}: must be a word without folders; --output names the folder")
-    brake, options = on_drum(read_any(brake_file)), fem_options(elements, kind=kind)
+    brake, options = read_any(brake_file), fem_options(elements, kind=kind)
+    brake.check_meshable()
     check_divided(brake, **options)
     paths = [output / f"{name or brake_file.stem}_{shoe.name}.{suffix}" for shoe in brake.shoes]
     check_outputs(*paths)

@@ -47,7 +47,7 @@ def solve(
     ] = False,
 ) -> None:
     """Solve a brake, or several, by one model."""
-    from drumlin.brake.plane_brake import FlatBrake, read_any
+    from drumlin.brake.plane_brake import read_any
     from drumlin.files import check_outputs, write_json, write_text
     from drumlin.models import pick
 
@@ -85,7 +85,7 @@ def solve(
         if pressure is not None:
             from drumlin.verification.check import curves_text
 
-            write_text(pressure, curves_text(response, isinstance(brake, FlatBrake)))
+            write_text(pressure, curves_text(response, brake.surface))
         if i > failed:
             tell("")
         print_response(brake, response, verbose=verbose)
@@ -142,33 +142,33 @@ def hold(
     """Hold the drum: from rest through partial slip to full slip, as it is turned against the shoes."""
     import numpy as np
 
-    from drumlin.brake.plane_brake import FlatBrake, read_any
+    from drumlin.brake.plane_brake import read_any
     from drumlin.brake.units import quantity
-    from drumlin.brake.unrolled import on_drum
-    from drumlin.fem.holding import as_dict, full_slip_rotation, on_plane
+    from drumlin.fem.holding import as_dict, full_slip_rotation
     from drumlin.fem.holding import hold as turn
     from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
     from drumlin.texts import formatted
 
-    given, wide = for_width(read_any(brake_file), finite_width)
-    flat, brake = isinstance(given, FlatBrake), on_drum(given)
+    brake, wide = for_width(read_any(brake_file), finite_width)
+    brake.check_meshable()
+    surface = brake.surface
     check_outputs(json_file)
     if not 1 <= steps <= 10_000:
         raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
     options, stiffness = fem_options(elements, kind=kind), fem_options(None, penalty=penalty)
-    end = None if rotation is None else quantity("--rotation", rotation, "m" if flat else "rad")
+    end = None if rotation is None else quantity("--rotation", rotation, surface.unit)
     with busy("holding") as say:
         scene = scene_of(brake, **options)
         end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
         states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
-        states = on_plane(states, brake.drum.radius) if flat else states
     if json_file is not None:
         write_json(json_file, as_dict(states))
     for line in wide:
         tell(line)
-    way, moment = ("slide [mm]", "force [N]") if flat else ("rotation [deg]", "moment [N m]")
-    turned = [at.rotation * 1e3 if flat else np.degrees(at.rotation) for at in states]
+    way = f"{surface.moved} [{surface.shown_unit}]"
+    moment = f"{surface.held} [{surface.effect_unit}]"
+    turned = [at.rotation * surface.shown for at in states]
     columns = {
         "way": Column("way", way, [f"{each:.6f}" for each in turned]),
         "moment": Column("moment", moment, [formatted(at.torque, ".4f") for at in states]),
@@ -188,9 +188,8 @@ def sensitivity(
     penalty: Penalty = None,
 ) -> None:
     """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the elastic brake."""
-    from drumlin.brake.plane_brake import FlatBrake, read_any
-    from drumlin.brake.unrolled import on_drum
-    from drumlin.fem.sensitivity import as_text, on_plane
+    from drumlin.brake.plane_brake import read_any
+    from drumlin.fem.sensitivity import as_text
     from drumlin.fem.sensitivity import sensitivity as slopes
     from drumlin.fem.solve import scene_of
     from drumlin.files import check_outputs, write_json
@@ -199,9 +198,8 @@ def sensitivity(
     check_outputs(json_file)
     options, stiffness = fem_options(elements, kind=kind), fem_options(None, penalty=penalty)
     with busy("sensitivity"):
-        own = on_drum(brake)
-        found = slopes(scene_of(own, **options), own, **stiffness)
-        found = on_plane(brake, found) if isinstance(brake, FlatBrake) else found
+        brake.check_meshable()
+        found = slopes(scene_of(brake, **options), brake, **stiffness)
     if json_file is not None:
         write_json(json_file, found.as_dict())
     tell(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
@@ -234,10 +232,8 @@ def wear(
     finite_width: FiniteWidth = False,
 ) -> None:
     """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe law."""
-    from drumlin.brake.file import vary
-    from drumlin.brake.plane_brake import FlatBrake, read_any
+    from drumlin.brake.plane_brake import read_any
     from drumlin.brake.units import quantity
-    from drumlin.brake.unrolled import on_drum
     from drumlin.files import check_outputs, write_json
     from drumlin.wear.archard import WearLaw
     from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
@@ -245,9 +241,9 @@ def wear(
     from drumlin.wear.run_in import COEFFICIENT, as_dict, check_depth, report_lines, run_in, target
     from drumlin.wear.run_in import unit_distance as unit_of
 
-    given, wide = for_width(read_any(brake_file), finite_width and model == "fem")
-    given = on_guides(given) if guided else given
-    flat, brake = isinstance(given, FlatBrake), on_drum(given)
+    brake, wide = for_width(read_any(brake_file), finite_width and model == "fem")
+    brake = on_guides(brake) if guided else brake
+    brake.check_meshable()
     check_outputs(json_file)
     if model not in {"fem", "foundation"}:
         raise BadInput(f"--model = {model!r}: does not wear; allowed: fem, foundation")
@@ -262,7 +258,7 @@ def wear(
     law = WearLaw(COEFFICIENT if coefficient is None else quantity("--coefficient", coefficient, "1/Pa"), exponent)
     options: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
     if torque is not None:
-        options["torque"] = quantity("--torque", torque, "N" if flat else "N m")
+        options["torque"] = quantity("--torque", torque, brake.surface.effect_unit)
 
     def length(key: str, text: str, setup: WearSetup) -> float:
         try:
@@ -286,13 +282,8 @@ def wear(
 
         setup = setup_of(brake)
         if reverse is not None:
-            back = (
-                {"plane.sliding": "-x" if given.spin > 0 else "+x"}
-                if flat
-                else {"rotation": "clockwise" if given.spin > 0 else "counter-clockwise"}
-            )
             options |= {
-                "backward": setup_of(on_drum(vary(given, back))),
+                "backward": setup_of(brake.reversed()),
                 "reverse": length("--reverse", reverse, setup),
             }
         if distance is not None:

@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from drumlin.brake import AnyBrake, Brake, FlatBrake, vary
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake import vary
+from drumlin.brake.brake import Brake
 from drumlin.errors import DrumlinError, NoAnswer
 from drumlin.explore.knobs import LARGEST_WEAR, Setting, brake_of, knobs_of
 from drumlin.fem.assembly import Scene, bare, prepare
@@ -17,11 +17,11 @@ from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
 from drumlin.fem.self_locking import limits
-from drumlin.fem.solve import as_given, solve
+from drumlin.fem.solve import solve
 from drumlin.laws import LAWS, locking_friction
 from drumlin.models import pick
 from drumlin.response import Response
-from drumlin.response.merit import effect, with_merits
+from drumlin.response.merit import with_merits
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.wear.archard import WearLaw, WearState, at
 from drumlin.wear.linings import WearSetup, fem_setup
@@ -42,7 +42,7 @@ class Answer:
     """
 
     setting: Setting
-    brake: AnyBrake | None = None
+    brake: Brake | None = None
     found: Response | None = None
     failure: str = ""
     law_name: str | None = None
@@ -94,7 +94,7 @@ class Explorer:
     Raises BadInput for a brake that finite elements do not cover.
     """
 
-    def __init__(self, brake: AnyBrake) -> None:
+    def __init__(self, brake: Brake) -> None:
         pick("fem", brake)
         self.brake, self.knobs = brake, knobs_of(brake)
         self._scene, self._worn, self._limits, self._stated = Latest(), Latest(), Latest(), Latest()
@@ -106,24 +106,24 @@ class Explorer:
             brake = brake_of(self.brake, self.knobs, setting)
             made = replace(made, brake=brake)
             scene, wear = self.scene(brake), setting.values.get("wear", 0.0)
-            if wear > 0 and isinstance(brake, Brake):
+            if wear > 0 and not brake.surface.straight:
                 brake, distance = self._worn_brake(scene, brake, wear)
                 made = replace(made, brake=brake, distance=distance)
-            found = as_given(brake, respond(scene, on_drum(brake)))
+            found = respond(scene, brake)
             # of merits the page shows the braking force on a plane
-            made = replace(made, found=with_merits(brake, found) if isinstance(brake, FlatBrake) else found)
+            made = replace(made, found=with_merits(brake, found) if brake.surface.straight else found)
         except DrumlinError as error:
             made = replace(made, failure=str(error))
         return _beside(made)
 
-    def scene(self, brake: AnyBrake) -> Scene:
+    def scene(self, brake: Brake) -> Scene:
         """The bodies of a brake, prepared with friction, so that they serve every friction."""
 
         def make() -> Scene:
-            dragged = on_drum(vary(brake, {"friction": 1.0}))
+            dragged = vary(brake, {"friction": 1.0})
             return prepare(dragged) if any(shoe.mesh for shoe in dragged.shoes) else scene(dragged, LEVEL)
 
-        return self._scene.get(bare(on_drum(brake)).model_copy(update={"friction": 1.0}), make)
+        return self._scene.get(bare(brake).model_copy(update={"friction": 1.0}), make)
 
     def _worn_brake(self, scene: Scene, brake: Brake, wear: float) -> tuple[Brake, float]:
         """The brake worn over `wear` times 1/(k K), and that distance [m]. Raises NoAnswer for a lining worn out."""
@@ -135,11 +135,11 @@ class Explorer:
                 raise NoAnswer(f"shoe {surface.name!r}: worn out, {deepest * 1e3:.3g} mm would be worn off its lining")
         return worn(run.setup, state), wear * run.unit
 
-    def locking(self, brake: AnyBrake) -> Mapping[tuple[int, ...], float]:
+    def locking(self, brake: Brake) -> Mapping[tuple[int, ...], float]:
         """mu_lock of each group of shoes that meet the drum together, up to HIGHEST; empty where nothing touches."""
 
         def make() -> Mapping[tuple[int, ...], float]:
-            dragged = on_drum(vary(brake, {"friction": 1.0}))
+            dragged = vary(brake, {"friction": 1.0})
             try:
                 found = limits(self.scene(brake), dragged, HIGHEST)
             except NoAnswer:
@@ -149,7 +149,7 @@ class Explorer:
         known: Mapping[tuple[int, ...], float] = self._limits.get(_at_any_friction(brake), make)
         return known
 
-    def known_locking(self, brake: AnyBrake) -> Mapping[tuple[int, ...], float] | None:
+    def known_locking(self, brake: Brake) -> Mapping[tuple[int, ...], float] | None:
         """The same where it is known already, else None: it takes some 30 to 100 ms."""
         known: Mapping[tuple[int, ...], float] | None = self._limits.kept(_at_any_friction(brake))
         return known
@@ -166,13 +166,13 @@ class Explorer:
             except DrumlinError:
                 return None
             apart = max(pressure_distance(a, b) for a, b in zip(found.shoes, finer.shoes, strict=True))
-            return Stated(abs(relative(effect(found), effect(finer))), apart, finer.error)
+            return Stated(abs(relative(found.effect, finer.effect)), apart, finer.error)
 
         known: Stated | None = self._stated.get(brake, make)
         return known
 
 
-def _at_any_friction(brake: AnyBrake) -> AnyBrake:
+def _at_any_friction(brake: Brake) -> Brake:
     """A key, not a brake: the same for every friction."""
     return brake.model_copy(update={"friction": 1.0})
 
@@ -189,7 +189,7 @@ def _beside(made: Answer) -> Answer:
     if name is None or brake is None:
         return made
     try:
-        if name in LAWS and isinstance(brake, Brake):
+        if name in LAWS and not brake.surface.straight:
             locking = min(locking_friction(brake, shoe, LAWS[name]) for shoe in brake.shoes)
             made = replace(made, law_locking=locking)
         return replace(made, law=pick(name, brake).solve(brake))

@@ -8,14 +8,14 @@ from urllib.parse import urlencode
 
 import numpy as np
 
-from drumlin.brake import AnyBrake, Brake, FlatBrake, FlatShoe, Shoe, vary
+from drumlin.brake import vary
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.drive import Drive
 from drumlin.models import applicable
 from drumlin.texts import one_line
 
 Changes = dict[str, Any]
-SENSES = {"rotation": ("counter-clockwise", "clockwise"), "sliding": ("+x", "-x")}
 LARGEST_WEAR = 50.0  # of 1/(k K); a stiff brake is worn in after some 46
 DRIVES = {
     "pressure": ("pressure of the cylinder", "MPa", 1e6),
@@ -57,7 +57,7 @@ WEAR = Knob("wear", "wear: sliding distance", "1/(k K)", 0.0, LARGEST_WEAR, 0.25
 @dataclass(frozen=True)
 class Setting:
     """Where the knobs stand: values by name, of those that are away from the brake file; `sense` of the motion, one of
-    SENSES; the law beside."""
+    `Brake.directions`; the law beside."""
 
     sense: str
     law: str | None
@@ -75,35 +75,30 @@ class Setting:
         return replace(self, values=values)
 
 
-def motion_of(brake: AnyBrake) -> tuple[str, str]:
-    """What a file calls the sense of the motion, one of SENSES, and that sense."""
-    return ("sliding", brake.plane.sliding) if isinstance(brake, FlatBrake) else ("rotation", brake.rotation)
+def motion_of(brake: Brake) -> str:
+    """What a file calls the direction of the motion."""
+    return brake.direction_key.rpartition(".")[2]
 
 
-def size_of(brake: AnyBrake) -> float:
-    """The length [m] that ranges and signs go by: the drum's radius, on a plane that of the first lining."""
-    return brake.unit if isinstance(brake, FlatBrake) else brake.drum.radius
-
-
-def laws_of(brake: AnyBrake) -> tuple[str, ...]:
+def laws_of(brake: Brake) -> tuple[str, ...]:
     """Names of the models that can stand beside the finite elements."""
     return tuple(model.name for model in applicable(brake) if model.name != "fem")
 
 
-def start_of(brake: AnyBrake) -> Setting:
+def start_of(brake: Brake) -> Setting:
     """The setting that is the brake file itself."""
-    return Setting(motion_of(brake)[1], next(iter(laws_of(brake)), None))
+    return Setting(brake.direction, next(iter(laws_of(brake)), None))
 
 
-def knobs_of(brake: AnyBrake) -> tuple[Knob, ...]:
+def knobs_of(brake: Brake) -> tuple[Knob, ...]:
     """The knobs that a brake has, in the page's order.
 
     A quantity that differs from shoe to shoe is shown as that of the shoe with the largest; the others go in proportion
     (forces, moduli) or by the same difference (clearance, misfit).
     """
-    R = size_of(brake) * 1e3
+    R = brake.size * 1e3
     fine = nice(R * 1e-5)
-    flat = isinstance(brake, FlatBrake)  # where a lining that fits has no radius
+    flat = brake.surface.straight  # where a lining that fits has no radius
     found = [
         Knob("friction", "friction µ", "", 0.0, max(1.0, 2 * brake.friction), 0.005, brake.friction, _friction),
         _force(brake),
@@ -130,7 +125,7 @@ def _friction(value: float) -> Changes:
     return {"friction": value}
 
 
-def _force(brake: AnyBrake) -> Knob | None:
+def _force(brake: Brake) -> Knob | None:
     if brake.actuation is not None:
         return _drive(brake.actuation)
     forces = [shoe.actuation.force for shoe in brake.shoes]
@@ -162,7 +157,7 @@ def _drive(drive: Drive) -> Knob:
     return Knob("force", label, unit, low, high, nice(abs(start) * 1e-2), start, changes)
 
 
-def _shifted(brake: AnyBrake, by: float) -> Changes:
+def _shifted(brake: Brake, by: float) -> Changes:
     """Every line of action moved by a length [m] across itself, away from its hinge for a positive one."""
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
@@ -174,19 +169,15 @@ def _shifted(brake: AnyBrake, by: float) -> Changes:
     return changes
 
 
-def _shoes(brake: AnyBrake) -> tuple[Shoe | FlatShoe, ...]:
-    return brake.shoes
-
-
-def _turned(brake: AnyBrake, by: float) -> Changes:
+def _turned(brake: Brake, by: float) -> Changes:
     """Every force turned by an angle [rad], mirrored on shoes that are."""
     return {
         f"shoe[{i}].actuation.direction": shoe.actuation.direction + shoe.frame.sense * by
-        for i, shoe in enumerate(_shoes(brake))
+        for i, shoe in enumerate(brake.shoes)
     }
 
 
-def _clearance(brake: AnyBrake, step: float) -> Knob:
+def _clearance(brake: Brake, step: float) -> Knob:
     """One clearance; where the file has tables, or values that differ, what is added to them."""
     given = [shoe.lining.clearance for shoe in brake.shoes]
     same = len(set(given)) == 1 and isinstance(given[0], float | int)
@@ -204,10 +195,9 @@ def _clearance(brake: AnyBrake, step: float) -> Knob:
     return Knob("clearance", label, "mm", -reach, 2 * reach, step, start, changes)
 
 
-def _misfit(brake: AnyBrake, step: float) -> Knob:
+def _misfit(brake: Brake, step: float) -> Knob:
     """The linings' radius over the drum's; where they differ, what is added to them."""
-    assert isinstance(brake, Brake)
-    R = brake.drum.radius
+    R = brake.size
     given = [0.0 if shoe.lining.misfit.radius is None else shoe.lining.misfit.radius - R for shoe in brake.shoes]
     same = len(set(given)) == 1
     start = given[0] * 1e3 if same else 0.0
@@ -221,13 +211,13 @@ def _misfit(brake: AnyBrake, step: float) -> Knob:
     return Knob("misfit", label, "mm", -reach, reach, step, start, changes)
 
 
-def _modulus(brake: AnyBrake, part: str, label: str, unit: str, factor: float) -> Knob | None:
+def _modulus(brake: Brake, part: str, label: str, unit: str, factor: float) -> Knob | None:
     """Young's modulus of the linings or the shoes, from a hundredth to a hundred times that of the
     file.
 
     All moduli of an orthotropic material go in proportion.
     """
-    moduli = {i: E for i, shoe in enumerate(_shoes(brake)) if (E := _E(shoe, part)) is not None}
+    moduli = {i: E for i, shoe in enumerate(brake.shoes) if (E := _E(shoe, part)) is not None}
     if not moduli:
         return None
     largest = max(moduli.values())
@@ -241,14 +231,14 @@ def _modulus(brake: AnyBrake, part: str, label: str, unit: str, factor: float) -
     return Knob(part, label, unit, start / 100, start * 100, 0.01, start, changes, log=True)
 
 
-def _E(shoe: Shoe | FlatShoe, part: str) -> float | None:
+def _E(shoe: Shoe, part: str) -> float | None:
     """The modulus that a part answers the contact with: through a lining, along a body."""
     if part == "lining":
         return None if shoe.lining.material is None else shoe.lining.material.E_through
     return shoe.body.material.E_along if shoe.body is not None and shoe.body.material is not None else None
 
 
-def _stiffer(shoe: Shoe | FlatShoe, i: int, part: str, times: float) -> Changes:
+def _stiffer(shoe: Shoe, i: int, part: str, times: float) -> Changes:
     """All moduli of a part, and its bending stiffness, so many times as large."""
     material = shoe.lining.material if part == "lining" else None if shoe.body is None else shoe.body.material
     assert material is not None  # _modulus
@@ -264,35 +254,34 @@ def _stiffer(shoe: Shoe | FlatShoe, i: int, part: str, times: float) -> Changes:
     return changes
 
 
-def brake_of(brake: AnyBrake, knobs: Sequence[Knob], setting: Setting) -> AnyBrake:
+def brake_of(brake: Brake, knobs: Sequence[Knob], setting: Setting) -> Brake:
     """The brake at a setting, unworn; raises BadInput where its parts do not fit together."""
-    key, sense = motion_of(brake)
     changes: Changes = {}
-    if setting.sense != sense:
-        changes["plane.sliding" if isinstance(brake, FlatBrake) else key] = setting.sense
+    if setting.sense != brake.direction:
+        changes[brake.direction_key] = setting.sense
     for knob in knobs:
         if knob.name in setting.values:
             changes |= knob.changes(setting.values[knob.name])
     return vary(brake, changes) if changes else brake
 
 
-def link_of(knobs: Sequence[Knob], brake: AnyBrake, setting: Setting) -> str:
+def link_of(knobs: Sequence[Knob], brake: Brake, setting: Setting) -> str:
     """The query of the page's address that stands for a setting: what is away from the brake file."""
     start = start_of(brake)
     said = {knob.name: f"{setting.values[knob.name]:.12g}" for knob in knobs if knob.name in setting.values}
     if setting.sense != start.sense:
-        said[motion_of(brake)[0]] = setting.sense
+        said[motion_of(brake)] = setting.sense
     if setting.law is not None and setting.law != start.law:
         said["law"] = setting.law
     return urlencode(said)
 
 
-def setting_from(knobs: Sequence[Knob], brake: AnyBrake, query: Mapping[str, str]) -> tuple[Setting, tuple[str, ...]]:
+def setting_from(knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]) -> tuple[Setting, tuple[str, ...]]:
     """The setting of a link, and a line for each part of it that was refused or moved into its range."""
     setting, lines = start_of(brake), list[str]()
     known = {knob.name: knob for knob in knobs}
-    motion = motion_of(brake)[0]
-    words = {motion: SENSES[motion], "law": laws_of(brake)}
+    motion = motion_of(brake)
+    words = {motion: brake.directions, "law": laws_of(brake)}
     for name, text in query.items():
         if name in known:
             setting, line = _read(known[name], text, setting)

@@ -9,20 +9,19 @@ from urllib.parse import parse_qsl, urlsplit
 
 import jinja2
 
-from drumlin.brake import AnyBrake, FlatBrake, vary
+from drumlin.brake import vary
+from drumlin.brake.brake import Brake
 from drumlin.brake.writing import brake_text
 from drumlin.errors import BadInput
 from drumlin.explore.answers import Explorer
 from drumlin.explore.knobs import (
     LONGEST_LINK,
-    SENSES,
     Knob,
     Setting,
     laws_of,
     link_of,
     motion_of,
     setting_from,
-    size_of,
 )
 from drumlin.explore.picture import (
     PETAL,
@@ -39,11 +38,9 @@ from drumlin.explore.picture import (
     picture_of,
     reach_of,
     table_html,
-    unit_of,
 )
 from drumlin.report.figures import name_of
 from drumlin.report.palette import color_of
-from drumlin.response.merit import effect
 from drumlin.texts import one_line
 
 NO_NAMES = frozenset('/\\:*?"<>|')
@@ -83,14 +80,14 @@ def split(address: str) -> tuple[str, dict[str, str]]:
 def _page(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: str) -> Reply:
     brake = explorer.brake
     low, high = brake_extent(brake)
-    motion, size, flat = motion_of(brake)[0], size_of(brake) * 1e3, isinstance(brake, FlatBrake)
-    signs = {1} if isinstance(brake, FlatBrake) else {shoe.sign for shoe in brake.shoes}
+    motion, size, flat = motion_of(brake), brake.size * 1e3, brake.surface.straight
+    signs = {shoe.sign for shoe in brake.shoes}
     text = _template().render(
         title=brake.title,
         lines=lines,
         knobs=[_slider(knob, setting) for knob in explorer.knobs],
         motion=motion,
-        senses=SENSES[motion],
+        senses=brake.directions,
         laws={law: name_of(law) for law in laws_of(brake)},
         setting=setting,
         colors={model: color_of(model) for model in ("fem", *laws_of(brake))},
@@ -102,10 +99,10 @@ def _page(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: st
         petal=PETAL,
         units=(PLACE, PRESSURE),
         rings=[-PETAL * size] if flat else sorted(size * (1 + sign * PETAL) for sign in signs),
-        place="place on the plane x [mm]" if flat else "angle on the drum θ [deg]",
+        place=brake.surface.page_axis,
         low=low,
         high=high,
-        ticks=_ticks(low, high, unit_of(brake)[0]),
+        ticks=_ticks(low, high, brake.surface.shown_unit),
     )
     return Reply(200, HTML, text)
 
@@ -148,7 +145,7 @@ def _picture(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name:
         "table": table_html(picture.rows),
         "locking": locking_html(answer, known),
         "error": error_html(answer, None, asked=False),
-        "torque": None if answer.found is None else effect(answer.found),
+        "torque": None if answer.found is None else answer.found.effect,
     }
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
@@ -179,7 +176,7 @@ def _brake(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: s
     return Reply(200, TOML, said + text, f"{_file_name(name)}_explored.toml")
 
 
-def _found_from_anywhere(brake: AnyBrake) -> AnyBrake:
+def _found_from_anywhere(brake: Brake) -> Brake:
     """The brake with absolute paths of its mesh files: the browser chooses the folder that the file is saved in."""
     meshes = {f"shoe[{i}].mesh": shoe.mesh.absolute() for i, shoe in enumerate(brake.shoes) if shoe.mesh is not None}
     return vary(brake, meshes) if meshes else brake

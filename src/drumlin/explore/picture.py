@@ -9,15 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import AnyBrake, FlatBrake, FlatShoe, Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.components import Bar, Beam
 from drumlin.explore.answers import HIGHEST, WEAR_TOLERANCE, Answer, Stated
-from drumlin.explore.knobs import size_of
 from drumlin.report.figures import name_of, smooth
 from drumlin.response import Response
 from drumlin.response.balance import loaded
-from drumlin.response.merit import brake_factor, effect, shoe_effect
-from drumlin.response.show import arcs_text, effect_words, factor_word, place_unit
+from drumlin.response.merit import brake_factor
+from drumlin.response.show import arcs_text
 from drumlin.texts import formatted
 
 MM, MPA = 1e3, 1e-6
@@ -63,12 +62,12 @@ class Picture:
     failures: tuple[str, ...]
 
 
-def picture_of(answer: Answer, brake: AnyBrake) -> Picture:
+def picture_of(answer: Answer, brake: Brake) -> Picture:
     """The picture of an answer; `brake`: that of the file, where the setting's is none."""
     shown = answer.brake or brake
     peaks = [shoe.peak_pressure for r in (answer.found, answer.law) if r is not None for shoe in r.shoes]
     arcs = [arc for shoe in answer.found.shoes for arc in shoe.contact_arcs] if answer.found else []
-    unit = unit_of(shown)[1]
+    unit = shown.surface.shown
     failures = (answer.failure, answer.law_failure)
     return Picture(
         fem=_curves(answer.found, shown),
@@ -83,14 +82,9 @@ def picture_of(answer: Answer, brake: AnyBrake) -> Picture:
     )
 
 
-def unit_of(brake: AnyBrake) -> tuple[str, float]:
-    """What places are shown in, and how many of it are one rad or m."""
-    return place_unit(flat=isinstance(brake, FlatBrake))
-
-
-def _motion(brake: AnyBrake) -> str:
+def _motion(brake: Brake) -> str:
     """Of the drum, or of the body that slides."""
-    if isinstance(brake, FlatBrake):
+    if brake.surface.straight:
         return "→" if brake.spin > 0 else "←"
     return "↺" if brake.spin > 0 else "↻"
 
@@ -109,19 +103,19 @@ def scale_of(peak: float) -> float:
     return float(next(digit for digit in (1, 2, 5, 10) if digit * power >= peak)) * power
 
 
-def _curves(response: Response | None, brake: AnyBrake) -> tuple[Curve, ...]:
+def _curves(response: Response | None, brake: Brake) -> tuple[Curve, ...]:
     """Of each shoe that touches."""
     if response is None:
         return ()
-    unit, found = unit_of(brake)[1], []
+    unit, found = brake.surface.shown, []
     for shoe, part in zip(response.shoes, brake.shoes, strict=True):
         if shoe.contact_arcs:
             theta, p = smooth(shoe, POINTS)
-            found.append(Curve(theta * unit, p * MPA, part.sign if isinstance(part, Shoe) else 1))
+            found.append(Curve(theta * unit, p * MPA, part.sign))
     return tuple(found)
 
 
-def _forces(brake: AnyBrake) -> Lines:
+def _forces(brake: Brake) -> Lines:
     """An arrow for each force: its shaft, tail to tip, and its head."""
     found = []
     for shoe in brake.shoes:
@@ -132,17 +126,17 @@ def _forces(brake: AnyBrake) -> Lines:
     return Lines([xy[0] for xy in found], [xy[1] for xy in found])
 
 
-def _arrow(brake: AnyBrake, shoe: Shoe | FlatShoe) -> tuple[Floats, Floats]:
+def _arrow(brake: Brake, shoe: Shoe) -> tuple[Floats, Floats]:
     """Tail and tip (2,) [m] of a force; the largest one is as long as ARROW of the drum's radius."""
     largest = max(abs(shoe.actuation.force) for shoe in brake.shoes) or 1.0
     tip = _loaded(shoe)
-    return tip - ARROW * size_of(brake) * shoe.actuation.vector / largest, tip
+    return tip - ARROW * brake.size * shoe.actuation.vector / largest, tip
 
 
-def _loaded(shoe: Shoe | FlatShoe) -> Floats:
+def _loaded(shoe: Shoe) -> Floats:
     """Where a force is drawn (2,) [m]: on its line of action, nearest to the end of the lining away from the hinge."""
     along, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
-    if isinstance(shoe, FlatShoe) or shoe.sign < 0:
+    if shoe.flat or shoe.sign < 0:
         return point
     size = float(np.linalg.norm(point))
     ends = [size * np.array([math.cos(a), math.sin(a)]) for a in (shoe.lining.start, shoe.lining.end)]
@@ -157,13 +151,13 @@ def head_of(answer: Answer) -> str:
     """Torque, brake factor and law in a line of HTML."""
     if answer.found is None or answer.brake is None:
         return "no answer"
-    flat = isinstance(answer.brake, FlatBrake)
-    what, unit = effect_words(flat=flat)
-    found, factor = effect(answer.found), brake_factor(answer.brake, answer.found)
-    said = [f"{what} <b>{found:.6g} {unit}</b>"]
-    said += [] if factor is None else [f"brake factor {factor_word(flat=flat)} <b>{factor:.4g}</b>"]
+    surface = answer.brake.surface
+    unit = surface.effect_unit
+    found, factor = answer.found.effect, brake_factor(answer.brake, answer.found)
+    said = [f"{surface.effect} <b>{found:.6g} {unit}</b>"]
+    said += [] if factor is None else [f"brake factor {surface.factor} <b>{factor:.4g}</b>"]
     if answer.law is not None:
-        by_law = effect(answer.law)
+        by_law = answer.law.effect
         off = f" ({formatted(by_law / found - 1, '+.1%')})" if found else ""
         said.append(f"{escape(name_of(answer.law.model))} {by_law:.6g} {unit}{off}")
     if answer.distance:
@@ -195,17 +189,16 @@ def locking_html(answer: Answer, locking: Mapping[tuple[int, ...], float] | None
 
 def error_html(answer: Answer, stated: Stated | None, *, asked: bool) -> str:
     """How exact an answer is; `asked`: whether it was held against `solve`."""
-    if answer.found is None or (asked and stated is None):
+    if answer.found is None or answer.brake is None or (asked and stated is None):
         return ""
     said = "finite elements on a fixed division; their error is found out when the sliders rest"
     if stated is not None:
-        what, _ = effect_words(flat=isinstance(answer.brake, FlatBrake))
         own = "which states no error of its own, as it is one mesh"
         if stated.own is not None:
             own = f"whose own errors are estimated as {stated.own['torque']:.1e} and {stated.own['pressure']:.1e}"
         said = (
-            f"error of the finite elements on this fixed division: {what} {_small(stated.torque)}, "
-            f"p {_small(stated.pressure)} (L2, worst shoe) from drumlin solve, {own}"
+            f"error of the finite elements on this fixed division: {answer.brake.surface.effect} "
+            f"{_small(stated.torque)}, p {_small(stated.pressure)} (L2, worst shoe) from drumlin solve, {own}"
         )
     worn = f"; wear in steps of {WEAR_TOLERANCE:g} of p" if answer.distance else ""
     return f"<p>{said}{worn}</p>"
@@ -215,35 +208,34 @@ def _small(error: float) -> str:
     return f"{error:.1e}" if error > ROUNDING else "only rounding"
 
 
-def rows_of(answer: Answer, brake: AnyBrake) -> tuple[tuple[str, ...], ...]:
+def rows_of(answer: Answer, brake: Brake) -> tuple[tuple[str, ...], ...]:
     """The table: its head, a row a shoe and model."""
-    flat = isinstance(brake, FlatBrake)
+    surface = brake.surface
     responses = [r for r in (answer.found, answer.law) if r is not None]
-    what, unit = effect_words(flat=flat)
     head = (
         "shoe",
         "by",
-        f"{what} [{unit}]",
-        factor_word(flat=flat),
+        f"{surface.effect} [{surface.effect_unit}]",
+        surface.factor,
         "peak p [MPa]",
-        f"contact [{unit_of(brake)[0]}]",
+        f"contact [{brake.surface.shown_unit}]",
         "self-energising",
     )
     rows = [_row(brake, response, i) for i in range(len(brake.shoes)) for response in responses]
     return (head, *rows)
 
 
-def _row(brake: AnyBrake, response: Response, i: int) -> tuple[str, ...]:
-    shoe, made = response.shoes[i], shoe_effect(response, i)
+def _row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
+    shoe, made = response.shoes[i], response.effects[i]
     force = abs(loaded(brake, response).shoes[i].actuation.force)
-    force *= 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius
+    force *= brake.scale_factor
     return (
         shoe.name,
         name_of(response.model),
         f"{made:.6g}",
         f"{made / force:.4g}" if force else "–",
         f"{shoe.peak_pressure * MPA:.4g}",
-        arcs_text(shoe, flat=isinstance(brake, FlatBrake)),
+        arcs_text(shoe, brake.surface),
         "yes" if shoe.self_energising else "no",
     )
 
@@ -258,53 +250,34 @@ def table_html(rows: Sequence[Sequence[str]]) -> str:
 # what does not change with the knobs
 
 
-def drawing_of(brake: AnyBrake) -> dict[str, Lines]:
+def drawing_of(brake: Brake) -> dict[str, Lines]:
     """Circle of the drum, or the plane, linings and shoe bodies as areas, and hinges as points [mm]."""
-    if isinstance(brake, FlatBrake):
-        return _flat_drawing(brake)
-    R = brake.drum.radius
-    circle = np.linspace(0, 2 * math.pi, 361)
     linings, bodies = [], []
     for shoe in brake.shoes:
-        lining, sign = shoe.lining, shoe.sign
-        linings.append(_layer(lining.start, lining.end, R, R - sign * lining.thickness))
-        if shoe.mesh is None and shoe.body is not None and shoe.body.shape == "arc":
-            inner = lining.thickness + (shoe.backing.thickness if shoe.backing else 0.0)
-            far = R - sign * (inner + shoe.body.depth)
-            bodies.append(_layer(shoe.body.start, shoe.body.end, R - sign * inner, far))
-        if isinstance(shoe.body, Beam):
-            bodies.append(_beam(shoe, R))
-    held = [shoe.pin.xy * MM for shoe in brake.shoes if shoe.guide is None]
-    return {
-        "drum": Lines([R * MM * np.cos(circle)], [R * MM * np.sin(circle)]),
-        "linings": _lines(linings),
-        "bodies": _lines(bodies),
-        "hinges": Lines([xy[:1] for xy in held], [xy[1:] for xy in held]),
-    }
-
-
-def _flat_drawing(brake: FlatBrake) -> dict[str, Lines]:
-    """As `drawing_of`, its `drum` the plane."""
-    linings, bodies = [], []
-    for shoe in brake.shoes:
-        behind = shoe.lining.thickness or 0.0
-        linings.append(_box(shoe.lining.start, shoe.lining.end, 0.0, behind))
-        if shoe.mesh is None and shoe.body is not None:
+        lining, behind = shoe.lining, shoe.lining.thickness or 0.0
+        linings.append(_layer(shoe, brake.size, (lining.start, lining.end), (0.0, behind)))
+        if shoe.mesh is None and isinstance(shoe.body, Bar):
             behind += shoe.backing.thickness if shoe.backing else 0.0
-            bodies.append(_box(shoe.body.start, shoe.body.end, behind, behind + shoe.body.thickness))
+            over = shoe.body.start, shoe.body.end
+            bodies.append(_layer(shoe, brake.size, over, (behind, behind + shoe.body.depth)))
+        if isinstance(shoe.body, Beam):
+            bodies.append(_beam(shoe, brake.size))
     held = [shoe.pin.xy * MM for shoe in brake.shoes if shoe.guide is None]
-    (x, _), reach = centre_of(brake), reach_of(brake)
     return {
-        "drum": Lines([np.array([x - reach, x + reach])], [np.zeros(2)]),
+        "drum": _surface(brake),
         "linings": _lines(linings),
         "bodies": _lines(bodies),
         "hinges": Lines([xy[:1] for xy in held], [xy[1:] for xy in held]),
     }
 
 
-def _box(start: float, end: float, low: float, high: float) -> tuple[Floats, Floats]:
-    """x and y [mm] of a rectangle between places [m]."""
-    return np.array([start, end, end, start, start]) * MM, np.array([low, low, high, high, low]) * MM
+def _surface(brake: Brake) -> Lines:
+    """The friction surface [mm]."""
+    if brake.surface.straight:
+        (x, _), reach = centre_of(brake), reach_of(brake)
+        return Lines([np.array([x - reach, x + reach])], [np.zeros(2)])
+    R, circle = brake.size * MM, np.linspace(0, 2 * math.pi, 361)
+    return Lines([R * np.cos(circle)], [R * np.sin(circle)])
 
 
 def _lines(curves: Sequence[tuple[Floats, Floats]]) -> Lines:
@@ -319,48 +292,51 @@ def path_of(lines: Lines) -> str:
     )
 
 
-def brake_extent(brake: AnyBrake) -> tuple[float, float]:
+def brake_extent(brake: Brake) -> tuple[float, float]:
     """The places [deg], on a plane [mm], between which all linings lie, with some room."""
-    unit = unit_of(brake)[1]
+    unit = brake.surface.shown
     ends = [place * unit for shoe in brake.shoes for place in (shoe.lining.start, shoe.lining.end)]
-    room = 0.04 * size_of(brake) * MM if isinstance(brake, FlatBrake) else 5.0
+    room = 0.04 * brake.size * MM if brake.surface.straight else 5.0
     return min(ends) - room, max(ends) + room
 
 
-def centre_of(brake: AnyBrake) -> tuple[float, float]:
+def centre_of(brake: Brake) -> tuple[float, float]:
     """The middle (x, y) [mm] of the picture: the drum's, on a plane that of what is drawn."""
-    if not isinstance(brake, FlatBrake):
+    if not brake.surface.straight:
         return 0.0, 0.0
     xy = _places(brake)
     x, y = 0.5 * (xy.min(axis=0) + xy.max(axis=0)) * MM
     return float(x), float(y)
 
 
-def _places(brake: FlatBrake) -> Floats:
+def _places(brake: Brake) -> Floats:
     """Points (n, 2) [m] that must be in the picture of a brake on a plane."""
     found = [
-        (place, -1.2 * PETAL * size_of(brake)) for shoe in brake.shoes for place in (shoe.lining.start, shoe.lining.end)
+        (place, -1.2 * PETAL * brake.size) for shoe in brake.shoes for place in (shoe.lining.start, shoe.lining.end)
     ]
     return np.array([*found, *(point for shoe in brake.shoes for point in (shoe.pin.xy, *_arrow(brake, shoe)))])
 
 
-def reach_of(brake: AnyBrake) -> float:
+def reach_of(brake: Brake) -> float:
     """Half the side [mm] of a square about `centre_of` that holds shoes, hinges, pressures and forces."""
-    if isinstance(brake, FlatBrake):
+    if brake.surface.straight:
         xy = _places(brake)
         return float(0.55 * np.ptp(xy, axis=0).max()) * MM
-    R = brake.drum.radius
+    R = brake.size
     room = [1.12 * (1 + PETAL) * R if shoe.sign > 0 else 1.05 * R + shoe.depth for shoe in brake.shoes]
     places = [place for shoe in brake.shoes for place in (shoe.pin.xy, *_arrow(brake, shoe))]
     room += [float(np.abs(place).max()) + 0.1 * R for place in places]
     return max(room) * MM
 
 
-def _layer(start: float, end: float, near: float, far: float) -> tuple[Floats, Floats]:
-    """x and y [mm] of a layer between two radii [m]."""
-    there = np.linspace(start, end, 90)
-    t, r = np.concatenate([there, there[::-1]]), np.repeat([near, far], 90) * MM
-    return r * np.cos(t), r * np.sin(t)
+def _layer(shoe: Shoe, size: float, over: tuple[float, float], depths: tuple[float, float]) -> tuple[Floats, Floats]:
+    """x and y [mm] of the outline of a layer of a shoe, over two places and between two depths [m]."""
+    there = np.linspace(*over, 2 if shoe.flat else 90)
+    places = np.concatenate([there, there[::-1], there[:1]])
+    near, far = depths
+    at = np.repeat([near, far, near], [len(there), len(there), 1])
+    x, y = shoe.points(shoe.at(at, shoe.frame.phi(places), size)) * MM
+    return x, y
 
 
 def _beam(shoe: Shoe, R: float) -> tuple[Floats, Floats]:

@@ -8,7 +8,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 from urllib.parse import quote
 
-from drumlin.brake import AnyBrake
+from drumlin.brake.brake import Brake
 from drumlin.errors import BadInput, reason_of
 from drumlin.explore.answers import Explorer
 from drumlin.explore.page import reply
@@ -60,7 +60,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Say nothing: a line a picture would bury the address."""
 
 
-def serve(brake: AnyBrake, name: str, port: int, ready: Callable[[str], None]) -> None:
+def serve(brake: Brake, name: str, port: int, ready: Callable[[str], None]) -> None:
     """Serve a brake's page until the process is interrupted; `ready` is told its address once it can be opened.
 
     name: first words of the file that the page saves; port: 0 for any free one. Raises BadInput for a port that

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.components import Beam, Misfit
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.components import Beam
 from drumlin.brake.fields import AnyMaterial, Point
 from drumlin.errors import BadInput
 from drumlin.fem.body import FRAME, Condensed, Ties, condense, scalar_basis, stiffness, tie
@@ -24,7 +24,7 @@ from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.mesh.content import content_digest
 from drumlin.fem.ring import RingBody, ring_body
 from drumlin.laws import rigid
-from drumlin.response.response import edge_zone
+from drumlin.response.response import own_edge_zone
 
 ELEMENTS = 80
 """Default number along a lining. On most brakes p is then within about 0.2 % in L2 and the torque within
@@ -132,12 +132,14 @@ class Scene:
 
 def why_not(brake: Brake) -> str | None:
     """Why finite elements do not apply to a brake (None: they do)."""
-    if brake.drum.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
+    if brake.unmeshable() is not None:
+        return brake.unmeshable()
+    if brake.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
         return "shoes inside and outside of one elastic ring are not modelled"
-    if brake.drum.ring is not None and brake.drum.ring.section is None:
+    if brake.ring is not None and brake.ring.section is None:
         return "its ring has no section to mesh: thickness, and width and material or bending_stiffness"
     for shoe in brake.shoes:
-        reason = beam_mesh.why_not(shoe, brake.drum.radius)
+        reason = beam_mesh.why_not(shoe, brake.size)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
     return None
@@ -148,17 +150,17 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     arcs, lining, body = [shoe.arc], shoe.lining, shoe.body
     behind: tuple[object, ...] | None = None
     if isinstance(body, Beam):
-        loaded = np.round(shoe.frame.to_shoe(shoe.actuation.point.xy) / brake.drum.radius, 12)
+        loaded = np.round(shoe.frame.to_shoe(shoe.actuation.point.xy) / brake.size, 12)
         behind = (body, *loaded.tolist())
     elif body is not None:
         first, last = sorted(shoe.frame.phis((body.start, body.end)))
         arcs.append((first, last))
         behind = (body.shape, tuple(body.plates.items()))
-        arcs += [arc for arc in [shoe.grip(brake.drum.radius)] if arc is not None]
+        arcs += [arc for arc in [shoe.grip(brake.size)] if arc is not None]
     return (
-        brake.drum.radius,
+        brake.size,
         shoe.side,
-        tuple(np.round(shoe.own_pin / brake.drum.radius, 12).tolist()),
+        tuple(np.round(shoe.own_pin / brake.size, 12).tolist()),
         tuple(round(angle, 12) for arc in arcs for angle in arc),
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
@@ -206,15 +208,7 @@ def bare(brake: Brake) -> Brake:
 
     Removed: title, rotation, size of the friction (but for 0), forces, clearances and misfits.
     """
-    return brake.model_copy(
-        update={
-            "title": "-",
-            "rotation": "counter-clockwise",
-            "friction": float(brake.friction > 0),
-            "drum": brake.drum.model_copy(update={"out_of_round": (), "angle": 0.0}),
-            "shoes": tuple(bare_shoe(shoe) for shoe in brake.shoes),
-        }
-    )
+    return brake.bare().model_copy(update={"shoes": tuple(bare_shoe(shoe) for shoe in brake.shoes)})
 
 
 def bare_shoe(shoe: Shoe) -> Shoe:
@@ -225,7 +219,7 @@ def bare_shoe(shoe: Shoe) -> Shoe:
         force["point"] = Point(x=0.0, y=0.0)
     return shoe.model_copy(
         update={
-            "lining": shoe.lining.model_copy(update={"clearance": 0.0, "misfit": Misfit()}),
+            "lining": shoe.lining.model_copy(update={"clearance": 0.0, "misfit": type(shoe.lining.misfit)()}),
             "actuation": shoe.actuation.model_copy(update=force),
         }
     )
@@ -261,7 +255,7 @@ def prepare(
         key = shape_of(brake, shoe)
         if key not in made:
             made[key] = cache.get(
-                (bare_shoe(shoe), brake.drum.radius, brake.friction > 0, setting, content(shoe)),
+                (bare_shoe(shoe), brake.size, brake.friction > 0, setting, content(shoe)),
                 partial(_body, brake, shoe, mesher, seconds),
                 size_of,
             )
@@ -269,7 +263,7 @@ def prepare(
     ring = None
     ring_under = partial(ring_body, brake, elements)
     left_out = ["interior fields: recovered only for a picture"]
-    if brake.drum.ring is not None:
+    if brake.ring is not None:
         with clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
             key = (bare(brake), setting, *map(content, brake.shoes))
@@ -284,7 +278,7 @@ def prepare(
         ring,
         seconds,
         (*left_out, *lacking(brake)),
-        nodes_of=partial(_nodes_of, mesher, brake.drum.radius, tuple(bodies)),
+        nodes_of=partial(_nodes_of, mesher, brake.size, tuple(bodies)),
         ring_under=ring_under,
     )
 
@@ -301,7 +295,8 @@ def _nodes_of(mesher: Mesher, radius: float, bodies: tuple[Body, ...], i: int, s
 
 def lacking(brake: Brake) -> list[str]:
     """What is not computed because the brake has it not, in words."""
-    drum = [] if brake.drum.ring is not None else ["drum: rigid, no [drum.ring] in the brake"]
+    rigid_drum = brake.ring is None and not brake.surface.straight
+    drum = ["drum: rigid, no [drum.ring] in the brake"] if rigid_drum else []
     return drum + [
         f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed"
         for shoe in brake.shoes
@@ -333,24 +328,24 @@ class Assembled:
 
 def line_of(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
     """The contact line of a shoe on the `facets` of a scalar basis; radius [m]: of the drum."""
-    return contact_line(basis, facets, sum(shoe.arc) / 2, radius if shoe.flat else None, edge_zone(shoe, radius))
+    return contact_line(basis, facets, sum(shoe.arc) / 2, radius if shoe.flat else None, own_edge_zone(shoe, radius))
 
 
 def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Assembled:
     """Mesh and assemble a shoe. Raises BadInput for a mesh file that cannot serve."""
     with clock(seconds, "mesh"):
         if shoe.mesh is None:
-            mesh = mesher(shoe, brake.drum.radius)
+            mesh = mesher(shoe, brake.size)
         else:
             from drumlin.fem.mesh.file import read_mesh  # noqa: PLC0415  (meshio: 0.1 s, for a mesh in a file only)
 
-            mesh = read_mesh(shoe.mesh, shoe, brake.drum.radius, f"shoe {shoe.name!r}: mesh")
+            mesh = read_mesh(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):
         K = stiffness(basis, layers_of(shoe))
     with clock(seconds, "ties"):
         pin = shoe.own_pin
-        line = line_of(basis, mesh.boundaries["contact"], shoe, brake.drum.radius)
+        line = line_of(basis, mesh.boundaries["contact"], shoe, brake.size)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         ties = tie(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.gripped:

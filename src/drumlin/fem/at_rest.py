@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.support import UNHELD, Abutment
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import Problem

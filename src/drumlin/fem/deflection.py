@@ -4,7 +4,7 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Scene
 from drumlin.fem.fields import fields

@@ -17,8 +17,8 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
-from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.elasticity import ElasticLayer, stiffer_along_and_through
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import skfem
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.drum_brake import Brake, Frame, Shoe
+from drumlin.brake.brake import Brake, Frame, Shoe
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Body, Scene, actuation
@@ -56,7 +56,7 @@ def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields
 
 def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
     """Recover the fields of the drum ring from the contact pressures of all shoes."""
-    ring, section = scene.ring, brake.drum.ring.section if brake.drum.ring else None
+    ring, section = scene.ring, brake.ring.section if brake.ring else None
     if ring is None or section is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
     p = [answer.pressure[:: shoe.frame.sense] for shoe, answer in zip(brake.shoes, response.shoes, strict=True)]

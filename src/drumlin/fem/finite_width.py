@@ -8,13 +8,13 @@ Foundation): its sides press less, and the whole lining is softer in the mean.
 
 import numpy as np
 
-from drumlin.brake.components import Body
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.components import Bar
 from drumlin.brake.elasticity import elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.brake.orthotropic import isotropic_only
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.surface import DRUM
 from drumlin.errors import BadInput
 from drumlin.texts import formatted
 
@@ -67,7 +67,7 @@ def corrected(shoe: Shoe) -> Material:
     lining = shoe.lining
     assert isinstance(lining.material, Material)  # why_not
     material = between(lining.material, held_share(lining.width, lining.thickness))
-    if not isinstance(shoe.body, Body):
+    if not isinstance(shoe.body, Bar):
         return material
     body = shoe.body.plates["shoe"]
     table = shoe.body.plates.get("table", shoe.backing)
@@ -82,10 +82,11 @@ def corrected(shoe: Shoe) -> Material:
     return material.model_copy(update={"E": material.E * share})
 
 
-def why_not(brake: AnyBrake) -> str | None:
+def why_not(brake: Brake) -> str | None:
     """Why the correction does not apply to a brake (None: it does)."""
-    if isinstance(brake, FlatBrake):
-        return "its shoes press on a plane, not on a drum"
+    unlike = brake.surface.unlike(DRUM)
+    if unlike is not None:
+        return unlike
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             return f"shoe {shoe.name!r}: a mesh of its own is a section without widths"
@@ -95,9 +96,8 @@ def why_not(brake: AnyBrake) -> str | None:
     return isotropic_only(brake, "the correction")
 
 
-def said(brake: AnyBrake, other: Brake) -> str:
+def said(brake: Brake, other: Brake) -> str:
     """What the correction has made of a brake, and how far it is to be trusted, in a line."""
-    assert isinstance(brake, Brake)  # others are refused
     pairs = zip(brake.shoes, other.shoes, strict=True)
     factors = [after.lining.material.E_through / shoe.lining.material.E_through for shoe, after in pairs]
     times = ", ".join(f"{factor:.3f}" for factor in dict.fromkeys(np.round(factors, 3)))
@@ -108,13 +108,13 @@ def said(brake: AnyBrake, other: Brake) -> str:
     )
 
 
-def finite_width(brake: AnyBrake) -> Brake:
+def finite_width(brake: Brake) -> Brake:
     """The brake whose plane stress is corrected for the widths of its shoes, lining by lining.
 
     Raises BadInput where the correction does not apply.
     """
     reason = why_not(brake)
-    if reason is not None or isinstance(brake, FlatBrake):
+    if reason is not None:
         raise BadInput(f"--finite-width: does not apply to this brake: {reason}")
     return vary(
         brake,

@@ -15,7 +15,7 @@ import numpy as np
 
 from drumlin.arrays import Bools, Floats, in_turn
 from drumlin.brake import clearance
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
 from drumlin.errors import NoAnswer
@@ -528,6 +528,6 @@ def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
 
 def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
     """Gap [m] of the unloaded lining at the points xy (2, ...) [m] of its mesh, at the angles phi (...) there."""
-    theta, radius = shoe.frame.theta(phi), brake.drum.radius
+    theta, radius = shoe.frame.theta(phi), brake.size
     off = shoe.off(xy, radius)
     return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + clearance.gap(brake, shoe, theta)  # 0.0: not round-off

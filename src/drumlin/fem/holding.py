@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.contact import stick_slip
 from drumlin.contact.active_set import Contact
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
@@ -24,7 +24,6 @@ from drumlin.fem.assembly import Scene
 from drumlin.fem.at_rest import Feet, holding_problem
 from drumlin.fem.group import ShoeGroup, grouped, pressed_shoes
 from drumlin.fem.model import PENALTY, respond
-from drumlin.response.show import effect_words
 
 HALVINGS = 8
 """Halvings of an increment that does not settle before the rotation is refused.
@@ -34,7 +33,6 @@ one step. Increments that do not settle are some times the rotation to full slip
 allows twice as many: one of forty times that rotation needs seven or eight. More only take longer to
 refuse.
 """
-OTHER_WAY: dict[str, Any] = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
 FIRST = 1e-7
 """Rotation [rad] from which on full slip is looked for: far below any that slips, 1e-4 of p/E or more.
 The search is geometric, so that a hundredth of it takes one increment in a hundred more."""
@@ -198,7 +196,7 @@ def _path(held: _Held, rotations: Floats) -> tuple[list[Increment], list[float]]
                 energy += _slip_work(held.problem, step, increment.history)
                 increment = step
         except NoAnswer as error:
-            _turning(group, brake if rotation > reached else _turned_back(brake)).settled()  # raises where it locks
+            _turning(group, brake if rotation > reached else brake.reversed()).settled()  # raises where it locks
             raise NoAnswer(f"{group.names}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         done.append(increment)
@@ -228,11 +226,6 @@ def turned(
         if step == end:
             return
         reached, pieces = step, pieces - 1
-
-
-def _turned_back(brake: Brake) -> Brake:
-    """The brake whose drum rotates the other way."""
-    return brake.model_copy(update={"rotation": OTHER_WAY[brake.rotation]})
 
 
 def _turning(group: ShoeGroup, brake: Brake) -> ShoeGroup:
@@ -289,7 +282,7 @@ class _Slid(NamedTuple):
 def _slid(held: _Held, way: int) -> _Slid:
     """The group under the drum that slides so that all nodes slip one way, +1 or -1."""
     brake = held.group.brake
-    group = _turning(held.group, brake if way == brake.spin else _turned_back(brake))
+    group = _turning(held.group, brake if way == brake.spin else brake.reversed())
     try:
         group, found = group.settled()
     except NoAnswer as error:
@@ -307,9 +300,9 @@ def _apart(path: _Path, k: int) -> list[str]:
     torque, slid = held.torque(at), path.slid(way)
     if math.isclose(torque, slid.torque, rel_tol=TWO_ANSWERS):
         return []
-    shoe = held.group.shoes[0]
-    (what, unit), moving = effect_words(flat=shoe.flat), "body" if shoe.flat else "drum"
-    said = f"{held.group.names}: at full slip the {what} is {torque:.6g} {unit}"
+    surface = held.group.brake.surface
+    unit, moving = surface.effect_unit, surface.moving
+    said = f"{held.group.names}: at full slip the {surface.effect} is {torque:.6g} {unit}"
     if slid.found is None:
         return [f"{said}; solve has none: {slid.why}"]
     said += f", by solve {slid.torque:.6g} {unit}"
@@ -393,23 +386,6 @@ def _slipping(held: _Held, target: float, way: int) -> float:
         f"not converged: after a rotation of {reached:.3g} rad {sticking} of {n} nodes still stick, "
         f"at {torque:.5g} of the sliding drum's {target:.5g} N m"
     )
-
-
-def on_plane(states: list[Hold], unit: float) -> list[Hold]:
-    """States of an `unrolled` brake, of this unit [m]: rotations are slides [m], torques forces [N], places x [m]."""
-
-    def lengths(arcs: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        return tuple((unit * a, unit * b) for a, b in arcs)
-
-    return [
-        replace(
-            state,
-            theta=tuple(unit * theta for theta in state.theta),
-            stick=tuple(map(lengths, state.stick)),
-            slip=tuple(map(lengths, state.slip)),
-        )
-        for state in states
-    ]
 
 
 def as_dict(states: list[Hold]) -> list[dict[str, Any]]:

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.arrays import Floats, Ints
+from drumlin.arrays import Floats, Ints, angle_near
 from drumlin.response.response import Surface
-from drumlin.response.resultants import GAUSS, WEIGHTS, Inside, angle_near, at_gauss, shape, slopes
+from drumlin.response.resultants import GAUSS, WEIGHTS, Inside, at_gauss, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
-from drumlin.brake.components import Body
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.components import Bar
 from drumlin.brake.units import mm
 from drumlin.contact.active_set import Contact
 from drumlin.errors import BadInput, LostDigits, NoAnswer
@@ -34,7 +34,6 @@ from drumlin.response.response import (
     untouched,
 )
 from drumlin.response.resultants import cross
-from drumlin.response.show import effect_words
 
 if TYPE_CHECKING:
     from drumlin.fem.refinement import Refined
@@ -103,7 +102,7 @@ def _check_same(scene: Scene, brake: Brake) -> None:
         raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
     if brake.friction > 0 and scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
-    if brake.drum.ring != scene.brake.drum.ring:
+    if brake.ring != scene.brake.ring:
         raise BadInput("the brake's drum.ring differs from that of the prepared scene")
 
 
@@ -126,11 +125,11 @@ def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:
             continue
-        deep = -float(shoe.off(body.line.xy, brake.drum.radius).min())
+        deep = -float(shoe.off(body.line.xy, brake.size).min())
         if deep > OVERLAP * shoe.lining.thickness:
             yield (
-                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the {shoe.face}; "
-                "its pressure is that of the lining squeezed out of there"
+                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the "
+                f"{shoe.surface.word}; its pressure is that of the lining squeezed out of there"
             )
 
 
@@ -139,14 +138,14 @@ def _grips(brake: Brake) -> Iterator[str]:
     feels."""
     found: dict[str, list[str]] = {}
     for shoe in brake.shoes:
-        if shoe.mesh is not None or not isinstance(shoe.body, Body):
+        if shoe.mesh is not None or not isinstance(shoe.body, Bar):
             continue
-        grip = shoe.grip(brake.drum.radius)
+        grip = shoe.grip(brake.size)
         if grip is not None:
-            length = (grip[1] - grip[0]) * shoe.back(brake.drum.radius)  # a short back has less than is asked for
+            length = (grip[1] - grip[0]) * shoe.back(brake.size)  # a short back has less than is asked for
             said = f"its {shoe.held_by} grips {mm(round(length, 4))} of the back of its body"
         else:
-            away = math.dist(shoe.end_face(brake.drum.radius), shoe.own_pin)
+            away = math.dist(shoe.end_face(brake.size), shoe.own_pin)
             joined = "" if away < 0.5 * shoe.body.depth else ", joined by a rigid arm"
             what = "pin" if shoe.held_by == "hinge" else "foot"
             said = f"its {what} holds the end face of its body, {mm(round(away, 4))} from the face's middle{joined}"
@@ -156,7 +155,7 @@ def _grips(brake: Brake) -> Iterator[str]:
 
 
 def _untouched(shoe: Shoe) -> _Answer:
-    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {shoe.face}"
+    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {shoe.surface.word}"
     return _Answer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
 
 
@@ -261,7 +260,7 @@ def _answer(
     # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
     moments = [float(whole[2]), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))]
     if shoe.guide is not None:
-        moments += [twist, *borne(force, brake.drum.radius * (shoe.lining.end - shoe.lining.start))]
+        moments += [twist, *borne(force, brake.scale_factor * (shoe.lining.end - shoe.lining.start))]
     balance = relative_balance([whole[:2], reaction, load[:2]], moments)
     if shoe.held_by != "hinge":
         nodal, work = drag * (coupling.T.T @ p) - coupling.N.T @ p, abs(force) * motions.work
@@ -277,7 +276,7 @@ def _answer(
         "exact contact, no penetration"
         if math.isinf(penalty)
         else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
-        f"which changes its {effect_words(flat=shoe.flat)[0]} by {softer:+.1e} of it"
+        f"which changes its {shoe.surface.effect} by {softer:+.1e} of it"
     )
     normal_force = math.hypot(*normal[:2])
     softness, lost = _changed(group, k, p, changes, reaction_size(reaction, normal_force))
@@ -287,7 +286,7 @@ def _answer(
     lost = Change(*(max(part, least) for part in lost))
     response = pressed_shoe(
         shoe,
-        brake.drum.radius,
+        brake.scale_factor,
         frame.theta(phi),
         mean,
         order=line.order,

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Shoe
+from drumlin.brake.brake import Shoe
 from drumlin.brake.support import moved
 from drumlin.fem.assembly import Body
 

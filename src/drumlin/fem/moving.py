@@ -15,13 +15,12 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.fields import Point
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Body, BodyNodes, Scene
 from drumlin.fem.interface import ContactLine
-from drumlin.response.resultants import angle_near
 
 STEP = 1e-5
 """Step of the central differences of places and of what hangs on places alone, in radii of the
@@ -61,7 +60,7 @@ def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
     key: "hinge", "pivot", "abutment.point" or "actuation.point". Empty where no node moves. Raises
     NoAnswer where the division into elements changes within a step on both sides.
     """
-    radius = scene.brake.drum.radius
+    radius = scene.brake.size
     if shoe.mesh is not None:
         moving = shoe.mesh_frame == "shoe" and key == (
             "actuation.point" if shoe.guide is not None else "hinge" if shoe.hinge is not None else "abutment.point"
@@ -128,8 +127,7 @@ def _moved(point: Point, step: Floats) -> Point:
 
 def lines_at(body: Body, shoe: Shoe, radius: float, moves: Moves) -> Iterator[tuple[float, ContactLine]]:
     """The contact line a step ahead and a step behind, with the step [m]."""
-    line, (start, end) = body.line, shoe.arc
+    line = body.line
     for step in (STEP * radius, -STEP * radius):
         xy = line.xy + step * moves.line
-        phi = xy[0] / radius if shoe.flat else angle_near(0.5 * (start + end), xy)
-        yield step, replace(line, xy=xy, phi=phi)
+        yield step, replace(line, xy=xy, phi=shoe.phi_of(xy, radius))

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Beam, Body
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.components import Bar, Beam
 from drumlin.errors import BadInput
 from drumlin.fem import assembly
 from drumlin.fem.assembly import Scene
@@ -42,16 +42,16 @@ def _arc(shoe: Shoe) -> bool:
 OMISSIONS = {
     part.name: part
     for part in (
-        Omission("ring", "taken as rigid", lambda brake: brake.drum.ring is not None),
+        Omission("ring", "taken as rigid", lambda brake: brake.ring is not None),
         Omission(
             "coupling",
             "each shoe presses the ring alone",
-            lambda brake: brake.drum.ring is not None and len(brake.shoes) > 1,
+            lambda brake: brake.ring is not None and len(brake.shoes) > 1,
         ),
         Omission(
             "shoe",
             "taken as rigid",
-            lambda brake: any(isinstance(shoe.body, Body) and _arc(shoe) for shoe in brake.shoes),
+            lambda brake: any(isinstance(shoe.body, Bar) and _arc(shoe) for shoe in brake.shoes),
         ),
         Omission(
             "backing",
@@ -124,8 +124,8 @@ def simplified(brake: Brake, names: Iterable[str]) -> Brake:
         raise BadInput(f"{unknown[0]!r}: cannot be left out; allowed: {', '.join(OMISSIONS)}")
     gone = {key: None for name, key in (("shoe", "body"), ("backing", "backing")) if name in names}
     shoes = tuple(shoe.model_copy(update=gone) if _arc(shoe) else shoe for shoe in brake.shoes)
-    drum = brake.drum.model_copy(update={"ring": None}) if "ring" in names else brake.drum
-    return brake.model_copy(update={"drum": drum, "shoes": shoes})
+    left = brake.without_ring() if "ring" in names else brake
+    return left.model_copy(update={"shoes": shoes})
 
 
 def scene_without(brake: Brake, names: Iterable[str], make: Make = assembly.prepare) -> tuple[Scene, Brake]:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Shoe
+from drumlin.brake.brake import Shoe
 from drumlin.errors import NoAnswer
 
 LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
@@ -47,6 +47,6 @@ def check_turns(shoe: Shoe, sense: int, gap: Floats, amounts: Floats) -> None:
 def _check(shoe: Shoe, turn: float) -> None:
     if turn > LARGEST_TURN:
         raise NoAnswer(
-            f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turn):.3g} deg to touch the {shoe.face}; "
-            f"small displacements hold up to {math.degrees(LARGEST_TURN):.3g} deg"
+            f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turn):.3g} deg to touch the "
+            f"{shoe.surface.word}; small displacements hold up to {math.degrees(LARGEST_TURN):.3g} deg"
         )

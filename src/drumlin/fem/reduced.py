@@ -22,8 +22,8 @@ import numpy as np
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.components import Backing, Beam, Body, Lining, Ring, Section, bonded
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.components import Backing, Bar, Beam, Lining, Ring, Section, bonded
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.errors import BadInput, NoAnswer
@@ -31,7 +31,6 @@ from drumlin.fem import assembly
 from drumlin.fem.interface import edge_points
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.ring import RingBody
-from drumlin.response.resultants import angle_near
 
 ELEMENTS = 24
 """Default number along a lining of a sketch, whose change is to be within a factor of two."""
@@ -81,14 +80,14 @@ def _with_closed_forms(scene: assembly.Scene, brake: Brake, shortest: float) -> 
     for body, shoe, bare in zip(scene.bodies, brake.shoes, scene.brake.shoes, strict=True):
         key = assembly.shape_of(brake, shoe)
         if key not in made:
-            made[key] = body if shoe.body == bare.body else _flexible(body, shoe, brake.drum.radius)
+            made[key] = body if shoe.body == bare.body else _flexible(body, shoe, brake.size)
         bodies.append(made[key])
     ring = scene.ring
-    if ring is None and brake.drum.ring is not None:
+    if ring is None and brake.ring is not None:
         count = max(MODES, math.ceil(2 * math.pi * WAVES / max(shortest, 1e-9)))
         if count > MOST_MODES:
             raise NoAnswer(f"a contact of {shortest:.1e} rad is too short for the waves of a ring")
-        ring = _ring(brake, brake.drum.ring, tuple(bodies), count)
+        ring = _ring(brake, brake.ring, tuple(bodies), count)
     return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
 
 
@@ -104,8 +103,7 @@ def _rigid(brake: Brake) -> Brake:
         body = shoe.body.model_copy(update={"width": section.width, "material": stiff, "bending_stiffness": None})
         return shoe.model_copy(update={"body": body})
 
-    drum = brake.drum.model_copy(update={"ring": None})
-    return brake.model_copy(update={"drum": drum, "shoes": tuple(rigid(shoe) for shoe in brake.shoes)})
+    return brake.without_ring().model_copy(update={"shoes": tuple(rigid(shoe) for shoe in brake.shoes)})
 
 
 def _flexible(body: assembly.Body, shoe: Shoe, radius: float) -> assembly.Body:
@@ -164,7 +162,7 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
     assert body is not None  # why_not
     plates = list(body.plates.values())[::-1]
     middle = (np.arange(SECTIONS) + 0.5) / SECTIONS
-    if isinstance(body, Body):
+    if isinstance(body, Bar):
         near, far = sorted(shoe.frame.phis((body.start, body.end)), key=abs)
         phi = near + (far - near) * middle
         start, end = shoe.arc
@@ -192,7 +190,7 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
         bending=np.sqrt(ds / EI),
         stretching=np.sqrt(ds / EA),
         shearing=np.sqrt(SHEAR * ds / GA),
-        round=isinstance(body, Body),
+        round=isinstance(body, Bar),
     )
 
 
@@ -202,7 +200,7 @@ def _layer(shoe: Shoe, layer: Lining | Backing) -> Section:
 
 def _ring(brake: Brake, ring: Ring, bodies: tuple[assembly.Body, ...], count: int) -> RingBody:
     """The ring under the linings of all shoes: half flexibilities (2 count + 2, n) of each."""
-    sign, radius, section = brake.shoes[0].sign, brake.drum.radius, ring.section
+    sign, radius, section = brake.shoes[0].sign, brake.size, ring.section
     assert section is not None  # why_not
     k = np.arange(count + 1)
     radial, shear = ring_modes(ring, radius, sign, k)
@@ -221,7 +219,7 @@ def _waves(body: assembly.Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
     """b Int psi_i cos k theta ds and that with sin, of the brake's angle theta: two arrays (modes, n) [m^2]."""
     line = body.line
     psi, x, ds = edge_points(line.xy[:, line.pieces])
-    wave = np.exp(1j * k[:, None, None] * shoe.frame.theta(angle_near(sum(shoe.arc) / 2, x)))
+    wave = np.exp(1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of(x, 1.0)))
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
     for value, nodes in zip(psi, line.pieces, strict=True):  # no node twice in one row of pieces
         found[:, nodes] += shoe.lining.width * (wave * (value * ds)).sum(axis=2)

@@ -26,7 +26,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from drumlin.arrays import Bools, Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.contact.active_set import SLACK
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, actuation
@@ -174,7 +174,7 @@ class _RingBlock(NamedTuple):
 
 
 def _ring_block(scene: Scene, brake: Brake) -> _RingBlock:
-    ring, part = scene.ring, brake.drum.ring
+    ring, part = scene.ring, brake.ring
     assert ring is not None and part is not None and part.section is not None  # scene.why_not
     basis = ring.basis
     K = stiffness(basis, ring_layers(part.section), precise=True).tocsr()

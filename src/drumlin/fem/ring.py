@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Section
-from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
 from drumlin.fem.elasticity import ring_layers
 from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, edge_points
@@ -111,10 +111,10 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
 
 def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> RingBody:
     """Mesh and condense the ring under the linings, given by their contact lines in the shoes' frames."""
-    ring = brake.drum.ring
+    ring = brake.ring
     assert ring is not None and ring.section is not None  # scene.why_not
     section = ring.section
-    mesh = ring_mesh(section, brake.drum.radius, brake.shoes, elements)
+    mesh = ring_mesh(section, brake.size, brake.shoes, elements)
     basis = scalar_basis(mesh)
     K = stiffness(basis, ring_layers(section))
     angles = [shoe.frame.theta(line.phi) for shoe, line in zip(brake.shoes, linings, strict=True)]

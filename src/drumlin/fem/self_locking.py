@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.contact.self_locking import LARGEST, Limit
 from drumlin.fem.assembly import Scene
 from drumlin.fem.group import groups_of

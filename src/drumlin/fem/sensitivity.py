@@ -15,18 +15,16 @@ Forces of struts and cams are shared anew.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.orthotropic import orthotropic_parts
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.brake.support import wrench
-from drumlin.brake.unrolled import unrolled
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.adjoint import Adjoints, adjoints
 from drumlin.fem.assembly import Body, Scene, coupling_of, prepare
@@ -43,7 +41,6 @@ from drumlin.laws import sine
 from drumlin.laws.naming import name_of
 from drumlin.response.merit import sensitivity as by_differences
 from drumlin.response.resultants import cross
-from drumlin.response.show import effect_words
 
 PERCENT_PER_MM = 0.1  # in 1/m
 
@@ -124,7 +121,7 @@ def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sens
     if scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
     shoes: dict[int, ShoeSensitivity] = {}
-    ring, drive, rim = 0.0, 0.0, brake.drum.ring
+    ring, drive, rim = 0.0, 0.0, brake.ring
     for group in groups_of(scene, brake, penalty):
         found = adjoints(group)
         shoes |= {i: _shoe(found, k) for k, i in enumerate(group.members)}
@@ -142,25 +139,18 @@ def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sens
         ring=ring if rim is not None and rim.bending_stiffness is None else None,
         ring_bending_stiffness=ring if rim is not None and rim.bending_stiffness is not None else None,
         shoes=all_shoes,
-        law=None if any(shoe.flat for shoe in brake.shoes) else law_sensitivity(brake),
+        law=law_sensitivity(brake),
     )
 
 
-def on_plane(brake: FlatBrake, found: Sensitivity) -> Sensitivity:
-    """Sensitivities of the `unrolled` brake, whose torque is the braking force, in lengths x [m]."""
-    unit = unrolled(brake).drum.radius
-    shoes = tuple(replace(shoe, theta=unit * shoe.theta) for shoe in found.shoes)
-    return replace(found, shoes=shoes, law=law_sensitivity(brake))
-
-
-def as_text(found: Sensitivity, brake: AnyBrake) -> list[str]:
+def as_text(found: Sensitivity, brake: Brake) -> list[str]:
     """The sensitivities in lines for people; elasticities are d ln T / d ln x of the whole torque."""
 
     def said(S: float | None) -> str:
         return "none" if S is None else f"{S:.5g}"
 
-    flat = isinstance(brake, FlatBrake)
-    (what, unit), name = effect_words(flat=flat), "F" if flat else "T"
+    surface = brake.surface
+    what, unit, name = surface.effect, surface.effect_unit, surface.symbol
     law, of = found.law or (None,) * (len(found.shoes) + 1), f"{name_of(brake)} law"
     lines = [
         f"{what} {found.torque:.6g} {unit}, d{name}/dmu {found.friction:.6g} {unit}, "
@@ -204,14 +194,14 @@ def _held_text(key: str, value: Floats) -> str:
     return f"{key} {100 * math.radians(value[0]):+.4g} %/deg"
 
 
-def law_sensitivity(brake: AnyBrake) -> tuple[float | None, ...] | None:
+def law_sensitivity(brake: Brake) -> tuple[float | None, ...] | None:
     """S of the rigid-shoe law: each shoe's, the whole's. Of the sine law exactly, since its
     pressure keeps its shape (UWA notes, eq. 8); of others the whole's alone, by differences of
     their closed form. None of an orthotropic brake, which laws refuse."""
     if any(orthotropic_parts(brake)):
         return None
     try:
-        if name_of(brake) != "sine" or isinstance(brake, FlatBrake):
+        if name_of(brake) != "sine":
             return (*(None for _ in brake.shoes), by_differences(brake, rigid_law))
         response = sine(brake)
     except (BadInput, NoAnswer):
@@ -320,7 +310,7 @@ def _by_contact(every: Adjoints, k: int, u: Floats, v: Floats, move: Moves) -> f
     squeezed, turns = at.p / group.stiffnesses[k], motions.of[2]
     u, v = u[contact] + motions.moved @ at.y, v[contact] - motions.tested @ at.b
     values = []
-    for step, other in lines_at(body, shoe, brake.drum.radius, move):
+    for step, other in lines_at(body, shoe, brake.size, move):
         coupling = coupling_of(other, shoe)
         nodal = drag * (coupling.T.T @ at.p) - coupling.N.T @ at.p
         # How a turn by one radian moves the contact nodes aside as they move along the line.

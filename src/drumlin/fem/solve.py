@@ -3,9 +3,7 @@
 from dataclasses import replace
 from functools import partial
 
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.plane_brake import AnyBrake
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.brake import Brake
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import ELEMENTS, Cache, Scene, prepare
 from drumlin.fem.finite_width import finite_width as corrected
@@ -15,7 +13,7 @@ from drumlin.fem.hp.adapt import DEFAULT, Tolerance, adapt, check_tolerance
 from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, respond
-from drumlin.response.balance import balance_of, loaded, worst
+from drumlin.response.balance import loaded, shoe_balance, worst
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
@@ -23,7 +21,7 @@ UNSAID = 1e-8  # by how much the balance of p(theta) may be worse than the nodal
 
 
 def solve(
-    brake: AnyBrake,
+    brake: Brake,
     *,
     elements: int | None = None,
     kind: str | None = None,
@@ -49,34 +47,18 @@ def solve(
     for option, value in {"elements": elements, "kind": kind}.items():
         if tolerance is not None and value is not None:
             raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --{option} = {value}")
-    own, answer = on_drum(brake), partial(respond, penalty=penalty)
+    brake.check_meshable()
+    answer = partial(respond, penalty=penalty)
     if tolerance is not None:
-        check_tolerance(own, tolerance)
-        found = adapt(own, Tolerance(tolerance, tolerance), answer, cache=cache).response
-    elif _levelled(own, elements, kind):
-        found = adapt(own, DEFAULT, answer, must=False, cache=cache).response
+        check_tolerance(brake, tolerance)
+        found = adapt(brake, Tolerance(tolerance, tolerance), answer, cache=cache).response
+    elif _levelled(brake, elements, kind):
+        found = adapt(brake, DEFAULT, answer, must=False, cache=cache).response
     else:
-        found = answer(scene_of(own, elements=elements, kind=kind, cache=cache), own)
-    if isinstance(brake, Brake):
+        found = answer(scene_of(brake, elements=elements, kind=kind, cache=cache), brake)
+    if not brake.surface.straight:
         found = _with_curve_balance(brake, found)
-    return with_merits(brake, as_given(brake, found))
-
-
-def as_given(brake: AnyBrake, found: Response) -> Response:
-    """A response of `on_drum(brake)` as one of the brake: on a plane in lengths x [m]."""
-    if isinstance(brake, Brake):
-        return found
-    unit = brake.unit
-    shoes = tuple(
-        replace(
-            shoe,
-            torque=0.0,
-            theta=unit * shoe.theta,
-            contact_arcs=tuple((unit * a, unit * b) for a, b in shoe.contact_arcs),
-        )
-        for shoe in found.shoes
-    )
-    return replace(found, shoes=shoes, left_out=tuple(line for line in found.left_out if not line.startswith("drum:")))
+    return with_merits(brake, found)
 
 
 def scene_of(
@@ -98,7 +80,7 @@ def scene_of(
 
 def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None = None) -> None:
     """Raise BadInput for elements or a kind where no part is divided by them; a ring has elements, but one kind."""
-    given = {"kind": kind} if brake.drum.ring else {"elements": elements, "kind": kind}
+    given = {"kind": kind} if brake.ring else {"elements": elements, "kind": kind}
     for option, value in given.items():
         if value is not None and all(shoe.mesh for shoe in brake.shoes):
             raise BadInput(f"--{option} = {value}: all shoes have mesh files, whose elements stay as they are")
@@ -112,7 +94,7 @@ def _levelled(brake: Brake, elements: int | None, kind: str | None) -> bool:
 def _with_curve_balance(brake: Brake, found: Response) -> Response:
     """The response with a note where p(theta) on the round drum balances worse than the forces at the mesh's nodes."""
     under = loaded(brake, found)
-    curve = worst([balance_of(under, i, shoe) for i, shoe in enumerate(found.shoes)])
+    curve = worst([shoe_balance(under, i, shoe) for i, shoe in enumerate(found.shoes)])
     if max(curve.force - found.balance.force, curve.moment - found.balance.moment) <= UNSAID:
         return found
     note = (

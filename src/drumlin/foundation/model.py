@@ -17,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
+from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
-from drumlin.brake.drum_brake import Brake
 from drumlin.brake.orthotropic import isotropic_only
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
 from drumlin.errors import BadInput, NoAnswer
@@ -55,12 +55,11 @@ ALWAYS = (
 NO_RING = frozenset({"thick-ring", "all-modes", "own-pressure", "ring-friction"})
 
 
-def why_not(brake: AnyBrake) -> str | None:
+def why_not(brake: Brake) -> str | None:
     """Why the foundation model does not apply to a brake (None: it does)."""
-    if isinstance(brake, FlatBrake):
-        return "its shoes press on a plane, not on a drum"
-    if brake.shares:
-        return brake.shares
+    refusal = brake.surface.unlike(DRUM) or brake.shares
+    if refusal is not None:
+        return refusal
     for shoe in brake.shoes:
         if not isinstance(shoe.body, Beam):
             return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'
@@ -76,7 +75,7 @@ def lifted(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
     lacking: dict[str, str] = {}
     if any(shoe.backing and isinstance(shoe.body, Beam) and shoe.body.thickness is None for shoe in brake.shoes):
         lacking["wedge"] = "needs shoe.body.thickness"
-    if brake.drum.ring is not None and brake.drum.ring.section is None:
+    if brake.ring is not None and brake.ring.section is None:
         lacking["thick-ring"] = "needs drum.ring.thickness, width and material"
     for name in sorted(names & set(lacking)):
         raise BadInput(f"--lift = {name!r}: {lacking[name]}")
@@ -130,11 +129,11 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
 
 def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) -> Floats:
     """Inward displacement [m/N] of the rim at theta (k,) [rad] per normal force at `loads` (n,) [rad]: (k, n)."""
-    ring = brake.drum.ring
+    ring = brake.ring
     if ring is None:
         return np.zeros((len(theta), len(loads)))
     d = np.subtract.outer(theta, loads)
-    twin, R = "all-modes" not in lift, brake.drum.radius
+    twin, R = "all-modes" not in lift, brake.size
     c = flexibility(ring, R, d, twin=twin, sign=-1, thick="thick-ring" in lift)
     if "ring-friction" in lift:  # on the drum it acts against the rotation
         c = c - brake.friction * brake.spin * drag_flexibility(ring, R, d, twin=twin)
@@ -150,7 +149,7 @@ def rim(brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = (
     names = lifted(brake, lift)
     rows = []
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
-        N = shoe.lining.width * brake.drum.radius * trapezoid(answer.theta) * answer.pressure
+        N = shoe.lining.width * brake.size * trapezoid(answer.theta) * answer.pressure
         rows.append(ring_of(brake, theta, answer.theta, names) @ N)
     return np.array(rows)
 
@@ -169,7 +168,7 @@ def solve(
     names, clock = lifted(brake, lift), time.perf_counter()
     shoes = brake.shoes
     touching = [i for i in range(len(shoes)) if pressing_moment(shoes[i]) > 0]
-    together = brake.drum.ring is not None and "own-pressure" in names
+    together = brake.ring is not None and "own-pressure" in names
     answers = {i: untouched(shoes[i], -shoes[i].actuation.vector) for i in range(len(shoes)) if i not in touching}
     steps = 0
     for group in [touching] if together and touching else [[i] for i in touching]:
@@ -197,7 +196,7 @@ def solve(
 
 def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
     """What is not computed for this brake, and how to have it."""
-    ring = brake.drum.ring is not None
+    ring = brake.ring is not None
     blocks = any(shoe.backing for shoe in brake.shoes)
     kept = [
         f"{text} (--lift {name})"
@@ -234,7 +233,7 @@ def _found(
 
 def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float) -> ShoeResponse:
     """The response of shoe `index` to the normal forces N (n,) [N], ring displacements z (n,) [m] and the turn."""
-    shoe, R = brake.shoes[index], brake.drum.radius
+    shoe, R = brake.shoes[index], brake.size
     pressure = N / (shoe.lining.width * R * p.sector)
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
     w = turn * p.x + np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
@@ -262,4 +261,4 @@ def _resultant(brake: Brake, theta: Floats, N: Floats) -> Resultant:
     """What the drum does to an external lining by the normal forces N at the brake's angles theta (n,)."""
     along = np.array([N @ np.cos(theta), N @ np.sin(theta)])
     drag = brake.drag
-    return Resultant(along, drag * np.array([-along[1], along[0]]), drag * brake.drum.radius * float(N.sum()))
+    return Resultant(along, drag * np.array([-along[1], along[0]]), drag * brake.size * float(N.sum()))

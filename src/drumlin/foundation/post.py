@@ -13,8 +13,8 @@ import numpy as np
 from drumlin.arrays import Floats, Ints
 from drumlin.brake import clearance
 from drumlin.brake.beam_axis import Axis, axis_of
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.brake.fields import AnyMaterial, Material
 
 
@@ -48,7 +48,7 @@ class Post(NamedTuple):
 
 def post(brake: Brake, shoe: Shoe, sections: int, *, tilt: bool, wedge: bool, plane_stress: bool) -> Post:
     """The shoe on a grid of `sections` divisions of the beam; the options are those of the model."""
-    body, lining, R = shoe.body, shoe.lining, brake.drum.radius
+    body, lining, R = shoe.body, shoe.lining, brake.size
     assert isinstance(body, Beam)  # why_not
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     ends = np.sort(axis.angle(np.array([lining.start, lining.end])))
@@ -122,7 +122,7 @@ def layers(brake: Brake, shoe: Shoe, axis: Axis, theta: Floats, *, wedge: bool, 
     if wedge:
         assert isinstance(shoe.body, Beam) and shoe.body.thickness is not None  # why_not
         face = axis.distance - shoe.body.thickness / 2
-        thickness = face - (brake.drum.radius + lining.thickness) * np.cos(theta)
+        thickness = face - (brake.size + lining.thickness) * np.cos(theta)
     return total + soft(thickness, backing.material)
 
 

@@ -15,8 +15,8 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.brake import Brake
+from drumlin.brake.plane_brake import read_any
 from drumlin.fuzzing.wrong_values import (
     FLOATS,
     INTEGERS,
@@ -98,7 +98,7 @@ def typed(rng: random.Random) -> Input:
     """A brake file with one to three keys of the schema, there or not yet, set to values near and far."""
     data = tomllib.loads(brake_text(rng.choice(BRAKES)).decode())
     for _ in range(rng.choice([1, 1, 2, 3])):
-        places = list(schema_places(FlatBrake if "plane" in data else Brake, data))
+        places = list(schema_places(Brake.shape_of(data), data))
         table, key, annotation = rng.choice(places)
         if not isinstance(table, dict):
             continue

@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.plane_brake import FlatBrake, FlatShoe
+from drumlin.brake.brake import Brake, Shoe
 
 Arcs = tuple[tuple[float, float], ...]
 
@@ -79,9 +78,7 @@ class DrumFace(NamedTuple):
 
 
 class PlaneFace(NamedTuple):
-    """The plane y = 0 with the linings above it. Places are x/unit, shapes 1 and x [m], and nothing."""
-
-    unit: float = 1.0
+    """The plane y = 0 with the linings above it. Places are x [m], shapes 1 and x, and nothing."""
 
     def closing(self, motions: Floats) -> Floats:
         """As of a drum."""
@@ -93,12 +90,12 @@ class PlaneFace(NamedTuple):
 
     def shapes(self, place: Floats) -> Floats:
         """As of a drum."""
-        return np.array([np.ones(np.shape(place)), self.unit * place, np.zeros(np.shape(place))])
+        return np.array([np.ones(np.shape(place)), place, np.zeros(np.shape(place))])
 
     def products(self, arcs: Arcs) -> Floats:
         """As of a drum."""
         total = np.zeros((3, 2))
-        for a, b in self.unit * np.array(arcs).reshape(-1, 2):
+        for a, b in np.array(arcs).reshape(-1, 2):
             first = (b**2 - a**2) / 2
             total[:2] += [[b - a, first], [first, (b**3 - a**3) / 3]]
         return total
@@ -106,17 +103,17 @@ class PlaneFace(NamedTuple):
     def pressed(self, c: Floats, start: float, end: float) -> Arcs:
         """As of a drum."""
         if c[1] != 0:
-            zero = -c[0] / c[1] / self.unit
+            zero = -c[0] / c[1]
             start, end = (max(start, zero), end) if c[1] > 0 else (start, min(end, zero))
         return (
             ((start, end),)
-            if end - start > 1e-12 * max(abs(start), abs(end)) and c @ [1, self.unit * (start + end) / 2] > 0
+            if end - start > 1e-12 * max(abs(start), abs(end)) and c @ [1, (start + end) / 2] > 0
             else ()
         )
 
     def peak(self, c: Floats, arcs: Arcs) -> float:
         """As of a drum."""
-        return float(max(c @ [1.0, self.unit * x] for arc in arcs for x in arc))
+        return float(max(c @ [1.0, x] for arc in arcs for x in arc))
 
     def force(self, loads: Floats, drag: float) -> tuple[Floats, Floats, float]:
         """As of a drum."""
@@ -127,16 +124,12 @@ class PlaneFace(NamedTuple):
         if c[0] == 0:
             return 0
         slack = 1e-9 * (end - start)
-        return int(math.copysign(1, c[0])) if start - slack <= c[1] / c[0] / self.unit <= end + slack else 0
+        return int(math.copysign(1, c[0])) if start - slack <= c[1] / c[0] <= end + slack else 0
 
 
 Face = DrumFace | PlaneFace
 
 
-def face_of(brake: Brake | FlatBrake, shoe: Shoe | FlatShoe) -> Face:
+def face_of(brake: Brake, shoe: Shoe) -> Face:
     """The counterface of a shoe of a brake."""
-    if isinstance(brake, FlatBrake) or isinstance(shoe, FlatShoe):
-        return PlaneFace()
-    if shoe.flat:
-        return PlaneFace(brake.drum.radius)
-    return DrumFace(brake.drum.radius, shoe.sign)
+    return PlaneFace() if shoe.flat else DrumFace(brake.size, shoe.sign)

@@ -14,12 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Values
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOVES
+from drumlin.brake.surface import PLANE
 from drumlin.brake.units import mm
 from drumlin.errors import NoAnswer
-from drumlin.laws.rigid import LEFT_OUT_ON_PLANE, no_contact
-from drumlin.response.balance import flat_balance, worst
+from drumlin.laws.rigid import LEFT_OUT, no_contact
+from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response, ShoeResponse, untouched
 
@@ -106,21 +107,26 @@ FLAT_SHORT = FlatLaw(
 )
 
 
-def layout(brake: FlatBrake, shoe: FlatShoe) -> FlatLayout:
+def span(shoe: Shoe) -> tuple[float, float]:
+    """The lining (x_min, x_max) [m] from the hinge's foot on the plane."""
+    ends = shoe.frame.distance(np.array([shoe.lining.start, shoe.lining.end]))
+    return float(ends.min()), float(ends.max())
+
+
+def layout(brake: Brake, shoe: Shoe) -> FlatLayout:
     """What a law asks of a shoe on a plane."""
-    return FlatLayout(*shoe.span, h=shoe.pin.y, s=brake.spin * shoe.frame.sense)
+    return FlatLayout(*span(shoe), h=shoe.pin.y, s=brake.spin * shoe.frame.sense)
 
 
-def why_not(law: FlatLaw, brake: AnyBrake) -> str | None:
+def why_not(law: FlatLaw, brake: Brake) -> str | None:
     """Why a law of flat shoes does not apply to a brake; None where it does."""
-    if not isinstance(brake, FlatBrake):
-        return "its shoes press on a drum, not on a plane"
-    if brake.shares:
-        return brake.shares
+    refusal = brake.surface.unlike(PLANE) or brake.shares
+    if refusal is not None:
+        return refusal
     for shoe in brake.shoes:
         if shoe.held_by != "hinge":
             return f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}"
-        x_min, x_max = shoe.span
+        x_min, x_max = span(shoe)
         if law is LINEAR and x_min < 0:
             return f"shoe {shoe.name!r}: the lining must lie on one side of the hinge, not reach {mm(-x_min)} beyond"
         if x_min + x_max <= 0:
@@ -128,7 +134,7 @@ def why_not(law: FlatLaw, brake: AnyBrake) -> str | None:
     return None
 
 
-def solve(law: FlatLaw, brake: FlatBrake) -> Response:
+def solve(law: FlatLaw, brake: Brake) -> Response:
     """The response of a brake on a plane by a law, from the actuation of each shoe.
 
     Raises NoAnswer for a self-locking shoe.
@@ -137,14 +143,14 @@ def solve(law: FlatLaw, brake: FlatBrake) -> Response:
     response = Response(
         model=law.name,
         shoes=shoes,
-        balance=worst([flat_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
-        left_out=LEFT_OUT_ON_PLANE,
-        notes=tuple(no_contact(shoe.name, "plane") for shoe in shoes if not shoe.contact_arcs),
+        balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
+        left_out=LEFT_OUT[brake.surface.word],
+        notes=tuple(no_contact(shoe.name, brake.surface.word) for shoe in shoes if not shoe.contact_arcs),
     )
     return with_merits(brake, response)
 
 
-def _shoe(law: FlatLaw, brake: FlatBrake, shoe: FlatShoe) -> ShoeResponse:
+def _shoe(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
     pad, mu, w = layout(brake, shoe), brake.friction, shoe.lining.width
     moment = -shoe.frame.sense * shoe.actuation.moment_about(shoe.pin)
     if moment <= 0:  # no force, or one that lifts the lining off the plane

@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOVES
+from drumlin.brake.surface import DRUM
 from drumlin.brake.units import deg
 from drumlin.errors import NoAnswer
 from drumlin.laws.rigid import LEFT_OUT, NODES, no_contact
@@ -30,7 +30,7 @@ SLACK = 1e-9  # rad
 
 def layout(brake: Brake, shoe: Shoe) -> Layout:
     """What a law asks of the shoe of a brake."""
-    return Layout(*shoe.arc, R=brake.drum.radius, a=shoe.pin.radius, dD=double_delta(brake, shoe))
+    return Layout(*shoe.arc, R=brake.size, a=shoe.pin.radius, dD=double_delta(brake, shoe))
 
 
 def locking_friction(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
@@ -38,10 +38,11 @@ def locking_friction(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
     return float(law.locking_friction(layout(brake, shoe)))
 
 
-def why_not(law: Law, brake: AnyBrake) -> str | None:
+def why_not(law: Law, brake: Brake) -> str | None:
     """Why a law of hinged shoes does not apply to a brake; None where it does."""
-    if isinstance(brake, FlatBrake) or brake.shares:
-        return brake.shares or "its shoes press on a plane, not on a drum"
+    refusal = brake.shares or brake.surface.unlike(DRUM)
+    if refusal is not None:
+        return refusal
     for shoe in brake.shoes:
         phi_1, phi_2 = shoe.arc
         said = f"shoe {shoe.name!r}:"
@@ -67,7 +68,7 @@ def solve(law: Law, brake: Brake) -> Response:
         model=law.name,
         shoes=shoes,
         balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
-        left_out=LEFT_OUT,
+        left_out=LEFT_OUT[brake.surface.word],
         notes=tuple(note for i, shoe in enumerate(shoes) for note in _notes(law, brake, i, shoe)),
     )
     return with_merits(brake, response)
@@ -126,7 +127,7 @@ def guided_torque(brake: Brake) -> float:
         middle = 0.5 * (shoe.lining.start + shoe.lining.end)
         force = shoe.sign * float(shoe.actuation.vector @ [math.cos(middle), math.sin(middle)])
         lumped = brake.friction * float(equivalent_friction(layout(brake, shoe).half))
-        total += lumped * max(force, 0.0) * brake.drum.radius
+        total += lumped * max(force, 0.0) * brake.size
     return total
 
 
@@ -137,13 +138,13 @@ def pressing_moment(shoe: Shoe) -> float:
 
 def contact(brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0) -> Resultant:
     """What the drum does to a shoe of this load [Pa], at `factor` times the brake's friction."""
-    force = shoe.lining.width * brake.drum.radius
+    force = shoe.lining.width * brake.size
     along: Floats = force * np.array([load.cos, load.sin])
     drag = factor * brake.drag
     return Resultant(
         normal=shoe.frame.to_brake(-shoe.sign * along),
         friction=shoe.frame.to_brake(drag * shoe.frame.sense * np.array([-along[1], along[0]])),
-        moment=drag * force * float(load.total) * brake.drum.radius,
+        moment=drag * force * float(load.total) * brake.size,
     )
 
 

@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Values
-from drumlin.brake.drum_brake import Shoe
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.surface import DRUM
 from drumlin.laws.shapes import Layout, cos_load, moments_about, sine_load
 
 ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no moment about the pivot"
@@ -91,12 +91,11 @@ def locking_friction(arc: Layout, x: float, y: float) -> float:
     return min((float(r.real) for r in roots if abs(r.imag) < 1e-12 and r.real > 0), default=math.inf)
 
 
-def why_not(brake: AnyBrake) -> str | None:
+def why_not(brake: Brake) -> str | None:
     """Why the law does not apply to a brake; None where it does."""
-    if isinstance(brake, FlatBrake):
-        return "its shoes press on a plane, not on a drum"
-    if brake.shares:
-        return brake.shares
+    refusal = brake.surface.unlike(DRUM) or brake.shares
+    if refusal is not None:
+        return refusal
     for shoe in brake.shoes:
         if shoe.pivot is None:
             return f"shoe {shoe.name!r}: it has no pivot"

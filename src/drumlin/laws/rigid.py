@@ -18,20 +18,22 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Shoe
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import Freedoms
 from drumlin.errors import NoAnswer
 from drumlin.laws.face import Arcs, Face, face_of
-from drumlin.response.balance import balance_of, worst
+from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.merit import with_merits
 from drumlin.response.response import NEITHER, Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
 
 ASSUMES = "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
 _FITS = "clearance and misfit: the law is that of a lining that fits, new or worn in, on a"
-LEFT_OUT = "elasticity of shoe, backing and drum: rigid by assumption", f"{_FITS} round drum"
-LEFT_OUT_ON_PLANE = "elasticity: rigid by assumption", f"{_FITS} plane"
+LEFT_OUT = {
+    "drum": ("elasticity of shoe, backing and drum: rigid by assumption", f"{_FITS} round drum"),
+    "plane": ("elasticity: rigid by assumption", f"{_FITS} plane"),
+}
+"""What the law leaves out, by the word of the surface."""
 NODES = 257  # of p over a lining; quadratic pieces: integrals are right to 1e-10
 MOST_STEPS = 200
 
@@ -76,14 +78,14 @@ def locking(face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int) -> 
     return min((1 / float(x) for x in real if x > 1e-14), default=math.inf)
 
 
-def locking_friction(brake: AnyBrake, shoe: Shoe | FlatShoe) -> float:
+def locking_friction(brake: Brake, shoe: Shoe) -> float:
     """mu_lock of a shoe by the law, all of its lining pressed; the least of both senses of an abutment's friction."""
     face, ends = face_of(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
     of = [locking(face, shoe.freedoms(sense), shoe.lining.width, ends, brake.spin) for sense in shoe.senses]
     return min(of)
 
 
-def press(brake: AnyBrake, shoe: Shoe | FlatShoe, *, whole: bool = False) -> Pressed | None:
+def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> Pressed | None:
     """The shoe as it presses under its actuation; None where that lifts it off, or is none.
 
     whole: all of the lining bears, tension included, as closed forms have it. Raises NoAnswer: self-locking, or nothing
@@ -107,7 +109,7 @@ def press(brake: AnyBrake, shoe: Shoe | FlatShoe, *, whole: bool = False) -> Pre
     raise failure or NoAnswer(f"shoe {shoe.name!r}: no equilibrium, its foot leaves the abutment")
 
 
-def bears(brake: AnyBrake, shoe: Shoe | FlatShoe) -> int:
+def bears(brake: Brake, shoe: Shoe) -> int:
     """+1 where pressure without friction can balance the actuation, -1 where tension would, else 0."""
     face, ends = face_of(brake, shoe), (shoe.lining.start, shoe.lining.end)
     free = shoe.freedoms(shoe.senses[-1])
@@ -121,7 +123,7 @@ def bears(brake: AnyBrake, shoe: Shoe | FlatShoe) -> int:
         return 0
 
 
-def _settled(brake: AnyBrake, shoe: Shoe | FlatShoe, face: Face, sense: int, whole: bool) -> Pressed:
+def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> Pressed:
     free, ends, mu = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end), brake.friction
     shapes = face.closing(free.motions)
     arcs: Arcs = (ends,)
@@ -157,20 +159,20 @@ def _same(a: Arcs, b: Arcs) -> bool:
     return len(a) == len(b) and bool(np.allclose(a, b, rtol=0, atol=1e-13 * max(1.0, np.abs(b).max())))
 
 
-def _contact(brake: AnyBrake, shoe: Shoe | FlatShoe, found: Pressed) -> Resultant:
+def _contact(brake: Brake, shoe: Shoe, found: Pressed) -> Resultant:
     loads = shoe.lining.width * found.face.products(found.arcs) @ found.c
     normal, friction, moment = found.face.force(loads, brake.friction * brake.spin)
     return Resultant(normal, friction, moment)
 
 
-def respond(brake: AnyBrake, shoe: Shoe | FlatShoe, found: Pressed | None) -> ShoeResponse:
+def respond(brake: Brake, shoe: Shoe, found: Pressed | None) -> ShoeResponse:
     """The response of a shoe that presses so, or not at all."""
     if found is None:
         return untouched(shoe, -shoe.actuation.vector)
-    contact, flat = _contact(brake, shoe, found), isinstance(brake, FlatBrake)
+    contact, flat = _contact(brake, shoe, found), shoe.flat
     place = nodes((shoe.lining.start, shoe.lining.end), found.arcs, 2 if flat else NODES - 1)
     reaction = -shoe.actuation.vector - contact.force
-    about = _about(shoe, contact, flat)
+    about = _about(shoe, contact)
     if shoe.guide is None:  # the moment of friction about the pin has the sense of the actuation's
         helping = about[1] * shoe.actuation.moment_about(shoe.pin)
     else:  # the work of friction on the slide
@@ -199,10 +201,10 @@ def pressure(found: Pressed | None, place: Floats) -> Floats:
     return np.maximum(found.c @ found.face.shapes(place)[:2], 0.0)
 
 
-def _about(shoe: Shoe | FlatShoe, contact: Resultant, flat: bool) -> tuple[float, float]:
+def _about(shoe: Shoe, contact: Resultant) -> tuple[float, float]:
     """Moments of pressure and of friction about the shoe's pin."""
     pin = shoe.pin.xy
-    pressure, friction = (contact.moment, 0.0) if flat else (0.0, contact.moment)  # about the origin
+    pressure, friction = (contact.moment, 0.0) if shoe.flat else (0.0, contact.moment)  # about the origin
     return pressure - float(cross(pin, contact.normal)), friction - float(cross(pin, contact.friction))
 
 
@@ -216,9 +218,9 @@ def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
     return np.concatenate(found)
 
 
-def forced(brake: AnyBrake, *, whole: bool = False) -> AnyBrake:
+def forced(brake: Brake, *, whole: bool = False) -> Brake:
     """The brake with the forces that its shoes share, those of a cam and of struts, by the law. Raises NoAnswer."""
-    shoes: list[Shoe | FlatShoe] = list(brake.shoes)
+    shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}
     behind = {link.to for link in brake.links}
     if brake.actuation is not None and brake.actuation.is_cam:
@@ -239,7 +241,7 @@ def forced(brake: AnyBrake, *, whole: bool = False) -> AnyBrake:
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def solve(brake: AnyBrake, name: str = "rigid", *, whole: bool = False) -> Response:
+def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response:
     """The response of a brake by the law, under the `name` that it has for such brakes; whole: as for `press`.
 
     Raises NoAnswer: self-locking, or a shoe that nothing balances.
@@ -249,21 +251,21 @@ def solve(brake: AnyBrake, name: str = "rigid", *, whole: bool = False) -> Respo
     shared = under.shoes != brake.shoes
     if shared:
         shoes = tuple(replace(r, force=shoe.actuation.force) for r, shoe in zip(shoes, under.shoes, strict=True))
-    flat = isinstance(under, FlatBrake)
+    word = brake.surface.word
     response = Response(
         model=name,
         shoes=shoes,
-        balance=worst([balance_of(under, i, shoe) for i, shoe in enumerate(shoes)]),
-        left_out=LEFT_OUT_ON_PLANE if flat else LEFT_OUT,
+        balance=worst([shoe_balance(under, i, shoe) for i, shoe in enumerate(shoes)]),
+        left_out=LEFT_OUT[word],
         notes=(
-            *(no_contact(shoe.name, "plane" if flat else "drum") for shoe in shoes if not shoe.contact_arcs),
+            *(no_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs),
             *cam_notes(brake),
         ),
     )
     return with_merits(brake, response)
 
 
-def cam_notes(brake: AnyBrake) -> tuple[str, ...]:
+def cam_notes(brake: Brake) -> tuple[str, ...]:
     """How a cam shares its force between linings of unlike E/t, in a line; none where they are alike.
 
     Both tips go the same way. A new lining under a rigid shoe gives way by p t/E, a worn-in one wears by p.

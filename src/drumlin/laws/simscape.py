@@ -18,7 +18,7 @@ from typing import Literal
 import numpy as np
 
 from drumlin.arrays import Floats, Values
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from
 from drumlin.brake.units import deg, mm

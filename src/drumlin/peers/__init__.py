@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from drumlin.brake.plane_brake import AnyBrake
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.brake import Brake
 from drumlin.errors import BadInput
 from drumlin.peers.peer import Peer, PeerMissing
 from drumlin.response.merit import with_merits
@@ -14,19 +13,18 @@ PEERS = {"calculix": "CalculiX", "getfem": "GetFEM"}
 __all__ = ["PEERS", "Peer", "PeerMissing", "missing", "solve"]
 
 
-def solve(name: str, brake: AnyBrake, **options: Any) -> Peer:
+def solve(name: str, brake: Brake, **options: Any) -> Peer:
     """A brake by the peer `name`; options: `elements`, `kind`, `mesher`, and the peer's own.
 
     GetFEM takes shoes however they are held, CalculiX those on hinges of a drum. Raises BadInput for a brake that the
     peer does not take and for another name, PeerMissing where it is not installed, NoAnswer where it has none.
     """
-    from drumlin.fem.solve import as_given  # noqa: PLC0415  (finite elements load only where they are used)
-    from drumlin.peers import calculix, getfem  # noqa: PLC0415
+    from drumlin.peers import calculix, getfem  # noqa: PLC0415  (finite elements load only where they are used)
 
     if name not in PEERS:
         raise BadInput(f"peer = {name!r}: unknown; allowed: {', '.join(PEERS)}")
-    found = (calculix if name == "calculix" else getfem).solve(on_drum(brake), **options)
-    return found._replace(response=with_merits(brake, as_given(brake, found.response)))
+    found = (calculix if name == "calculix" else getfem).solve(brake, **options)
+    return found._replace(response=with_merits(brake, found.response))
 
 
 def missing(name: str) -> str | None:

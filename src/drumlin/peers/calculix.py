@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import ELEMENTS, Mesher
 from drumlin.fem.interface import ContactLine, couple, radial

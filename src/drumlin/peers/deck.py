@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material, Orthotropic
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import materials_of
@@ -238,7 +238,7 @@ def header(brake: Brake, loaded: Loaded, setting: Setting, name: str) -> list[st
     title, shoe = (" ".join(text.split())[:80] for text in (brake.title, loaded.shoe.name))
     return [
         f"** {title}",
-        f"** shoe {shoe!r}, drum turns {brake.rotation}, friction {brake.friction:g}",
+        f"** shoe {shoe!r}, drum turns {brake.direction}, friction {brake.friction:g}",
         "** units: mm, N, MPa; written by drumlin from its own mesh",
         f"** run: ccx {name}     results: {name}.dat",
         f"** thickness, stiffness across it and force are {setting.thickness:g} of the brake's",
@@ -280,7 +280,7 @@ def drum(brake: Brake, loaded: Loaded, first: tuple[int, int]) -> tuple[list[str
 
     One layer of CPS8 along the arc; their face S1 (of an internal shoe) or S3 lies on the friction surface.
     """
-    shoe, R = loaded.shoe, brake.drum.radius
+    shoe, R = loaded.shoe, brake.size
     theta = drum_angles(loaded)
     count = len(theta) // 2
     inner, outer = (R, R * (1 + DRUM_LAYER)) if shoe.sign > 0 else (R * (1 - DRUM_LAYER), R)

@@ -20,7 +20,7 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake import clearance
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher
 from drumlin.fem.elasticity import layers_of, split
@@ -41,7 +41,6 @@ from drumlin.peers.peer import (
     untouched_response,
 )
 from drumlin.response.response import Balance, ShoeResponse
-from drumlin.response.resultants import angle_near
 
 SCRIPT = Path(__file__).with_name("getfem_brake.py")
 INSTALL = "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
@@ -199,7 +198,7 @@ def _standing(
 
 def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) -> dict[str, Any]:
     """Everything that the script needs, as arrays; lengths in drum radii, stresses in moduli of the lining."""
-    R = brake.drum.radius
+    R = brake.size
     arrays: dict[str, Any] = {}
     listed = []
     for loaded in shoes:
@@ -256,17 +255,17 @@ def _run(interpreter: str, problem: dict[str, Any]) -> _Run:
 
 def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Stood:
     """A shoe's answer from the script's numbers."""
-    shoe, R = loaded.shoe, brake.drum.radius
+    shoe, R = loaded.shoe, brake.size
     if not found["converged"]:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM did not converge in {found['steps']} steps")
     if not abs(found["slipping"] - 1) < 1 - SLIPPING:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM: it sticks, its shear is {found['slipping']:.3g} times mu p")
     E, b = shoe.lining.material.E_through, shoe.lining.width
     xy = np.array(found["xy"])
-    phi = xy[0] if shoe.flat else angle_near(sum(shoe.arc) / 2, xy)
+    phi = shoe.phi_of(xy, 1.0)
     order = np.argsort(phi)
     size = E * R * b
-    torque = abs(found["torque"]) * size * (1 if shoe.flat else R)
+    torque = abs(found["torque"]) * size * brake.scale_factor
     forces = Forces(
         size * np.array(found["normal"]),
         size * np.array(found["tangential"]),

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, actuation, assemble, shape_of
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
@@ -89,7 +89,7 @@ def meshed_shoes(
 
     Raises BadInput for a brake with an elastic ring and without friction: peers get a rigid drum that slips.
     """
-    if brake.drum.ring is not None:
+    if brake.ring is not None:
         raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
     if brake.friction == 0:
         raise BadInput("friction = 0: the peers are given a drum that slips; must be greater than 0")
@@ -126,7 +126,7 @@ def loaded_shoes(
 
     Raises BadInput for others, and as `meshed_shoes`.
     """
-    if any(shoe.flat for shoe in brake.shoes):
+    if brake.surface.straight:
         raise BadInput("CalculiX takes brakes on a drum: its shoes press on a plane")
     brake.check_hinged("CalculiX")
     meshed = meshed_shoes(brake, elements, kind, mesher)
@@ -170,7 +170,7 @@ def shoe_response(
         drag[2] += math.copysign(forces.torque, loaded.drag)
     response = pressed_shoe(
         shoe,
-        loaded.radius,
+        loaded.radius / frame.unit,
         frame.theta(phi),
         pressure,
         order=order,

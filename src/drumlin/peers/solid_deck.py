@@ -11,7 +11,7 @@ import numpy as np
 import skfem
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import materials_of
@@ -93,7 +93,7 @@ def _posed(brake: Brake, elements: int, across: int | None) -> list[tuple[Loaded
     posed = []
     for loaded in loaded_shoes(brake, elements):
         shoe = loaded.shoe
-        solid = solid_mesh(shoe, brake.drum.radius, elements, across or across_of(shoe, elements))
+        solid = solid_mesh(shoe, brake.size, elements, across or across_of(shoe, elements))
         posed.append((loaded, solid))
     return posed
 
@@ -137,7 +137,7 @@ def deck(brake: Brake, loaded: Loaded, solid: Solid, setting: Setting, name: str
     for part, (E, nu) in moduli.items():
         lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E * MPA:.12e}, {nu:.12e}"]
         lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
-    face = face_of(solid, shoe, brake.drum.radius).nodes
+    face = face_of(solid, shoe, brake.size).nodes
     lines += contact(brake, loaded, setting, _faces(cells, face), "S1")
     lines += hinge(loaded, grid)
     lines += ["*BOUNDARY", *(f"{i + 1}, 3, 3" for i in np.union1d(flat, bonded)), "NDRUM, 3, 3"]
@@ -200,7 +200,7 @@ def drum(brake: Brake, loaded: Loaded, first: tuple[int, int]) -> tuple[list[str
     One element over half the width and a little more; its face S1 lies on the friction surface, whose nodes come
     first: those of z = 0, of the middle and of the outer side.
     """
-    shoe, R = loaded.shoe, brake.drum.radius
+    shoe, R = loaded.shoe, brake.size
     theta = drum_angles(loaded)
     back = R * (1 + shoe.sign * DRUM_LAYER)
     outer = WIDER * shoe.lining.width / 2

@@ -5,9 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
-from drumlin.brake.unrolled import on_drum
-from drumlin.comparison import Column, Comparison, as_csv, columns_of, compare, motion_of
+from drumlin.brake.brake import Brake
+from drumlin.comparison import Column, Comparison, as_csv, columns_of, compare
 from drumlin.errors import NoAnswer
 from drumlin.fem.finite_width import finite_width
 from drumlin.files import write_text
@@ -35,11 +34,11 @@ def panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
         responses = {model: response.shoes[i] for model, response in comparison.responses.items()}
         if responses:
             helps = any(response.self_energising for response in responses.values())
-            made.append((f"{shoe.name}, {motion_of(brake)}: friction {'assists' if helps else 'opposes'}", responses))
+            made.append((f"{shoe.name}, {brake.sense}: friction {'assists' if helps else 'opposes'}", responses))
     return made
 
 
-def draw_fields(given: AnyBrake, response: Response, folder: Path, name: str, **options: Any) -> str | None:
+def draw_fields(brake: Brake, response: Response, folder: Path, name: str, **options: Any) -> str | None:
     """Write name.vtu and, where off-screen rendering works, name.png; says why there is no picture, None if there is.
 
     `options`: those of the scene. A page shows what came of it by the macro `fields`.
@@ -48,14 +47,14 @@ def draw_fields(given: AnyBrake, response: Response, folder: Path, name: str, **
     from drumlin.fem.solve import scene_of  # noqa: PLC0415
     from drumlin.report.render import render  # noqa: PLC0415
 
-    brake = on_drum(given)
+    brake.check_meshable()
     scene = scene_of(brake, **options)
     parts = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
     if scene.ring is not None:
         parts.append(ring_fields(scene, brake, response))
     write_vtu(folder / f"{name}.vtu", parts)
-    title = f"{given.title}, {given.motion}"
-    return render(folder / f"{name}.vtu", folder / f"{name}.png", loaded(given, response), title)
+    title = f"{brake.title}, {brake.motion}"
+    return render(folder / f"{name}.vtu", folder / f"{name}.png", loaded(brake, response), title)
 
 
 def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
@@ -63,7 +62,7 @@ def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
     cases = [
         {
             "case": c.case,
-            "rotation": motion_of(c.brake),
+            "rotation": c.brake.sense,
             "friction": c.brake.friction,
             "models": [
                 {
@@ -79,7 +78,7 @@ def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
     return json.dumps({"versions": versions(), "cases": cases, **more}, indent=1) + "\n"
 
 
-def write_comparison(brake: AnyBrake, source: str, folder: Path, options: dict[str, Any]) -> Written:
+def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str, Any]) -> Written:
     """Compare all models that apply to a brake and write page, CSV, JSON, figure, fields into `folder`.
 
     Raises NoAnswer, and writes nothing, where no model has an answer.
@@ -90,7 +89,7 @@ def write_comparison(brake: AnyBrake, source: str, folder: Path, options: dict[s
     table = comparison.rows
     write_text(folder / "results.csv", as_csv(table))
     write_text(folder / "results.json", results_json([comparison]))
-    figures.save(figures.pressures(panels(comparison), flat=isinstance(brake, FlatBrake)), folder / "pressure.svg")
+    figures.save(figures.pressures(panels(comparison), surface=brake.surface), folder / "pressure.svg")
     fem = comparison.responses.get("fem")
     drawn, not_drawn = False, None
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):

@@ -14,18 +14,15 @@ from matplotlib.patches import Circle, FancyArrowPatch, PathPatch, Rectangle, We
 from matplotlib.path import Path as Outline
 
 from drumlin.arrays import Floats
-from drumlin.brake import unrolled
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.components import Actuation, Beam, Body
-from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.components import Actuation, Bar, Beam
 from drumlin.report.signs import BLOCK, BODY, DRUM, FAINT, FORCE, INK, LINING, MM, MOTION, arms, between, held
 
 
-def draw_brake(axes: Axes, brake: AnyBrake) -> None:
+def draw_brake(axes: Axes, brake: Brake) -> None:
     """Draw a brake of either kind into `axes`, which become mm at equal scale."""
-    if isinstance(brake, FlatBrake):
+    if brake.surface.straight:
         _draw_flat(axes, brake)
     else:
         _draw_drum_brake(axes, brake)
@@ -39,7 +36,7 @@ def draw_brake(axes: Axes, brake: AnyBrake) -> None:
 
 
 def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
-    R = brake.drum.radius * MM
+    R = brake.size * MM
     unit = R / 10  # of signs that have no size of their own
     _drum(axes, brake, unit)
     struts = {link.source for link in brake.links}
@@ -58,21 +55,21 @@ def _outermost(brake: Brake) -> float:
     ring = _ring_depth(brake)
     outside = any(shoe.side == "internal" for shoe in brake.shoes) and ring
     depth = max((shoe.depth for shoe in brake.shoes if shoe.side == "external"), default=0.0)
-    return (brake.drum.radius + max(outside, depth)) * MM
+    return (brake.size + max(outside, depth)) * MM
 
 
 def _ring_depth(brake: Brake) -> float:
     """Thickness [m] of the ring; without one, or where the file does not say, a tenth of the radius."""
-    ring = brake.drum.ring
-    return ring.thickness if ring and ring.thickness else 0.1 * brake.drum.radius
+    ring = brake.ring
+    return ring.thickness if ring and ring.thickness else 0.1 * brake.size
 
 
 def _drum(axes: Axes, brake: Brake, unit: float) -> None:
-    R = brake.drum.radius * MM
+    R = brake.size * MM
     ring = _ring_depth(brake) * MM
     if brake.shoes[0].side == "internal":
         axes.add_patch(Wedge((0, 0), R + ring, 0, 360, width=ring, facecolor=DRUM, edgecolor="none"))
-    elif brake.drum.ring:
+    elif brake.ring:
         axes.add_patch(Wedge((0, 0), R, 0, 360, width=ring, facecolor=DRUM, edgecolor="none"))
     else:
         axes.add_patch(Circle((0, 0), R, facecolor=DRUM, edgecolor="none"))
@@ -95,7 +92,7 @@ def _free_angle(brake: Brake, unit: float) -> float:
     """An angle [rad] for the drum's radius that keeps away from the shoes' names, ends and forces."""
     taken = []
     for shoe in brake.shoes:
-        tip = _loaded_point(shoe, brake.drum.radius * MM)
+        tip = _loaded_point(shoe, brake.size * MM)
         tail = tip - _tail(shoe.actuation, unit)
         taken += [shoe.lining.start, shoe.lining.end, 0.5 * (shoe.lining.start + shoe.lining.end)]
         taken += [math.atan2(y, x) for x, y in (tip, tail)]
@@ -117,7 +114,7 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool) -> N
     elif shoe.backing is not None and not own:
         _layer(axes, shoe, R, lining, shoe.backing.thickness * MM, (start, end), BLOCK)
         lining += shoe.backing.thickness * MM
-    if isinstance(shoe.body, Body) and not own:
+    if isinstance(shoe.body, Bar) and not own:
         arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
         for plate in shoe.body.plates.values():
             _layer(axes, shoe, R, lining, plate.thickness * MM, arc, BODY)
@@ -184,9 +181,9 @@ def _loaded_point(shoe: Shoe, R: float) -> Floats:
     point = shoe.actuation.point.xy * MM
     if shoe.sign < 0 and np.linalg.norm(point) > R:
         return point
-    half = 0.5 * shoe.body.depth if isinstance(shoe.body, Body) else 0.0
+    half = 0.5 * shoe.body.depth if isinstance(shoe.body, Bar) else 0.0
     depth = R - shoe.sign * (shoe.depth - half) * MM
-    arc = shoe.body if isinstance(shoe.body, Body) else shoe.lining
+    arc = shoe.body if isinstance(shoe.body, Bar) else shoe.lining
     ends = [depth * np.array([math.cos(angle), math.sin(angle)]) for angle in (arc.start, arc.end)]
     far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy * MM)))
     along = np.array([math.cos(shoe.actuation.direction), math.sin(shoe.actuation.direction)])
@@ -216,7 +213,7 @@ def _places(shoe: Shoe, R: float, unit: float) -> Floats:
 # on a plane
 
 
-def _draw_flat(axes: Axes, brake: FlatBrake) -> None:
+def _draw_flat(axes: Axes, brake: Brake) -> None:
     pins = [x for shoe in brake.shoes for x in (shoe.pin.x, shoe.actuation.point.x)]
     ends = [x for shoe in brake.shoes for x in (shoe.lining.start, shoe.lining.end)]
     left, right = min(pins + ends) * MM, max(pins + ends) * MM
@@ -228,22 +225,22 @@ def _draw_flat(axes: Axes, brake: FlatBrake) -> None:
     half = 2.2 * unit * brake.spin
     _arrow(axes, np.array([middle - half, -unit]), np.array([middle + half, -unit]), MOTION, width=0.14)
     places = [np.array([[left, -2 * unit], [right, 0]])]
-    elastic = on_drum(brake) if unrolled.why_not(brake) is None else None
+    elastic = brake.unmeshable() is None
     struts = {link.source for link in brake.links}
     _forces(axes, brake, {shoe.name: shoe.actuation.point.xy * MM for shoe in brake.shoes}, unit)
-    for i, shoe in enumerate(brake.shoes):
+    for shoe in brake.shoes:
         _flat_shoe(axes, shoe, unit, on_strut=shoe.name in struts)
-        if elastic is not None:
-            arms(axes, elastic.shoes[i], elastic.drum.radius, shoe.actuation.point.xy * MM, unit)
+        if elastic:
+            arms(axes, shoe, brake.size, shoe.actuation.point.xy * MM, unit)
         load = shoe.actuation.point.xy * MM
         pin = shoe.pin.xy * MM + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
         places.append(np.concatenate([_room(shoe.actuation, load, unit), pin]))
     _frame(axes, np.concatenate(places), 2 * unit)
 
 
-def _flat_shoe(axes: Axes, shoe: FlatShoe, unit: float, *, on_strut: bool) -> None:
+def _flat_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
     start, end = shoe.lining.start * MM, shoe.lining.end * MM
-    if shoe.body is not None and shoe.lining.thickness is not None:
+    if isinstance(shoe.body, Bar) and shoe.lining.thickness is not None:
         layers = [(start, end, shoe.lining.thickness, LINING)]
         if shoe.mesh is None:  # else only the mesh knows what is behind the lining
             layers += [(start, end, shoe.backing.thickness, BLOCK)] if shoe.backing else []
@@ -264,7 +261,7 @@ def _flat_shoe(axes: Axes, shoe: FlatShoe, unit: float, *, on_strut: bool) -> No
         _label(axes, np.array([x - 1.6 * unit, 0.4 * h]), f"h = {h:.4g} mm")
 
 
-def _flat_sign(axes: Axes, shoe: FlatShoe, unit: float) -> None:
+def _flat_sign(axes: Axes, shoe: Shoe, unit: float) -> None:
     """A rigid shoe: its lining, and a block up to the lever."""
     start, end, top = shoe.lining.start * MM, shoe.lining.end * MM, 0.8 * unit
     pin, load = shoe.pin.xy * MM, shoe.actuation.point.xy * MM
@@ -297,7 +294,7 @@ def _beside(actuation: Actuation, tip: Floats, unit: float, *, inside: bool = Fa
     return tip - 0.75 * along + 0.95 * unit * up, "left" if abs(up[1]) < 0.5 else "center"
 
 
-def _forces(axes: Axes, brake: AnyBrake, tips: Mapping[str, Floats], unit: float) -> None:
+def _forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: float) -> None:
     """The forces on the shoes with their sizes, of a cam their sum; equal ones beside each other have their size once.
 
     That of a strut is drawn with it.
@@ -307,7 +304,7 @@ def _forces(axes: Axes, brake: AnyBrake, tips: Mapping[str, Floats], unit: float
         middle = 0.5 * sum(tips[shoe.name] for shoe in pushed)
         _label(axes, middle - np.array([0.0, 1.6 * unit]), f"{_size(brake.actuation.total)} in all", color=FORCE)
         return
-    inside = isinstance(brake, Brake) and brake.shoes[0].sign > 0
+    inside = not brake.surface.straight and brake.shoes[0].sign > 0
     labels: list[tuple[Floats, str, str]] = []
     for shoe in pushed:
         tip = tips[shoe.name]

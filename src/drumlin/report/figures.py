@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drumlin.arrays import Floats
+from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.files import replacing
 from drumlin.report.palette import CATEGORIES, color_of, look_of
 from drumlin.response.response import ShoeResponse
-from drumlin.response.show import place_unit
 
 STYLE = {
     "font.size": 10,
@@ -113,9 +113,9 @@ def smooth(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
 
 
 def pressures(
-    panels: Sequence[tuple[str, Mapping[str, ShoeResponse]]], columns: int = 2, *, flat: bool = False
+    panels: Sequence[tuple[str, Mapping[str, ShoeResponse]]], columns: int = 2, *, surface: FrictionSurface = DRUM
 ) -> Figure:
-    """Pressure over the angle on the drum, or over the place on a plane: a panel (title, {model: response}) each.
+    """Pressure over the place on a surface: a panel (title, {model: response}) each.
 
     One pressure scale for all.
 
@@ -127,11 +127,11 @@ def pressures(
         rows, few = math.ceil(len(panels) / columns), max(len(responses) for _, responses in panels) <= 2
         figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
-        _, unit = place_unit(flat=flat)
+        unit = surface.shown
         highest = max(shoe.peak_pressure for _, responses in panels for shoe in responses.values())
         for axes, (title, responses) in zip(grid.flat, panels, strict=False):
             axes.set_title(title)
-            axes.set_xlabel("place x [mm]" if flat else "angle on the drum θ [deg]")
+            axes.set_xlabel(surface.figure_axis)
             axes.set_ylim(0, 1.12 * highest * 1e-6 if highest > 0 else 1)
             drawn = {model: smooth(shoe) for model, shoe in responses.items()}
             for model, (theta, p) in drawn.items():

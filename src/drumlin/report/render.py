@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats
+from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Point
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.brake.support import Held
 from drumlin.errors import ended
 from drumlin.files import replacing
@@ -31,13 +31,13 @@ class NoPicture(Exception):
     """The process that draws has ended without a picture."""
 
 
-def render(fields: Path, picture: Path, brake: AnyBrake, title: str) -> str | None:
+def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
     """Draw a .vtu file of fields into a .png; returns None, or one line that says why there is no picture."""
     surface, size = _surface(brake)
     marks = {
         "surface": surface.tolist(),
         "size": size,
-        "flat": isinstance(brake, FlatBrake),
+        "flat": brake.surface.straight,
         "pins": [list(point.xy) for shoe in brake.shoes for point in _points(shoe)],
         "forces": [[*shoe.actuation.point.xy, *shoe.actuation.vector] for shoe in brake.shoes],
         "title": title,
@@ -60,15 +60,15 @@ def picture_by(module: str, fields: Path, picture: Path, argument: str) -> str |
         return f"no field picture: off-screen rendering is not possible here ({one_line(str(error), 200)})"
 
 
-def _surface(brake: AnyBrake) -> tuple[Floats, float]:
+def _surface(brake: Brake) -> tuple[Floats, float]:
     """The friction surface as a line (n, 2) [m], and the length that signs go by: the drum's radius, or half of what is
     in a brake on a plane."""
-    if isinstance(brake, FlatBrake):
+    if brake.surface.straight:
         pins = [x for shoe in brake.shoes for x in (shoe.pin.x, shoe.actuation.point.x)]
         ends = [*pins, *(x for shoe in brake.shoes for x in (shoe.lining.start, shoe.lining.end))]
         return np.array([[min(ends), 0.0], [max(ends), 0.0]]), 0.5 * (max(ends) - min(ends))
     turn = np.linspace(0, 2 * math.pi, 361)
-    return brake.drum.radius * np.column_stack([np.cos(turn), np.sin(turn)]), brake.drum.radius
+    return brake.size * np.column_stack([np.cos(turn), np.sin(turn)]), brake.size
 
 
 def _points(shoe: Held) -> list[Point]:

@@ -8,10 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Rectangle
 
 from drumlin.arrays import Floats
-from drumlin.brake.components import Body
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.components import Bar
 from drumlin.brake.fields import Point
-from drumlin.brake.plane_brake import FlatShoe
 from drumlin.report.palette import BLUE, RED
 
 MM = 1e3
@@ -20,7 +19,7 @@ INK, FAINT, DRUM, BODY, BLOCK, LINING, FORCE, MOTION = (
 )  # fmt: skip
 
 
-def held(axes: Axes, shoe: Shoe | FlatShoe, unit: float, *, on_strut: bool = False) -> None:
+def held(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
     """What holds a shoe; on_strut: its abutment is a strut's end."""
     if shoe.hinge is not None:
         pin(axes, shoe.hinge, unit, fixed=True)
@@ -51,8 +50,8 @@ def face(axes: Axes, at: Floats, direction: float, unit: float, *, ground: bool)
 
 def arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> None:
     """Rigid arms, dashed, where what holds or pushes an elastic shoe stands off its body, and what a pivot or guide
-    grips of its back, as a line; radius [m] of the drum, the force's point (2,) [mm]."""
-    if not isinstance(shoe.body, Body) or shoe.mesh is not None:
+    grips of its back, as a line; radius [m], the size of the brake; the force's point (2,) [mm]."""
+    if not isinstance(shoe.body, Bar) or shoe.mesh is not None:
         return
     grip = shoe.grip(radius)
     if grip is None:

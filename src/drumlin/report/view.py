@@ -6,8 +6,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from drumlin.arrays import Ints
-from drumlin.brake.plane_brake import AnyBrake
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.brake import Brake
 from drumlin.fem.assembly import Body
 from drumlin.fem.hp.grid import Grid
 from drumlin.fem.solve import scene_of
@@ -17,7 +16,7 @@ from drumlin.report.drawing import draw_brake
 PARTS = {"shoe": "#c9d3dc", "table": "#b3c0cc", "backing": "#d9c39a", "lining": "#b98b6b"}
 
 
-def draw(brake: AnyBrake, **options: Any) -> Figure:
+def draw(brake: Brake, **options: Any) -> Figure:
     """The brake with drum, pins, forces and what moves, and over it the meshes of its shoes, if it can be meshed."""
     figure = Figure(figsize=(7.5, 7.5), layout="constrained")
     axes = figure.subplots()
@@ -25,8 +24,7 @@ def draw(brake: AnyBrake, **options: Any) -> Figure:
     axes.set_title(f"{brake.title}, {brake.motion}")
     if "fem" in refusals(brake):
         return figure
-    own = on_drum(brake)
-    for shoe, body in zip(own.shoes, scene_of(own, **options).bodies, strict=True):
+    for shoe, body in zip(brake.shoes, scene_of(brake, **options).bodies, strict=True):
         xy = shoe.points(body.basis.doflocs).T * 1e3
         around = body.mesh.outline if isinstance(body.mesh, Grid) else _around(body)
         for name, elements in body.mesh.subdomains.items():

@@ -1,30 +1,28 @@
 """Equilibrium of what a model returns: sums of forces and moments, relative to their largest members."""
 
 import math
-from typing import TypeVar, cast
-
-import numpy as np
+from typing import TypeVar
 
 from drumlin.arrays import Floats
-from drumlin.brake import AnyBrake, Brake
-from drumlin.brake.plane_brake import FlatBrake
+from drumlin.brake.brake import Brake
 from drumlin.response.response import Balance, Response, ShoeResponse
-from drumlin.response.resultants import Resultant, cross, gauss_points, resultant
+from drumlin.response.resultants import Resultant, cross, resultant
 
-B = TypeVar("B", bound=Brake | FlatBrake)
+B = TypeVar("B", bound=Brake)
 
 
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
-    """What the drum does to shoe `index`: the integrals of the response's own p(theta), or what its law lumps."""
+    """What the surface does to shoe `index`: the integrals of the response's own p, or what its law lumps."""
     if response.lumped is not None:
         return response.lumped
     shoe = brake.shoes[index]
     return resultant(
+        brake.surface,
         response.theta,
         response.pressure,
         order=response.order,
-        radius=brake.drum.radius,
-        width=shoe.lining.width,
+        size=brake.size,
+        per_place=brake.scale_factor * shoe.lining.width,
         sign=shoe.sign,
         drag=brake.drag,
     )
@@ -36,18 +34,11 @@ def loaded(brake: B, response: Response) -> B:
     if all(force is None for force in forces):
         return brake
     shoes = tuple(shoe if force is None else shoe.under(force) for shoe, force in zip(brake.shoes, forces, strict=True))
-    return cast("B", brake.model_copy(update={"shoes": shoes}))
-
-
-def balance_of(brake: AnyBrake, index: int, response: ShoeResponse) -> Balance:
-    """Equilibrium of shoe `index`, on a drum or on a plane."""
-    if isinstance(brake, FlatBrake):
-        return flat_balance(brake, index, response)
-    return shoe_balance(brake, index, response)
+    return brake.model_copy(update={"shoes": shoes})
 
 
 def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
-    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(theta), about the hinge.
+    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p, about the hinge.
 
     A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
     """
@@ -63,30 +54,8 @@ def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
         response.reaction_moment,
     ]
     if shoe.guide is not None:
-        moments += borne(shoe.actuation.force, brake.drum.radius * (shoe.lining.end - shoe.lining.start))
+        moments += borne(shoe.actuation.force, brake.scale_factor * (shoe.lining.end - shoe.lining.start))
     return relative_balance(forces, moments)
-
-
-def flat_balance(brake: FlatBrake, index: int, response: ShoeResponse) -> Balance:
-    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p(x), about the hinge.
-
-    A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
-    """
-    if not response.contact_arcs:
-        return Balance(0.0, 0.0)
-    shoe = brake.shoes[index]
-    x, p, dx = gauss_points(response.theta, response.pressure, response.order)
-    load = p * dx * shoe.lining.width
-    contact = float(np.sum(load)) * np.array([brake.friction * brake.spin, 1.0])
-    moments = [
-        float(np.sum(load * (x - shoe.pin.x))),
-        brake.friction * brake.spin * shoe.pin.y * float(np.sum(load)),
-        shoe.actuation.moment_about(shoe.pin),
-        response.reaction_moment,
-    ]
-    if shoe.guide is not None:
-        moments += borne(shoe.actuation.force, shoe.lining.end - shoe.lining.start)
-    return relative_balance([contact, response.hinge_reaction, shoe.actuation.vector], moments)
 
 
 def borne(force: float, length: float) -> list[float]:

@@ -1,24 +1,21 @@
 """Where a model's assumptions end: a warning beyond small strains, and where shoes lie in each other."""
 
-import math
 from collections.abc import Iterator
 from itertools import combinations
 
-from drumlin.brake.drum_brake import Shoe
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe
-from drumlin.brake.units import deg, mm
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.errors import NoAnswer
 
 LARGE_STRAIN = 0.05  # of the lining, p/E through its thickness; small displacements are off by about as much
 LARGEST_STRAIN = 10.0  # in the mean; beyond it no scaled load is meant: the force or its unit is wrong
 
 
-def check_strain(shoe: Shoe, radius: float, force: float, contact: float) -> None:
-    """Raise NoAnswer where a force [N] on a contact of a length [rad] would press the lining in by many times its
+def check_strain(shoe: Shoe, scale_factor: float, force: float, contact: float) -> None:
+    """Raise NoAnswer where a force [N] on a contact of a length would press the lining in by many times its
     thickness: in the mean, and where the contact is shorter than that, over as much as the lining has. Its peak may be
-    at a corner, where it only tells how fine the mesh is. radius: of the drum [m]."""
+    at a corner, where it only tells how fine the mesh is. scale_factor: of the brake's surface."""
     lining = shoe.lining
-    length = max(radius * contact, min(lining.thickness, radius * (lining.end - lining.start)))
+    length = max(scale_factor * contact, min(lining.thickness, scale_factor * (lining.end - lining.start)))
     strain = force / (lining.width * length * lining.material.E_through)
     if strain > LARGEST_STRAIN:
         raise NoAnswer(
@@ -27,7 +24,7 @@ def check_strain(shoe: Shoe, radius: float, force: float, contact: float) -> Non
         )
 
 
-def warnings(brake: AnyBrake, peaks: dict[str, float]) -> tuple[str, ...]:
+def warnings(brake: Brake, peaks: dict[str, float]) -> tuple[str, ...]:
     """What a reader must know before the numbers: one line each.
 
     peaks: name of a shoe -> its peak pressure [Pa].
@@ -41,16 +38,15 @@ def warnings(brake: AnyBrake, peaks: dict[str, float]) -> tuple[str, ...]:
     return (*strained, *_overlaps(brake))
 
 
-def _overlaps(brake: AnyBrake) -> Iterator[str]:
+def _overlaps(brake: Brake) -> Iterator[str]:
     """Pairs of shoes whose linings cover the same part of the drum or the plane."""
-    flat = isinstance(brake, FlatBrake)
-    text = mm if flat else deg
-    shoes: tuple[Shoe | FlatShoe, ...] = brake.shoes
-    for one, other in combinations(shoes, 2):
-        if isinstance(one, Shoe) and isinstance(other, Shoe) and one.side != other.side:
+    surface = brake.surface
+    text = surface.place
+    for one, other in combinations(brake.shoes, 2):
+        if one.side != other.side:
             continue
         a, b = one.lining, other.lining
-        turn = 0.0 if flat else 2 * math.pi * round((a.start + a.end - b.start - b.end) / (4 * math.pi))
+        turn = surface.turns(a.start + a.end - b.start - b.end)
         start, end = max(a.start, b.start + turn), min(a.end, b.end + turn)
         if end - start > 1e-9:
             yield (

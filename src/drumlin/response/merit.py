@@ -14,16 +14,15 @@ from typing import TypeVar
 import numpy as np
 
 from drumlin.arrays import Floats, Values
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
 from drumlin.errors import NoAnswer
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.limits import warnings
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
 from drumlin.response.resultants import Resultant, cross, integrate
 
-B = TypeVar("B", bound=Brake | FlatBrake)
+B = TypeVar("B", bound=Brake)
 
 
 def double_delta(brake: Brake, shoe: Shoe) -> int:
@@ -41,7 +40,7 @@ def double_delta(brake: Brake, shoe: Shoe) -> int:
 def merit(brake: Brake, index: int, response: ShoeResponse, contact: Resultant) -> Merit:
     """Figures of merit of shoe `index` of a brake on a drum, from its `contact_resultant`."""
     shoe = brake.shoes[index]
-    R, b = brake.drum.radius, shoe.lining.width
+    R, b = brake.size, shoe.lining.width
     to_centre = -shoe.pin.xy
     M = shoe.actuation.moment_about(shoe.pin)
     M_N = float(cross(to_centre, contact.normal))
@@ -82,7 +81,7 @@ def barecki_shoe_factor(mu: Values, angle: Values, psi: Values, delta: Values, g
     return np.asarray(gamma * psi / (delta * (np.sin(angle) / mu + sense * np.cos(angle)) - sense * psi))
 
 
-def flat_merit(brake: FlatBrake, index: int, response: ShoeResponse) -> FlatMerit:
+def flat_merit(brake: Brake, index: int, response: ShoeResponse) -> FlatMerit:
     """Figures of merit of shoe `index` of a brake on a plane."""
     shoe = brake.shoes[index]
     M = shoe.actuation.moment_about(shoe.pin)
@@ -95,18 +94,7 @@ def flat_merit(brake: FlatBrake, index: int, response: ShoeResponse) -> FlatMeri
     )
 
 
-def shoe_effect(response: Response, index: int) -> float:
-    """What a shoe does: its torque [N m], on a plane its braking force [N]."""
-    merit = response.merits[index] if response.merits else None
-    return merit.braking_force if isinstance(merit, FlatMerit) else response.shoes[index].torque
-
-
-def effect(response: Response) -> float:
-    """What a brake does: its torque [N m], on a plane its braking force [N]."""
-    return math.fsum(shoe_effect(response, i) for i in range(len(response.shoes)))
-
-
-def brake_factor(brake: AnyBrake, response: Response) -> float | None:
+def brake_factor(brake: Brake, response: Response) -> float | None:
     """T/(F R) of the whole brake, F the mean force of its actuation; on a plane braking force / F; None without force.
 
     Of shoes with equal forces it is the sum of their shoe factors. What a strut passes on is no actuation.
@@ -114,15 +102,22 @@ def brake_factor(brake: AnyBrake, response: Response) -> float | None:
     pushed = {link.to for link in brake.links}
     forces = [abs(shoe.actuation.force) for shoe in loaded(brake, response).shoes if shoe.name not in pushed]
     force = math.fsum(forces) / len(forces)
-    return _over(effect(response), force * (1.0 if isinstance(brake, FlatBrake) else brake.drum.radius))
+    return _over(response.effect, force * brake.scale_factor)
 
 
-def with_merits(brake: AnyBrake, response: Response) -> Response:
+def with_merits(brake: Brake, response: Response) -> Response:
     """The response with the figures of merit of its shoes, the load of a drum's bearings, and warnings as notes."""
     shoes, brake = enumerate(response.shoes), loaded(brake, response)
     notes = (*warnings(brake, {shoe.name: shoe.peak_pressure for shoe in response.shoes}), *response.notes)
-    if isinstance(brake, FlatBrake):
-        return replace(response, merits=tuple(flat_merit(brake, i, shoe) for i, shoe in shoes), notes=notes)
+    if brake.surface.straight:  # a shoe on a plane has a braking force, in its figures of merit, and no torque
+        merits = tuple(flat_merit(brake, i, shoe) for i, shoe in shoes)
+        return replace(
+            response,
+            shoes=tuple(replace(shoe, torque=0.0) for shoe in response.shoes),
+            merits=merits,
+            notes=notes,
+            surface=brake.surface,
+        )
     contacts = [contact_resultant(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     return replace(
         response,
@@ -132,7 +127,7 @@ def with_merits(brake: AnyBrake, response: Response) -> Response:
     )
 
 
-def sensitivity(brake: AnyBrake, solve: Callable[[AnyBrake], Response], step: float = 1e-4) -> float:
+def sensitivity(brake: Brake, solve: Callable[[Brake], Response], step: float = 1e-4) -> float:
     """S = (mu/T) dT/dmu of the whole brake at fixed actuation, by central differences over mu (1 +- step).
 
     Solves twice with any model, so that a change of the pressure's shape counts too (UWA notes, eq. viii).
@@ -141,7 +136,7 @@ def sensitivity(brake: AnyBrake, solve: Callable[[AnyBrake], Response], step: fl
 
     def at(friction: float) -> float:
         varied = vary(brake, {"friction": friction})
-        return effect(with_merits(varied, solve(varied)))
+        return with_merits(varied, solve(varied)).effect
 
     high, low = at(brake.friction * (1 + step)), at(brake.friction * (1 - step))
     if high + low == 0:

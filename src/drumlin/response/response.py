@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake, Shoe
-from drumlin.brake.plane_brake import FlatBrake, FlatShoe
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
 from drumlin.response.resultants import Inside, Resultant, by_piece, contact_arcs, edge_left_out, integrate
@@ -203,6 +203,10 @@ class Merit(NamedTuple):
     double_delta: int
     sensitivity_at_fixed_shape: float | None
 
+    def effect_of(self, shoe: ShoeResponse) -> float:
+        """What the shoe does: its torque [N m]."""
+        return shoe.torque
+
 
 class FlatMerit(NamedTuple):
     """Figures of merit of a shoe on a plane: braking force [N], the same over the actuation moment M [1/m], S."""
@@ -210,6 +214,10 @@ class FlatMerit(NamedTuple):
     braking_force: float
     braking_force_over_moment: float | None
     sensitivity_at_fixed_shape: float | None
+
+    def effect_of(self, shoe: ShoeResponse) -> float:
+        """What the shoe does: its braking force [N]."""
+        return self.braking_force
 
 
 @dataclass(frozen=True, repr=False)
@@ -219,7 +227,7 @@ class Response:
     `seconds`: time of each phase; `left_out`: what was not computed, and why; `merits`: one a shoe;
     `bearing_load` (2,) [N]: force of all shoes on the drum, which its bearings carry.
     `error`: estimated relative errors "pressure" (L2 outside the edge zones, the worst shoe's) and "torque", None
-    where nothing was estimated.
+    where nothing was estimated. `surface`: what the brake runs on, known once it has `merits`.
     """
 
     model: str
@@ -233,6 +241,7 @@ class Response:
     merits: tuple[Merit | FlatMerit, ...] = ()
     bearing_load: Floats | None = None
     error: Mapping[str, float] | None = None
+    surface: FrictionSurface = DRUM
 
     def __post_init__(self) -> None:
         for shoe in self.shoes:
@@ -246,6 +255,18 @@ class Response:
     def torque(self) -> float:
         """Torque of all shoes on the drum [N m], >= 0, against the rotation."""
         return math.fsum(shoe.torque for shoe in self.shoes)
+
+    @property
+    def effects(self) -> list[float]:
+        """What each shoe does: its torque [N m], on a plane its braking force [N]."""
+        if not self.merits:
+            return [shoe.torque for shoe in self.shoes]
+        return [merit.effect_of(shoe) for merit, shoe in zip(self.merits, self.shoes, strict=True)]
+
+    @property
+    def effect(self) -> float:
+        """What the brake does: its torque [N m], on a plane its braking force [N]."""
+        return math.fsum(self.effects)
 
     def __repr__(self) -> str:
         return as_text(self)
@@ -277,7 +298,7 @@ class Response:
         return data
 
 
-def untouched(shoe: Shoe | FlatShoe, hinge_reaction: Floats) -> ShoeResponse:
+def untouched(shoe: Shoe, hinge_reaction: Floats) -> ShoeResponse:
     """The response of a shoe that does not touch the drum: no torque, no pressure."""
     theta = np.linspace(shoe.lining.start, shoe.lining.end, 3)
     return ShoeResponse(
@@ -290,13 +311,13 @@ def untouched(shoe: Shoe | FlatShoe, hinge_reaction: Floats) -> ShoeResponse:
         contact_arcs=(),
         theta=theta,
         pressure=np.zeros(3),
-        pivot_reaction=np.zeros(2) if isinstance(shoe, Shoe) and shoe.pivot else None,
+        pivot_reaction=np.zeros(2) if shoe.pivot else None,
     )
 
 
 def pressed_shoe(
     shoe: Shoe,
-    radius: float,
+    scale_factor: float,
     theta: Floats,
     pressure: Floats,
     *,
@@ -313,21 +334,23 @@ def pressed_shoe(
 ) -> ShoeResponse:
     """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad], growing or falling.
 
-    radius: of the drum [m]; located: the ends of the contact and the peak are located within their elements; peak: its
-    pressure [Pa], where it is known; surface: its rows as the angles; more: other attributes of ShoeResponse. Raises
-    NoAnswer beyond LARGEST_STRAIN.
+    scale_factor: of the brake's surface; located: the ends of the contact and the peak are located within their
+    elements; peak: its pressure [Pa], where it is known; surface: its rows as the angles; more: other attributes of
+    ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
     if peak is None:
-        zone = edge_zone(shoe, radius)
+        zone = edge_zone(shoe, scale_factor)
         if located:
             peak = Inside(theta, order, zone).peak(pressure)
         else:
             peak = nodal_peak(theta, pressure, edge_left_out(theta, pressure, order, zone))
     arcs = contact_arcs(theta, pressure, order, located=located)
-    force = shoe.lining.width * radius * integrate(theta, pressure, order)  # not its resultant: opposite sides cancel
-    check_strain(shoe, radius, force, sum(end - start for start, end in arcs))
+    force = (
+        shoe.lining.width * scale_factor * integrate(theta, pressure, order)
+    )  # not its resultant: opposite sides cancel
+    check_strain(shoe, scale_factor, force, sum(end - start for start, end in arcs))
     return ShoeResponse(
         name=shoe.name,
         torque=torque,
@@ -345,16 +368,23 @@ def pressed_shoe(
     )
 
 
-def edge_zone(shoe: Shoe | FlatShoe, radius: float) -> float:
-    """Half the lining's thickness at each of its ends [rad], in which a sharp edge makes the pressure steep; a quarter
-    of its length where that is all of it. On a plane [m], radius 1."""
-    zone, length = (shoe.lining.thickness or 0.0) / (2 * radius), shoe.lining.end - shoe.lining.start
+def edge_zone(shoe: Shoe, scale_factor: float) -> float:
+    """Half the lining's thickness at each of its ends, in which a sharp edge makes the pressure steep; a quarter of its
+    length where that is all of it. In the coordinate of a surface of this scale factor."""
+    zone, length = (shoe.lining.thickness or 0.0) / (2 * scale_factor), shoe.lining.end - shoe.lining.start
     return zone if 2 * zone < length else 0.25 * length
 
 
-def singular_zone(length: float) -> float:
-    """EDGE_ZONE at each end of a lining of this length [rad], a quarter of a short one."""
-    return min(EDGE_ZONE, 0.25 * length)
+def own_edge_zone(shoe: Shoe, size: float) -> float:
+    """The same zone in phi of the shoe's own frame, in a brake of this size [m]."""
+    unit = shoe.frame.unit
+    return edge_zone(shoe, size / unit) / unit
+
+
+def singular_zone(length: float, unit: float = 1.0) -> float:
+    """EDGE_ZONE at each end of a lining of this length, a quarter of a short one; both in a coordinate of which one
+    unit of phi has `unit`."""
+    return min(unit * EDGE_ZONE, 0.25 * length)
 
 
 class Place(NamedTuple):
@@ -364,7 +394,7 @@ class Place(NamedTuple):
     zone: float
 
 
-def peak_place(brake: Brake | FlatBrake, index: int, response: ShoeResponse) -> Place | None:
+def peak_place(brake: Brake, index: int, response: ShoeResponse) -> Place | None:
     """Where shoe `index` has its peak pressure, within STEP; None where it does not touch.
 
     The points of the curve may miss the peak. So the zones at the ends are said to be left out where the
@@ -373,7 +403,7 @@ def peak_place(brake: Brake | FlatBrake, index: int, response: ShoeResponse) -> 
     if not response.contact_arcs or not response.peak_pressure > 0:
         return None
     theta, pressure = response.curve()
-    zone = edge_zone(brake.shoes[index], 1.0 if isinstance(brake, FlatBrake) else brake.drum.radius)
+    zone = edge_zone(brake.shoes[index], brake.scale_factor)
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
     apart = abs(pressure[inside].max(initial=0.0) - response.peak_pressure)
     if abs(pressure.max() - response.peak_pressure) <= apart:

@@ -9,12 +9,14 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from drumlin.arrays import Floats, Ints
+from drumlin.brake.surface import FrictionSurface
 
 GAUSS, WEIGHTS = legendre.leggauss(12)
 
 
 class Resultant(NamedTuple):
-    """What the drum does to the lining: forces of pressure and of friction (2,) [N], moment about O [N m]."""
+    """What the surface does to the lining: forces of pressure and of friction (2,) [N], moment [N m] about the
+    origin."""
 
     normal: Floats
     friction: Floats
@@ -42,11 +44,6 @@ def lobatto(order: int) -> Floats:
 def _coefficients(order: int) -> Floats:
     """Coefficients in Legendre's polynomials of the shape functions: (order + 1, order + 1), a column each."""
     return np.asarray(np.linalg.inv(legendre.legvander(lobatto(order), order)), dtype=float)
-
-
-def angle_near(middle: float, xy: Floats) -> Floats:
-    """Angles [rad] of the points xy (2, ...), within half a turn of `middle` [rad]."""
-    return np.asarray(middle + np.angle(np.exp(-1j * middle) * (xy[0] + 1j * xy[1])))
 
 
 def shape(order: int, xi: Floats) -> Floats:
@@ -194,18 +191,37 @@ def integrate(theta: Floats, values: Floats, order: int) -> float:
 
 
 def resultant(
-    theta: Floats, pressure: Floats, *, order: int, radius: float, width: float, sign: int, drag: float
+    surface: FrictionSurface,
+    theta: Floats,
+    pressure: Floats,
+    *,
+    order: int,
+    size: float,
+    per_place: float,
+    sign: int,
+    drag: float,
 ) -> Resultant:
-    """Resultant on the lining of the traction -p n + drag p e_theta, n = sign e_r, drag = mu s.
+    """Resultant on the lining of the traction -p n + drag p t, n out of the lining, t along the surface, drag = mu s.
 
-    `theta` (n,) [rad], `pressure` (n,) [Pa] piecewise of degree `order`; `radius`, `width` [m].
+    Parameters
+    ----------
+    surface : what the lining lies on
+    theta, pressure : (n,), places in the surface's coordinate and pressures [Pa], piecewise of degree `order`
+    order : degree of the pieces
+    size : of the brake [m]
+    per_place : area of the lining per unit of the coordinate
+    sign : +1 of an internal lining, -1 of an external one
+    drag : friction per pressure along growing places
     """
-    angle, p, w = gauss_points(theta, pressure, order)
-    load = p * w * radius * width
-    c, s = np.cos(angle), np.sin(angle)
-    along = np.array([np.sum(load * c), np.sum(load * s)])
-    across = np.array([-along[1], along[0]])
-    return Resultant(-sign * along, drag * across, float(np.sum(load)) * drag * radius)
+    place, p, w = gauss_points(theta, pressure, order)
+    load = p * w * per_place
+    normal, along = surface.outwards(place), surface.along(place)
+    lever = surface.levers(place, size)
+    return Resultant(
+        -sign * np.sum(load * normal, axis=(1, 2)),
+        drag * np.sum(load * along, axis=(1, 2)),
+        float(drag * np.sum(load * lever[1]) - sign * np.sum(load * lever[0])),
+    )
 
 
 def contact_arcs(

@@ -17,15 +17,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake
 from drumlin.errors import BadInput, DrumlinError, NoAnswer
 from drumlin.fem.assembly import Cache
 from drumlin.fem.mesh.content import content_digest
 from drumlin.journal import Journal, key_of, source_stamp
 from drumlin.models import pick
-from drumlin.response.merit import brake_factor, effect, shoe_effect
+from drumlin.response.merit import brake_factor
 from drumlin.response.response import Response
 from drumlin.sweeps.workers import Say, waiting_since
 
@@ -42,13 +41,13 @@ LOADS = ("title", "rotation", "friction", "clearance", "misfit", "out_of_round",
 class Case(NamedTuple):
     """A brake with some keys changed (as `vary` takes them), the model that answers and its options."""
 
-    brake: AnyBrake
+    brake: Brake
     changes: Mapping[str, Any]
     model: str = "fem"
     options: Mapping[str, Any] = {}
 
 
-def respond(case: Case, cache: Cache | None = None) -> tuple[AnyBrake, Response]:
+def respond(case: Case, cache: Cache | None = None) -> tuple[Brake, Response]:
     """The brake of a case and its response; elements and solids take bodies from the cache and put theirs there.
 
     Raises BadInput, NoAnswer.
@@ -96,7 +95,7 @@ def _passing(error: BaseException | None) -> bool:
     return False
 
 
-def row_of(brake: AnyBrake, response: Response) -> Row:
+def row_of(brake: Brake, response: Response) -> Row:
     """What a row says of a response, in SI; of shoe NAME as "NAME.torque" and so on.
 
     "torque" [N m] of the whole brake (on a plane: "braking_force" [N]), "brake_factor" T/(F R) with the mean force F
@@ -106,23 +105,23 @@ def row_of(brake: AnyBrake, response: Response) -> Row:
     hinge_reaction [N], contact_start and contact_end [rad; on a plane m] from where to where it touches, contact_arcs
     how many arcs that is.
     """
-    name, radius = ("torque", brake.drum.radius) if isinstance(brake, Brake) else ("braking_force", 1.0)
+    name = brake.surface.key
     row: Row = {
         "status": "solved" if response.converged else "failed: not converged",
-        name: effect(response),
+        name: response.effect,
         "brake_factor": brake_factor(brake, response),
         "peak_pressure": max(shoe.peak_pressure for shoe in response.shoes),
         "balance": max(response.balance.force, response.balance.moment),
         **{f"error_{name}": value for name, value in (response.error or {}).items()},
     }
     for i, shoe in enumerate(response.shoes):
-        own, load = shoe_effect(response, i), abs(brake.shoes[i].actuation.force)
+        own, load = response.effects[i], abs(brake.shoes[i].actuation.force)
         row |= {
             f"{shoe.name}.{key}": value
             for key, value in {
                 name: own,
                 "peak_pressure": shoe.peak_pressure,
-                "shoe_factor": own / (load * radius) if load else None,
+                "shoe_factor": own / (load * brake.scale_factor) if load else None,
                 "hinge_reaction": float(np.linalg.norm(shoe.hinge_reaction)),
                 "contact_start": shoe.contact_arcs[0][0] if shoe.contact_arcs else None,
                 "contact_end": shoe.contact_arcs[-1][1] if shoe.contact_arcs else None,
@@ -198,7 +197,7 @@ def keys_of(cases: Iterable[Case]) -> Iterator[dict[str, Any]]:
         }
 
 
-def digest_of(brake: AnyBrake) -> str:
+def digest_of(brake: Brake) -> str:
     """A digest of all that a brake is, of its mesh files what is in them, not their names."""
     data = brake.model_dump(mode="json")
     for shoe in data["shoes"]:
@@ -212,7 +211,7 @@ def names_mesh(key: str) -> bool:
     return key.rpartition(".")[2] == "mesh"
 
 
-def mesh_files(brake: AnyBrake, changes: Mapping[str, Any]) -> list[Path]:
+def mesh_files(brake: Brake, changes: Mapping[str, Any]) -> list[Path]:
     """The mesh files of a brake and of what is changed."""
     named = [shoe.mesh for shoe in brake.shoes]
     named += [value for key, value in changes.items() if names_mesh(key)]

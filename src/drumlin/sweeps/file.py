@@ -16,10 +16,10 @@ import numpy as np
 from pydantic import Field
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Part, Title
 from drumlin.brake.file import is_interval, read_toml, unit_of, validated, values_of, vary
-from drumlin.brake.plane_brake import AnyBrake, any_from, read_any
+from drumlin.brake.plane_brake import any_from, read_any
 from drumlin.brake.units import to_si
 from drumlin.errors import BadInput, DrumlinError
 from drumlin.fem.mesh.content import mesh_bytes
@@ -101,7 +101,7 @@ class Sweep(NamedTuple):
     """A sweep made ready: title, base brake, SI unit of each varied key (None: words), cases, unit of its stresses."""
 
     title: str
-    brake: AnyBrake
+    brake: Brake
     units: dict[str, str | None]
     cases: list[Case]
     pressure: str = "Pa"
@@ -184,7 +184,7 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path(), done: Done = lambda
     return Sweep(file.title or brake.title, brake, units, cases, file.pressure)
 
 
-def _base_brake(brake: str | dict[str, Any], base: Path) -> AnyBrake:
+def _base_brake(brake: str | dict[str, Any], base: Path) -> Brake:
     if isinstance(brake, str):
         return read_any(base / brake)
     try:
@@ -193,14 +193,14 @@ def _base_brake(brake: str | dict[str, Any], base: Path) -> AnyBrake:
         raise BadInput(f"brake.{error}") from error
 
 
-def _models(given: Mapping[str, Mapping[str, Any]], brake: AnyBrake) -> dict[str, dict[str, Any]]:
+def _models(given: Mapping[str, Mapping[str, Any]], brake: Brake) -> dict[str, dict[str, Any]]:
     """The options of each model, checked."""
     models = {}
     for name, options in given.items():
         if name not in MODELS:
             raise BadInput(f"model.{name}: unknown model; allowed: {', '.join(MODELS)}")
         models[name] = _part(f"model.{name}", OPTIONS.get(name, Part), options).model_dump(exclude_none=True)
-        if "lift" in models[name] and isinstance(brake, Brake):
+        if "lift" in models[name] and not brake.surface.straight:
             lifted(brake, models[name]["lift"])
     return models
 
@@ -212,7 +212,7 @@ class _Spec(NamedTuple):
     at: Callable[[Floats], list[Any]]
 
 
-def _specs(brake: AnyBrake, name: str, given: Any, base: Path) -> dict[str, _Spec]:
+def _specs(brake: Brake, name: str, given: Any, base: Path) -> dict[str, _Spec]:
     """What [vary] says under a name: by key, where each shoe draws its own."""
     said = f"vary.{name if name.isidentifier() else json.dumps(name, ensure_ascii=False)}"
     try:
@@ -395,7 +395,7 @@ TOLD = 256
 
 
 def _check(
-    brake: AnyBrake,
+    brake: Brake,
     key: str,
     values: Sequence[Any],
     firsts: Sequence[Mapping[str, Any]],

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import unit_of
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
@@ -31,7 +30,6 @@ def table(cases: Sequence[Case], rows: Sequence[Row], base: Path | None = None, 
     units: dict[str, str] = {}
     made = []
     for number, (case, row) in enumerate(zip(cases, rows, strict=True)):
-        flat = not isinstance(case.brake, Brake)
         line: Row = {"case": number}
         for key, value in case.changes.items():
             if key not in units:
@@ -42,7 +40,7 @@ def table(cases: Sequence[Case], rows: Sequence[Row], base: Path | None = None, 
         line |= {"model": case.model, "status": row["status"]}
         for name, value in row.items():
             last = name.rpartition(".")[2]
-            unit = ("m" if flat else "rad") if last in {"contact_start", "contact_end"} else UNITS.get(last)
+            unit = case.brake.surface.unit if last in {"contact_start", "contact_end"} else UNITS.get(last)
             line[_headed(name, unit)] = value
         made.append(line if pressure == "Pa" else _in_megapascal(line))
     return made

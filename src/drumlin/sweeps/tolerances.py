@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import value_of, vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import prepare

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import read_any
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.journal import Journal
 from drumlin.models import MODELS, applicable
@@ -139,7 +139,7 @@ def unsound(brake: Any, response: Response) -> str:
         return "negative torque or pressure"
     if max(response.balance.force, response.balance.moment) > 1e-6:
         return f"out of balance by {response.balance}"
-    if isinstance(brake, FlatBrake) or response.model == "foundation":
+    if brake.surface.straight or response.model == "foundation":
         return ""
     for i, shoe in enumerate(response.shoes):
         by_pressure = abs(contact_resultant(brake, i, shoe).moment)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.foundation.model import ring_of
 from drumlin.foundation.post import Post, post

@@ -7,21 +7,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
-from drumlin.brake.unrolled import on_drum
-from drumlin.comparison import Outcome, edge_of, motion_of, run
+from drumlin.brake.brake import Brake
+from drumlin.brake.surface import DRUM, PLANE
+from drumlin.comparison import Outcome, edge_of, run
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import prepare
 from drumlin.fem.self_locking import limits
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 from drumlin.models import MODELS, applicable
-from drumlin.response.merit import brake_factor, effect
+from drumlin.response.merit import brake_factor
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response
-from drumlin.response.show import effect_words
 from drumlin.wear import worn_in
 
 TRUSTED, ROUGH = 0.05, 0.15  # relative errors up to which a law is trusted, and is an estimate
@@ -32,21 +29,19 @@ class Case(NamedTuple):
     """A brake in one sense of motion: by its law, new, and worn in; `others`: by the other models that apply."""
 
     file: str
-    brake: AnyBrake
+    brake: Brake
     law: Response
     new: Response
     worn: Response
     others: Mapping[str, Outcome]
 
 
-def both_ways(brake: AnyBrake) -> tuple[AnyBrake, AnyBrake]:
+def both_ways(brake: Brake) -> tuple[Brake, Brake]:
     """The brake as its file says, and with the drum or the body moving the other way."""
-    if isinstance(brake, FlatBrake):
-        return brake, vary(brake, {"plane.sliding": "-x" if brake.spin > 0 else "+x"})
-    return brake, vary(brake, {"rotation": "clockwise" if brake.spin > 0 else "counter-clockwise"})
+    return brake, brake.reversed()
 
 
-def case(file: str, brake: AnyBrake, elements: int, *, solid: bool = False) -> Case:
+def case(file: str, brake: Brake, elements: int, *, solid: bool = False) -> Case:
     """A brake by law and finite elements; elements: along the worn-in linings; solid: also with solid shoes, where
     these apply. Raises NoAnswer.
     """
@@ -64,11 +59,10 @@ def case(file: str, brake: AnyBrake, elements: int, *, solid: bool = False) -> C
     )
 
 
-def mu_lock(brake: AnyBrake, most: float = 2.0, elements: int = 20) -> float:
+def mu_lock(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
     """The friction [1] up to which the elastic brake has an answer; inf where there is one up to `most`."""
-    own = on_drum(brake)
     try:
-        found = limits(prepare(own, elements=elements), own, most, penalty=1e6)
+        found = limits(prepare(brake, elements=elements), brake, most, penalty=1e6)
     except NoAnswer:
         return math.nan
     return min((end.friction for end in found.values()), default=math.inf)
@@ -77,7 +71,7 @@ def mu_lock(brake: AnyBrake, most: float = 2.0, elements: int = 20) -> float:
 def row_of(found: Case, limit: float | None) -> dict[str, Any]:
     """One row of the table of brakes; `factor`, `factor_worn`: brake factors by finite elements, new and worn in."""
     brake, new = found.brake, found.new
-    size = effect(new)
+    size = new.effect
 
     def distance(by: Response) -> float:
         """Of the law's pressure, L2, the worst shoe."""
@@ -86,17 +80,17 @@ def row_of(found: Case, limit: float | None) -> dict[str, Any]:
 
     return {
         "file": found.file,
-        "motion": motion_of(brake),
+        "motion": brake.sense,
         "law": found.law.model,
         "effect": size,
-        "unit": "N" if isinstance(brake, FlatBrake) else "N m",
+        "unit": brake.surface.effect_unit,
         "factor": brake_factor(brake, new),
         "factor_worn": brake_factor(brake, found.worn),
         "peak": max(shoe.peak_pressure for shoe in new.shoes),
         "reaction": max(float(np.linalg.norm(shoe.hinge_reaction)) for shoe in new.shoes),
         "mu_lock": limit,
-        "new": relative(effect(found.law), size),
-        "worn": relative(effect(found.law), effect(found.worn)),
+        "new": relative(found.law.effect, size),
+        "worn": relative(found.law.effect, found.worn.effect),
         "p": distance(new),
         "p_worn": distance(found.worn),
         "peak_worn": max(shoe.peak_pressure for shoe in found.worn.shoes),
@@ -106,14 +100,14 @@ def row_of(found: Case, limit: float | None) -> dict[str, Any]:
 
 def others_of(found: Case) -> list[dict[str, Any]]:
     """A row for each other model that applies: how far its effect is from finite elements, new and worn in."""
-    base: dict[str, Any] = {"file": found.file, "motion": motion_of(found.brake)}
+    base: dict[str, Any] = {"file": found.file, "motion": found.brake.sense}
     rows: list[dict[str, Any]] = []
     for name, outcome in found.others.items():
         if outcome.response is None:
             rows.append(base | {"model": name, "status": outcome.failure})
             continue
-        by = effect(outcome.response)
-        errors = {"new": relative(by, effect(found.new)), "worn": relative(by, effect(found.worn))}
+        by = outcome.response.effect
+        errors = {"new": relative(by, found.new.effect), "worn": relative(by, found.worn.effect)}
         rows.append(base | {"model": name, "effect": by} | errors | {"status": "solved"})
     return rows
 
@@ -122,8 +116,7 @@ def cam_factor(brake: Brake) -> float:
     """4 B1 B2/(B1 + B2) of an S-cam brake with equal displacement of both tips: T/(F R) of rigid worn-in shoes, from
     the shoe factors B = T/(F R) that each has alone."""
     one, two = (
-        law(brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})).torque
-        / (1e3 * brake.drum.radius)
+        law(brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})).torque / (1e3 * brake.size)
         for shoe in brake.shoes
     )
     return 4 * one * two / (one + two)
@@ -131,7 +124,8 @@ def cam_factor(brake: Brake) -> float:
 
 def verdict(rows: list[dict[str, Any]]) -> str:
     """Whether the law of a brake can be trusted, from its rows of both senses of motion."""
-    (effect_, _), name = effect_words(flat=rows[0]["unit"] == "N"), rows[0]["law"]
+    surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
+    effect_ = surface.effect
 
     def judged(key: str) -> str:
         error = max(abs(row[key]) for row in rows)

@@ -18,8 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.hp.adapt import seen
 from drumlin.fem.hp.corner import with_powers
@@ -61,10 +60,10 @@ class Level(NamedTuple):
 
 
 def drawn(seed: int) -> tuple[str, Brake]:
-    """The kind and the brake of a seed, one of any kind; one on a plane is unrolled."""
+    """The kind and the brake of a seed, one of any kind."""
     kinds = [*KINDS, *KINDS_OF_HOLDING]
     kind = kinds[seed % len(kinds)]
-    return kind, on_drum((random_brake if kind in KINDS else random_kind)(seed, kind))
+    return kind, (random_brake if kind in KINDS else random_kind)(seed, kind)
 
 
 def observe(seed: int) -> dict[str, Any]:

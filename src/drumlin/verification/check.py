@@ -10,25 +10,26 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import differing
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, FlatShoe, read_any
+from drumlin.brake.plane_brake import read_any
+from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.brake.units import LARGEST, to_si
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
 from drumlin.files import read_text
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.response.show import effect_words
 from drumlin.texts import formatted
 from drumlin.verification.reference import Reference, ShoeReference
 from drumlin.verification.reference_file import LARGEST_FILE
 
-QUANTITIES = {"theta": "rad", "p": "Pa"}
-FLAT_QUANTITIES = {"x": "m", "p": "Pa"}
+
+def _place_heading(surface: FrictionSurface) -> str:
+    return f"{surface.coordinate} [{surface.shown_unit}]"
 
 
-def _allowed(wanted: Mapping[str, str]) -> str:
-    place = "x [mm]" if "x" in wanted else "theta [deg]"
+def _allowed(surface: FrictionSurface) -> str:
+    place = _place_heading(surface)
     return f"columns 'shoe', {place!r} and 'p [MPa]', or other units"
 
 
@@ -59,9 +60,9 @@ class Verdict(NamedTuple):
     torque_floor: float
 
 
-def curves_text(response: Response, flat: bool = False) -> str:
-    """The pressures of a response as a CSV table that `read_curves` takes, `flat`: over places x."""
-    place, per_unit = ("x [mm]", 1e3) if flat else ("theta [deg]", math.degrees(1))
+def curves_text(response: Response, surface: FrictionSurface = DRUM) -> str:
+    """The pressures of a response over the places of its surface, as a CSV table that `read_curves` takes."""
+    place, per_unit = _place_heading(surface), surface.shown
     return as_csv(
         [
             {"shoe": shoe.name, place: f"{x:.12g}", "p [MPa]": f"{p:.12g}"}
@@ -77,7 +78,7 @@ def curve_of(shoe: ShoeResponse, per_unit: float) -> tuple[Floats, Floats]:
     return theta * per_unit, p * 1e-6
 
 
-def read_curves(path: Path, brake: AnyBrake) -> dict[str, Curve]:
+def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:
     """The curve of each shoe from a CSV file, on a plane over x [m].
 
     Raises BadInput with one line: file, line, what is allowed.
@@ -87,10 +88,11 @@ def read_curves(path: Path, brake: AnyBrake) -> dict[str, Curve]:
         lines = list(csv.reader(io.StringIO(text, newline="")))
     except csv.Error as error:
         raise BadInput(f"{path}: is not a CSV file ({error})") from error
-    wanted = FLAT_QUANTITIES if isinstance(brake, FlatBrake) else QUANTITIES
+    surface = brake.surface
+    wanted = {surface.coordinate: surface.unit, "p": "Pa"}
     if not lines:
-        raise BadInput(f"{path}: is empty; must have {_allowed(wanted)}")
-    columns = _columns(path, lines[0], wanted)
+        raise BadInput(f"{path}: is empty; must have {_allowed(surface)}")
+    columns = _columns(path, lines[0], wanted, surface)
     names = [shoe.name for shoe in brake.shoes]
     if "shoe" not in columns and len(names) > 1:
         raise BadInput(f"{path}: line 1: no column 'shoe'; the brake has {', '.join(names)}")
@@ -108,7 +110,9 @@ def read_curves(path: Path, brake: AnyBrake) -> dict[str, Curve]:
     return {shoe.name: _curve(path, shoe, points[shoe.name]) for shoe in brake.shoes}
 
 
-def _columns(path: Path, heading: Sequence[str], wanted: Mapping[str, str]) -> dict[str, tuple[int, float]]:
+def _columns(
+    path: Path, heading: Sequence[str], wanted: Mapping[str, str], surface: FrictionSurface
+) -> dict[str, tuple[int, float]]:
     """Place and factor to SI of each column, from headings such as 'theta [deg]'."""
     columns: dict[str, tuple[int, float]] = {}
     for place, cell in enumerate(heading):
@@ -123,7 +127,7 @@ def _columns(path: Path, heading: Sequence[str], wanted: Mapping[str, str]) -> d
                 raise BadInput(f"{path}: line 1: {cell.strip()!r}: {error}") from error
     for name in wanted:
         if name not in columns:
-            raise BadInput(f"{path}: line 1: no column {name!r} with its unit; must have {_allowed(wanted)}")
+            raise BadInput(f"{path}: line 1: no column {name!r} with its unit; must have {_allowed(surface)}")
     return columns
 
 
@@ -139,11 +143,11 @@ def _number(path: Path, number: int, line: Sequence[str], key: str, place: int, 
     return value
 
 
-def _curve(path: Path, shoe: Shoe | FlatShoe, points: list[tuple[float, float]]) -> Curve:
+def _curve(path: Path, shoe: Shoe, points: list[tuple[float, float]]) -> Curve:
     if len(points) < 2:
         raise BadInput(f"{path}: shoe {shoe.name!r}: {len(points)} points; must be 2 or more")
     theta, p = np.array(points).T
-    if isinstance(shoe, Shoe):  # whole turns do not matter
+    if not shoe.flat:  # whole turns do not matter
         theta = shoe.lining.middle + (theta - shoe.lining.middle + math.pi) % (2 * math.pi) - math.pi
     order = np.argsort(theta, kind="stable")
     theta, p = theta[order], p[order]
@@ -153,11 +157,11 @@ def _curve(path: Path, shoe: Shoe | FlatShoe, points: list[tuple[float, float]])
     return Curve(theta, p)
 
 
-def _place(shoe: Shoe | FlatShoe, at: float) -> str:
-    return f"x = {1e3 * at:.6g} mm" if isinstance(shoe, FlatShoe) else f"theta = {math.degrees(at):.6g} deg"
+def _place(shoe: Shoe, at: float) -> str:
+    return f"{shoe.surface.coordinate} = {shoe.surface.place(at)}"
 
 
-def check(brake: AnyBrake, known: Reference, curves: dict[str, Curve]) -> list[Verdict]:
+def check(brake: Brake, known: Reference, curves: dict[str, Curve]) -> list[Verdict]:
     """The verdict on each shoe. Raises BadInput where the reference is of another brake, or a curve does not reach
     over its lining up to the edge zones."""
     if [shoe.name for shoe in known.shoes] != [shoe.name for shoe in brake.shoes]:
@@ -166,11 +170,10 @@ def check(brake: AnyBrake, known: Reference, curves: dict[str, Curve]) -> list[V
     key = differing(brake, read_any(Path("brake_file"), known.text))
     if key is not None:
         raise BadInput(f"the reference is of another brake: {key} is not the same")
-    specs: Sequence[Shoe | FlatShoe] = brake.shoes
-    return [_verdict(brake, spec, shoe, curves[shoe.name]) for spec, shoe in zip(specs, known.shoes, strict=True)]
+    return [_verdict(brake, spec, shoe, curves[shoe.name]) for spec, shoe in zip(brake.shoes, known.shoes, strict=True)]
 
 
-def _verdict(brake: AnyBrake, spec: Shoe | FlatShoe, known: ShoeReference, curve: Curve) -> Verdict:
+def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Verdict:
     inside = known.inside
     theta, p = known.theta[inside], known.pressure[inside]
     if not len(theta):
@@ -184,7 +187,7 @@ def _verdict(brake: AnyBrake, spec: Shoe | FlatShoe, known: ShoeReference, curve
     size = math.sqrt(float(p @ p))
     worst = int(np.abs(off).argmax())
     peak = known.peak_pressure.value
-    lever = brake.friction * spec.lining.width * (brake.drum.radius**2 if isinstance(brake, Brake) else 1.0)
+    lever = brake.friction * spec.lining.width * brake.scale_factor**2
     return Verdict(
         shoe=known.name,
         distance=math.sqrt(float(off @ off)) / size if size else math.inf if off.any() else 0.0,
@@ -197,7 +200,7 @@ def _verdict(brake: AnyBrake, spec: Shoe | FlatShoe, known: ShoeReference, curve
     )
 
 
-def _area(shoe: Shoe | FlatShoe, curve: Curve) -> float:
+def _area(shoe: Shoe, curve: Curve) -> float:
     """Int p dtheta over the lining, by trapezia of the curve's own points."""
     start, end = shoe.lining.start, shoe.lining.end
     theta = np.concatenate([[start], curve.theta[(curve.theta > start) & (curve.theta < end)], [end]])
@@ -209,9 +212,9 @@ def within(verdicts: Sequence[Verdict], tolerance: float) -> bool:
     return all(max(v.distance, v.torque_error) <= tolerance for v in verdicts)
 
 
-def lines(verdicts: Sequence[Verdict], tolerance: float, *, flat: bool = False) -> list[str]:
-    """The verdicts for people, the last line the verdict on all; flat: on a plane, of a braking force."""
-    effect, unit = effect_words(flat=flat)
+def lines(verdicts: Sequence[Verdict], tolerance: float, surface: FrictionSurface = DRUM) -> list[str]:
+    """The verdicts for people, the last line the verdict on all, of the effect of a surface."""
+    effect, unit = surface.effect, surface.effect_unit
     said = [
         f"shoe {v.shoe!r}: p off by {formatted(v.distance, '.2%')} in L2 (reference known to {v.floor:.1e}), at most "
         f"by {formatted(v.largest, '.2%')} of the peak, at {v.at}; that is {formatted(v.torque_error, '.2%')} of the "

@@ -8,10 +8,8 @@ them.
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake
-from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.hp.adapt import DEFAULT, adapt
 from drumlin.fem.model import respond
@@ -39,7 +37,7 @@ KINDS = (*random_brake.KINDS, *random_kinds.KINDS)
 Rng = np.random.Generator
 
 
-def random_blocks(seed: int, steps: int | None = None) -> AnyBrake:
+def random_blocks(seed: int, steps: int | None = None) -> Brake:
     """The brake of a seed with blocks on each of its linings; its kind is the seed modulo the
     number of KINDS.
 
@@ -59,25 +57,24 @@ def random_blocks(seed: int, steps: int | None = None) -> AnyBrake:
     raise NoAnswer(f"no brake of kind {kind} with blocks from seed {seed} in {ATTEMPTS} attempts")
 
 
-def _of_kind(seed: int, kind: str) -> AnyBrake:
+def _of_kind(seed: int, kind: str) -> Brake:
     if kind in random_brake.KINDS:
         return random_brake.random_brake(seed, kind)
     return random_kinds.random_kind(seed, kind)
 
 
-def _with_blocks(brake: AnyBrake, rng: Rng, steps: int, depth: float) -> AnyBrake:
+def _with_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
     """The brake with so many steps on each lining, of depths up to `depth` times its compression.
 
     Raises BadInput where a lining has no room for them, NoAnswer where a shoe does not press or
     locks.
     """
-    meshed, fitting = on_drum(brake), solve(brake, elements=TRIED)
+    fitting = solve(brake, elements=TRIED)
     changes: dict[str, list[list[float]]] = {}
-    for i, (shoe, found) in enumerate(zip(meshed.shoes, fitting.shoes, strict=True)):
-        unit = (brake.shoes[i].lining.end - brake.shoes[i].lining.start) / (shoe.lining.end - shoe.lining.start)
+    for i, (shoe, found) in enumerate(zip(brake.shoes, fitting.shoes, strict=True)):
         places = _places(rng, shoe, steps)
-        depths = depth * _compression(meshed, shoe, found) * rng.uniform(0, 1, steps)
-        rows = [[float(unit * x), float(y)] for x, y in zip(places, depths, strict=True)]
+        depths = depth * _compression(brake, shoe, found) * rng.uniform(0, 1, steps)
+        rows = [[float(x), float(y)] for x, y in zip(places, depths, strict=True)]
         changes[f"shoe[{i}].lining.misfit.blocks"] = rows
     other = vary(brake, changes)
     if not all(shoe.contact_arcs for shoe in solve(other, elements=TRIED).shoes):
@@ -98,20 +95,19 @@ def _places(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
 def _compression(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
     """How far the mean pressure of a shoe presses its lining together [m], about."""
     lining = shoe.lining
-    area = brake.drum.radius * (lining.end - lining.start) * lining.width
+    area = brake.scale_factor * (lining.end - lining.start) * lining.width
     return found.normal_force / area * lining.thickness / lining.material.E_through
 
 
-def stated_and_true(brake: AnyBrake) -> tuple[Response, Truth, dict[str, float]]:
+def stated_and_true(brake: Brake) -> tuple[Response, Truth, dict[str, float]]:
     """The response of a default solve, the truth by finer levels, and the errors of the one against
     the other.
 
     Raises NoAnswer where one of the two has none.
     """
-    own = on_drum(brake)
-    found = adapt(own, DEFAULT, respond, must=False).response
-    true = by_columns(own, FINE)
-    return found, true, errors(own, found.shoes, true.shoes)
+    found = adapt(brake, DEFAULT, respond, must=False).response
+    true = by_columns(brake, FINE)
+    return found, true, errors(brake, found.shoes, true.shoes)
 
 
 def checks(seed: int) -> list[Check]:

@@ -9,8 +9,7 @@ from types import ModuleType
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, prepare
 from drumlin.fem.holding import TWO_ANSWERS, Hold, full_slip_rotation, hold
@@ -41,7 +40,7 @@ def checks(seed: int) -> list[Check]:
     generator, kind = kinds[seed % len(kinds)]
     try:
         draw = random_kinds.random_kind if generator is random_kinds else random_brake.random_brake
-        brake = on_drum(draw(seed, kind))
+        brake = draw(seed, kind)
     except NoAnswer:
         return []
     if brake.friction == 0:

@@ -6,7 +6,7 @@ brake whose lining stands off by far more than its force compresses it, the othe
 kinds of both generators.
 """
 
-from drumlin.brake.plane_brake import AnyBrake
+from drumlin.brake.brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.model import TOO_FAR
 from drumlin.fem.solve import solve
@@ -51,7 +51,7 @@ def checks(seed: int) -> list[Check]:
     return [_row(brake, "contact force", difference, max(2 * spread(forces), 1e-3))]
 
 
-def drawn(seed: int) -> AnyBrake:
+def drawn(seed: int) -> Brake:
     """The brake of a seed."""
     half, odd = divmod(seed, 2)
     if not odd:
@@ -73,7 +73,7 @@ def spread(values: list[float]) -> float:
     return (max(values) - min(values)) / values[-1]
 
 
-def _answer(brake: AnyBrake, elements: int | None) -> Response | str:
+def _answer(brake: Brake, elements: int | None) -> Response | str:
     """The response on levels, or on a mesh, or the line that refuses it."""
     try:
         return solve(brake, elements=elements)
@@ -82,6 +82,6 @@ def _answer(brake: AnyBrake, elements: int | None) -> Response | str:
 
 
 def _row(
-    brake: AnyBrake, quantity: str, difference: float, allowed: float, *, said: str = "", refused: bool = False
+    brake: Brake, quantity: str, difference: float, allowed: float, *, said: str = "", refused: bool = False
 ) -> Check:
     return Check("default solve = three meshes", brake.title, quantity, difference, allowed, said, refused)

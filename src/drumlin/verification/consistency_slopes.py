@@ -14,18 +14,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brake.components import Body
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
+from drumlin.brake.components import Bar
 from drumlin.brake.fields import AnyMaterial
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
-from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Cache, Scene, prepare
 from drumlin.fem.hp import scene as hp
 from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.sensitivity import Sensitivity, on_plane, sensitivity
+from drumlin.fem.sensitivity import Sensitivity, sensitivity
 from drumlin.verification import random_brake, random_kinds
 from drumlin.verification.consistency import Check
 
@@ -87,26 +85,23 @@ class Divided:
     cache: Cache
 
     def scene(self, own: Brake) -> Scene:
-        """The prepared scene of a brake on a drum."""
+        """The prepared scene of a brake."""
         if self.elements is None:
             return hp.scene(own, LEVEL, cache=self.cache)
         return prepare(own, elements=self.elements, cache=self.cache)
 
-    def solved(self, brake: AnyBrake) -> "TorqueOnDivision":
+    def solved(self, brake: Brake) -> "TorqueOnDivision":
         """The torque of a brake, and on what it stands. Raises as `solve`."""
-        own = on_drum(brake)
-        scene = self.scene(own)
-        response = respond(scene, own)
+        scene = self.scene(brake)
+        response = respond(scene, brake)
         bodies = [body.unknowns for body in scene.bodies] + ([scene.ring.basis.N] if scene.ring else [])
         return TorqueOnDivision(
             response.torque, tuple(bodies), tuple((shoe.pressure > 0).tobytes() for shoe in response.shoes)
         )
 
-    def slopes(self, brake: AnyBrake) -> Sensitivity:
+    def slopes(self, brake: Brake) -> Sensitivity:
         """The slopes of a brake. Raises as `sensitivity`."""
-        own = on_drum(brake)
-        found = sensitivity(self.scene(own), own)
-        return on_plane(brake, found) if isinstance(brake, FlatBrake) else found
+        return sensitivity(self.scene(brake), brake)
 
 
 def scaled(key: str, value: float) -> Changes:
@@ -129,11 +124,11 @@ def moved(key: str, x: float, y: float, way: int) -> Changes:
     return lambda s: {key: {"x": x + s * (way == 0), "y": y + s * (way == 1)}}
 
 
-def slopes_of(brake: AnyBrake, found: Sensitivity) -> list[Slope]:
+def slopes_of(brake: Brake, found: Sensitivity) -> list[Slope]:
     """All slopes that are printed of a brake."""
     table = [Slope("friction", found.friction, shifted("friction", brake.friction), brake.friction)]
     table += _of_drive(brake, found)
-    ring = None if isinstance(brake, FlatBrake) else brake.drum.ring
+    ring = brake.ring
     if ring is not None and found.ring is not None and ring.material is not None:
         table.append(Slope("E of the ring", found.ring, scaled_moduli("drum.ring.", ring.material)))
     if ring is not None and found.ring_bending_stiffness is not None and ring.bending_stiffness is not None:
@@ -144,7 +139,7 @@ def slopes_of(brake: AnyBrake, found: Sensitivity) -> list[Slope]:
     return table
 
 
-def _of_drive(brake: AnyBrake, found: Sensitivity) -> Iterator[Slope]:
+def _of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
     drive = brake.actuation
     if drive is None or found.drive is None:
         return
@@ -154,9 +149,9 @@ def _of_drive(brake: AnyBrake, found: Sensitivity) -> Iterator[Slope]:
             yield Slope("actuation", found.drive, scaled(f"actuation.{key}", value))
 
 
-def _of_shoe(brake: AnyBrake, found: Sensitivity, i: int) -> Iterator[Slope]:
-    shoe, own, key = on_drum(brake).shoes[i], found.shoes[i], f"shoe[{i}]."
-    lining, body, radius = shoe.lining, shoe.body, on_drum(brake).drum.radius
+def _of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
+    shoe, own, key = brake.shoes[i], found.shoes[i], f"shoe[{i}]."
+    lining, body, radius = shoe.lining, shoe.body, brake.size
     behind_strut = any(link.to == shoe.name for link in brake.links)
     if own.force is not None and own.torque and brake.actuation is None and not behind_strut:
         force = shoe.actuation.force
@@ -171,7 +166,7 @@ def _of_shoe(brake: AnyBrake, found: Sensitivity, i: int) -> Iterator[Slope]:
         yield Slope("bending_stiffness of the body", own.bending_stiffness, EI)
     if isinstance(lining.clearance, float):
         force = abs(shoe.actuation.force) or max(abs(each.actuation.force) for each in brake.shoes)
-        area = radius * (lining.end - lining.start) * lining.width
+        area = brake.scale_factor * (lining.end - lining.start) * lining.width
         squeezed = force / area * lining.thickness / lining.material.E_through
         yield Slope("clearance", own.clearance, shifted(f"{key}lining.clearance", lining.clearance), squeezed)
     for what, value in own.held.items():
@@ -186,7 +181,7 @@ def _of_shoe(brake: AnyBrake, found: Sensitivity, i: int) -> Iterator[Slope]:
             yield Slope(f"{what} along {axis}", float(value[way]), moved(f"{key}{what}", at.x, at.y, way), radius)
 
 
-def difference(brake: AnyBrake, slope: Slope, divided: Divided, base: TorqueOnDivision) -> float | None:
+def difference(brake: Brake, slope: Slope, divided: Divided, base: TorqueOnDivision) -> float | None:
     """The largest relative difference of a slope from the central differences over three steps.
 
     None where a step of each size changes the contact set, or the number of elements, so that there
@@ -214,28 +209,28 @@ KINDS = (*random_brake.KINDS, *random_kinds.KINDS)
 """Kinds of both generators, in the order in which seeds draw them."""
 
 
-def brake_of(seed: int) -> tuple[str, AnyBrake]:
+def brake_of(seed: int) -> tuple[str, Brake]:
     """Kind and brake of a seed, with friction; every other one with a body or a ring has a bending
     stiffness."""
     kind = KINDS[seed % len(KINDS)]
     draw = random_brake.random_brake if kind in random_brake.KINDS else random_kinds.random_kind
-    brake: AnyBrake = draw(seed, kind)
+    brake: Brake = draw(seed, kind)
     while brake.friction == 0:
         seed += 10**6
         brake = draw(seed, kind)
     return kind, brake if seed // len(KINDS) % 2 else _with_bending_stiffness(brake, np.random.default_rng(seed))
 
 
-def _with_bending_stiffness(brake: AnyBrake, rng: np.random.Generator) -> AnyBrake:
+def _with_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
     """The brake with the bending stiffness of its first body and of its ring given, near to what
     each has."""
     changes: dict[str, Any] = {}
     body = brake.shoes[0].body
-    if body is not None and not (isinstance(body, Body) and body.table is not None):
+    if body is not None and not (isinstance(body, Bar) and body.table is not None):
         EI = body.plates["shoe"].bending_stiffness
         changes["shoe[0].body.bending_stiffness"] = EI * math.exp(rng.uniform(-0.2, 0.2))
-    if not isinstance(brake, FlatBrake) and brake.drum.ring is not None:
-        changes["drum.ring.bending_stiffness"] = brake.drum.ring.EI * math.exp(rng.uniform(-0.2, 0.2))
+    if brake.ring is not None:
+        changes["drum.ring.bending_stiffness"] = brake.ring.EI * math.exp(rng.uniform(-0.2, 0.2))
     return vary(brake, changes)
 
 

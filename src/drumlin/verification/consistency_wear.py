@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, prepare
 from drumlin.fem.hp.adapt import DEFAULT, adapt
@@ -52,7 +51,6 @@ that its condensed bodies have lost digits; wear does not look for lost digits."
 EXACT_CONTACT = partial(respond, penalty=math.inf)
 """How brakes are solved here: without a penalty."""
 
-REVERSED = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
 
 NOT_RIGID = ("table", "grip")
 """Kinds that are what they are by their elastic bodies: without these they are others."""
@@ -87,14 +85,14 @@ def checks(seed: int) -> list[Check]:
     except NoAnswer:
         return []
     name = f"{kind} {seed}"
-    round_ = brake.model_copy(update={"drum": brake.drum.model_copy(update={"out_of_round": ()})})
+    round_ = brake.round()
     return _beginning(name, brake) + _later(name, round_)
 
 
 def _drawn(seed: int, kind: str) -> Brake:
     if kind in random_brake.KINDS:
         return random_brake.random_brake(seed, kind)
-    return on_drum(random_kinds.random_kind(seed, kind.removeprefix("rigid "), rigid=kind.startswith("rigid ")))
+    return random_kinds.random_kind(seed, kind.removeprefix("rigid "), rigid=kind.startswith("rigid "))
 
 
 def _beginning(name: str, brake: Brake) -> list[Check]:
@@ -135,7 +133,7 @@ def _later(name: str, brake: Brake) -> list[Check]:
         return rows
     then = partial(_solved, setup, scene, worn(setup, middle))
     rows += _rows(name, "wear's middle = solve of the worn linings", setup, (partial(_of, middle), then))
-    other = brake.model_copy(update={"rotation": REVERSED[brake.rotation]})
+    other = brake.reversed()
     return rows + _turned_back(name, setup, fem_setup(scene, other), scene, middle.s)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.hp.corner import steep_corners
 from drumlin.fem.solve import solve

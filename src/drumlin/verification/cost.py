@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.assembly import Mesher, prepare
 from drumlin.fem.body import scalar_basis, stiffness
 from drumlin.fem.elasticity import layers_of

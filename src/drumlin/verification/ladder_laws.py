@@ -6,7 +6,7 @@ from math import cos, radians, sin
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.laws import locking_friction
 from drumlin.laws.shapes import LAWS, equivalent_friction, m_and_n, pivot_radius

@@ -5,10 +5,9 @@ from functools import partial
 
 import numpy as np
 
+from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
-from drumlin.brake.file import validated
-from drumlin.brake.plane_brake import FlatBrake
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.plane_brake import any_from
 from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
@@ -20,7 +19,7 @@ LENGTH, WIDTH, FORCE = 0.12, 0.04, 500.0
 SOFT = Material(E=3e8, nu=0.25)
 
 
-def guided(thickness: float, mu: float, lining: Material) -> FlatBrake:
+def guided(thickness: float, mu: float, lining: Material) -> Brake:
     """A pad on a guide that is square to the plane, rigid behind its lining."""
     shoe = {
         "name": "pad",
@@ -29,7 +28,7 @@ def guided(thickness: float, mu: float, lining: Material) -> FlatBrake:
         "actuation": {"force": FORCE, "direction": -math.pi / 2, "point": {"x": LENGTH / 2, "y": 0.1}},
     }
     data = {"title": "pad", "friction": mu, "plane": {"sliding": "+x"}, "shoe": [shoe]}
-    return validated(FlatBrake, data)
+    return any_from(data)
 
 
 def _squeezed() -> float:
@@ -44,10 +43,10 @@ def _squeezed() -> float:
 
 def _edge(mu: float, nu: float) -> float:
     """lambda of p ~ r^(lambda - 1) at the edge that the plane runs onto."""
-    brake = on_drum(guided(0.02, mu, Material(E=3e8, nu=nu)))
+    brake = guided(0.02, mu, Material(E=3e8, nu=nu))
     (pad,) = respond(scene(brake, LEVELS[5]), brake).shoes
     r = np.geomspace(2e-6, 4e-5, 12)
-    return float(1 + np.polyfit(np.log(r), np.log(pad.pressure_at(r / LENGTH)), 1)[0])
+    return float(1 + np.polyfit(np.log(r), np.log(pad.pressure_at(r)), 1)[0])
 
 
 CASES = (

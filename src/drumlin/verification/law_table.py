@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake
 from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS
 from drumlin.models import MODELS
@@ -18,7 +17,7 @@ LAW_NAMES = tuple(name for name in MODELS if name not in {"fem", "solid"})
 Row = dict[str, Any]
 
 
-def law_rows(brake: AnyBrake, file: str) -> list[Row]:
+def law_rows(brake: Brake, file: str) -> list[Row]:
     """One row a shoe for every law that applies to a brake, and a row with the reason for every other law."""
     rows: list[Row] = []
     for name in LAW_NAMES:
@@ -75,7 +74,7 @@ def word_rows(brake: Brake) -> list[Row]:
         response = MODELS[law].solve(brake)
         for shoe, data, merit in zip(response.shoes, brake.shoes, response.merits, strict=True):
             assert isinstance(merit, Merit) and merit.resultant_angle is not None and merit.friction_radius is not None
-            R = brake.drum.radius
+            R = brake.size
             arm = abs(data.actuation.moment_about(data.pin) / data.actuation.force)
             angle = data.frame.phi(np.array(merit.resultant_angle))
             S = barecki_shoe_factor(
@@ -95,7 +94,7 @@ def word_rows(brake: Brake) -> list[Row]:
     return rows
 
 
-def first_shoes(block: AnyBrake, pad: AnyBrake) -> dict[str, ShoeResponse]:
+def first_shoes(block: Brake, pad: Brake) -> dict[str, ShoeResponse]:
     """The first shoe by every law: the drum laws and a pivot off its best place on a block, the flat shoe on a pad."""
     shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS}
     pivoted = vary(block, {"shoe.pivot": {"radius": "140 mm", "angle": "84 deg"}})

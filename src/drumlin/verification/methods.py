@@ -1,6 +1,6 @@
 """The ways to solve a brake that are held against each other (`verification.work_precision`)."""
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.fem.mesh.arc import KINDS
 from drumlin.models import refusals
 from drumlin.verification.work_precision import Method
@@ -10,7 +10,7 @@ def methods(brake: Brake, *, peers: bool = False, short: bool = False) -> list[M
     """Laws, foundation, meshes of every kind and size, textbook contact; `peers`: other solvers as well, and the meshes
     that they are held against; `short`: fewer kinds and sizes."""
     kinds = ("quad2", "tri1") if short else tuple(KINDS)
-    elastic = any(shoe.body is not None for shoe in brake.shoes) and brake.drum.ring is None  # a ring costs much more
+    elastic = any(shoe.body is not None for shoe in brake.shoes) and brake.ring is None  # a ring costs much more
     sizes = (20, 40) if short else (20, 40, 80, 160) if elastic else (20, 40, 80)
     penalties = (1e3, 1e6) if short else (1e1, 1e3, 1e6)
     found = [Method("law", law, {"model": law}) for law in ("sine", "cosine", "uniform")]

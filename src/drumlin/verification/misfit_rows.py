@@ -8,8 +8,8 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake import clearance
+from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import ground_to, set_off
-from drumlin.brake.drum_brake import Brake
 from drumlin.brake.file import vary
 from drumlin.response.norms import relative
 from drumlin.response.response import Response
@@ -25,7 +25,7 @@ EXPANSION, WARMING = 11e-6, 100.0  # of the drum [1/K], [K]
 def single_rows(brake: Brake, law: Response, solve: Callable[[Brake], Response]) -> list[dict[str, Any]]:
     """One misfit at a time, against the lining that fits and against the law."""
     fits = solve(brake)
-    growth = clearance.thermal_growth(brake.drum.radius, EXPANSION, WARMING)
+    growth = clearance.thermal_growth(brake.size, EXPANSION, WARMING)
 
     def stepped(depth: float) -> dict[str, Any]:
         return {

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import ELEMENTS, Scene, prepare, shape_of
@@ -153,7 +153,7 @@ def _exact_pair(brake: Brake, part: str, elements: int) -> Pair | None:
 
         return Pair(with_fields, simple)
     if part == "second of equal shoes":
-        if len({shape_of(brake, shoe) for shoe in brake.shoes}) == len(brake.shoes) or brake.drum.ring is not None:
+        if len({shape_of(brake, shoe) for shoe in brake.shoes}) == len(brake.shoes) or brake.ring is not None:
             return None
         return Pair(lambda: respond(_each_alone(brake, make), brake), simple)
     if brake.friction > 0:
@@ -189,8 +189,8 @@ def _predicted(brake: Brake, names: Iterable[str], elements: int) -> Change:
 
 def _sagittas(brake: Brake, shoe: Shoe, elements: int) -> tuple[Floats, Floats]:
     """Ends phi (m + 1,) [rad] of the elements along a lining, and how far their chords lie inside the arc (m,) [m]."""
-    angles = divide(shoe, brake.drum.radius, elements).angles
-    return angles, brake.drum.radius * (1 - np.cos(np.diff(angles) / 2))
+    angles = divide(shoe, brake.size, elements).angles
+    return angles, brake.size * (1 - np.cos(np.diff(angles) / 2))
 
 
 def _straightened(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
@@ -217,7 +217,7 @@ def straight_edges(brake: Brake, shoe: Shoe, elements: int) -> float:
     lining = shoe.lining
     E, nu = lining.material.E_through, lining.material.nu_along_through
     kappa, G = (3 - nu) / (1 + nu), E / (2 * (1 + nu))
-    h, m = brake.drum.radius * np.diff(angles)[:, None], np.arange(1, 9)
+    h, m = brake.size * np.diff(angles)[:, None], np.arange(1, 9)
     k = 2 * math.pi * m / h
     a = np.minimum(2 * k * lining.thickness, 50.0)  # the layer is then a half-plane
     stiff = (2 * kappa * np.cosh(a) + 1 + kappa**2 + a**2) / (2 * kappa * np.sinh(a) - 2 * a)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.comparison import Convergence
 from drumlin.errors import NoAnswer
@@ -153,11 +153,11 @@ def rigid_limit(brake: Brake, elements: int) -> list[Row]:
     law, fem = sine(rigid), solve(rigid, elements=elements)
     rows: list[Row] = []
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
-        edge = 5 * spec.lining.thickness / rigid.drum.radius
+        edge = 5 * spec.lining.thickness / rigid.size
         ratio = amplitude(spec.frame.phi(b.theta), b, edge)
         rows.append(
             {
-                "rotation": brake.rotation,
+                "rotation": brake.direction,
                 "shoe": spec.name,
                 "law": a.torque,
                 "fem": b.torque,
@@ -166,7 +166,7 @@ def rigid_limit(brake: Brake, elements: int) -> list[Row]:
             }
         )
     rows.append(
-        {"rotation": brake.rotation, "shoe": "all", "law": law.torque, "fem": fem.torque,
+        {"rotation": brake.direction, "shoe": "all", "law": law.torque, "fem": fem.torque,
          "difference": relative(fem.torque, law.torque)}
     )  # fmt: skip
     return rows

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem import assembly
 from drumlin.fem.finite_width import finite_width
@@ -99,7 +99,7 @@ def rows(three: Three, case: str = "") -> list[dict[str, Any]]:
     for i, (true, plane, other) in enumerate(
         zip(three.solid.shoes, three.plane.shoes, three.corrected.shoes, strict=True)
     ):
-        zone = edge_zone(three.brake.shoes[i], three.brake.drum.radius)
+        zone = edge_zone(three.brake.shoes[i], three.brake.scale_factor)
         row: dict[str, Any] = {
             "case": case,
             "shoe": true.name,
@@ -289,7 +289,7 @@ def _torque_off(a: ShoeResponse, b: ShoeResponse, shoe: Shoe, brake: Brake) -> f
 
 
 def _pressure_off(a: ShoeResponse, b: ShoeResponse, shoe: Shoe, brake: Brake) -> float:
-    return pressure_distance(a, b, edge_zone(shoe, brake.drum.radius))
+    return pressure_distance(a, b, edge_zone(shoe, brake.scale_factor))
 
 
 class Worn(NamedTuple):
@@ -311,7 +311,7 @@ def wear(brake: Brake, elements: int, distances: Sequence[float], across: int | 
     states = run_on(setup.interfaces, WearLaw(1.0), [s * unit for s in distances[1:]])
     shoes = [[_worn(scene.bodies[s.shoe].line, start.shoes[s.shoe], s.part, s.forward, at.pressure) for at in states]
              for s in setup.surfaces]  # fmt: skip
-    zones = [edge_zone(brake.shoes[s.shoe], brake.drum.radius) for s in setup.surfaces]
+    zones = [edge_zone(brake.shoes[s.shoe], brake.scale_factor) for s in setup.surfaces]
     return Worn(
         tuple(distances),
         tuple(tuple(uneven(shoe, zone) for shoe in each) for each, zone in zip(shoes, zones, strict=True)),

@@ -18,7 +18,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from drumlin.arrays import Bools, Floats, Ints
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import (
     ELEMENTS,
@@ -36,7 +36,7 @@ from drumlin.fem.interface import edge_points, radial
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
-from drumlin.response.resultants import angle_near, cross
+from drumlin.response.resultants import cross
 
 PENALTY = 1e3
 """Default penalty factor alpha: eps = alpha E/t. A stiffer one locks the points, which are more than the nodes."""
@@ -58,7 +58,7 @@ def solve(
     """
     if not 0 < penalty < math.inf:
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 and finite at quadrature points")
-    if brake.drum.ring is not None:
+    if brake.ring is not None:
         raise BadInput("drum.ring: the pointwise penalty has a rigid drum only")
     seconds: Seconds = {}
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
@@ -127,7 +127,7 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
     psi, x, ds = edge_points(line.xy[:, line.pieces], at, weights)
     normal, tangent = radial(shoe.sign)(x)
     radius = np.hypot(*x)
-    phi = angle_near(sum(shoe.arc) / 2, x)
+    phi = shoe.phi_of(x, brake.size)
     unknowns = parts.ties.matrix.shape[1]
     first = unknowns - FRAME - 2 * len(line.nodes)
 

@@ -15,7 +15,7 @@ import numpy as np
 from drumlin import foundation
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.comparison import run as timed
 from drumlin.errors import NoAnswer
@@ -178,7 +178,7 @@ def with_arc(brake: Brake, half: float) -> dict[str, float]:
 def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
     """From a brake that meets the model's assumptions, each left in turn: errors of the worst shoe's torque."""
     base = vary(brake, MATCHED | with_arc(brake, 15))
-    ring = brake.drum.ring
+    ring = brake.ring
     assert ring is not None
     cases: dict[str, dict[str, Any]] = {
         "all met: 30 deg of arc, E/t of lining 1/36 of the block's, nu = 0": {},
@@ -203,7 +203,7 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
 
 def groups(brake: Brake) -> tuple[float, float]:
     """k R^4/EI of the beam and of the ring, k the stiffness of the layers per length of arc."""
-    shoe, ring, R = brake.shoes[0], brake.drum.ring, brake.drum.radius
+    shoe, ring, R = brake.shoes[0], brake.ring, brake.size
     assert shoe.backing is not None and shoe.body is not None and ring is not None
     lining = shoe.lining
     k = lining.width / (
@@ -223,8 +223,8 @@ def error_maps(brake: Brake, points: int, elements: int) -> tuple[list[list[Erro
         soft = vary(brake, layers)
         beam, ring = groups(soft)
         body = soft.shoes[0].body
-        assert soft.drum.ring is not None and body is not None
-        EI, EI_r = body.plates["shoe"].bending_stiffness * beam, soft.drum.ring.EI * ring
+        assert soft.ring is not None and body is not None
+        EI, EI_r = body.plates["shoe"].bending_stiffness * beam, soft.ring.EI * ring
         error = {name: np.full((points, points), np.nan) for name in MODELS}
         for i, at_y in enumerate(y.tolist()):
             for j, at_x in enumerate(x.tolist()):

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from, vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.solve import solve

@@ -18,7 +18,7 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake import clearance
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import brake_from, vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.hp.levels import steps

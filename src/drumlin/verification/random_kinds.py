@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import validated, vary
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, any_from
+from drumlin.brake.plane_brake import any_from
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.laws import law
@@ -25,7 +26,7 @@ Rng = np.random.Generator
 Draw = Callable[[Rng], dict[str, Any]]
 
 
-def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> AnyBrake:
+def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> Brake:
     """The brake of a seed; `kind`: one of KINDS, by default seed modulo their number; rigid: without bodies, with thin
     linings that are alike. All shoes press, up to MARGIN of its friction."""
     names = list(KINDS)
@@ -37,7 +38,7 @@ def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> A
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
             brake = any_from(_rigid(data) if rigid else data)
-            brake = placed(brake, turn=0.0 if isinstance(brake, FlatBrake) else turn, mirrored=mirrored)
+            brake = placed(brake, turn=0.0 if brake.surface.straight else turn, mirrored=mirrored)
             for friction in (brake.friction, MARGIN * brake.friction):
                 other = vary(brake, {"friction": friction})
                 if not all(shoe.contact_arcs for shoe in (*law(other).shoes, *solve(other, elements=TRIED).shoes)):
@@ -322,17 +323,14 @@ def _shoe_placed(shoe: dict[str, Any], turn: float, *, mirrored: bool, shift: fl
     return moved
 
 
-def placed(brake: AnyBrake, *, turn: float = 0.0, mirrored: bool = False, shift: float = 0.0) -> AnyBrake:
+def placed(brake: Brake, *, turn: float = 0.0, mirrored: bool = False, shift: float = 0.0) -> Brake:
     """The brake turned by an angle [rad], mirrored before about the x axis; on a plane shifted [m], mirrored about y.
 
     No blocks of linings' misfits. The struts' and cam's forces are as they were.
     """
-    data = brake.model_dump(by_alias=True)
-    if isinstance(brake, FlatBrake):
+    data = (brake.reversed() if mirrored else brake).model_dump(by_alias=True)
+    if brake.surface.straight:
         turn = math.pi if mirrored else 0.0
-        data["plane"]["sliding"] = "-x" if (brake.spin > 0) == mirrored else "+x"
-    elif mirrored:
-        data["rotation"] = "clockwise" if brake.spin > 0 else "counter-clockwise"
     data["shoe"] = [_shoe_placed(shoe, turn, mirrored=mirrored, shift=shift) for shoe in data["shoe"]]
     return validated(type(brake), data)
 
@@ -341,9 +339,9 @@ LENGTHS = {"x", "y", "radius", "thickness", "width", "grip", "clearance", "diame
 FORCES = {"force"}
 
 
-def scaled(brake: AnyBrake, length: float, modulus: float) -> AnyBrake:
+def scaled(brake: Brake, length: float, modulus: float) -> Brake:
     """The brake with all lengths and all moduli times a factor, and forces so that strains stay as they are."""
-    flat = isinstance(brake, FlatBrake)
+    flat = brake.surface.straight
 
     def part(value: Any) -> Any:
         if isinstance(value, dict):

@@ -16,9 +16,9 @@ import numpy as np
 
 import drumlin
 from drumlin.arrays import Bools, Floats
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.brake import Brake
+from drumlin.brake.surface import DRUM, FrictionSurface
+from drumlin.comparison import edge_of
 from drumlin.errors import BadInput
 from drumlin.fem.hp.division import Level
 from drumlin.fem.hp.levels import steps
@@ -96,7 +96,7 @@ def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
 
 def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Response | None:
     """The finest solution by triangles in the form of `like`; None where they do not cover the brake, as on a plane."""
-    if not refinement.triangles or any(shoe.flat for shoe in brake.shoes):
+    if not refinement.triangles or brake.surface.straight:
         return None
     try:
         *_, solutions = triangles.sequence(brake, refinement.triangles)
@@ -105,7 +105,7 @@ def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Respo
     shoes = [
         pressed_shoe(
             shoe,
-            brake.drum.radius,
+            brake.scale_factor,
             found.theta,
             found.pressure,
             order=found.order,
@@ -178,7 +178,7 @@ class ShoeReference:
 class Reference:
     """Reference values of a brake: `text` is its file, `command` makes them again.
 
-    `flat`: on a plane. There the braking force [N] stands for torques, and places x [m] for angles.
+    `surface`: on a plane the braking force [N] stands for torques, and places x [m] for angles.
     """
 
     title: str
@@ -188,32 +188,18 @@ class Reference:
     versions: dict[str, str]
     torque: Sure
     shoes: tuple[ShoeReference, ...]
-    flat: bool = False
+    surface: FrictionSurface = DRUM
 
 
-def reference(given: AnyBrake, text: str, command: str, trio: Trio | None = None) -> Reference:
+def reference(brake: Brake, text: str, command: str, trio: Trio | None = None) -> Reference:
     """The reference values of a brake; `trio`: its fine responses, already there. Raises as responses."""
-    brake, flat = on_drum(given), isinstance(given, FlatBrake)
+    brake.check_meshable()
     trio = trio or responses(brake)
     versions = {"drumlin": drumlin.__version__, **{name: importlib.metadata.version(name) for name in PACKAGES}}
     shoes = tuple(_shoe(brake, i, trio) for i in range(len(brake.shoes)))
-    if flat:
-        shoes = tuple(_in_lengths(shoe, brake.drum.radius) for shoe in shoes)
     torque = Sure(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))  # shoes do not cancel
     method = ALONE if trio.other is None else METHOD
-    return Reference(brake.title, text, command, method, versions, torque, shoes, flat)
-
-
-def _in_lengths(shoe: ShoeReference, unit: float) -> ShoeReference:
-    """A shoe on a plane with its places x [m]; they counted in lengths of a unit [m]."""
-    arcs, (start, end) = shoe.contact_arcs, shoe.ends
-    return replace(
-        shoe,
-        theta=unit * shoe.theta,
-        edge=unit * shoe.edge,
-        ends=(unit * start, unit * end),
-        contact_arcs=Sure((unit * np.array(arcs.value)).tolist(), unit * arcs.uncertainty),
-    )
+    return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
 
 
 def _sure(value: Any, *others: Any) -> Sure:
@@ -238,9 +224,9 @@ def _shoe(brake: Brake, index: int, trio: Trio) -> ShoeReference:
     spec = brake.shoes[index]
     own = [response.shoes[index] for response in (trio.value, *trio.others)]
     a = own[0]
-    edge = edge_zone(spec, brake.drum.radius)
+    edge = edge_zone(spec, brake.scale_factor)
     first, last = spec.lining.start, spec.lining.end
-    step = 1e-3 / brake.drum.radius if spec.flat else DEG  # whole millimetres, whole degrees
+    step = 1e-3 if spec.flat else DEG  # whole millimetres, whole degrees
     theta = np.arange(math.ceil(first / step + 1e-6), last / step - 1e-6) * step
     pressure = a.pressure_at(theta)
     return ShoeReference(
@@ -255,5 +241,5 @@ def _shoe(brake: Brake, index: int, trio: Trio) -> ShoeReference:
         theta=theta,
         pressure=pressure,
         uncertainty=np.max([np.abs(x.pressure_at(theta) - pressure) for x in own[1:]], axis=0),
-        distance=max(pressure_distance(x, a) for x in own[1:]) if a.pressure.any() else 0.0,
+        distance=max(pressure_distance(x, a, edge_of(brake)) for x in own[1:]) if a.pressure.any() else 0.0,
     )

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats
+from drumlin.brake.surface import DRUM, PLANE
 from drumlin.brake.units import LARGEST
 from drumlin.errors import BadInput
 from drumlin.files import read_text, write_text
@@ -34,7 +35,10 @@ UNITS = {
 }
 
 
-FLAT_UNITS = {"torque": "N", "contact_arcs": "m", "edge": "m", "theta": "m"}  # a braking force, places x
+SURFACE_UNITS = {
+    surface: {"torque": surface.effect_unit, **dict.fromkeys(("contact_arcs", "edge", "theta"), surface.unit)}
+    for surface in (DRUM, PLANE)
+}
 
 
 def _rounded(value: Any, digits: int = DIGITS) -> Any:
@@ -71,7 +75,7 @@ def as_dict(found: Reference) -> dict[str, Any]:
         "format": FORMAT,
         "title": found.title,
         "method": found.method,
-        "units": UNITS | FLAT_UNITS if found.flat else UNITS,
+        "units": UNITS | SURFACE_UNITS[found.surface],
         "command": found.command,
         "versions": found.versions,
         "torque": _sure_data(found.torque),
@@ -102,7 +106,7 @@ def read_reference(path: Path) -> Reference:
             {_text(name): _text(version) for name, version in data["versions"].items()},
             _sure_from(data["torque"]),
             tuple(_shoe_from(shoe) for shoe in data["shoes"]),
-            flat=data["units"]["theta"] == FLAT_UNITS["theta"],
+            surface=PLANE if data["units"]["theta"] == PLANE.unit else DRUM,
         )
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError, OverflowError) as error:
         raise BadInput(f"{path}: holds no reference values in the form of `drumlin reference`") from error

@@ -17,7 +17,7 @@ import numpy as np
 
 from drumlin import foundation
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene, prepare, why_not

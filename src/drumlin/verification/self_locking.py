@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.contact.self_locking import agreement, first_singular, limit
 from drumlin.errors import NoAnswer
@@ -36,7 +36,7 @@ def limit_row(brake: Brake, elements: int) -> Row:
     scene = prepare(brake, elements=elements)
     found = min(limits(scene, brake, FAR).values(), key=lambda end: end.friction)
     law = _law(brake)
-    mu, t_over_R = found.friction, brake.shoes[0].lining.thickness / brake.drum.radius
+    mu, t_over_R = found.friction, brake.shoes[0].lining.thickness / brake.size
     off = mu / law - 1
     return {"mu_lock": mu, "law": law, "difference": off, "bounded": found.bounded, "elements": elements,
             "t_over_R": t_over_R}  # fmt: skip
@@ -105,7 +105,7 @@ def uniqueness_row(seed: int, way: str) -> Row:
         "bounded": end.bounded, "law": locking_friction(brake, shoe), "top": top, "disagreeing": disagreeing,
         "beyond": beyond, "answered": answered, "any_set": None if math.isinf(any_set) else any_set,
         "clearance": _clearance(brake), "shoe": "elastic" if shoe.body else "rigid",
-        "t_over_R": shoe.lining.thickness / brake.drum.radius, **total,
+        "t_over_R": shoe.lining.thickness / brake.size, **total,
     }  # fmt: skip
 
 

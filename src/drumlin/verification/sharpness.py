@@ -22,8 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.stats import binom
 
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.brake import Brake
 from drumlin.errors import NoAnswer
 from drumlin.fem.hp.adapt import DEFAULT, Tolerance, adapt
 from drumlin.fem.hp.levels import Step, steps
@@ -84,7 +83,7 @@ class Spread(NamedTuple):
 
 def judged(name: str, stored: StoredTruth) -> list[Judged]:
     """Stated and true errors of the brake of a stored truth, one for each of ASKED that has an answer."""
-    brake = on_drum(stored.brake)
+    brake = stored.brake
     sequences: tuple[Iterable[Step], ...] = tee(steps(brake, respond), len(ASKED))
     found = []
     for (asked, tolerance), sequence in zip(ASKED.items(), sequences, strict=True):

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake.plane_brake import AnyBrake, FlatBrake, any_from
+from drumlin.brake.brake import Brake
+from drumlin.brake.plane_brake import any_from
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import law
 from drumlin.verification.random_kinds import ATTEMPTS, KINDS, Rng, facing, log_between, placed
@@ -21,7 +22,7 @@ CUT = 1.0, 300.0
 """Least and largest factor by which the force of a brake of `random_kinds` is divided."""
 
 
-def standing_off(seed: int, kind: str | None = None) -> AnyBrake:
+def standing_off(seed: int, kind: str | None = None) -> Brake:
     """The brake of a seed.
 
     kind: one of the kinds of `random_kinds`, by default the seed modulo their number. The rigid-shoe
@@ -37,7 +38,7 @@ def standing_off(seed: int, kind: str | None = None) -> AnyBrake:
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
             brake = any_from(data)
-            turn = 0.0 if isinstance(brake, FlatBrake) else turn
+            turn = 0.0 if brake.surface.straight else turn
             brake = placed(brake, turn=turn, mirrored=mirrored)
             if all(shoe.contact_arcs for shoe in law(brake).shoes):
                 return brake

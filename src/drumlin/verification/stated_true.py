@@ -17,7 +17,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.comparison import edge_of
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.hp.estimate import ROUND_OFF
 from drumlin.fem.hp.levels import steps
@@ -137,9 +138,9 @@ def errors(brake: Brake, found: Sequence[Any], true: Sequence[Solved]) -> dict[s
     torque = math.fsum(shoe.torque for shoe in true)
     off = math.fsum(a.torque - b.torque for _, a, b in trios)
     return {
-        "pressure": max(pressure_error(a, b) for _, a, b in trios),
+        "pressure": max(pressure_error(a, b, edge_of(brake)) for _, a, b in trios),
         "torque": abs(off) / torque if torque else 0.0,
-        "peak": max(_peak_error(shoe, brake.drum.radius, a, b) for shoe, a, b in trios),
+        "peak": max(_peak_error(shoe, brake.scale_factor, a, b) for shoe, a, b in trios),
         "reaction": max(
             math.dist(a.hinge_reaction, b.hinge_reaction) / reaction_size(b.hinge_reaction, b.normal_force)
             for _, a, b in trios
@@ -147,10 +148,10 @@ def errors(brake: Brake, found: Sequence[Any], true: Sequence[Solved]) -> dict[s
     }
 
 
-def pressure_error(found: Pressed, true: Solved) -> float:
-    """L2 norm over theta of the error of p, relative to that of p, outside EDGE_ZONE at the lining's ends, unless half
-    of the force is there."""
-    zone = edge_left_out(true.theta, true.pressure, true.order, EDGE_ZONE)
+def pressure_error(found: Pressed, true: Solved, edge: float = EDGE_ZONE) -> float:
+    """L2 norm over theta of the error of p, relative to that of p, outside zones of `edge` at the lining's ends, unless
+    half of the force is there."""
+    zone = edge_left_out(true.theta, true.pressure, true.order, edge)
     first, last = true.theta[0] + zone, true.theta[-1] - zone
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
     knots = knots[(knots >= first) & (knots <= last)]
@@ -161,18 +162,18 @@ def pressure_error(found: Pressed, true: Solved) -> float:
     return math.sqrt(float(np.sum(weight * (found.pressure_at(theta) - p) ** 2)) / size) if size else math.nan
 
 
-def peak(shoe: Shoe, R: float, found: Pressed) -> float:
+def peak(shoe: Shoe, scale_factor: float, found: Pressed) -> float:
     """Largest pressure [Pa] outside the `edge_zone` at the lining's ends, unless half of the force is there."""
-    zone = edge_left_out(found.theta, found.pressure, found.order, edge_zone(shoe, R))
+    zone = edge_left_out(found.theta, found.pressure, found.order, edge_zone(shoe, scale_factor))
     start, end = shoe.lining.start + zone, shoe.lining.end - zone
     inside = found.theta[(found.theta > start) & (found.theta < end)]
     return float(found.pressure_at(np.concatenate([inside, np.linspace(start, end, SAMPLES)])).max())
 
 
-def _peak_error(shoe: Shoe, R: float, found: Any, true: Solved) -> float:
+def _peak_error(shoe: Shoe, scale_factor: float, found: Any, true: Solved) -> float:
     """Relative error of the peak that a response states, or of a solution's own; nan where nothing presses."""
-    most = peak(shoe, R, true)
-    own = float(found.peak_pressure) if hasattr(found, "peak_pressure") else peak(shoe, R, found)
+    most = peak(shoe, scale_factor, true)
+    own = float(found.peak_pressure) if hasattr(found, "peak_pressure") else peak(shoe, scale_factor, found)
     return abs(own / most - 1) if most else math.nan
 
 

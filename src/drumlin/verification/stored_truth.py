@@ -28,10 +28,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.brake import clearance
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake, any_from
-from drumlin.brake.unrolled import on_drum
+from drumlin.brake.plane_brake import any_from
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.hp.corner import left_at_corners, power_at_corner, steep_corners
 from drumlin.fem.hp.division import Level
@@ -84,7 +83,7 @@ class StoredTruth(NamedTuple):
     """A brake with its far finer solution; `covers`: in words, what the brake stands for."""
 
     covers: str
-    brake: AnyBrake
+    brake: Brake
     by: str
     true: Truth
 
@@ -97,7 +96,7 @@ class Drawn(NamedTuple):
     seed: int
     changes: Mapping[str, Any] = {}
 
-    def brake(self) -> AnyBrake:
+    def brake(self) -> Brake:
         """The brake as a brake file has it."""
         drawn = random_brake if self.kind in DRAWN_KINDS else random_corner if self.kind in CORNERS else random_kind
         found = drawn(self.seed, self.kind)
@@ -185,15 +184,14 @@ def make(name: str) -> StoredTruth:
     """
     drawn = BRAKES[name]
     brake = drawn.brake()
-    own = on_drum(brake)
     if drawn.kind in CORNERS:
-        return StoredTruth(drawn.covers, brake, "deep triangles", by_deep_triangles(own))
+        return StoredTruth(drawn.covers, brake, "deep triangles", by_deep_triangles(brake))
     try:
-        if own is not brake:
+        if brake.surface.straight:
             raise BadInput("triangles have no brakes on a plane")
-        by, true = "triangles", by_triangles(own)
+        by, true = "triangles", by_triangles(brake)
     except (BadInput, NoAnswer):
-        by, true = "finer hp elements", by_finer(own)
+        by, true = "finer hp elements", by_finer(brake)
     return StoredTruth(drawn.covers, brake, by, true)
 
 
@@ -248,7 +246,7 @@ def by_finer(brake: Brake) -> Truth:
 
 
 def as_text(stored: StoredTruth) -> str:
-    """A stored truth as JSON: SI, angles in rad, pressures to DIGITS significant digits."""
+    """A stored truth as JSON: SI, places in rad or m, pressures to DIGITS significant digits."""
     data = {
         "covers": stored.covers,
         "by": stored.by,

@@ -2,9 +2,9 @@
 
 import math
 
-from drumlin.brake.drum_brake import Brake
-from drumlin.brake.file import brake_from, validated
-from drumlin.brake.plane_brake import FlatBrake
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import brake_from
+from drumlin.brake.plane_brake import any_from
 
 LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 
@@ -93,11 +93,10 @@ def pad(
     sliding: str = "+x",
     hand: int = 1,
     width: float = 0.04,
-) -> FlatBrake:
+) -> Brake:
     """One flat shoe, its hinge h above the plane at x = 0, its lining on the `hand` side, pressed by `moment`."""
     start, end = sorted(hand * x for x in span)
-    return validated(
-        FlatBrake,
+    return any_from(
         {
             "title": "test",
             "friction": mu,

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.contact.equations import condition
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Scene, prepare

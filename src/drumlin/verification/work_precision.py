@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin import peers
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.errors import BadInput, DrumlinError
 from drumlin.fem.assembly import Scene, prepare
@@ -166,7 +166,7 @@ def errors(brake: Brake, response: Response, truth: Response) -> dict[str, float
     away from the edges, and the hinge reaction."""
     found: dict[str, list[float]] = {key: [] for key in ERRORS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
-        edge = edge_zone(spec, brake.drum.radius)
+        edge = edge_zone(spec, brake.scale_factor)
         found["peak_error"].append(abs(relative(peak_away(a, edge), peak_away(b, edge))))
         found["pressure_error"].append(pressure_distance(a, b))
         found["reaction_error"].append(vector_distance(a.hinge_reaction, b.hinge_reaction))

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import AnyBrake, read_any
+from drumlin.brake.plane_brake import read_any
 from drumlin.brake.units import to_si
 from drumlin.laws import locking_friction
 from drumlin.laws.shapes import equivalent_friction
@@ -21,8 +21,7 @@ from drumlin.response.response import Response
 Row = dict[str, Any]
 
 
-def _lock(brake: AnyBrake) -> float:
-    assert isinstance(brake, Brake)
+def _lock(brake: Brake) -> float:
     return min(locking_friction(brake, shoe) for shoe in brake.shoes)
 
 
@@ -31,7 +30,7 @@ def _pivot(response: Response, axis: int) -> float:
     return math.nan if reaction is None else abs(float(reaction[axis]))
 
 
-QUANTITIES: dict[str, Callable[[AnyBrake, Response], float]] = {
+QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
     "force [N]": lambda b, r: b.shoes[0].actuation.force,
     "torque [N m]": lambda b, r: r.torque,
     "torque [N mm]": lambda b, r: r.torque * 1e3,

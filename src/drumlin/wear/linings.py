@@ -12,11 +12,9 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake
 from drumlin.brake.fields import rows_of
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import FlatBrake
-from drumlin.brake.support import Meshed
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
 from drumlin.errors import BadInput, NoAnswer
@@ -27,7 +25,7 @@ from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment
 from drumlin.wear.archard import Footing, WearInterface, from_soft
 
-B = TypeVar("B", bound=Brake | FlatBrake)
+B = TypeVar("B", bound=Brake)
 
 
 class Surface(NamedTuple):
@@ -70,21 +68,6 @@ class WearSetup(NamedTuple):
         unit of sliding distance."""
         lining = self.brake.shoes[self.surfaces[0].shoe].lining
         return lining.material.E_through / lining.thickness
-
-    @property
-    def flat(self) -> bool:
-        """Whether its linings lie on a plane; then its torque is the braking force [N]."""
-        return any(shoe.flat for shoe in self.brake.shoes)
-
-    @property
-    def unit(self) -> float:
-        """What theta counts in: 1 rad, on a plane the unit of the `unrolled` brake [m]."""
-        return self.brake.drum.radius if self.flat else 1.0
-
-    @property
-    def motion(self) -> str:
-        """What moves, in words."""
-        return f"body slides along {'+x' if self.brake.spin > 0 else '-x'}" if self.flat else self.brake.motion
 
     def part(self, interface: int) -> slice:
         """The unknowns of an interface among all."""
@@ -179,12 +162,12 @@ def foundation_setup(brake: Brake, *, sections: int = foundation.SECTIONS, lift:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
     names = foundation.lifted(brake, lift)
     touching = [i for i, shoe in enumerate(brake.shoes) if pressing_moment(shoe) > 0]
-    together = brake.drum.ring is not None and "own-pressure" in names
+    together = brake.ring is not None and "own-pressure" in names
     interfaces, surfaces = list[WearInterface](), list[Surface]()
     for group in [touching] if together and touching else [[i] for i in touching]:
         posts, _, problem = foundation.system(brake, group, sections, names)
         widths = [brake.shoes[i].lining.width for i in group]
-        area = np.concatenate([b * brake.drum.radius * p.sector for b, p in zip(widths, posts, strict=True)])
+        area = np.concatenate([b * brake.size * p.sector for b, p in zip(widths, posts, strict=True)])
         placed = [(i, shoe_angles(p.axis, brake.shoes[i], p.theta), 1) for i, p in zip(group, posts, strict=True)]
         surfaces += _surfaces(brake, surfaces, len(interfaces), placed)
         interfaces.append(
@@ -194,7 +177,7 @@ def foundation_setup(brake: Brake, *, sections: int = foundation.SECTIONS, lift:
                 weight=np.eye(len(area)),
                 pressure=1 / area,
                 area=area,
-                torque=brake.friction * brake.drum.radius * area,
+                torque=brake.friction * brake.size * area,
             )
         )
     return _setup(brake, "foundation", interfaces, surfaces)
@@ -205,15 +188,12 @@ def guided(brake: B) -> B:
     bear all else."""
     held = {"hinge": None, "pivot": None, "abutment": None}
 
-    def way(shoe: Meshed) -> float:
-        return shoe.lining.middle + (shoe.sign < 0) * math.pi if isinstance(shoe, Shoe) else -math.pi / 2
-
     return vary(
         brake,
         {
             f"shoe[{i}].{key}": value
             for i, shoe in enumerate(brake.shoes)
-            for key, value in (held | {"guide": {"direction": way(shoe)}}).items()
+            for key, value in (held | {"guide": {"direction": shoe.closing}}).items()
         },
     )
 

@@ -13,14 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
 from drumlin.laws.rigid import Pressed
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
-from drumlin.response.show import effect_words
 from drumlin.texts import formatted
 from drumlin.wear import archard
 from drumlin.wear.archard import WearLaw, WearState, steady
@@ -78,8 +77,7 @@ def _torque(setup: WearSetup, surface: Surface, found: Pressed) -> float:
     brake, lining = setup.brake, setup.brake.shoes[surface.shoe].lining
     theta = rigid.nodes((lining.start, lining.end), found.arcs, rigid.NODES - 1)
     _, p, weight = gauss_points(theta, rigid.pressure(found, theta), 2)
-    arm = 1.0 if setup.flat else brake.drum.radius
-    return float(brake.friction * arm * lining.width * brake.drum.radius * (p * weight).sum())
+    return float(brake.friction * lining.width * brake.scale_factor**2 * (p * weight).sum())
 
 
 class Distance(NamedTuple):
@@ -234,11 +232,10 @@ def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Check
     by_energy = None
     if brake.friction > 0 and law.exponent == 1:
         shape = sum(
-            brake.shoes[s.shoe].lining.width * brake.drum.radius * _integral(s, s.along(end.depth))
+            brake.shoes[s.shoe].lining.width * brake.scale_factor * _integral(s, s.along(end.depth))
             for s in setup.surfaces
         )
-        arm = 1.0 if setup.flat else brake.drum.radius
-        by_energy = abs(shape - law.coefficient * end.work / (brake.friction * arm)) / scale
+        by_energy = abs(shape - law.coefficient * end.work / (brake.friction * brake.scale_factor)) / scale
     ripples = [archard.ripple(s.along(state.pressure)) for state in states[1:] for s in setup.surfaces]
     seen = [ripple for ripple in ripples if not math.isnan(ripple)]
     return Checks(abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=None))
@@ -254,7 +251,7 @@ def peak(setup: WearSetup, state: WearState) -> float:
     peaks = []
     for surface in setup.surfaces:
         theta, p = surface.angles, surface.along(state.pressure)
-        peaks.append(nodal_peak(theta, p, edge_zone(setup.brake.shoes[surface.shoe], setup.brake.drum.radius)))
+        peaks.append(nodal_peak(theta, p, edge_zone(setup.brake.shoes[surface.shoe], setup.brake.scale_factor)))
     return max(peaks)
 
 
@@ -268,9 +265,7 @@ def as_dict(setup: WearSetup, states: Sequence[WearState], goal: Target, law: We
         "model": setup.model,
         "law": law._asdict(),
         "unit_distance": unit_distance(setup, law) if law.coefficient else None,
-        "shoes": [
-            {"name": surface.name, "theta": (setup.unit * surface.angles).tolist()} for surface in setup.surfaces
-        ],
+        "shoes": [{"name": surface.name, "theta": surface.angles.tolist()} for surface in setup.surfaces],
         "worn_in": {"torque": goal.torque, "pressure": linings(goal.pressure)},
         "states": [
             {
@@ -294,14 +289,14 @@ def report_lines(
     setup: WearSetup, states: Sequence[WearState], goal: Target, law: WearLaw, lines: int = 24
 ) -> list[str]:
     """A run as lines of text: some of its states, evenly spread, then what became of it."""
-    unit, flat = unit_distance(setup, law), setup.flat
-    what, of = effect_words(flat=flat)
+    unit, surface = unit_distance(setup, law), setup.brake.surface
+    of = surface.effect_unit
     wears = f", 1/(k K) = {unit * 1e-3:.5g} km" if law.coefficient else ": nothing wears"
     force = setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     said = [
-        f"{setup.brake.title}: {setup.model}, {setup.motion}, mu = {setup.brake.friction:g}, "
+        f"{setup.brake.title}: {setup.model}, {setup.brake.motion}, mu = {setup.brake.friction:g}, "
         f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:.9g}{wears}",
-        f"{'s':>9}{'s k K':>9}{'braking' if flat else 'torque':>10}{'force':>9}{'peak p':>9}{'p off law':>11}"
+        f"{'s':>9}{'s k K':>9}{surface.short:>10}{'force':>9}{'peak p':>9}{'p off law':>11}"
         f"{'T off law':>11}{'deepest':>10}",
         f"{'[km]':>9}{'':9}{f'[{of}]':>10}{'[N]':>9}{'[MPa]':>9}{'[%]':>11}{'[%]':>11}{'wear [mm]':>10}",
     ]
@@ -313,7 +308,7 @@ def report_lines(
             f"{peak(setup, state) * 1e-6:9.4g}{100 * off.pressure:11.3f}{100 * off.torque:+11.4f}"
             f"{state.depth.max() * 1e3:10.4g}"
         )
-    said.append(f"worn in (law): {what} {goal.torque:.6g} {of}")
+    said.append(f"worn in (law): {surface.effect} {goal.torque:.6g} {of}")
     said += _mesh_line(setup, goal, law)
     if law.coefficient > 0:
         spent = life(setup, states, goal, law)

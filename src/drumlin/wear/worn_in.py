@@ -38,14 +38,12 @@ import numpy as np
 import scipy.linalg
 
 from drumlin.arrays import Floats
-from drumlin.brake import AnyBrake, Brake, Shoe
-from drumlin.brake.components import Misfit
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Rows, rows_of
-from drumlin.brake.unrolled import on_drum
 from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.solve import as_given, scene_of
+from drumlin.fem.solve import scene_of
 from drumlin.foundation.model import SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import sine
@@ -68,12 +66,10 @@ slide as in steady wear. A depth as large as the gap makes soft shoes turn furth
 to. A judgement; the pressure does not depend on it."""
 
 
-def solve(brake: AnyBrake, *, penalty: float = PENALTY, **options: Any) -> Response:
+def solve(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
     """The response of a brake of finite elements with linings that are worn in; `options` of `scene_of`."""
-    own = on_drum(brake)
-    scene = scene_of(own, **options)
-    found = respond(scene, worn_in(scene, own), penalty=penalty)
-    return with_merits(brake, as_given(brake, found))
+    scene = scene_of(brake, **options)
+    return with_merits(brake, respond(scene, worn_in(scene, brake), penalty=penalty))
 
 
 def worn_in(scene: Scene, brake: Brake) -> Brake:
@@ -129,14 +125,11 @@ def fitted(brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool =
 
     def fit(i: int, shoe: Shoe) -> Shoe:
         clearance = (gaps or {}).get(i, 0.0)
-        lining = shoe.lining.model_copy(update={"clearance": clearance, "misfit": Misfit()})
+        lining = shoe.lining.model_copy(update={"clearance": clearance, "misfit": type(shoe.lining.misfit)()})
         return shoe.model_copy(update={"lining": lining})
 
     shoes = tuple(fit(i, shoe) for i, shoe in enumerate(brake.shoes))
-    changes: dict[str, Any] = {"shoes": shoes}
-    if drum:
-        changes["drum"] = brake.drum.model_copy(update={"out_of_round": ()})
-    return brake.model_copy(update=changes)
+    return (brake.round() if drum else brake).model_copy(update={"shoes": shoes})
 
 
 def worn_in_foundation(brake: Brake, *, sections: int = SECTIONS, lift: Iterable[str] = ()) -> Brake:
@@ -153,7 +146,7 @@ def worn_in_foundation(brake: Brake, *, sections: int = SECTIONS, lift: Iterable
         angles = [shoe_angles(p.axis, brake.shoes[i], p.theta) for i, p in zip(group, parts.posts, strict=True)]
         N = np.concatenate(
             [
-                law.shoes[i].pressure_at(theta) * brake.shoes[i].lining.width * brake.drum.radius * p.sector
+                law.shoes[i].pressure_at(theta) * brake.shoes[i].lining.width * brake.size * p.sector
                 for i, theta, p in zip(group, angles, parts.posts, strict=True)
             ]
         )

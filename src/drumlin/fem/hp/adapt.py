@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.brake import clearance
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import Cache
 from drumlin.fem.hp.corner import AT_TIP, left_at_corners, left_under_tips, with_powers
@@ -80,7 +80,7 @@ def adapt(
             raise
         missed += f", the next level: {refusal}"
     last = zip(brake.shoes, responses[-1].shoes, strict=True)
-    unbounded = [repr(shoe.name) for shoe, found in last if _lacking(shoe, brake.drum.radius, found) == 1.0]
+    unbounded = [repr(shoe.name) for shoe, found in last if _lacking(shoe, brake.scale_factor, found) == 1.0]
     why = f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}" if unbounded else ""
     if must:
         said = f"estimated error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}"
@@ -104,7 +104,7 @@ def _cornered(shoe: ShoeResponse, zone: float) -> bool:
     return max(heights, default=0.0) > NEAR and edge_left_out(theta, p, order, zone) == 0
 
 
-def _under_tips(shoe: Shoe, radius: float, found: ShoeResponse, zone: float) -> float:
+def _under_tips(shoe: Shoe, scale_factor: float, found: ShoeResponse, zone: float) -> float:
     """What the peak of p may lack, relative, as p is near its peak in a column beside a tip of the
     gap: 1 where columns end at the tip, as p is unbounded there, as under a wedge, and on a finer
     level would be higher.
@@ -112,26 +112,25 @@ def _under_tips(shoe: Shoe, radius: float, found: ShoeResponse, zone: float) -> 
     No columns end at a tip that p hardly feels, see `places`. zone [rad]: see `edge_zone`; in it
     `_cornered` tells.
     """
-    (start, end), phi, order = shoe.arc, shoe.frame.phi(found.theta), found.order
+    start, end, order = shoe.lining.start, shoe.lining.end, found.order
     zone = edge_left_out(found.theta, found.pressure, order, zone)
     lacking = 0.0
-    for angle, slope in clearance.tips(shoe.lining):
-        (tip,) = shoe.frame.phis([angle])
+    for tip, slope in clearance.tips(shoe.lining):
         if not start + zone < tip < end - zone:
             continue
-        k = int(np.abs(phi[::order] - tip).argmin()) * order
+        k = int(np.abs(found.theta[::order] - tip).argmin()) * order
         part = slice(max(k - order, 0), k + order + 1)
         if largest(found.theta[part], found.pressure[part], order) > NEAR_PEAK * found.peak_pressure:
-            growth = UNDER_TIP * shoe.lining.material.E_half_plane * slope / radius / found.peak_pressure
-            lacking = max(lacking, 1.0 if abs(phi[k] - tip) < AT_TIP else growth)
+            growth = UNDER_TIP * shoe.lining.material.E_half_plane * slope / scale_factor / found.peak_pressure
+            lacking = max(lacking, 1.0 if abs(found.theta[k] - tip) < AT_TIP * shoe.frame.unit else growth)
     return min(lacking, 1.0)
 
 
-def _lacking(shoe: Shoe, radius: float, found: ShoeResponse) -> float:
+def _lacking(shoe: Shoe, scale_factor: float, found: ShoeResponse) -> float:
     """What the peak of p may lack, relative: 1 where it is, or is near, what grows without end at a
     lining's end or under a tip of its gap."""
-    zone = edge_zone(shoe, radius)
-    return 1.0 if _cornered(found, zone) else _under_tips(shoe, radius, found, zone)
+    zone = edge_zone(shoe, scale_factor)
+    return 1.0 if _cornered(found, zone) else _under_tips(shoe, scale_factor, found, zone)
 
 
 def seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
@@ -140,14 +139,14 @@ def seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
     short that this is said in words."""
     shoes, said = list(error.shoes), ""
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        lacking = _lacking(shoe, brake.drum.radius, found)
-        left = left_at_corners(brake, i, found) + left_under_tips(shoe, brake.drum.radius, found)
+        lacking = _lacking(shoe, brake.scale_factor, found)
+        left = left_at_corners(brake, i, found) + left_under_tips(shoe, brake.scale_factor, found)
         shoes[i] = {
             **shoes[i],
             "pressure": shoes[i]["pressure"] + left,
             "peak": 1.0 if lacking == 1.0 else shoes[i]["peak"] + lacking,
         }
-        length = min((end - start for start, end in pressed_arcs(shoe, found)), default=math.inf) * brake.drum.radius
+        length = min((end - start for start, end in pressed_arcs(shoe, found)), default=math.inf) * brake.size
         if length < SHORTEST * shoe.lining.thickness:
             said = (
                 f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know its pressure; "

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Shoe
+from drumlin.brake.brake import Shoe
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, Ties, tie
 from drumlin.fem.elasticity import layers_of
@@ -17,7 +17,7 @@ from drumlin.fem.hp.grid import Block, Grid
 from drumlin.fem.hp.shoe import end_load, line_of
 from drumlin.fem.interface import ContactLine
 from drumlin.lapack import dpotrf, dtrtrs, solve_lower
-from drumlin.response.response import edge_zone
+from drumlin.response.response import own_edge_zone
 
 
 def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
@@ -107,5 +107,5 @@ def contact_line(shoe: Shoe, radius: float, div: Division) -> ContactLine:
         shoe.at(np.zeros(1), phi, radius),
         phi,
         pieces,
-        edge=edge_zone(shoe, radius),
+        edge=own_edge_zone(shoe, radius),
     )

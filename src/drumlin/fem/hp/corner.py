@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from drumlin.arrays import Floats
 from drumlin.brake import clearance
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import elasticity_matrix, has_directions
 from drumlin.brake.fields import AnyMaterial
 from drumlin.response.response import Response, ShoeResponse, singular_zone
@@ -157,7 +157,7 @@ def _compliances(material: AnyMaterial) -> _Compliances:
 
 def powers_of(brake: Brake, index: int) -> tuple[float, float]:
     """The powers of p at both ends of the lining of shoe `index`, along its own angles."""
-    shoe, ring = brake.shoes[index], brake.drum.ring
+    shoe, ring = brake.shoes[index], brake.ring
     own, inward = shoe.lining, brake.drag_on(shoe)
     drum = None if ring is None else ring.section
     materials = [own.material] if drum is None else [own.material, drum.material]
@@ -205,7 +205,7 @@ def with_powers(brake: Brake, found: Response) -> Response:
 
 def _with_powers(brake: Brake, index: int, found: ShoeResponse) -> ShoeResponse:
     for at_start, power in steep_corners(brake, index, found):
-        found = _with_power(found, power, at_start=at_start)
+        found = _with_power(found, power, brake.unit, at_start=at_start)
     return found
 
 
@@ -231,24 +231,24 @@ def steep_corners(brake: Brake, index: int, found: NodalPressure) -> list[tuple[
     theta, p = found.theta, found.pressure
     if max(p[0], p[-1]) <= 0:
         return []
-    if edge_left_out(theta, p, found.order, singular_zone(float(theta[-1] - theta[0]))) > 0:
+    if edge_left_out(theta, p, found.order, singular_zone(float(theta[-1] - theta[0]), brake.unit)) > 0:
         return []
     powers = powers_of(brake, index)[:: brake.shoes[index].frame.sense]
     pressed = ((True, p[0], powers[0]), (False, p[-1], powers[1]))
     return [(at_start, power) for at_start, value, power in pressed if value > 0 and power < 0]
 
 
-def _with_power(found: ShoeResponse, power: float, *, at_start: bool) -> ShoeResponse:
+def _with_power(found: ShoeResponse, power: float, unit: float, *, at_start: bool) -> ShoeResponse:
     corner = float(found.theta[0 if at_start else -1])
     arc = next((b - a for a, b in found.contact_arcs if corner in {a, b}), 0.0)
     theta, pressure = power_at_corner(
-        found.theta, found.pressure, found.order, power, reach=NEAR_CORNER * arc, at_start=at_start
+        found.theta, found.pressure, found.order, power, reach=NEAR_CORNER * arc, at_start=at_start, unit=unit
     )
     return replace(found, theta=theta, pressure=pressure)
 
 
 def power_at_corner(
-    theta: Floats, pressure: Floats, order: int, power: float, *, reach: float, at_start: bool
+    theta: Floats, pressure: Floats, order: int, power: float, *, reach: float, at_start: bool, unit: float = 1.0
 ) -> tuple[Floats, Floats]:
     """A pressure whose pieces next to a corner give way to c x^power + d + e x, x the distance from it.
 
@@ -265,14 +265,16 @@ def power_at_corner(
         Angle [rad] from the corner up to which pieces give way.
     at_start : bool
         Whether the corner is at theta[0], not at theta[-1].
+    unit : float
+        The surface's coordinate, in which theta counts, per unit of phi: see `Frame`.
     """
     sign = 1 if at_start else -1
     corner = float(theta[0 if at_start else -1])
     x, p = np.abs(theta - corner)[::sign], pressure[::sign]
     last = order * (int(np.searchsorted(x[::order], reach, side="right")) - 1)
-    if last <= 0 or x[last] <= SMALLEST_PIECE:
+    if last <= 0 or x[last] <= unit * SMALLEST_PIECE:
         return theta, pressure
-    angles = corner + sign * _pieces(float(x[last]), order)
+    angles = corner + sign * _pieces(float(x[last]), order, unit * SMALLEST_PIECE)
     nodes = np.abs(angles - corner)
     nodes[-1] = x[last]
     ways = np.array([_power_at(nodes, power, order), np.ones_like(nodes), nodes / x[last]])
@@ -285,9 +287,9 @@ def power_at_corner(
     )
 
 
-def _pieces(length: float, order: int) -> Floats:
-    """Nodes (n,) from 0 to a length [rad] of pieces that shrink to SMALLEST_PIECE towards 0."""
-    count = math.ceil(math.log(SMALLEST_PIECE / length) / math.log(PIECE_RATIO))
+def _pieces(length: float, order: int, smallest: float) -> Floats:
+    """Nodes (n,) from 0 to a length [rad] of pieces that shrink to the `smallest` towards 0."""
+    count = math.ceil(math.log(smallest / length) / math.log(PIECE_RATIO))
     ends = np.append(0.0, length * PIECE_RATIO ** np.arange(count, -1, -1))
     inner = ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])
     return np.append(inner.ravel(), length)
@@ -325,23 +327,23 @@ def left_at_corners(brake: Brake, index: int, found: NodalPressure) -> float:
     return left
 
 
-def tip_rises(shoe: Shoe, radius: float) -> list[tuple[float, float]]:
-    """Where the gap of a lining has tips: the angle [rad], and the c [Pa] of p = c ln(1/x) under it.
+def tip_rises(shoe: Shoe, scale_factor: float) -> list[tuple[float, float]]:
+    """Where the gap of a lining has tips: the place, and the c [Pa] of p = c ln(1/x) under it.
 
     c = E s/(2 pi), of a half-plane whose slope changes by s.
     """
-    half_plane = shoe.lining.material.E_half_plane / (2 * math.pi * radius)
+    half_plane = shoe.lining.material.E_half_plane / (2 * math.pi * scale_factor)
     return [(angle, half_plane * slope) for angle, slope in clearance.tips(shoe.lining)]
 
 
-def left_under_tips(shoe: Shoe, radius: float, found: ShoeResponse) -> float:
+def left_under_tips(shoe: Shoe, scale_factor: float, found: ShoeResponse) -> float:
     """What the columns on both sides of pressed tips of the gap leave of p = c ln(1/x), in L2, relative
     to p: see `tip_size`."""
     theta, p, order = found.theta, found.pressure, found.order
     ends, pressed, left = theta[::order], p[::order] > 0, 0.0
-    for angle, rise in tip_rises(shoe, radius):
+    for angle, rise in tip_rises(shoe, scale_factor):
         k = int(np.abs(ends - angle).argmin())
-        if 0 < k < len(ends) - 1 and abs(ends[k] - angle) < AT_TIP and pressed[k]:
+        if 0 < k < len(ends) - 1 and abs(ends[k] - angle) < AT_TIP * shoe.frame.unit and pressed[k]:
             left += rise**2 * float(ends[k + 1] - ends[k - 1]) / (order + 1) ** 2
     _, value, weight = gauss_points(theta, p, order)
     size = float(np.sum(weight * value**2))

@@ -17,8 +17,8 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.drum_brake import Shoe
 from drumlin.fem.hp.corner import tip_size
 from drumlin.response.response import EDGE_ZONE
 

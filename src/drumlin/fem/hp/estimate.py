@@ -32,7 +32,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.response.norms import Difference
 from drumlin.response.response import (
     Response,
@@ -124,27 +124,27 @@ def distances(brake: Brake, a: Response, b: Response) -> Floats:
 
     Of the brake's torque, the shoes not cancelling, then of each shoe QUANTITIES.
     """
-    R, total = brake.drum.radius, b.torque or a.torque or 1.0
+    total = b.torque or a.torque or 1.0
     pairs = list(zip(a.shoes, b.shoes, strict=True))
-    own = np.array([_of(edge_zone(of, R), x, y) for of, (x, y) in zip(brake.shoes, pairs, strict=True)])
+    zones = [edge_zone(shoe, brake.scale_factor) for shoe in brake.shoes]
+    own = np.array([_of(zone, brake.unit, x, y) for zone, (x, y) in zip(zones, pairs, strict=True)])
     shares = np.array([y.torque or x.torque for x, y in pairs]) / total
     return np.array([float(own[:, 1] @ shares), *own.ravel()])
 
 
-def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
-    """Those of a shoe (4,), whose peak is not looked for in this zone [rad] at the lining's ends."""
+def _of(zone: float, unit: float, a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
+    """Those of a shoe (4,), whose peak is not looked for in this zone at the lining's ends; unit: see `Frame`."""
     held = reaction_size(b.hinge_reaction, b.normal_force)
     torque = abs(a.torque - b.torque) / (b.torque or a.torque or 1.0)
     peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or a.peak_pressure or 1.0)
     reaction = math.dist(a.hinge_reaction, b.hinge_reaction) / held
     if not b.pressure.any():
         return float(a.pressure.any()), torque, peak, reaction
-    edge, zone = (
-        edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular_zone(float(b.theta[-1] - b.theta[0])), zone)
-    )
+    singular = singular_zone(float(b.theta[-1] - b.theta[0]), unit)
+    edge, zone = (edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular, zone))
     step = Difference.of(a, b, edge, zone)
     p = step.distance(edge)
-    reach = b.contact_arcs[-1][1] - b.contact_arcs[0][0]
+    reach = (b.contact_arcs[-1][1] - b.contact_arcs[0][0]) / unit
     uncancelled = p * reach * step.of_columns()
     if b.torque:
         torque += uncancelled

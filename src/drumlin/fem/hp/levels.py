@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple, Protocol
 
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.errors import LostDigits, NoAnswer
 from drumlin.fem import assembly
 from drumlin.fem.hp.division import Kind, Level, Place

@@ -13,8 +13,8 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake import clearance
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
-from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.fem import assembly
 from drumlin.fem.hp.corner import tip_rises
 from drumlin.fem.hp.division import Kind, Place
@@ -57,12 +57,12 @@ def places_of(
     """
     found: dict[int, list[Place]] = {}
     for i, (shoe, first) in enumerate(zip(brake.shoes, alike or assembly.alike(brake), strict=True)):
-        own = _places(shoe, None if response is None else response.shoes[i], brake.drum.radius, error)
+        own = _places(shoe, None if response is None else response.shoes[i], brake.scale_factor, error)
         found.setdefault(first, []).extend(own)
     return {key: sorted(places) for key, places in found.items()}
 
 
-def _places(shoe: Shoe, response: ShoeResponse | None, radius: float, level_error: float) -> list[Place]:
+def _places(shoe: Shoe, response: ShoeResponse | None, scale_factor: float, level_error: float) -> list[Place]:
     (start, end), frame = shoe.arc, shoe.frame
     arcs = [] if response is None else _likely(shoe, response)
 
@@ -71,15 +71,17 @@ def _places(shoe: Shoe, response: ShoeResponse | None, radius: float, level_erro
 
     # Where nothing presses, or nearly, a kink is nothing; but within a column a block's step would swing beyond itself.
     steps = [x for x in frame.phis(clearance.step_kinks(shoe.lining)) if start < x < end]
-    found: list[Place] = [(x, shoe.lining.step, Kind.STEP if presses(x) else Kind.OPEN_STEP) for x in steps]
+    found: list[Place] = [
+        (x, shoe.lining.step / frame.unit, Kind.STEP if presses(x) else Kind.OPEN_STEP) for x in steps
+    ]
     if response is not None:
-        angle, felt = np.array(clearance.table_kinks(shoe.lining)), strengths(shoe.lining, radius)
+        angle, felt = np.array(clearance.table_kinks(shoe.lining)), strengths(shoe.lining, scale_factor)
         inside = np.array([start < x < end and presses(x) for x in frame.phis(angle)], dtype=bool)
         _, p, weight = gauss_points(response.theta, response.pressure, response.order)
         size = math.sqrt(float(np.sum(weight * p**2)))
         kinks = _strongest(angle[inside], felt[inside], UNFELT * level_error * size)
         found += [(x, end - start, Kind.KINK) for x in frame.phis(kinks)]
-        found += _tips(shoe, radius, size, kinks)
+        found += _tips(shoe, scale_factor, size, kinks)
     for one, other in arcs:
         first, last = (min(max(_rounded(x, other - one), start), end) for x in (one, other))
         found += [(first, last - first, Kind.END), (last, last - first, Kind.END)]
@@ -88,18 +90,18 @@ def _places(shoe: Shoe, response: ShoeResponse | None, radius: float, level_erro
     return found
 
 
-def _tips(shoe: Shoe, radius: float, size: float, kinks: Floats) -> list[Place]:
-    """Those of the kinks (k,) [rad] that point to the drum, in a lining whose pressure has the norm
-    `size` [Pa rad^0.5]."""
+def _tips(shoe: Shoe, scale_factor: float, size: float, kinks: Floats) -> list[Place]:
+    """Those of the kinks (k,) that point to the drum, in a lining whose pressure has the norm
+    `size`, in Pa times the root of the surface's coordinate."""
     found: list[Place] = []
-    for angle, rise in tip_rises(shoe, radius):
+    for angle, rise in tip_rises(shoe, scale_factor):
         if angle in kinks:
             (tip,) = shoe.frame.phis([angle])
-            found.append((tip, (size / rise) ** 2, Kind.TIP))
+            found.append((tip, (size / rise) ** 2 / shoe.frame.unit, Kind.TIP))
     return found
 
 
-def strengths(lining: Lining, radius: float) -> Floats:
+def strengths(lining: Lining, scale_factor: float) -> Floats:
     """What each row of a table of clearances changes in p (k,) [Pa rad^0.5], in L2, if the table
     were a smooth curve.
 
@@ -114,10 +116,10 @@ def strengths(lining: Lining, radius: float) -> Floats:
         return angle
     ends = np.concatenate([[lining.start], 0.5 * (angle[1:] + angle[:-1]), [lining.end]])
     spacing = np.maximum(np.diff(ends), 0.0)
-    slope = np.abs(clearance.slope_changes(lining)) / radius
+    slope = np.abs(clearance.slope_changes(lining)) / scale_factor
     material = lining.material
     half_plane = material.E_half_plane / material.E_through
-    stiffness = half_plane / math.sqrt(48) + radius * spacing / (math.sqrt(720) * lining.thickness)
+    stiffness = half_plane / math.sqrt(48) + scale_factor * spacing / (math.sqrt(720) * lining.thickness)
     return np.asarray(material.E_through * slope * stiffness * np.sqrt(spacing))
 
 

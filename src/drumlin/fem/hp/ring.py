@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats, Ints
+from drumlin.brake.brake import Brake
 from drumlin.brake.components import Section
-from drumlin.brake.drum_brake import Brake
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.errors import NoAnswer
 from drumlin.fem.body import FRAME, Condensed, Inside, tie
@@ -67,7 +67,7 @@ def _within(angle: float, ends: Floats) -> bool:
 
 def ring_body(brake: Brake, level: Level, linings: tuple[ContactLine, ...], *, sharp: float = math.inf) -> RingBody:
     """The ring condensed under the linings, given by their contact lines in the shoes' frames; sharp: see `divide`."""
-    ring, radius, sign = brake.drum.ring, brake.drum.radius, brake.shoes[0].sign
+    ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
     assert ring is not None and ring.section is not None  # scene.why_not
     ends = [np.sort(shoe.frame.theta(line.phi[:: line.order])) for shoe, line in zip(brake.shoes, linings, strict=True)]
     div = divide(ring.section, radius, ends, level, sharp)
@@ -248,14 +248,14 @@ def _recovered(brake: Brake, grid: Grid, rim: Floats, nodal: Floats, frame: Floa
 
 
 def _layers(brake: Brake) -> dict[str, ElasticLayer]:
-    ring = brake.drum.ring
+    ring = brake.ring
     assert ring is not None and ring.section is not None  # scene.why_not
     return ring_layers(ring.section)
 
 
 def _reduced(brake: Brake, basis: Grid | Skeleton, support: Ints, contact: Ints, rim: Floats) -> Inside:
     """The stiffness of a ring and the unit loads `rim` (2 nodes, l) on its reduced unknowns."""
-    K, ring = basis.stiffness(_layers(brake)), brake.drum.ring
+    K, ring = basis.stiffness(_layers(brake)), brake.ring
     if ring is not None and ring.support == "fixed":
         ties = tie(basis, contact, support, np.zeros(2))
         loads = np.zeros((ties.matrix.shape[1], 0))

@@ -6,8 +6,8 @@ from functools import partial
 
 import numpy as np
 
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.drum_brake import Brake, Shoe
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem import assembly
 from drumlin.fem.elasticity import layers_of
@@ -47,7 +47,7 @@ def scene(
     reason = assembly.why_not(brake)
     if reason is not None:
         raise BadInput(f"fem does not apply to this brake: {reason}")
-    radius, friction = brake.drum.radius, brake.friction > 0
+    radius, friction = brake.size, brake.friction > 0
     seconds: assembly.Seconds = {}
     alike = alike or assembly.alike(brake)
     shoes = {i: brake.shoes[i] for i in alike}  # the first of each shape
@@ -57,7 +57,7 @@ def scene(
         i: divide(shoe, radius, level, (places or {}).get(i, ()), tip=cam, powers=powers[i])
         for i, shoe in shoes.items()
     }
-    together = sum if brake.drum.ring is not None else max
+    together = sum if brake.ring is not None else max
     nodes = together(divided[i].contact_nodes for i in alike)
     if nodes > MOST_NODES:
         raise NoAnswer(f"its {nodes} contact nodes are more than the {MOST_NODES} that are allowed")
@@ -76,7 +76,7 @@ def scene(
         left_out.append("friction: mu = 0, symmetric, without the flexibility under drag")
     sharp = min(each.sharp for each in divided.values())
     ring, ring_under = None, partial(ring_body, brake, level, sharp=sharp)
-    if brake.drum.ring is not None:
+    if brake.ring is not None:
         with assembly.clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
             own = (assembly.bare(brake), level, sharp, *(each.key for each in divided.values()))

@@ -8,8 +8,8 @@ import numpy as np
 
 from drumlin.arrays import Floats, Ints
 from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.body import FRAME
 from drumlin.fem.elasticity import stacked
@@ -44,7 +44,7 @@ class Condensed(NamedTuple):
 
 def map_of(shoe: Shoe, radius: float) -> Map:
     """Where the points of a division lie."""
-    return _beam_map(shoe, radius) if isinstance(shoe.body, Beam) else partial(shoe.at, radius=radius)
+    return _beam_map(shoe, radius) if isinstance(shoe.body, Beam) else partial(shoe.at, size=radius)
 
 
 def _beam_map(shoe: Shoe, radius: float) -> Map:

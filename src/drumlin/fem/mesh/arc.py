@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
+from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.drum_brake import Shoe
 from drumlin.errors import BadInput
 from drumlin.fem.mesh.beam import beam_mesh
 from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, Division, divide, layers_behind, overhang

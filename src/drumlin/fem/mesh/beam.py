@@ -11,8 +11,8 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import Axis, axis_of
+from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
-from drumlin.brake.drum_brake import Shoe
 from drumlin.brake.units import mm
 from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, Division, layers_behind, overhang
 

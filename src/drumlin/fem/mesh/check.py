@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,13 +10,12 @@ import scipy.spatial
 import skfem
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.components import Body
-from drumlin.brake.drum_brake import Shoe
-from drumlin.brake.units import deg, mm
+from drumlin.brake.brake import Shoe
+from drumlin.brake.components import Bar
+from drumlin.brake.units import mm
 from drumlin.errors import BadInput
 from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.response.resultants import angle_near
 
 ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
 APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
@@ -58,7 +56,7 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
 def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
     needed = {"lining"} | ({"backing"} if shoe.backing else set())
-    needed |= set(shoe.body.plates) if isinstance(shoe.body, Body) else {"shoe"} if shoe.body else set()
+    needed |= set(shoe.body.plates) if isinstance(shoe.body, Bar) else {"shoe"} if shoe.body else set()
     lines = {"contact", "hinge"} | ({"actuation"} if shoe.body and not shoe.gripped else set())
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
@@ -148,7 +146,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
     basis = skfem.Basis(mesh, kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1)))
     line = basis.doflocs[:, edge_nodes(basis, facets)]
-    off = shoe.off(line, radius)
+    off, word = shoe.off(line, radius), shoe.surface.word
     most, deep = float(np.abs(off).max()), -float(off.min())
     if most > OFF * radius:
         surface = "plane" if shoe.flat else f"drum's radius {mm(radius)}"
@@ -158,39 +156,34 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         )
     behind = shoe.off(mesh.p[:, mesh.t[:, mesh.subdomains["lining"]]].mean(axis=1), radius)
     if behind.mean() < 0 and not shoe.mesh_interference:
-        raise BadInput(f"{fault}: the lining's elements lie in the {shoe.face}; must lie behind the group contact")
+        raise BadInput(f"{fault}: the lining's elements lie in the {word}; must lie behind the group contact")
     if deep > DEEP * shoe.lining.thickness and not shoe.mesh_interference:
         raise BadInput(
-            f"{fault}: the group contact lies up to {mm(deep)} in the {shoe.face}, over {DEEP:g} of the lining's "
+            f"{fault}: the group contact lies up to {mm(deep)} in the {word}, over {DEEP:g} of the lining's "
             f"thickness of {mm(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
         )
     steep = (np.abs(np.diff(off, axis=0)) > STEEP * np.hypot(*np.diff(line, axis=1))).any(axis=0)
     if steep.any():
         where = _some(mesh, mesh.f2t[0, facets[steep]], shoe)
         raise BadInput(
-            f"{fault}: {where} with an edge of the contact that is steeper than {STEEP:g} against the {shoe.face}"
+            f"{fault}: {where} with an edge of the contact that is steeper than {STEEP:g} against the {word}"
         )
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
     xy = mesh.p[:, nodes]
-    middle = sum(shoe.arc) / 2
-    phi, text = (xy[0] / radius, partial(_length, radius)) if shoe.flat else (angle_near(middle, xy), deg)
+    phi, text = shoe.phi_of(xy, radius), shoe.surface.place
     arc = (float(phi.min()), float(phi.max()))
     if max(abs(a - b) for a, b in zip(arc, shoe.arc, strict=True)) > ARC_SLACK:
         theta = sorted(shoe.frame.theta(np.array(arc)).tolist())
         raise BadInput(
             f"{fault}: the group contact runs from {text(theta[0])} to {text(theta[1])}; must be the lining's "
             f"{'length' if shoe.flat else 'arc'}, "
-            f"{text(shoe.lining.start)} to {text(shoe.lining.end)}, within {text(ARC_SLACK)} "
+            f"{text(shoe.lining.start)} to {text(shoe.lining.end)}, within {text(shoe.frame.unit * ARC_SLACK)} "
             f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
         )
     steps = np.sort(np.argsort(np.argsort(phi))[ends.reshape(2, -1)], axis=0)
     steps = steps[:, np.argsort(steps[0])]
     if not (np.array_equal(steps[0], np.arange(len(phi) - 1)) and np.array_equal(steps[1], steps[0] + 1)):
         raise BadInput(f"{fault}: the group contact must be one line without gaps or turns, one edge after the other")
-
-
-def _length(unit: float, place: float) -> str:
-    return mm(unit * place)
 
 
 def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 import skfem
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.drum_brake import Shoe
+from drumlin.brake.brake import Shoe
 from drumlin.errors import BadInput, reason_of
 from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.abaqus import read_inp, write_inp

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake.drum_brake import Shoe
+from drumlin.brake.brake import Shoe
 
 EDGE_SIZE = 1 / 32
 """Size of an element at the lining's sharp edge, relative to one in its middle, and of a layer at its

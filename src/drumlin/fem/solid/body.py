@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.fem.assembly import Body, Seconds, clock, coupled, line_of, materials_of
@@ -112,11 +112,11 @@ def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[Floats, Floats]:
 def solid_body(brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Seconds) -> Body:
     """Mesh, assemble and condense a shoe."""
     with clock(seconds, "mesh"):
-        solid = solid_mesh(shoe, brake.drum.radius, elements, across)
+        solid = solid_mesh(shoe, brake.size, elements, across)
     with clock(seconds, "assembly"):
         K = stiffness(solid.basis, solid_layers(shoe))
     with clock(seconds, "ties"):
-        face, rigid = face_of(solid, shoe, brake.drum.radius), hinged(solid, shoe)
+        face, rigid = face_of(solid, shoe, brake.size), hinged(solid, shoe)
         ties = tie(solid, face.nodes, rigid, shoe.own_pin, bonded=shoe.body is None)
         loads, centre = loads_on(solid, shoe, ties)
     with clock(seconds, "condensation"):

@@ -6,7 +6,7 @@ import numpy as np
 import skfem
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.drum_brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.assembly import Scene
 from drumlin.fem.fields import displaced, mean_of

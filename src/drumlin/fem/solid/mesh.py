@@ -13,7 +13,7 @@ import skfem
 from scipy.spatial import cKDTree
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake.drum_brake import Shoe
+from drumlin.brake.brake import Shoe
 from drumlin.fem.assembly import materials_of
 from drumlin.fem.body import scalar_basis
 from drumlin.fem.mesh.arc import shoe_mesh

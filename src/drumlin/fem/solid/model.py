@@ -3,18 +3,15 @@
 from functools import partial
 from pathlib import Path
 
-from drumlin.brake.drum_brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
-from drumlin.brake.plane_brake import AnyBrake
-from drumlin.brake.unrolled import on_drum
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import Body, Cache, Scene, Seconds, bare_shoe, lacking, shape_of, size_of
 from drumlin.fem.assembly import why_not as plane_why_not
 from drumlin.fem.model import PENALTY, check_penalty, respond
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import solid_body
-from drumlin.fem.solve import as_given
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
@@ -26,7 +23,9 @@ SOFTEST = 0.499  # Poisson's ratio up to which displacements alone describe a so
 
 def why_not(brake: Brake) -> str | None:
     """Why the solid model does not apply to a brake (None: it does)."""
-    if brake.drum.ring is not None:
+    if brake.unmeshable() is not None:
+        return brake.unmeshable()
+    if brake.ring is not None:
         return "its drum is an elastic ring; solid shoes are pressed on a rigid drum"
     for shoe in brake.shoes:
         reason = _shoe_why_not(shoe)
@@ -73,7 +72,7 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS, across: int | None = None
     for key, shoe in zip(keys, brake.shoes, strict=True):
         if key not in made:
             counts = elements, across or across_of(shoe, elements)
-            same = ("solid", bare_shoe(shoe), brake.drum.radius, brake.friction > 0, *counts)
+            same = ("solid", bare_shoe(shoe), brake.size, brake.friction > 0, *counts)
             made[key] = cache.get(same, partial(solid_body, brake, shoe, *counts, seconds), _size_of)
     left_out = ["interior fields: recovered only for a picture", "the other half of each shoe: symmetric"]
     if len(made) < len(keys):
@@ -88,7 +87,7 @@ def _size_of(body: Body) -> int:
 
 
 def solve(
-    brake: AnyBrake,
+    brake: Brake,
     *,
     elements: int = ELEMENTS,
     across: int | None = None,
@@ -101,12 +100,12 @@ def solve(
     check_penalty(penalty)
     if fields is not None and fields.suffix != ".vtu":
         raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")
-    own = on_drum(brake)
-    scene = prepare(own, elements=elements, across=across, cache=cache)
-    response = respond(scene, own, penalty=penalty)
+    brake.check_meshable()
+    scene = prepare(brake, elements=elements, across=across, cache=cache)
+    response = respond(scene, brake, penalty=penalty)
     if fields is not None:
         from drumlin.fem.fields import write_vtu  # noqa: PLC0415  (only where it is asked for)
         from drumlin.fem.solid.fields import recover  # noqa: PLC0415
 
-        write_vtu(fields, [recover(scene, own, response, i) for i in range(len(own.shoes))])
-    return with_merits(brake, as_given(brake, response))
+        write_vtu(fields, [recover(scene, brake, response, i) for i in range(len(brake.shoes))])
+    return with_merits(brake, response)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats, Ints
-from drumlin.brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import moved
 from drumlin.errors import NoAnswer
 from drumlin.verification.triangles.face import Face

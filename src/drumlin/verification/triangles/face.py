@@ -7,7 +7,8 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake, Shoe, clearance
+from drumlin.brake import clearance
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.lagrange import Nodes
 from drumlin.verification.triangles.outline import Outline

@@ -7,7 +7,8 @@ from contextlib import suppress
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
-from drumlin.brake import Brake, Shoe, clearance
+from drumlin.brake import clearance
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.verification.triangles.contact import contact
@@ -37,7 +38,7 @@ def pressed(brake: Brake) -> list[int]:
             continue
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 41)
         e = np.stack([np.cos(theta), np.sin(theta)], axis=1)
-        arm = brake.drum.radius * e - shoe.pin.xy
+        arm = brake.size * e - shoe.pin.xy
         closing = shoe.sign * (-arm[:, 1] * e[:, 0] + arm[:, 0] * e[:, 1])
         if (closing * shoe.actuation.moment_about(shoe.pin) > 0).any():
             found.append(i)
@@ -45,8 +46,8 @@ def pressed(brake: Brake) -> list[int]:
 
 
 def _wavelength(brake: Brake) -> float:
-    highest = max((part.order for part in brake.drum.out_of_round if part.amplitude), default=0)
-    return 2 * math.pi * brake.drum.radius / max(highest, 1)
+    highest = max((part.order for part in brake.lobes if part.amplitude), default=0)
+    return 2 * math.pi * brake.size / max(highest, 1)
 
 
 def solve(brake: Brake, level: Level, before: Sequence[ShoeSolution] | None = None) -> list[ShoeSolution]:
@@ -60,10 +61,10 @@ def solve(brake: Brake, level: Level, before: Sequence[ShoeSolution] | None = No
     earlier = [None] * len(shoes) if before is None else list(before)
     drafts = []
     for shoe, its in zip(shoes, earlier, strict=True):
-        shape = outline(shoe, brake.drum.radius)
+        shape = outline(shoe, brake.size)
         drafts.append(draft(shape, _sharp(shoe, shape, its, level), level, _wavelength(brake)))
     meshes, opposite = [one.mesh for one in drafts], None
-    if brake.drum.ring is not None:
+    if brake.ring is not None:
         meshes, opposite = with_ring(brake, drafts, level)
     faces = [
         face(brake, shoe.under(1.0) if brake.shares else shoe, shaped(one.shape, mesh, level.degree))

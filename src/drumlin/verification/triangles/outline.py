@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Floats
-from drumlin.brake import Shoe
 from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.errors import BadInput

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from drumlin.arrays import Floats, Ints
-from drumlin.brake import Brake
+from drumlin.brake.brake import Brake
 from drumlin.brake.components import Section
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.errors import BadInput
@@ -22,7 +22,7 @@ TURN = 2 * math.pi
 
 def with_ring(brake: Brake, drafts: list[Draft], level: Level) -> tuple[list[Triangles], Shaped]:
     """The linings' meshes and the ring's, whose edges match."""
-    ring, R = brake.drum.ring, brake.drum.radius
+    ring, R = brake.ring, brake.size
     section = None if ring is None else ring.section
     if section is None:
         raise BadInput("its ring has no section to mesh")
@@ -96,8 +96,8 @@ def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
     chosen, of = _opposite(brake, ring, faces)
     outer = np.flatnonzero(nodes.at[:, 1] > 1 - SLACK)
     held = np.zeros((len(nodes.xy), 2), dtype=bool)
-    assert brake.drum.ring is not None
-    if brake.drum.ring.support == "fixed":
+    assert brake.ring is not None
+    if brake.ring.support == "fixed":
         held[outer] = True
         return Rim(lagrange.condense(ring.K, nodes, held.ravel(), chosen, np.zeros((held.size, 0))).of, of)
     on = ring.mesh.at[..., 1] > 1 - SLACK
@@ -135,7 +135,7 @@ def _opposite(brake: Brake, ring: Shaped, faces: list[Face]) -> tuple[Ints, list
         away = np.angle((xy[:, 0] + 1j * xy[:, 1]) * np.exp(-1j * middle))
         under = np.flatnonzero(np.abs(away) < half + SLACK)
         under = under[np.argsort(away[under])]
-        if len(under) != len(one.theta) or np.abs(xy[under] - one.xy).max() > 1e-9 * brake.drum.radius:
+        if len(under) != len(one.theta) or np.abs(xy[under] - one.xy).max() > 1e-9 * brake.size:
             raise AssertionError("ring and lining do not match")
         chosen.append(ring.surface[under])
         of.append(count + np.arange(len(under)))

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from drumlin.arrays import Bools
-from drumlin.brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.errors import NoAnswer
 from drumlin.verification.triangles.contact import Found, contact, tip
 from drumlin.verification.triangles.face import Face

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from drumlin.arrays import Bools, Floats
-from drumlin.brake import Brake, Shoe
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.contact import Found
 from drumlin.verification.triangles.face import GAUSS, WEIGHTS, Face, trace
@@ -59,7 +59,7 @@ def solution(brake: Brake, shoe: Shoe, one: Face, found: Found) -> ShoeSolution:
         theta=one.theta,
         pressure=p,
         order=one.degree,
-        torque=brake.friction * brake.drum.radius * float(found.force.sum()),
+        torque=brake.friction * brake.size * float(found.force.sum()),
         normal_force=float(np.hypot(*on_normal)),
         hinge_reaction=-(on_normal + on_tangent + shoe.actuation.vector),
         arcs=_arcs(one.theta, p, found.active, one.degree),

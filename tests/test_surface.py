@@ -1,0 +1,83 @@
+"""What tells a brake on a drum from one on a plane: the surface says it, no code asks for the class of a brake."""
+
+import ast
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drumlin.brake
+from drumlin.brake.brake import Brake
+from drumlin.brake.drum_brake import DrumBrake
+from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.surface import DRUM, PLANE
+
+ROOT = Path(__file__).resolve().parents[1]
+PAD = read_any(ROOT / "studies" / "brakes" / "rail_clamp.toml")
+BLOCK = read_any(ROOT / "studies" / "laws" / "block.toml")
+CLASSES = {"Brake", "DrumBrake", "FlatBrake", "DrumShoe", "FlatShoe"}
+
+
+def test_nothing_outside_of_the_brake_asks_for_the_class_of_a_brake() -> None:
+    switches = []
+    for path in sorted((ROOT / "src" / "drumlin").rglob("*.py")):
+        if path.parent.name == "brake":
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "isinstance":
+                asked = {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
+                switches += [f"{path}:{node.lineno}"] if asked & CLASSES else []
+    assert switches == []
+
+
+@pytest.mark.parametrize("name", ["AnyBrake", "FlatBrake", "FlatShoe"])
+def test_old_names_are_there_with_a_warning(name: str) -> None:
+    with pytest.warns(DeprecationWarning, match=name):
+        assert issubclass(getattr(drumlin.brake, name), Brake | drumlin.brake.Shoe)
+
+
+def test_other_names_are_not_there() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'NoBrake'"):
+        drumlin.brake.NoBrake  # noqa: B018
+
+
+@pytest.mark.parametrize(("brake", "kind"), [(PAD, FlatBrake), (BLOCK, DrumBrake)])
+def test_data_are_read_by_the_class_of_their_surface(brake: Brake, kind: type[Brake]) -> None:
+    again = Brake.model_validate(brake.model_dump(by_alias=True))
+    assert type(again) is kind and again == brake
+
+
+@pytest.mark.parametrize("brake", [PAD, BLOCK])
+def test_a_length_along_the_surface_is_phi_in_sizes_and_q_in_scale_factors(brake: Brake) -> None:
+    for shoe in brake.shoes:
+        q = np.linspace(shoe.lining.start, shoe.lining.end, 5)
+        phi = shoe.frame.phi(q)
+        np.testing.assert_allclose(shoe.frame.theta(phi), q, rtol=1e-13, atol=1e-15)
+        lengths = np.abs(np.diff(q)) * brake.scale_factor
+        np.testing.assert_allclose(np.abs(np.diff(phi)) * brake.size, lengths, rtol=1e-12)
+        on_it = shoe.at(np.zeros(5), phi, brake.size)
+        np.testing.assert_allclose(shoe.phi_of(on_it, brake.size), phi, atol=1e-13)
+        np.testing.assert_allclose(shoe.off(on_it, brake.size), 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("brake", [PAD, BLOCK])
+def test_the_reversed_brake_moves_the_other_way_and_back(brake: Brake) -> None:
+    other = brake.reversed()
+    assert other.spin == -brake.spin and other.direction == brake.other_direction
+    assert other.reversed() == brake
+
+
+@pytest.mark.parametrize("surface", [DRUM, PLANE])
+def test_levers_are_the_moments_of_normal_and_tangent(surface: drumlin.brake.surface.FrictionSurface) -> None:
+    q, size = np.array([-0.4, 0.2, 1.3]), 0.3
+    x, y = np.array([q, 0 * q]) if surface.straight else size * np.array([np.cos(q), np.sin(q)])
+    for along, lever in zip((surface.outwards(q), surface.along(q)), surface.levers(q, size), strict=True):
+        np.testing.assert_allclose(x * along[1] - y * along[0], lever, atol=1e-15)
+
+
+def test_a_surface_says_where_a_place_is_nearest_and_what_it_is_not() -> None:
+    assert DRUM.nearest(0.1 + 4 * math.pi, 0.0) == pytest.approx(0.1)
+    assert PLANE.nearest(7.0, 0.0) == 7.0
+    assert DRUM.unlike(DRUM) is None and PLANE.unlike(PLANE) is None
+    assert PLANE.unlike(DRUM) == "its shoes press on a plane, not on a drum"
