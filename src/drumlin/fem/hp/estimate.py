@@ -151,6 +151,8 @@ def _of(zone: float, a: ShoeResponse, b: ShoeResponse) -> tuple[tuple[float, ...
         edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular_zone(float(b.theta[-1] - b.theta[0])), zone)
     )
     step = Difference.of(a, b, edge, zone)
-    p, chance = step.distance(edge), step.by_chance()
+    # Forces change only by what balances within the arc of the contact, a fraction of them like its angle.
+    reach = b.contact_arcs[-1][1] - b.contact_arcs[0][0]
+    p, chance = step.distance(edge), min(step.by_chance(), reach)
     by_chance = 0.0, chance if b.torque else 0.0, 0.0, chance * b.normal_force / held
     return (p, torque, max(peak, math.sqrt(p * step.at_peak(zone))), reaction), by_chance
