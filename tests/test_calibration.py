@@ -28,14 +28,21 @@ PROVENANCE = Provenance("1 to 3", 3, 9, "abc", "2000-01-01")
 
 
 def made_up(count, part, beside=1e-9, seed=0):
-    """Levels whose true errors are a part of their steps, up to `part`."""
+    """Levels whose true errors are a part of their steps, up to `part`, and of what chance would change."""
     rng = np.random.default_rng(seed)
     levels = []
     for share in np.linspace(0, 1, count):
         step = dict.fromkeys(QUANTITIES, 10 ** rng.uniform(-4, -2))
         true = {name: part[name] * share * step[name] + beside for name in QUANTITIES}
-        nothing = dict.fromkeys(QUANTITIES, 0.0)
-        levels.append(Level(step, dict.fromkeys(QUANTITIES, beside), true, nothing))
+        levels.append(
+            Level(
+                step,
+                dict.fromkeys(QUANTITIES, 0.0),
+                dict.fromkeys(QUANTITIES, beside),
+                true,
+                dict.fromkeys(QUANTITIES, 0.0),
+            )
+        )
     return levels
 
 
@@ -46,8 +53,31 @@ def test_the_fit_finds_the_factors_that_cover_all_but_the_share_that_may_be_miss
     for value, most in ((found.pressure, 0.5), (found.peak, 0.9), (found.force, 0.7)):
         assert 0.99 * QUANTILE * most <= value <= 1.05 * most
     for name, factor in (("pressure", found.pressure), ("peak", found.peak)):
-        ratios = samples(levels, name).ratios(factor)
+        ratios = samples(levels, name).ratios(factor, 0.0)
         assert np.mean(ratios < 1) <= 1 - QUANTILE
+
+
+def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel():
+    """One step in ten is a thousandth of what it was before the cancellation; chance tells the size."""
+    rng = np.random.default_rng(1)
+    levels = []
+    for _ in range(2000):
+        size = 10 ** rng.uniform(-4, -2)
+        step = size * (1e-3 if rng.random() < 0.1 else 1.0)
+        true = dict.fromkeys(QUANTITIES, 0.2 * size)
+        levels.append(
+            Level(
+                step=dict.fromkeys(QUANTITIES, step),
+                chance=dict.fromkeys(QUANTITIES, 100 * size),
+                beside=dict.fromkeys(QUANTITIES, 0.0),
+                true=true,
+                unsure=dict.fromkeys(QUANTITIES, 0.0),
+            )
+        )
+    found = fit(levels)
+    torque = samples(levels, "torque")
+    assert np.mean(torque.ratios(found.force, found.cancelled / found.force) < 1) <= 1 - QUANTILE
+    assert found.cancelled * 100 > 0.15
 
 
 def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
@@ -57,7 +87,7 @@ def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
 
 
 def test_the_file_holds_the_factors_and_what_they_were_fitted_on(tmp_path):
-    factors = Factors(0.5, 0.6, 0.8)
+    factors = Factors(0.5, 0.6, 0.001, 0.8)
     path = tmp_path / "factors.json"
     path.write_text(as_text(factors, PROVENANCE), encoding="utf-8")
     assert read_factors(path) == factors
@@ -92,7 +122,9 @@ def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
         assert stated.brake["pressure"] == pytest.approx(
             FACTORS.pressure * level.step["pressure"] + level.beside["pressure"], rel=1e-6
         )
-        assert stated.brake["torque"] == pytest.approx(FACTORS.force * level.step["torque"] + level.beside["torque"])
+        assert stated.brake["torque"] == pytest.approx(
+            FACTORS.force * level.step["torque"] + FACTORS.cancelled * level.chance["torque"] + level.beside["torque"]
+        )
         assert level.true["pressure"] < level.step["pressure"]
 
 

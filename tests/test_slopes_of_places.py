@@ -95,7 +95,8 @@ WRONG = [
 def test_a_slope_along_a_point_is_that_of_solves_whose_body_moves_with_it(draw, key, way, scene):
     brake = draw()
     exact = float(sensitivity(scene(brake), brake).shoes[0].held[key][way])
-    for step in (1e-4, 3e-5, 1e-5):
+    # within larger steps nodes come into contact, and the torque has a kink
+    for step in (3e-5, 1e-5, 3e-6):
         near = central(brake, 0, key, way, lambda other: respond(scene(other), other).torque, step)
         assert exact == pytest.approx(near, rel=1e-3), step
 

@@ -83,13 +83,18 @@ def report(result: Result, folder: Path) -> Path:
     write_text(folder / "factors.json", as_text(result.factors, result.provenance))
     levels = levels_of(result.rows)
     force = result.factors.force
-    factors = {**result.factors._asdict(), "torque": force, "reaction": force}
-    ratios = {name: samples(levels, name).ratios(factors[name]) for name in QUANTITIES}
+    factors = {
+        "pressure": (result.factors.pressure, 0.0),
+        "torque": (force, result.factors.cancelled / force),
+        "reaction": (force, result.factors.cancelled / force),
+        "peak": (result.factors.peak, 0.0),
+    }
+    ratios = {name: samples(levels, name).ratios(*factors[name]) for name in QUANTITIES}
     figures.save(shares(ratios), folder / "factors.svg")
     spread = [
         {
             "quantity": name,
-            "factor": factors[name],
+            "factor": factors[name][0],
             "levels": len(found),
             "below": float(np.mean(found < 1)),
             "smallest": float(found.min()),

@@ -54,10 +54,10 @@ class Difference:
         """The column of b that each piece (pieces,) is in."""
         return np.asarray(np.searchsorted(self.b.theta[:: self.b.order], self.theta[:, 0], side="right") - 1)
 
-    def of_columns(self) -> float:
-        """The sum of the columns' parts, without their signs, of the integral of p_a - p_b, over that of p_b."""
+    def by_chance(self) -> float:
+        """The part of the integral of p_b by which it would differ if that of each column had a sign by chance."""
         columns = np.bincount(self.columns, (self.weight * self.off).sum(axis=1))
-        return float(np.abs(columns).sum() / np.vdot(self.weight, self.pressure))
+        return float(np.linalg.norm(columns) / np.vdot(self.weight, self.pressure))
 
     def at_peak(self, zone: float) -> float:
         """The largest difference in the column where p_b is largest inside the zone, in parts of the peak."""

@@ -13,6 +13,7 @@ and the same tree always writes the same file.
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,9 +39,20 @@ stored truths (70000 and on) and of the studies that judge (8500 and on) are oth
 QUANTILE = 0.995
 """Share of the true errors that the fit covers. Twice as many may be too small as README promises."""
 
+FITTED = 5
+"""Number of levels that are fitted on. The one after them is as fine as the truth itself."""
+
 RELEVANT = 1e-6
 """True error below which a level is not fitted on. No solve is asked for so small an error of p, and
 there the truth and the arithmetic are in doubt themselves."""
+
+WEIGHTS = tuple(2.0**-k for k in range(4, 14))
+"""Candidates for the weight of what chance signs would move a force by, over that of the step. The one
+with the sharpest estimate is taken."""
+
+HALF = 0.999
+"""Share of the true errors that are at most twice what the factors alone state. A share QUANTILE bounds
+how many stated errors are too small; this bounds by how much."""
 
 DIGITS = 2
 """Significant digits of a factor. More would not be found again on other brakes."""
@@ -49,11 +61,12 @@ DIGITS = 2
 class Level(NamedTuple):
     """What is known of the answer of one level, of each of QUANTITIES.
 
-    `step`: the worst shoe's of `distances`; `beside`: penalty and round-off errors; `true`: the
-    error; `unsure`: the uncertainty of the true error.
+    `step`, `chance`: the worst shoe's of `Distances`; `beside`: penalty and round-off errors; `true`:
+    the error; `unsure`: the uncertainty of the true error.
     """
 
     step: Mapping[str, float]
+    chance: Mapping[str, float]
     beside: Mapping[str, float]
     true: Mapping[str, float]
     unsure: Mapping[str, float]
@@ -70,7 +83,7 @@ def observe(seed: int) -> dict[str, Any]:
     """The levels of the brake of a seed, as plain data; without an answer the reason in words."""
     kind, brake = drawn(seed)
     try:
-        levels = observed(brake, by_finer(brake), steps(brake, respond))
+        levels = observed(brake, by_finer(brake), islice(steps(brake, respond), FITTED))
     except NoAnswer as error:
         return {"seed": seed, "kind": kind, "reason": str(error), "levels": []}
     return {"seed": seed, "kind": kind, "reason": "", "levels": [level._asdict() for level in levels]}
@@ -92,9 +105,11 @@ def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
                 name: math.nan if unknown.brake[name] > 0 else value
                 for name, value in errors(brake, response.shoes, truth.shoes).items()
             }
+            moved = distances(brake, before, response)
             levels.append(
                 Level(
-                    step=_worst(distances(brake, before, response)),
+                    step=_worst(moved.steps),
+                    chance=_worst(moved.chance),
                     beside=_worst(beside(response.shoes)),
                     true=true,
                     unsure=dict(truth.unsure),
@@ -105,15 +120,16 @@ def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
 
 
 def _worst(values: Floats) -> dict[str, float]:
-    """Of values (1 + 4 shoes,), in the order of `distances`, the brake's torque and the worst shoe's others."""
+    """Of values (1 + 4 shoes,), in the order of `Distances`, the brake's torque and the worst shoe's others."""
     most = values[1:].reshape(-1, len(QUANTITIES)).max(axis=0).tolist()
     return dict(zip(QUANTITIES, most, strict=True)) | {"torque": float(values[0])}
 
 
 class Samples(NamedTuple):
-    """Of one quantity on all brakes and levels: `step`, `beside`, `true`, `unsure` (m,)."""
+    """Of one quantity on all brakes and levels: `step`, `chance`, `beside`, `true`, `unsure` (m,)."""
 
     step: Floats
+    chance: Floats
     beside: Floats
     true: Floats
     unsure: Floats
@@ -123,31 +139,46 @@ class Samples(NamedTuple):
         """Which true errors (m,) are known well: others may be errors of the truth."""
         return np.asarray(self.true > CERTAIN * self.unsure)
 
-    @property
-    def needed(self) -> Floats:
-        """The factors of the step with which the true errors that are known well would just be stated."""
-        most = np.maximum(self.true - self.unsure - self.beside, 0.0)
-        return (most / np.maximum(self.step, np.finfo(float).tiny))[self.known]
+    def factor(self, weight: float) -> float:
+        """The smallest factor of step + weight chance that covers what QUANTILE and HALF ask for.
 
-    def ratios(self, factor: float) -> Floats:
+        Where the true error is not known well any factor counts as enough.
+        """
+        most = np.where(self.known, self.true - self.unsure - self.beside, 0.0)
+        needed = np.maximum(most, 0.0) / np.maximum(self.step + weight * self.chance, np.finfo(float).tiny)
+        return _up(max(float(np.quantile(needed, QUANTILE)), 0.5 * float(np.quantile(needed, HALF))))
+
+    def ratios(self, factor: float, weight: float) -> Floats:
         """Stated over true error, of the true errors that are known well."""
-        return ((factor * self.step + self.beside) / self.true)[self.known]
+        stated = factor * (self.step + weight * self.chance) + self.beside
+        return (stated / self.true)[self.known]
 
 
 def samples(levels: Sequence[Level], quantity: str) -> Samples:
     """The relevant levels' values of a quantity."""
     rows = [[of[quantity] for of in level] for level in levels]
-    found = np.array([row for row in rows if row[2] >= RELEVANT]).reshape(-1, len(Level._fields))
+    true = Level._fields.index("true")
+    found = np.array([row for row in rows if row[true] >= RELEVANT]).reshape(-1, len(Level._fields))
     return Samples(*found.T)
 
 
 def fit(levels: Sequence[Level]) -> Factors:
     """The smallest factors that state at least QUANTILE of the true errors of each quantity.
 
-    Torque and reaction share theirs, the larger of the two.
+    Torque and reaction share theirs, the larger of the two. Of the WEIGHTS of chance that with the
+    smallest median of stated over true error.
     """
-    needed = {name: _up(float(np.quantile(samples(levels, name).needed, QUANTILE))) for name in QUANTITIES}
-    return Factors(needed["pressure"], max(needed["torque"], needed["reaction"]), needed["peak"])
+    forces = [samples(levels, name) for name in ("torque", "reaction")]
+
+    def factor(weight: float) -> float:
+        return max(of.factor(weight) for of in forces)
+
+    def sharpness(weight: float) -> float:
+        return float(np.median(np.concatenate([of.ratios(factor(weight), weight) for of in forces])))
+
+    weight = min(WEIGHTS, key=sharpness)
+    pressure, peak = (samples(levels, name).factor(0.0) for name in ("pressure", "peak"))
+    return Factors(pressure, factor(weight), _up(factor(weight) * weight), peak)
 
 
 def _up(value: float) -> float:
@@ -159,8 +190,10 @@ def _up(value: float) -> float:
 MEANING = {
     "pressure": "Error of p in L2 over the distance of p on the last two levels. Smaller: stated errors of p are too "
     "small. Larger: solves go on to a finer level that nobody needed.",
-    "force": "Error of a torque or a reaction over its distance on the last two levels, with what cannot cancel in it. "
-    "Smaller and larger as above.",
+    "force": "Error of a torque or a reaction over its distance on the last two levels. Smaller and larger as above.",
+    "cancelled": "Fraction of what a force would move by, were the signs of the columns' contributions chance, that is "
+    "added to its error. Smaller: forces that two levels share by accident are stated as sure. Larger: the errors of "
+    "torque and reactions are stated many times too large where p is hardly known, as at a pressed corner.",
     "peak": "Error of the peak pressure over its distance on the last two levels, or where that is larger over the "
     "geometric mean of the distances of p in the column of the peak and in L2. Smaller and larger as above.",
 }

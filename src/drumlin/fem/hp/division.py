@@ -258,7 +258,7 @@ def divide(
         )
         for x, away, length in zip(beyond, apart, reached, strict=True)
     )
-    corners = [_corner(length, power) for length, power in zip(reached, powers, strict=True)]
+    corners = [max(_corner(length, power), least) for length, power in zip(reached, powers, strict=True)]
     left, right = min(left, corners[0]), min(right, corners[1])
     marks = _marks(
         Mark(start, left, level.ratio),

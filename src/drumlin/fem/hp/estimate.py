@@ -9,12 +9,9 @@ before, then d_k >= e_(k-1) - e_k >= (r - 1) e_k, so that
 The factor c of each quantity comes from random brakes of every kind, see `FACTORS`. Two quantities
 need more than their own distance, since the difference of two numbers may be small by accident:
 
-- A force (torque, reaction) is an integral of p, in which what two levels differ by may cancel. Its
-  error is the product of two errors, of p and of its adjoint, which fall alike. So a product that
-  cannot cancel is added to its distance: the distance of p in L2, times the sum of what the columns
-  of elements change of the contact force, without their signs and relative, times the angle [rad]
-  that the contact reaches over. Equilibrium leaves only the moments of what balances, and those are
-  small in a short contact.
+- A force (torque, reaction) is an integral of p, in which what two levels differ by may cancel. So
+  a fraction, `cancelled`, of what the force would move by is added, were the signs of the columns'
+  contributions chance: of the root of the sum of their squares.
 - The distance of two peaks is at least the geometric mean of the distance of p in the column of the
   peak and of its distance in L2.
 
@@ -51,15 +48,17 @@ reaction."""
 class Factors(NamedTuple):
     """The numbers of the estimate.
 
-    `pressure`, `force`, `peak`: error over the distance of the last two levels.
+    `pressure`, `force`, `peak`: error over the distance of the last two levels; `cancelled`:
+    fraction of what chance signs of the columns would move a force by.
     """
 
     pressure: float
     force: float
+    cancelled: float
     peak: float
 
     def of_distances(self, shoes: int) -> Floats:
-        """The factor (1 + 4 shoes,) of each distance, in the order of `distances`."""
+        """The factor (1 + 4 shoes,) of each distance, in the order of `Distances`."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 
@@ -99,54 +98,61 @@ class Errors(NamedTuple):
         return cls(most | {"torque": torque}, tuple(shoes))
 
 
+class Distances(NamedTuple):
+    """Relative distances of two levels' answers, and what chance signs of the columns would move.
+
+    Each (1 + 4 shoes,): of the brake's torque, shoes not cancelling, then of each shoe QUANTITIES.
+    """
+
+    steps: Floats
+    chance: Floats
+
+
 def estimate(brake: Brake, before: Response, last: Response, factors: Factors = FACTORS) -> Errors:
     """Upper values of the errors of a level's response `last`, from that of the level before."""
-    found = factors.of_distances(len(last.shoes)) * distances(brake, before, last)
+    moved = distances(brake, before, last)
+    found = factors.of_distances(len(last.shoes)) * moved.steps + factors.cancelled * moved.chance
     found = np.where(found > 0, found + beside(last.shoes), found)
     shoes = np.reshape(found[1:], (-1, len(QUANTITIES))).tolist()
     return Errors.worst(float(found[0]), [dict(zip(QUANTITIES, own, strict=True)) for own in shoes])
 
 
 def beside(shoes: Sequence[ShoeResponse]) -> Floats:
-    """Penalty and round-off errors (1 + 4 shoes,), in the order of `distances`."""
+    """Penalty and round-off errors (1 + 4 shoes,), in the order of `Distances`."""
     return SOFTER * _of_quantities(shoes, "softness") + ROUND_OFF * _of_quantities(shoes, "lost")
 
 
 def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
-    """A Change of each shoe, by its name, in the order of `distances`."""
+    """A Change of each shoe, by its name, in the order of `Distances`."""
     every = [getattr(shoe, name) for shoe in shoes]
     changes = [(of.pressure, of.torque, max(of.pressure, of.peak), of.reaction) for of in every]
     return np.array([max(of[1] for of in changes), *chain(*changes)])
 
 
-def distances(brake: Brake, a: Response, b: Response) -> Floats:
-    """Relative distances (1 + 4 shoes,) of a from b, with what cannot cancel in a force.
-
-    Of the brake's torque, the shoes not cancelling, then of each shoe QUANTITIES.
-    """
+def distances(brake: Brake, a: Response, b: Response) -> Distances:
+    """Relative distances of a from b, and by how much chance signs of the columns would move forces."""
     total = b.torque or a.torque or 1.0
     pairs = list(zip(a.shoes, b.shoes, strict=True))
     zones = [edge_zone(shoe, brake.scale_factor) for shoe in brake.shoes]
     own = np.array([_of(zone, brake.unit, x, y) for zone, (x, y) in zip(zones, pairs, strict=True)])
     shares = np.array([y.torque or x.torque for x, y in pairs]) / total
-    return np.array([float(own[:, 1] @ shares), *own.ravel()])
+    each = [np.array([float(part[:, 1] @ shares), *part.ravel()]) for part in (own[:, 0], own[:, 1])]
+    return Distances(*each)
 
 
-def _of(zone: float, unit: float, a: ShoeResponse, b: ShoeResponse) -> tuple[float, ...]:
-    """Those of a shoe (4,), whose peak is not looked for in this zone at the lining's ends; unit: see `Frame`."""
+def _of(zone: float, unit: float, a: ShoeResponse, b: ShoeResponse) -> tuple[tuple[float, ...], ...]:
+    """Those of a shoe (2, 4), whose peak is not looked for in this zone at the lining's ends; unit: see `Frame`."""
     held = reaction_size(b.hinge_reaction, b.normal_force)
     torque = abs(a.torque - b.torque) / (b.torque or a.torque or 1.0)
     peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or a.peak_pressure or 1.0)
     reaction = math.dist(a.hinge_reaction, b.hinge_reaction) / held
     if not b.pressure.any():
-        return float(a.pressure.any()), torque, peak, reaction
+        return (float(a.pressure.any()), torque, peak, reaction), (0.0,) * len(QUANTITIES)
     singular = singular_zone(float(b.theta[-1] - b.theta[0]), unit)
     edge, zone = (edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular, zone))
     step = Difference.of(a, b, edge, zone)
-    p = step.distance(edge)
+    # Forces change only by what balances within the arc of the contact, a fraction of them like its angle.
     reach = (b.contact_arcs[-1][1] - b.contact_arcs[0][0]) / unit
-    uncancelled = p * reach * step.of_columns()
-    if b.torque:
-        torque += uncancelled
-    reaction += uncancelled * b.normal_force / held
-    return p, torque, max(peak, math.sqrt(p * step.at_peak(zone))), reaction
+    p, chance = step.distance(edge), min(step.by_chance(), reach)
+    by_chance = 0.0, chance if b.torque else 0.0, 0.0, chance * b.normal_force / held
+    return (p, torque, max(peak, math.sqrt(p * step.at_peak(zone))), reaction), by_chance
