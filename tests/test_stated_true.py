@@ -346,11 +346,11 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     *_, last = islice(steps(brake, respond), 2)
     (shoe,) = last.response.shoes
     at_start = shoe.pressure[0] > shoe.pressure[-1]
-    column = slice(0, shoe.order + 1) if at_start else slice(-shoe.order - 1, None)
+    first, last_column = slice(0, shoe.order + 1), slice(-shoe.order - 1, None)
     lower = shoe.pressure.copy()
-    lower[column] = 0.0
+    lower[first] = lower[last_column] = 0.0
     highest = float(lower.max())
-    lower[column] = part * highest
+    lower[first if at_start else last_column] = part * highest
     lowered = replace(shoe, pressure=lower, peak_pressure=highest)
     nothing = Errors.worst(0.0, [dict.fromkeys(QUANTITIES, 0.0)])
     error, _ = seen(nothing, brake, replace(last.response, shoes=(lowered,)))

@@ -11,7 +11,6 @@ from functools import cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.optimize import brentq
 
 from drumlin.arrays import Floats
 from drumlin.brake import clearance
@@ -89,6 +88,8 @@ def corner_power(inward: float, nu: float, softness: float = 0.0, nu_drum: float
         return LEAST_ROOT - 1
     if excess(1 - SMOOTH) >= 0:
         return 0.0
+    from scipy.optimize import brentq  # noqa: PLC0415  (few brakes press with a corner)
+
     return float(brentq(excess, LEAST_ROOT, 1 - SMOOTH)) - 1
 
 
@@ -138,6 +139,8 @@ def orthotropic_corner_power(
         passed = signs[0] != np.sign(determinant(LEAST_ROOT, 0.0))
         return LEAST_ROOT - 1 if passed else 0.0
     first = int(changes[0])
+    from scipy.optimize import brentq  # noqa: PLC0415  (few brakes press with a corner)
+
     return float(brentq(determinant, roots[first], roots[first + 1], args=(inward,))) - 1
 
 
