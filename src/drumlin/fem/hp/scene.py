@@ -13,7 +13,7 @@ from drumlin.fem import assembly
 from drumlin.fem.elasticity import layers_of
 from drumlin.fem.hp.body import condensed, contact_line, end_load_of, grid_of
 from drumlin.fem.hp.corner import powers_of
-from drumlin.fem.hp.division import Division, Level, Place, divide
+from drumlin.fem.hp.division import CORNER_COUNTS, Division, Kind, Level, Place, divide
 from drumlin.fem.hp.ring import ring_body
 from drumlin.fem.hp.shoe import condense
 
@@ -52,7 +52,7 @@ def scene(
     alike = alike or assembly.alike(brake)
     shoes = {i: brake.shoes[i] for i in alike}  # the first of each shape
     cam = brake.actuation is not None and brake.actuation.is_cam
-    powers = {i: _steepest(brake, alike, i) for i in shoes}
+    powers = {i: _steepest(brake, alike, i, (places or {}).get(i, ())) for i in shoes}
     divided = {
         i: divide(shoe, radius, level, (places or {}).get(i, ()), tip=cam, powers=powers[i])
         for i, shoe in shoes.items()
@@ -96,8 +96,13 @@ def scene(
     )
 
 
-def _steepest(brake: Brake, alike: Sequence[int], first: int) -> tuple[float, float]:
-    """The smallest powers of p at both ends of the linings of all shoes of one shape."""
+def _steepest(brake: Brake, alike: Sequence[int], first: int, places: Sequence[Place]) -> tuple[float, float]:
+    """The smallest powers of p at both ends of the linings of all shoes of one shape.
+
+    0 where no contact is so short that its corner counts, see CORNER_COUNTS.
+    """
+    if not any(kind == Kind.END and length <= CORNER_COUNTS for _, length, kind in places):
+        return 0.0, 0.0
     each = [powers_of(brake, j) for j, shape in enumerate(alike) if shape == first]
     return min(start for start, _ in each), min(end for _, end in each)
 
