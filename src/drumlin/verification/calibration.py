@@ -43,8 +43,8 @@ FITTED = 5
 """Number of levels that are fitted on. The one after them is as fine as the truth itself."""
 
 RELEVANT = 1e-6
-"""True error below which a level is not fitted on. No solve is asked for so small an error of p, and
-there the truth and the arithmetic are in doubt themselves."""
+"""True error below which any stated error counts as large enough. No solve is asked for so small an error
+of p, and there the truth and the arithmetic are in doubt themselves."""
 
 WEIGHTS = tuple(2.0**-k for k in range(4, 14))
 """Candidates for the weight of what chance signs would move a force by, over that of the step. The one
@@ -136,13 +136,13 @@ class Samples(NamedTuple):
 
     @property
     def known(self) -> Bools:
-        """Which true errors (m,) are known well: others may be errors of the truth."""
-        return np.asarray(self.true > CERTAIN * self.unsure)
+        """Which true errors (m,) are relevant and known well: others may be errors of the truth."""
+        return np.asarray((self.true >= RELEVANT) & (self.true > CERTAIN * self.unsure))
 
     def factor(self, weight: float) -> float:
         """The smallest factor of step + weight chance that covers what QUANTILE and HALF ask for.
 
-        Where the true error is not known well any factor counts as enough.
+        Where the true error is not known well any factor counts as enough, as it does in the promise.
         """
         most = np.where(self.known, self.true - self.unsure - self.beside, 0.0)
         needed = np.maximum(most, 0.0) / np.maximum(self.step + weight * self.chance, np.finfo(float).tiny)
@@ -155,11 +155,9 @@ class Samples(NamedTuple):
 
 
 def samples(levels: Sequence[Level], quantity: str) -> Samples:
-    """The relevant levels' values of a quantity."""
-    rows = [[of[quantity] for of in level] for level in levels]
-    true = Level._fields.index("true")
-    found = np.array([row for row in rows if row[true] >= RELEVANT]).reshape(-1, len(Level._fields))
-    return Samples(*found.T)
+    """A quantity on all levels that have a true error of it."""
+    rows = [[of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])]
+    return Samples(*np.array(rows).reshape(-1, len(Level._fields)).T)
 
 
 def fit(levels: Sequence[Level]) -> Factors:
