@@ -83,7 +83,8 @@ def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel(
 def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
     (level,) = made_up(1, dict.fromkeys(QUANTITIES, 0.5))
     unknown = level._replace(true={**level.true, "peak": math.nan, "torque": 0.5 * RELEVANT, "pressure": 1e-3})
-    assert [len(samples([unknown], name).true) for name in ("pressure", "torque", "peak")] == [1, 0, 0]
+    assert [len(samples([unknown], name).true) for name in ("pressure", "torque", "peak")] == [1, 1, 0]
+    assert [samples([unknown], name).known.tolist() for name in ("pressure", "torque")] == [[True], [False]]
 
 
 def test_the_file_holds_the_factors_and_what_they_were_fitted_on(tmp_path):
