@@ -52,13 +52,14 @@ class Guard(NamedTuple):
 
 
 JUDGED = Guard()
-"""By the stored truths alone, whatever the side."""
+"""By the stored truths alone, whatever the side: a guess. It is not shown yet that they notice these
+constants, so that no test asks for it; `make noticed` tries them."""
 
 TUNED: dict[str, dict[str, Guard]] = {
     "fem/hp/levels.py": dict.fromkeys(("RULE", "SETTLED", "EVEN"), JUDGED),
     "fem/hp/adapt.py": dict.fromkeys(("SHORTEST", "NEAR", "DEFAULT"), JUDGED),
     "fem/hp/estimate.py": dict.fromkeys(("SOFTER", "ROUND_OFF"), JUDGED),
-    "fem/hp/factors.json": dict.fromkeys(("pressure", "force", "cancelled", "peak"), JUDGED),
+    "fem/hp/factors.json": dict.fromkeys(("pressure", "force", "cancelled", "peak"), Guard("down")),
     "fem/hp/division.py": dict.fromkeys(("FINEST", "SAME", "SHARPEST", "CORNER_SIZE", "CORNER_COUNTS"), JUDGED),
     "fem/hp/corner.py": dict.fromkeys(("SMOOTH", "NEAR_CORNER", "PIECE_RATIO"), JUDGED),
     "fem/hp/places.py": dict.fromkeys(("UNFELT", "SEEN", "FEW", "SHORTER", "DIGITS"), JUDGED),
