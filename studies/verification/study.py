@@ -82,7 +82,8 @@ def study(
     cases = [{"seed": seed, "tolerances": _tolerances(seed, short=short)} for seed in _seeds(JUDGED, BRAKES, short)]
     say("random brakes")
     judged = [one for found in kept(cases, _judged, journal, say, processes) for one in found["rows"]]
-    cases = [{"corner": seed} for seed in _seeds(corner_rows.FIRST_CORNER, CORNERS, short)]
+    count = 1 if short else CORNERS
+    cases = [{"corner": corner_rows.FIRST_CORNER + k} for k in range(count)]
     say("random corners and tips")
     corners = [one for found in kept(cases, _cornered, journal, say, processes) for one in found["rows"]]
     say("benchmark ladder")

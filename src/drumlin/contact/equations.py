@@ -164,6 +164,8 @@ def regular(equations: Equations, system: System) -> bool:
     unit = np.vstack([np.zeros((n, k)), np.diag(system.down[n:])])
     yielding = system.across[n:, None] * equations.solve(unit)[n:]  # (C A^-1 B)^-1
     size = np.sqrt(np.abs(np.diagonal(yielding)))  # motions have units of their own: nothing may hang on these
+    # scaling leaves the signs of eigenvalues as they are, so that a motion without a size of its own needs none
+    size[size == 0] = 1.0
     values = np.linalg.eigvals(yielding / np.outer(size, size))
     return not ((values.imag == 0) & (values.real < 0)).any()
 
