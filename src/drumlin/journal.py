@@ -33,8 +33,8 @@ except ImportError:
 # In a file with another stamp a sound line is looked for up to here.
 LARGEST_LINE = 2**26
 
-# What the first line begins with, and how many bytes of each further line stand before the record
-# that its checksum is of.
+# The first line begins with HEAD. Each further line holds a checksum, then its record: the number
+# tells how many bytes stand before the record.
 HEAD = b'{"stamp": "'
 LEAD = len('{"sum": "0123456789abcdef", ')
 

@@ -6,7 +6,9 @@ from itertools import combinations
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.errors import NoAnswer
 
-LARGE_STRAIN = 0.05  # of the lining, p/E through its thickness; small displacements are off by about as much
+LARGE_STRAIN = 0.05
+"""Strain p/E of a lining through its thickness above which a note says that small displacements are off
+by about as much."""
 LARGEST_STRAIN = 10.0  # in the mean; beyond it no scaled load is meant: the force or its unit is wrong
 
 

@@ -243,8 +243,8 @@ def divide(
     pressed = max(*lengths, least) if lengths else end - start
     # A column deeper than long bears a force down to its foot: corners there feel it.
     deep = 2 * sum(layer.thickness for layer in layers) > radius * (end - start)
-    # The force of one short contact follows from balance. That of others on an elastic shoe follows
-    # from how the shoe bends, which corners feel however far they are.
+    # The force of one short contact follows from balance. Where there are more on an elastic shoe,
+    # it depends on how the shoe bends, and far corners feel that too.
     fades = not deep and (shoe.body is None or (len(lengths) == 2 and pressed < t))
     beyond = contact[0] - start, end - contact[-1]
     apart = [
