@@ -49,7 +49,7 @@ def study(
     journal = journal or Journal()
     seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else BRAKES))
     cases = [{"seed": seed} for seed in seeds]
-    rows = kept(cases, _observed, journal, say, 1 if short else PROCESSES)
+    rows = kept(cases, _observed, journal, say, 0 if short else PROCESSES)
     levels = levels_of(rows)
     commit, date = last_commit()
     brakes = sum(bool(row["levels"]) for row in rows)

@@ -78,7 +78,7 @@ def study(
             estimates.append(estimate_row(brake, case, tolerance, reference, floor[case]))
     say("columns, level by level")
     levels = level_rows(read_brake(BRAKE))
-    processes = 1 if short else PROCESSES
+    processes = 0 if short else PROCESSES
     cases = [{"seed": seed, "tolerances": _tolerances(seed, short=short)} for seed in _seeds(JUDGED, BRAKES, short)]
     say("random brakes")
     judged = [one for found in kept(cases, _judged, journal, say, processes) for one in found["rows"]]

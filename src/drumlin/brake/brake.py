@@ -65,7 +65,8 @@ class Shoe(Meshed):
 
     surface: ClassVar[FrictionSurface]
 
-    if TYPE_CHECKING:  # the fields of a file, in the order that each shape of file has
+    # Both shapes of file have these fields, each in its own order.
+    if TYPE_CHECKING:
 
         @property
         def side(self) -> str: ...
@@ -186,7 +187,8 @@ class Brake(Part):
     directions: ClassVar[tuple[str, str]]
     """The values of that key, of spin +1 and -1."""
 
-    if TYPE_CHECKING:  # the fields of a file, in the order that each shape of file has
+    # Both shapes of file have these fields, each in its own order.
+    if TYPE_CHECKING:
 
         @property
         def title(self) -> str: ...

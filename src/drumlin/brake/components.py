@@ -202,7 +202,8 @@ class Lining(Part):
     `step`: length of the rounded step from one block's height to the next, in the surface's coordinate.
     """
 
-    if TYPE_CHECKING:  # the fields of a file, in the order that each shape of file has
+    # Both shapes of file have these fields, each in its own order.
+    if TYPE_CHECKING:
 
         @property
         def start(self) -> float: ...
@@ -296,7 +297,8 @@ class Bar(Part):
     bending_stiffness: BendingStiffness | None = None
     grip: Thickness | None = None
 
-    if TYPE_CHECKING:  # fields of each shape of file, from place to place on the surface
+    # Both shapes of file have these fields, from place to place on the surface.
+    if TYPE_CHECKING:
 
         @property
         def shape(self) -> str: ...

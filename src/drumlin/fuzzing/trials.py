@@ -3,15 +3,13 @@
 import os
 import random
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import nullcontext
-from multiprocessing import get_context
 from typing import Any, NamedTuple
 
 from drumlin.fuzzing import faults
 from drumlin.fuzzing.broken_sweeps import broken_sweep, damaged_journal
 from drumlin.fuzzing.endings import fault_of, in_process, in_subprocess
 from drumlin.journal import Journal
+from drumlin.verification.side_by_side import Case, kept
 
 CHUNK = 50
 
@@ -61,7 +59,7 @@ def passes(word: str) -> bool:
         return False
 
 
-def _chunk(case: dict[str, Any]) -> dict[str, Any]:
+def _chunk(case: Case) -> dict[str, Any]:
     numbers = range(case["first"], case["first"] + case["count"])
     return {"verdicts": [tried(case["generator"], number, case["apart"])._asdict() for number in numbers]}
 
@@ -82,11 +80,7 @@ def try_all(
         ]
         for name, count in counts.items()
     }
-    left = [case for of in cases.values() for case in of if case not in journal]
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) if processes else nullcontext() as pool:
-        for done, (case, found) in enumerate(zip(left, (pool.map if pool else map)(_chunk, left), strict=True), 1):
-            journal.add(case, found)
-            say(f"{done} of {len(left)} lots of {CHUNK} inputs")
+    kept([case for of in cases.values() for case in of], _chunk, journal, say, processes, f"lots of {CHUNK} inputs")
     return {name: [Verdict(**row) for case in of for row in journal[case]["verdicts"]] for name, of in cases.items()}
 
 

@@ -34,7 +34,7 @@ from drumlin.verification.stored_truth import CERTAIN, by_finer
 
 FIRST_SEED, BRAKES = 300_000, 260
 """Seed of the first random brake of the fit, and their number: ten of each kind. The seeds of the
-stored truths (70000 and on) and of the studies that judge (8500 and on) are others."""
+stored truths (70000 and on) and of the study that judges (600000 and on) are others."""
 
 QUANTILE = 0.995
 """Share of the true errors that the fit covers. Twice as many may be too small as README promises."""

@@ -1,7 +1,8 @@
-"""Cases of a study in several processes, each kept in a journal as it is finished."""
+"""Cases in this process or in several, each kept in a journal as it is finished."""
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
 from multiprocessing import get_context
 from typing import Any
 
@@ -19,6 +20,7 @@ def kept(
     journal: Journal,
     say: Callable[[str], None] = lambda _: None,
     processes: int = PROCESSES,
+    what: str = "cases",
 ) -> list[dict[str, Any]]:
     """The results of all cases, in their order.
 
@@ -33,15 +35,14 @@ def kept(
     say : function
         Told how far the work is.
     processes : int
-        Number of processes; 1 works in this one.
+        Number of processes besides this one; 0 works in this one.
+    what : str
+        What cases are called where `say` is told.
     """
     left = [case for case in cases if case not in journal]
-    if processes == 1:
-        for case in left:
-            journal.add(case, work(case))
-    else:
-        with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-            for done, (case, found) in enumerate(zip(left, pool.map(work, left), strict=True), 1):
-                journal.add(case, found)
-                say(f"{done} of {len(left)} cases")
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) if processes else nullcontext() as pool:
+        results = pool.map(work, left) if pool else map(work, left)
+        for done, (case, found) in enumerate(zip(left, results, strict=True), 1):
+            journal.add(case, found)
+            say(f"{done} of {len(left)} {what}")
     return [journal[case] for case in cases]

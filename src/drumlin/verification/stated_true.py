@@ -20,6 +20,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.comparison import edge_of
 from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.hp.corner import NodalPressure
 from drumlin.fem.hp.estimate import ROUND_OFF
 from drumlin.fem.hp.levels import steps
 from drumlin.fem.model import respond
@@ -34,20 +35,8 @@ FINER = 0.1  # of a tolerance: the last step of p in a sequence of columns that 
 SAMPLES = 4001  # angles at which a peak is looked for, besides the nodes
 
 
-class Pressed(Protocol):
+class Pressed(NodalPressure, Protocol):
     """What a pressure is compared of."""
-
-    @property
-    def theta(self) -> Floats:
-        """Angles [rad] of its nodes."""
-
-    @property
-    def pressure(self) -> Floats:
-        """Pressure [Pa] there."""
-
-    @property
-    def order(self) -> int:
-        """Degree of the pieces of its pressure."""
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at angles [rad]."""

@@ -104,8 +104,8 @@ class Drawn(NamedTuple):
 
 
 SEED = 70_000
-"""Seed of the first brake of each kind. Factors of the error estimate were fitted on seeds below 500 and judged on
-4500 to 8999, so that no fit has seen these brakes."""
+"""Seed of the first brake of each kind. The factors of the error estimate are fitted on other seeds, those of
+`calibration.FIRST_SEED` and on, so that no fit has seen these brakes."""
 
 TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
 """Clearance [m] over theta [rad] that points to the drum with a tip, of the lining of `random_kind(SEED + 1, "hinge")`.
