@@ -151,7 +151,7 @@ class Samples(NamedTuple):
     def ratios(self, factor: float, weight: float) -> Floats:
         """Stated over true error, of the true errors that are known well."""
         stated = factor * (self.step + weight * self.chance) + self.beside
-        return (stated / self.true)[self.known]
+        return stated[self.known] / self.true[self.known]
 
 
 def samples(levels: Sequence[Level], quantity: str) -> Samples:
