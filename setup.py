@@ -1,4 +1,6 @@
-"""What pyproject.toml cannot say: the wheel carries studies, meshes and kept numbers, which lie in git once."""
+"""What pyproject.toml cannot say: the wheel carries studies, meshes and kept numbers, which lie in
+git once.
+"""
 
 import shutil
 from pathlib import Path
@@ -12,7 +14,9 @@ PICTURES = ("*.png", "index.html")  # of the kept reports
 
 
 class BuildWithExamples(build_py):
-    """Copies them to drumlin/carried in what is built; an editable install finds them in the checkout."""
+    """Copies them to drumlin/carried in what is built; an editable install finds them in the
+    checkout.
+    """
 
     def run(self) -> None:
         """Build as usual, then copy."""

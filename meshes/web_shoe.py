@@ -1,9 +1,11 @@
-"""Makes web_shoe.msh: the shoe of a car's drum brake, a table and a web with holes, its lining bonded on.
+"""Makes web_shoe.msh: the shoe of a car's drum brake, a table and a web with holes, its lining
+bonded on.
 
     python meshes/web_shoe.py [--refine N] [--output FILE]
 
-Needs gmsh (pip install 'drumlin[meshing]'). Lengths in mm; the frame is the shoe's own: the drum's centre is
-the origin, the pin lies on the +x axis, the lining at growing angle. N divides every element size.
+Needs gmsh (pip install 'drumlin[meshing]'). Lengths in mm; the frame is the shoe's own: the drum's
+centre is the origin, the pin lies on the +x axis, the lining at growing angle. N divides every
+element size.
 """
 
 import argparse
@@ -12,12 +14,20 @@ from pathlib import Path
 
 import gmsh
 
-DRUM, LINING, TABLE, WEB = 150.0, 8.0, 3.0, 28.0  # radius of the drum; radial thicknesses of the layers
+DRUM, LINING, TABLE, WEB = (
+    150.0,
+    8.0,
+    3.0,
+    28.0,
+)  # radius of the drum; radial thicknesses of the layers
 PIN = 125.0  # distance of the pin from the centre
 LINING_ARC = (5.0, 130.0)  # deg from the pin
 TABLE_ARC = (3.0, 132.0)
 WEB_END = 125.0  # deg: where the web's inner edge ends
-FACE_X, FACE_Y = 58.0, (93.0, 107.0)  # the cylinder pushes on this upright face, in the brake with the pin at -75 deg
+FACE_X, FACE_Y = (
+    58.0,
+    (93.0, 107.0),
+)  # the cylinder pushes on this upright face, in the brake with the pin at -75 deg
 PIN_ANGLE = -75.0
 HOLES = [  # deg from the pin, distance from the centre, radius
     (0.0, PIN, 6.0),  # the pin's
@@ -28,7 +38,8 @@ HOLES = [  # deg from the pin, distance from the centre, radius
 ]
 LARGEST = 6.5  # size of the elements
 SIZES = {"lining ends": (0.5, 0.0, 23.0), "lining": (3.2, 4.0, 30.0), "holes": (3.2, 0.0, 12.0)}
-"""Size near some curves, the distance up to which it stays, the one from which it is the largest."""
+"""Size near some curves, the distance up to which it stays, the one from which it is the largest.
+"""
 SLACK = 1e-6
 
 
@@ -53,12 +64,20 @@ def sector(inner: float, outer: float, start: float, end: float) -> int:
 
 
 def web() -> list[tuple[int, int]]:
-    """The web: an eye about the pin, a ring sector, a nose with the upright face; cut out: the holes."""
+    """The web: an eye about the pin, a ring sector, a nose with the upright face; cut out: the
+    holes.
+    """
     occ = gmsh.model.occ
     outer = DRUM - LINING - TABLE
     inner = outer - WEB
-    upper, lower = (at(math.hypot(FACE_X, y), math.degrees(math.atan2(y, FACE_X)) - PIN_ANGLE) for y in FACE_Y[::-1])
-    corners = [occ.addPoint(*at(inner, WEB_END), 0), occ.addPoint(*at(outer - WEB / 2, WEB_END - 1), 0)]
+    upper, lower = (
+        at(math.hypot(FACE_X, y), math.degrees(math.atan2(y, FACE_X)) - PIN_ANGLE)
+        for y in FACE_Y[::-1]
+    )
+    corners = [
+        occ.addPoint(*at(inner, WEB_END), 0),
+        occ.addPoint(*at(outer - WEB / 2, WEB_END - 1), 0),
+    ]
     corners += [occ.addPoint(*xy, 0) for xy in (at(outer, TABLE_ARC[1]), upper, lower)]
     edges = [occ.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
     parts = [
@@ -68,7 +87,10 @@ def web() -> list[tuple[int, int]]:
         (2, occ.addPlaneSurface([occ.addCurveLoop(edges)])),
     ]
     whole, _ = occ.fuse(parts[:1], parts[1:])
-    cut = [(2, occ.addDisk(*at(distance, angle), 0, radius, radius)) for angle, distance, radius in HOLES]
+    cut = [
+        (2, occ.addDisk(*at(distance, angle), 0, radius, radius))
+        for angle, distance, radius in HOLES
+    ]
     whole, _ = occ.cut(whole, cut)
     return [(int(dim), int(tag)) for dim, tag in whole]
 
@@ -111,7 +133,9 @@ def _name(curve: int) -> str:
 
 
 def _sizes(lines: dict[str, list[int]], refine: float) -> None:
-    """Small elements at the lining's ends, where the pressure is singular, in the lining, and around the holes."""
+    """Small elements at the lining's ends, where the pressure is singular, in the lining, and
+    around the holes.
+    """
     field = gmsh.model.mesh.field
     fields = []
     for curves, (near, within, beyond) in (

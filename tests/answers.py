@@ -1,12 +1,13 @@
-"""Writes what drumlin answers to many commands, and compares two such files: a change of the code that should leave all
-answers as they are is held to it.
+"""Writes what drumlin answers to many commands, and compares two such files: a change of the code
+that should leave all answers as they are is held to it.
 
     python tests/answers.py write FILE.json [BRAKES]
     python tests/answers.py compare BEFORE.json AFTER.json
 
-`write` runs the commands of COMMANDS on every brake file of studies/ and meshes/ and on random brakes, BRAKES of them
-(by default 100), and keeps exit status, printed text and JSON of each. `compare` names every command whose status,
-words or numbers differ. Times are left out; numbers may differ by CLOSE, relative to the largest of their array.
+`write` runs the commands of COMMANDS on every brake file of studies/ and meshes/ and on random
+brakes, BRAKES of them (by default 100), and keeps exit status, printed text and JSON of each.
+`compare` names every command whose status, words or numbers differ. Times are left out; numbers may
+differ by CLOSE, relative to the largest of their array.
 """
 
 import json
@@ -43,8 +44,10 @@ COMMANDS: dict[str, list[str]] = {
 """The commands by name; a brake file follows, and {json} stands for the file of the answer."""
 
 CLOSE = 1e-10
-"""Largest difference of two numbers that counts as none, relative to the largest number of their array. Another order
-of the same operations stays below it; another number of levels or another mesh does not."""
+"""Largest difference of two numbers that counts as none, relative to the largest number of their
+array. Another order of the same operations stays below it; another number of levels or another mesh
+does not.
+"""
 
 SEED = 90_000
 """Seed of the first random brake."""
@@ -62,7 +65,10 @@ class Difference(NamedTuple):
 
 def brake_files(folder: Path, count: int) -> Iterator[Path]:
     """All brake files of the project, then `count` random brakes that are written into a folder."""
-    for path in [*sorted((ROOT / "studies").rglob("*.toml")), *sorted((ROOT / "meshes").glob("*.toml"))]:
+    for path in [
+        *sorted((ROOT / "studies").rglob("*.toml")),
+        *sorted((ROOT / "meshes").glob("*.toml")),
+    ]:
         if "[[shoe]]" in path.read_text(encoding="utf-8"):
             yield path
     kinds = [*KINDS, *KINDS_OF_HOLDING]
@@ -80,9 +86,15 @@ def answer(command: list[str], brake: Path, folder: Path) -> dict[str, Any]:
     file.unlink(missing_ok=True)
     words = [str(file) if word == "{json}" else word for word in command]
     result = CliRunner().invoke(app, [words[0], str(brake), *words[1:]])
-    printed = TIMES.sub("<time>", result.output).replace(str(folder), "<folder>").replace(str(ROOT), "<root>")
+    printed = (
+        TIMES.sub("<time>", result.output)
+        .replace(str(folder), "<folder>")
+        .replace(str(ROOT), "<root>")
+    )
     written = json.loads(file.read_text(encoding="utf-8")) if file.exists() else None
-    refused = "" if result.exception is None else f"{type(result.exception).__name__}: {result.exception}"
+    refused = (
+        "" if result.exception is None else f"{type(result.exception).__name__}: {result.exception}"
+    )
     return {"status": result.exit_code, "refused": refused, "printed": printed, "json": written}
 
 
@@ -134,7 +146,9 @@ def _of_lists(before: list[Any], after: list[Any], where: str) -> Iterator[str]:
 
 def compare(before_file: str, after_file: str) -> int:
     """Print every command whose answers differ; 1 where there is one."""
-    before, after = (json.loads(Path(file).read_text(encoding="utf-8")) for file in (before_file, after_file))
+    before, after = (
+        json.loads(Path(file).read_text(encoding="utf-8")) for file in (before_file, after_file)
+    )
     found = [
         Difference(case, next(differences(before.get(case), after.get(case))))
         for case in {**before, **after}

@@ -52,7 +52,9 @@ def browser(folder):
 
 
 def play(page, address):
-    """Open the page of the study's brake, move sliders, hold each torque against that of solve; returns the link."""
+    """Open the page of the study's brake, move sliders, hold each torque against that of solve;
+    returns the link.
+    """
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.support.ui import WebDriverWait

@@ -15,11 +15,15 @@ DRUMLIN = [sys.executable, "-c", "from drumlin.cli import main; main()"]
 def process(*words, code=None, **options):
     """The command in an interpreter of its own, which runs `code`."""
     command = DRUMLIN if code is None else [sys.executable, "-c", code]
-    return subprocess.run([*command, *map(str, words)], capture_output=True, text=True, check=False, **options)
+    return subprocess.run(
+        [*command, *map(str, words)], capture_output=True, text=True, check=False, **options
+    )
 
 
 def drumlin(*words):
-    """The command in this process: what a shell sees of it, without the second that an interpreter takes to start."""
+    """The command in this process: what a shell sees of it, without the second that an interpreter
+    takes to start.
+    """
     out, err = io.StringIO(), io.StringIO()
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
         patch.setattr("sys.argv", ["drumlin", *map(str, words)])

@@ -4,7 +4,9 @@ import os
 import signal
 from collections.abc import Container, Generator, Iterable
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is loaded: the dense systems are many and small
+os.environ.setdefault(
+    "OPENBLAS_NUM_THREADS", "1"
+)  # before numpy is loaded: the dense systems are many and small
 
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,10 @@ from drumlin.contact import self_locking
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
 
-for number in (signal.SIGINT, signal.SIGHUP):  # a job in the background ignores them, and what it starts would as well
+for number in (
+    signal.SIGINT,
+    signal.SIGHUP,
+):  # a job in the background ignores them, and what it starts would as well
     if signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, signal.SIG_DFL)
 
@@ -33,7 +38,10 @@ settings.register_profile("quick", settings.get_profile("all"), max_examples=8)
 def partly(cases: Iterable[Any], quick: Container[Any]) -> list[Any]:
     """Cases to parametrise a test by; those that are not quick are slow."""
     return [
-        pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=() if case in quick else pytest.mark.slow)
+        pytest.param(
+            *(case if isinstance(case, tuple) else (case,)),
+            marks=() if case in quick else pytest.mark.slow,
+        )
         for case in cases
     ]
 
@@ -66,12 +74,17 @@ def settled_sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return sizes
 
 
-# A test that is skipped for want of a program is noted, so that another run, which has the program, can make it up.
+# A test that is skipped for want of a program is noted, so that another run, which has the program,
+# can make it up.
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--no-skips", action="store_true", help="a test that is skipped has failed")
-    parser.addoption("--skipped", action="store_true", help="run what the last run skipped; who skips again has failed")
+    parser.addoption(
+        "--skipped",
+        action="store_true",
+        help="run what the last run skipped; who skips again has failed",
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -89,16 +102,24 @@ class Skips:
         self.cache: Any = getattr(config, "cache", None)  # there is none with -p no:cacheprovider
         self.again, self.found = config.getoption("--skipped"), list[str]()
         self.failed = self.again or config.getoption("--no-skips")
-        self.notes = self.cache and not hasattr(config, "workerinput") and not config.option.collectonly
+        self.notes = (
+            self.cache and not hasattr(config, "workerinput") and not config.option.collectonly
+        )
 
-    def pytest_collection_modifyitems(self, config: pytest.Config, items: list[pytest.Item]) -> None:
+    def pytest_collection_modifyitems(
+        self, config: pytest.Config, items: list[pytest.Item]
+    ) -> None:
         if not self.failed:
             for item in items:
                 if item.get_closest_marker("slow"):
                     item.add_marker(pytest.mark.skip(reason="slow; make test-all runs it"))
         if self.again:
-            last = tuple(self.cache.get(self.KEY, []))  # of a module that is skipped as a whole its own name
-            config.hook.pytest_deselected(items=[item for item in items if not item.nodeid.startswith(last)])
+            last = tuple(
+                self.cache.get(self.KEY, [])
+            )  # of a module that is skipped as a whole its own name
+            config.hook.pytest_deselected(
+                items=[item for item in items if not item.nodeid.startswith(last)]
+            )
             items[:] = [item for item in items if item.nodeid.startswith(last)]
 
     @pytest.hookimpl(wrapper=True)
@@ -106,7 +127,9 @@ class Skips:
         return self.judged((yield))
 
     @pytest.hookimpl(wrapper=True)
-    def pytest_make_collect_report(self) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    def pytest_make_collect_report(
+        self,
+    ) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
         return self.judged((yield))
 
     def judged(self, report: Any) -> Any:

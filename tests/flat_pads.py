@@ -7,7 +7,13 @@ from drumlin.brake.file import validated
 from drumlin.brake.plane_brake import FlatBrake
 
 LINING = {"thickness": 0.001, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
-BODY = {"thickness": 0.02, "width": 0.04, "start": 0.05, "end": 0.19, "material": {"E": 2.1e11, "nu": 0.3}}
+BODY = {
+    "thickness": 0.02,
+    "width": 0.04,
+    "start": 0.05,
+    "end": 0.19,
+    "material": {"E": 2.1e11, "nu": 0.3},
+}
 KINDS: dict[str, dict[str, Any]] = {
     "hinge": {"hinge": {"x": 0.0, "y": 0.06}},
     "guide": {"guide": {"direction": -pi / 2 + 0.2}},
@@ -24,5 +30,10 @@ def pad(kind: str, sliding: str = "+x", mu: float = 0.3, **more: Any) -> FlatBra
     }
     if kind in {"abutment", "guide"}:
         shoe["actuation"] = {"force": 500.0, "direction": -pi / 2, "point": {"x": 0.14, "y": 0.08}}
-    data = {"title": "t", "friction": mu, "plane": {"sliding": sliding}, "shoe": [shoe | KINDS[kind] | more]}
+    data = {
+        "title": "t",
+        "friction": mu,
+        "plane": {"sliding": sliding},
+        "shoe": [shoe | KINDS[kind] | more],
+    }
     return validated(FlatBrake, data)

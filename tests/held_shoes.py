@@ -11,7 +11,9 @@ BODY = {"thickness": 0.012, "width": 0.04, "start": -1.15, "end": 1.1, "material
 THIN = {"thickness": 0.001, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 KINDS: dict[str, dict[str, Any]] = {
     "abutment": {"abutment": {"point": {"x": 0.025, "y": -0.08}, "direction": 0.2}},
-    "rough abutment": {"abutment": {"point": {"x": 0.025, "y": -0.08}, "direction": 0.0, "friction": 0.2}},
+    "rough abutment": {
+        "abutment": {"point": {"x": 0.025, "y": -0.08}, "direction": 0.0, "friction": 0.2}
+    },
     "pivot": {"hinge": {"x": -0.03, "y": -0.12}, "pivot": {"x": 0.12, "y": 0.004}},
     "guide": {"guide": {"direction": 0.1}},
 }
@@ -19,7 +21,9 @@ KINDS: dict[str, dict[str, Any]] = {
 
 def brake_of(kind: str, spin: int, mu: float = 0.35, **more: Any) -> Brake:
     """One internal shoe held so, its lining 2 rad about +x, of 1 mm, rigid unless it has a body."""
-    direction, point = (0.05, {"x": 0.1, "y": 0.01}) if kind == "guide" else (0.0, {"x": 0.02, "y": 0.08})
+    direction, point = (
+        (0.05, {"x": 0.1, "y": 0.01}) if kind == "guide" else (0.0, {"x": 0.02, "y": 0.08})
+    )
     shoe = {
         "name": "shoe",
         "side": "internal",

@@ -1,8 +1,10 @@
-"""A second way to the same answer: triangles, skfem's own forms, pointwise contact, one sparse system.
+"""A second way to the same answer: triangles, skfem's own forms, pointwise contact, one sparse
+system.
 
-Shares no code with drumlin's finite elements beyond skfem: cubic-free P2 triangles with curved edges, the
-hinge by rows of the unknown turn, contact as a stiff layer at the quadrature points of the lining, whose
-contact set is iterated pointwise. Wear by implicit Euler steps of a clearance that grows at those points.
+Shares no code with drumlin's finite elements beyond skfem: cubic-free P2 triangles with curved
+edges, the hinge by rows of the unknown turn, contact as a stiff layer at the quadrature points of
+the lining, whose contact set is iterated pointwise. Wear by implicit Euler steps of a clearance
+that grows at those points.
 """
 
 from collections.abc import Callable
@@ -25,7 +27,9 @@ SINE_LAW = 435.2162  # N m, the main and the flexible brake by the sine law: 2 k
 
 
 class Shoe(NamedTuple):
-    """One shoe without contact: what `pressed` needs. At the quadrature points: `theta`, `radius`, `weight` (m, q)."""
+    """One shoe without contact: what `pressed` needs. At the quadrature points: `theta`, `radius`,
+    `weight` (m, q).
+    """
 
     K: Any
     ties: Any
@@ -49,7 +53,9 @@ def shoe(brake: Brake, index: int, elements: int) -> Shoe:
     step = (lining.end - lining.start) / elements
     angles = np.concatenate(
         [
-            np.arange(lining.start, body.start - 1e-9, -step)[:0:-1] if lining.start > body.start + 1e-9 else [],
+            np.arange(lining.start, body.start - 1e-9, -step)[:0:-1]
+            if lining.start > body.start + 1e-9
+            else [],
             np.linspace(lining.start, lining.end, elements + 1),
             np.arange(lining.end, body.end + 1e-9, step)[1:],
         ]
@@ -59,7 +65,9 @@ def shoe(brake: Brake, index: int, elements: int) -> Shoe:
     depths = np.concatenate([np.linspace(0, t, 5), np.linspace(t, t + h, 9)[1:]])
     grid = skfem.MeshTri.init_tensor(depths, angles)
     depth, theta = grid.p[:, grid.t].mean(axis=1)
-    grid = grid.restrict(np.flatnonzero((depth > t) | ((theta > lining.start) & (theta < lining.end))))
+    grid = grid.restrict(
+        np.flatnonzero((depth > t) | ((theta > lining.start) & (theta < lining.end)))
+    )
     in_lining = grid.p[0, grid.t].mean(axis=0) < t
     mesh = skfem.MeshTri2.from_mesh(grid)
     depth, theta = mesh.doflocs.copy()
@@ -67,12 +75,17 @@ def shoe(brake: Brake, index: int, elements: int) -> Shoe:
     mesh = skfem.MeshTri2(np.array([r * np.cos(theta), r * np.sin(theta)]), mesh.t)
     element = skfem.ElementVector(skfem.ElementTriP2())
     K = 0
-    for where, material, width in ((in_lining, lining.material, lining.width), (~in_lining, body.material, body.width)):
+    for where, material, width in (
+        (in_lining, lining.material, lining.width),
+        (~in_lining, body.material, body.width),
+    ):
         basis = skfem.Basis(mesh, element, elements=np.flatnonzero(where), intorder=4)
         K = K + width * linear_elasticity(*plane_stress(material.E, material.nu)).assemble(basis)
     middle = grid.p[:, grid.facets].mean(axis=1)
     boundary = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
-    near, far = sorted((body.start, body.end), key=lambda a: abs(np.sin((a - spec.hinge.angle) / 2)))
+    near, far = sorted(
+        (body.start, body.end), key=lambda a: abs(np.sin((a - spec.hinge.angle) / 2))
+    )
     hinge = mesh_facets(boundary & (middle[0] > t) & (np.abs(middle[1] - near) < 1e-9))
     loaded = mesh_facets(boundary & (middle[0] > t) & (np.abs(middle[1] - far) < 1e-9))
     contact = mesh_facets(boundary & (middle[0] < 1e-12))
@@ -84,7 +97,9 @@ def shoe(brake: Brake, index: int, elements: int) -> Shoe:
     arm = x - centre[:, None, None]
     F, P = spec.actuation.vector, spec.actuation.point.xy
     couple = (P - centre)[0] * F[1] - (P - centre)[1] * F[0]
-    traction = F[:, None, None] / w.sum() + couple / (arm**2 * w).sum() * np.array([-arm[1], arm[0]])
+    traction = F[:, None, None] / w.sum() + couple / (arm**2 * w).sum() * np.array(
+        [-arm[1], arm[0]]
+    )
     f = skfem.LinearForm(lambda v, q: dot(q["t"], v)).assemble(edge, t=traction)
 
     # hinge: u = turn k x (x - H)
@@ -110,14 +125,20 @@ def shoe(brake: Brake, index: int, elements: int) -> Shoe:
 
 
 def contact_forms(one: Shoe, stiffness: float, on: np.ndarray, gap: np.ndarray) -> tuple[Any, Any]:
-    """Matrix and load of the traction stiffness (closing - gap) at the quadrature points that are `on`."""
+    """Matrix and load of the traction stiffness (closing - gap) at the quadrature points that are
+    `on`.
+    """
 
     def work(v: Any, q: Any) -> Any:
         return q["on"] * stiffness * (dot(v, q["n"]) - one.drag * dot(v, q["e"]))
 
     data = {"on": on, "n": one.normal, "e": one.tangent, "gap": gap}
-    matrix = skfem.BilinearForm(lambda u, v, q: dot(u, q["n"]) * work(v, q)).assemble(one.surface, **data)
-    return matrix, skfem.LinearForm(lambda v, q: q["gap"] * work(v, q)).assemble(one.surface, **data)
+    matrix = skfem.BilinearForm(lambda u, v, q: dot(u, q["n"]) * work(v, q)).assemble(
+        one.surface, **data
+    )
+    return matrix, skfem.LinearForm(lambda v, q: q["gap"] * work(v, q)).assemble(
+        one.surface, **data
+    )
 
 
 def closing(one: Shoe, u: np.ndarray) -> np.ndarray:
@@ -142,19 +163,30 @@ def torque_of(one: Shoe, force: np.ndarray) -> float:
 
 
 def solve(
-    brake: Brake, index: int, elements: int, penalty: float, clearance: Callable[[np.ndarray], np.ndarray] | None = None
+    brake: Brake,
+    index: int,
+    elements: int,
+    penalty: float,
+    clearance: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    """Torque [N m], and angles [rad] with pressures [Pa] at the quadrature points, of one shoe with an arc body."""
+    """Torque [N m], and angles [rad] with pressures [Pa] at the quadrature points, of one shoe with
+    an arc body.
+    """
     one = shoe(brake, index, elements)
     gap = np.zeros_like(one.theta) if clearance is None else clearance(one.theta)
     force = pressed(one, penalty * one.spring, gap)
     order = np.argsort(one.theta.ravel())
-    return torque_of(one, force), one.theta.ravel()[order], force.ravel()[order] / brake.shoes[index].lining.width
+    return (
+        torque_of(one, force),
+        one.theta.ravel()[order],
+        force.ravel()[order] / brake.shoes[index].lining.width,
+    )
 
 
 @cache
 def torque(name: str) -> float:
-    """Torque [N m] of a brake file of the studies; 45 and 90 elements differ by 2e-5 (stiff shoes) and 7e-5 (flexible).
+    """Torque [N m] of a brake file of the studies; 45 and 90 elements differ by 2e-5 (stiff shoes)
+    and 7e-5 (flexible).
 
     A penalty of 1e3 instead of 1e4 changes it by 4e-5.
     """
@@ -162,10 +194,14 @@ def torque(name: str) -> float:
     return sum(solve(brake, i, 90, 1e4)[0] for i in range(len(brake.shoes)))
 
 
-def worn(brake: Brake, index: int, elements: int, coefficient: float, distance: float, steps: int) -> tuple[Any, ...]:
-    """Archard's wear of a lining that bears all over: angles, and pressures and depths (steps + 1, ...) at them.
+def worn(
+    brake: Brake, index: int, elements: int, coefficient: float, distance: float, steps: int
+) -> tuple[Any, ...]:
+    """Archard's wear of a lining that bears all over: angles, and pressures and depths (steps + 1,
+    ...) at them.
 
-    A step ds makes the layer softer, p = e (closing - gap - k ds p): one factorisation serves every step.
+    A step ds makes the layer softer, p = e (closing - gap - k ds p): one factorisation serves every
+    step.
     """
     one, ds, width = shoe(brake, index, elements), distance / steps, brake.shoes[index].lining.width
     gap, e = np.zeros_like(one.theta), 1e4 * one.spring
@@ -175,32 +211,47 @@ def worn(brake: Brake, index: int, elements: int, coefficient: float, distance: 
     solver = splu((one.ties.T @ (one.K + matrix) @ one.ties).tocsc())
     for _ in range(steps):
         _, load = contact_forms(one, soft, np.ones_like(gap), depth[-1])
-        p.append(soft / width * (closing(one, solver.solve(one.ties.T @ (one.load + load))) - depth[-1]))
+        p.append(
+            soft / width * (closing(one, solver.solve(one.ties.T @ (one.load + load))) - depth[-1])
+        )
         assert p[-1].min() > 0
         depth.append(depth[-1] + coefficient * ds * p[-1])
     order = np.argsort(one.theta.ravel())
-    return one.theta.ravel()[order], *(np.array([x.ravel()[order] for x in kept]) for kept in (p, depth))
+    return one.theta.ravel()[order], *(
+        np.array([x.ravel()[order] for x in kept]) for kept in (p, depth)
+    )
 
 
-def hold(brake: Brake, index: int, rotations: np.ndarray, elements: int, penalty: float) -> np.ndarray:
-    """Torque [N m] of one shoe as the drum is turned through `rotations` [rad] from rest, the force on before.
+def hold(
+    brake: Brake, index: int, rotations: np.ndarray, elements: int, penalty: float
+) -> np.ndarray:
+    """Torque [N m] of one shoe as the drum is turned through `rotations` [rad] from rest, the force
+    on before.
 
-    Layers normal and tangential at the quadrature points, the tractions bounded by mu times the pressure of the
-    iteration before, until it no longer changes: each time the displacements of the lining and the turn minimise a
-    convex energy (Panagiotopoulos 1975). No states are chosen and there are no multipliers.
+    Layers normal and tangential at the quadrature points, the tractions bounded by mu times the
+    pressure of the iteration before, until it no longer changes: each time the displacements of the
+    lining and the turn minimise a convex energy (Panagiotopoulos 1975). No states are chosen and
+    there are no multipliers.
     """
     one, mu = shoe(brake, index, elements), brake.friction
     K, f = (one.ties.T @ one.K @ one.ties).tocsc(), one.ties.T @ one.load
     lining = np.zeros(len(one.load))
     lining[one.surface.get_dofs(facets=one.surface.find).flatten()] = 1.0
-    kept = np.union1d(np.flatnonzero(one.ties.T @ lining != 0), [len(f) - 1])  # and the turn about the pin
+    kept = np.union1d(
+        np.flatnonzero(one.ties.T @ lining != 0), [len(f) - 1]
+    )  # and the turn about the pin
     inner = np.setdiff1d(np.arange(len(f)), kept)
     into = np.column_stack([K[np.ix_(inner, kept)].toarray(), f[inner]])
     through = splu(K[np.ix_(inner, inner)].tocsc()).solve(into)
     K_c = K[np.ix_(kept, kept)].toarray() - into[:, :-1].T @ through[:, :-1]
     f_c = f[kept] - into[:, :-1].T @ through[:, -1]
-    moved = [np.asarray(one.surface.interpolate(column)) for column in one.ties[:, kept].T.toarray()]
-    N, T = (np.array([(u * to).sum(axis=0).ravel() for u in moved]).T for to in (one.normal, one.tangent))
+    moved = [
+        np.asarray(one.surface.interpolate(column)) for column in one.ties[:, kept].T.toarray()
+    ]
+    N, T = (
+        np.array([(u * to).sum(axis=0).ravel() for u in moved]).T
+        for to in (one.normal, one.tangent)
+    )
     weight, radius = one.weight.ravel() * penalty * one.spring, one.radius.ravel()
 
     x = np.linalg.solve(K_c + (N.T * weight) @ N, f_c)  # a first guess: pressed without friction
@@ -209,12 +260,18 @@ def hold(brake: Brake, index: int, rotations: np.ndarray, elements: int, penalty
         turned = elastic + radius * brake.spin * (rotation - at) + (T @ x if torques else 0.0)
 
         def energy(x, bound, turned=turned):
-            """Energy, its slope, its second slope, and p and t per eps; convex, for the bound (q,) of t is given."""
+            """Energy, its slope, its second slope, and p and t per eps; convex, for the bound (q,)
+            of t is given.
+            """
             p, trial = np.maximum(N @ x, 0.0), turned - T @ x
             t = np.clip(trial, -bound, bound)
             value = 0.5 * x @ K_c @ x - f_c @ x + weight @ (0.5 * p**2 + t * (trial - 0.5 * t))
             slope = K_c @ x - f_c + N.T @ (weight * p) - T.T @ (weight * t)
-            second = K_c + (N.T * (weight * (p > 0))) @ N + (T.T * (weight * (np.abs(trial) < bound))) @ T
+            second = (
+                K_c
+                + (N.T * (weight * (p > 0))) @ N
+                + (T.T * (weight * (np.abs(trial) < bound))) @ T
+            )
             return value, slope, second, p, t
 
         for _ in range(400):
@@ -225,7 +282,10 @@ def hold(brake: Brake, index: int, rotations: np.ndarray, elements: int, penalty
                 if np.abs(step).max() < 1e-10 * np.abs(x).max():
                     break
                 share = 1.0
-                while energy(x - share * step, bound)[0] > value - 1e-4 * share * (slope @ step) and share > 1e-6:
+                while (
+                    energy(x - share * step, bound)[0] > value - 1e-4 * share * (slope @ step)
+                    and share > 1e-6
+                ):
                     share *= 0.5
                 x = x - share * step
             else:

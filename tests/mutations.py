@@ -1,6 +1,7 @@
 """Changes each number that was found by trying, and runs the tests that notice it.
 
-    make noticed [ARGS="MODULE or CONSTANT ..."], or python tests/mutations.py [MODULE or CONSTANT ...]
+    make noticed [ARGS="MODULE or CONSTANT ..."], or python tests/mutations.py [MODULE or CONSTANT
+    ...]
 
 A number that no test notices is useless or unguarded. For each number of TUNED, and for both sides,
 this copies src/, changes the number in the copy, and runs the named tests there until one fails.
@@ -12,8 +13,8 @@ How a number x changes, `moved`:
 - a number between 0 and 1, a ratio or a power, is doubled, but goes at most half of its way to one,
   or is halved;
 - any other number is doubled or halved.
-A constant that is a single number is changed as a whole, whatever the expression that it is computed
-by. Of a table the numbers change one by one.
+A constant that is a single number is changed as a whole, whatever the expression that it is
+computed by. Of a table the numbers change one by one.
 
 A number is guarded where its unsafe side is red. The command prints a line for each change: module,
 constant, side, new value, and the test that noticed. Its exit status is 1 where an unsafe side is
@@ -52,15 +53,18 @@ class Guard(NamedTuple):
 
 
 JUDGED = Guard()
-"""By the stored truths alone, whatever the side: a guess. It is not shown yet that they notice these
-constants, so that no test asks for it; `make noticed` tries them."""
+"""By the stored truths alone, whatever the side: a guess. It is not shown yet that they notice
+these constants, so that no test asks for it; `make noticed` tries them.
+"""
 
 TUNED: dict[str, dict[str, Guard]] = {
     "fem/hp/levels.py": dict.fromkeys(("RULE", "SETTLED", "EVEN"), JUDGED),
     "fem/hp/adapt.py": dict.fromkeys(("SHORTEST", "NEAR", "DEFAULT"), JUDGED),
     "fem/hp/estimate.py": dict.fromkeys(("SOFTER", "ROUND_OFF"), JUDGED),
     "fem/hp/factors.json": dict.fromkeys(("pressure", "force", "cancelled", "peak"), Guard("down")),
-    "fem/hp/division.py": dict.fromkeys(("FINEST", "SAME", "SHARPEST", "CORNER_SIZE", "CORNER_COUNTS"), JUDGED),
+    "fem/hp/division.py": dict.fromkeys(
+        ("FINEST", "SAME", "SHARPEST", "CORNER_SIZE", "CORNER_COUNTS"), JUDGED
+    ),
     "fem/hp/corner.py": dict.fromkeys(("SMOOTH", "NEAR_CORNER", "PIECE_RATIO"), JUDGED),
     "fem/hp/places.py": dict.fromkeys(("UNFELT", "SEEN", "FEW", "SHORTER", "DIGITS"), JUDGED),
     "fem/hp/shoe.py": dict.fromkeys(("LEFT",), JUDGED),
@@ -68,8 +72,12 @@ TUNED: dict[str, dict[str, Guard]] = {
         "ELEMENTS": Guard("down", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
     },
     "fem/holding.py": {
-        "HALVINGS": Guard("down", ("tests/test_holding.py::test_an_increment_that_does_not_settle_is_halved",)),
-        "LATER": Guard("down", ("tests/test_holding.py::test_at_the_rotation_of_full_slip_no_path_sticks",)),
+        "HALVINGS": Guard(
+            "down", ("tests/test_holding.py::test_an_increment_that_does_not_settle_is_halved",)
+        ),
+        "LATER": Guard(
+            "down", ("tests/test_holding.py::test_at_the_rotation_of_full_slip_no_path_sticks",)
+        ),
     },
     "fem/mesh/grading.py": {
         "EDGE_SIZE": Guard("up", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
@@ -147,9 +155,13 @@ def constants(module: str) -> list[str]:
         if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
             continue
         targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-        names = [each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)]
+        names = [
+            each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)
+        ]
         for name in names:
-            if name.isupper() and (_numbers(node.value) or type(getattr(imported(module), name)) in {int, float}):
+            if name.isupper() and (
+                _numbers(node.value) or type(getattr(imported(module), name)) in {int, float}
+            ):
                 found.append(name)
     return found
 
@@ -165,7 +177,11 @@ def _numbers(node: ast.AST) -> list[tuple[ast.expr, float]]:
 
 def _expression(tree: ast.Module, name: str) -> ast.expr:
     for node in tree.body:
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id == name:
+        if (
+            isinstance(node, ast.Assign)
+            and isinstance(node.targets[0], ast.Name)
+            and node.targets[0].id == name
+        ):
             return node.value
     raise LookupError(f"no module constant {name} on a line of its own")
 
@@ -181,7 +197,9 @@ def _line_starts(source: str) -> list[int]:
 def _replaced(source: str, new: list[tuple[ast.expr, str]]) -> str:
     """The source with some expressions replaced by other texts."""
     text, starts = source.encode(), _line_starts(source)
-    for node, now in sorted(new, key=lambda pair: (pair[0].lineno, pair[0].col_offset), reverse=True):
+    for node, now in sorted(
+        new, key=lambda pair: (pair[0].lineno, pair[0].col_offset), reverse=True
+    ):
         assert node.end_lineno is not None
         assert node.end_col_offset is not None
         first = starts[node.lineno - 1] + node.col_offset
@@ -191,7 +209,9 @@ def _replaced(source: str, new: list[tuple[ast.expr, str]]) -> str:
 
 
 def red(guard: Guard, module: str = "", source: str = "") -> str:
-    """The first test of a guard that fails with another source of a module, or with none; else an empty text."""
+    """The first test of a guard that fails with another source of a module, or with none; else an
+    empty text.
+    """
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "src"
         shutil.copytree(ROOT / "src", copy)
@@ -230,14 +250,18 @@ def red_unchanged(guard: Guard) -> str:
 
 
 def unguarded(guard: Guard, noticed: dict[tuple[str, str], str]) -> list[str]:
-    """What is not noticed though it is unsafe; noticed: what noticed each (constant, side), or empty."""
+    """What is not noticed though it is unsafe; noticed: what noticed each (constant, side), or
+    empty.
+    """
     found = []
     for name in dict.fromkeys(name for name, _ in noticed):
         green = [side for side in ("up", "down") if not noticed.get((name, side), "not tried")]
         if guard.unsafe == "either":
             found += [f"{name}: neither side is noticed"] if len(green) == 2 else []
         else:
-            found += [f"{name}: {side} is not noticed" for side in green if guard.unsafe in {side, "both"}]
+            found += [
+                f"{name}: {side} is not noticed" for side in green if guard.unsafe in {side, "both"}
+            ]
     return found
 
 
@@ -250,7 +274,9 @@ def tried(module: str, name: str, *, safe: bool = True) -> Iterator[tuple[Change
 
 
 def main(*wanted: str) -> int:
-    """Try the changes of some modules or constants of TUNED, by default of all; 1 where one is not guarded."""
+    """Try the changes of some modules or constants of TUNED, by default of all; 1 where one is not
+    guarded.
+    """
     open_ = []
     for module, guards in TUNED.items():
         for name, guard in guards.items():

@@ -1,4 +1,5 @@
-"""Module-level numbers of fem, contact and response that were not found by trying: the reason of each.
+"""Module-level numbers of fem, contact and response that were not found by trying: the reason of
+each.
 
 A definition follows from a formula or a name; a format from a file or a library; a limit bounds
 memory, time or passes, and a brake beyond it is refused or cut short with a word; round-off is far

@@ -1,11 +1,18 @@
-"""Print the lower bounds of pyproject.toml as exact versions, for pip: what drumlin and its tests need at least."""
+"""Print the lower bounds of pyproject.toml as exact versions, for pip: what drumlin and its tests
+need at least.
+"""
 
 import sys
 import tomllib
 from pathlib import Path
 from typing import Any
 
-TOOLS = ("mypy", "ruff", "import-linter", "drumlin")  # judge the source, or stand for the other extras
+TOOLS = (
+    "mypy",
+    "ruff",
+    "import-linter",
+    "drumlin",
+)  # judge the source, or stand for the other extras
 
 
 def oldest(data: dict[str, Any]) -> list[str]:

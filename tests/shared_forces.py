@@ -14,13 +14,23 @@ LINING = {"thickness": 0.001, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 
 def brake_of(spin: int, mu: float, shoes: list[dict[str, Any]], **more: Any) -> Brake:
     rotation = "counter-clockwise" if spin > 0 else "clockwise"
-    return brake_from({"title": "t", "rotation": rotation, "friction": mu, "drum": {"radius": R}, "shoe": shoes} | more)
+    return brake_from(
+        {"title": "t", "rotation": rotation, "friction": mu, "drum": {"radius": R}, "shoe": shoes}
+        | more
+    )
 
 
 def cam_brake(
-    spin: int = 1, mu: float = 0.3, body: float = 0.0, thickness: float = 0.001, web: float = 0.04, **table: Any
+    spin: int = 1,
+    mu: float = 0.3,
+    body: float = 0.0,
+    thickness: float = 0.001,
+    web: float = 0.04,
+    **table: Any,
 ) -> Brake:
-    """Two hinged shoes, mirror images, under an S-cam; with a body [m] elastic, of a `web` [m] on a table."""
+    """Two hinged shoes, mirror images, under an S-cam; with a body [m] elastic, of a `web` [m] on a
+    table.
+    """
     shoes = []
     for name, hand, middle in (("right", 1, 0.0), ("left", -1, pi)):
         shoe = {
@@ -28,11 +38,20 @@ def cam_brake(
             "side": "internal",
             "hinge": {"x": hand * 0.03, "y": -0.085},
             "lining": LINING | {"thickness": thickness, "start": middle - 0.9, "end": middle + 0.9},
-            "actuation": {"direction": 0.0 if hand > 0 else pi, "point": {"x": hand * 0.02, "y": 0.085}},
+            "actuation": {
+                "direction": 0.0 if hand > 0 else pi,
+                "point": {"x": hand * 0.02, "y": 0.085},
+            },
         }
         if body:
             ends = (middle - 1.1, middle + 1.1)
-            arc = {"thickness": body, "width": web, "start": ends[0], "end": ends[1], "material": STEEL}
+            arc = {
+                "thickness": body,
+                "width": web,
+                "start": ends[0],
+                "end": ends[1],
+                "material": STEEL,
+            }
             shoe["body"] = arc | table
         shoes.append(shoe)
     return brake_of(spin, mu, shoes, actuation={"force": 2000.0})
@@ -47,7 +66,12 @@ def servo(spin: int = -1, mu: float = 0.3, body: float = 0.0) -> Brake:
         "actuation": {"force": 1000.0, "direction": 0.0, "point": {"x": 0.02, "y": 0.08}},
     }
     lining = LINING | {"start": radians(-90 - 130), "end": radians(-90 - 20)}
-    second = {"name": "second", "side": "internal", "hinge": {"x": -0.01, "y": 0.085}, "lining": lining}
+    second = {
+        "name": "second",
+        "side": "internal",
+        "hinge": {"x": -0.01, "y": 0.085},
+        "lining": lining,
+    }
     if body:
         arc = {"thickness": body, "width": 0.04, "material": STEEL}
         first["body"] = arc | {"start": 0.1 - radians(58), "end": 0.1 + radians(58)}

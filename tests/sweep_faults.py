@@ -57,7 +57,11 @@ def text_of(value: object) -> str:
     if isinstance(value, str):
         return '"' + "".join(c if c in PLAIN else f"\\U{ord(c):08x}" for c in value) + '"'
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{text_of(str(key))} = {text_of(item)}" for key, item in value.items()) + " }"
+        return (
+            "{ "
+            + ", ".join(f"{text_of(str(key))} = {text_of(item)}" for key, item in value.items())
+            + " }"
+        )
     if isinstance(value, list):
         return "[" + ", ".join(map(text_of, value)) + "]"
     return repr(value)
@@ -80,7 +84,9 @@ def typed(data: dict[str, Any], rng: random.Random) -> str:
         if kind < 0.1:
             place.pop(key, None)
         elif kind < 0.5 and isinstance(data.get("vary"), dict):
-            data["vary"][rng.choice(KEYS)] = rng.choice([rng.choice(HOSTILE), [rng.choice(HOSTILE)]])
+            data["vary"][rng.choice(KEYS)] = rng.choice(
+                [rng.choice(HOSTILE), [rng.choice(HOSTILE)]]
+            )
         else:
             place[key] = rng.choice(HOSTILE)
     lines = [f"{text_of(key)} = {text_of(value)}" for key, value in data.items()]
@@ -128,7 +134,8 @@ def sweep_text(seed: int) -> bytes:
 
 
 def fault(seed: int, folder: Path) -> str:
-    """What is wrong with how the sweep file of a seed is taken: nothing ("") if it is read or refused in one line.
+    """What is wrong with how the sweep file of a seed is taken: nothing ("") if it is read or
+    refused in one line.
 
     Of a file that is read the first cases are solved, on few elements.
     """
@@ -142,7 +149,10 @@ def fault(seed: int, folder: Path) -> str:
     signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
         cases = read_sweep(path).cases[:3]
-        quick = [case._replace(options={"elements": 6} if case.model == "fem" else case.options) for case in cases]
+        quick = [
+            case._replace(options={"elements": 6} if case.model == "fem" else case.options)
+            for case in cases
+        ]
         rows = run(quick)
         write_table(table(quick, rows, folder), folder / "out.csv")
         return next((row["status"] for row in rows if "unexpected" in row["status"]), "")
@@ -150,13 +160,20 @@ def fault(seed: int, folder: Path) -> str:
         line = str(error).removeprefix(str(path))
         raw = [c for c in line if ord(c) < 32 or ord(c) == 127]
         return (
-            f"raw {raw} in {line!r}"[:300] if raw else f"{len(line)} letters: {line[:200]}" if len(line) > 6000 else ""
+            f"raw {raw} in {line!r}"[:300]
+            if raw
+            else f"{len(line)} letters: {line[:200]}"
+            if len(line) > 6000
+            else ""
         )
     except KeyboardInterrupt:
         return f"took longer than {SECONDS} s"
     except Exception as error:
         frames = traceback.extract_tb(error.__traceback__)[-2:]
-        return f"{type(error).__name__}: {error}"[:200] + f" at {[f'{f.filename[-30:]}:{f.lineno}' for f in frames]}"
+        return (
+            f"{type(error).__name__}: {error}"[:200]
+            + f" at {[f'{f.filename[-30:]}:{f.lineno}' for f in frames]}"
+        )
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
         signal.signal(signal.SIGPROF, before)

@@ -1,4 +1,6 @@
-"""Levels of columns: errors against references made another way, steps, refusals; meshes that are refined."""
+"""Levels of columns: errors against references made another way, steps, refusals; meshes that are
+refined.
+"""
 
 import math
 import time
@@ -17,7 +19,9 @@ from drumlin.verification.reference import responses
 from drumlin.verification.work_precision import refined_division
 
 NAMES = ("pressure", "torque", "peak", "reaction")
-CLEARANCE = {"shoe.lining.clearance": 1e-4}  # partial contact: open at the hinge, and in the middle of one lining
+CLEARANCE = {
+    "shoe.lining.clearance": 1e-4
+}  # partial contact: open at the hinge, and in the middle of one lining
 
 
 def contact_ends(brake, response):
@@ -40,7 +44,8 @@ def distance(response, truth):
 @pytest.mark.parametrize("name", ["brake", "flexible"])
 @pytest.mark.slow
 def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
-    """p to 1e-4 and torque to 1e-6 between references; levels: p within 0.5 % in 0.3 s and 0.1 % in 1 s.
+    """p to 1e-4 and torque to 1e-6 between references; levels: p within 0.5 % in 0.3 s and 0.1 % in
+    1 s.
 
     The times are those of a quiet machine; here they only must not be several times as long.
     """
@@ -51,7 +56,9 @@ def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
     truth, before, other = responses(brake)
     for each in (before, other):
         assert distance(each, truth) < 1e-4
-        assert each.torque == pytest.approx(truth.torque, rel=4e-7)  # round-off: other orders of sums move it by 2e-7
+        assert each.torque == pytest.approx(
+            truth.torque, rel=4e-7
+        )  # round-off: other orders of sums move it by 2e-7
     for tolerance, seconds in ((5e-3, 0.3), (1e-3, 1.0)):
         start = time.process_time()
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
@@ -66,7 +73,9 @@ def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
 
 @pytest.mark.slow
 def test_a_shoe_that_lifts_off_in_places_is_followed_to_its_contact_ends(brake):
-    """Steel of 5 mm behind a stiff lining: contact at both ends only; meshes six times as fine judge."""
+    """Steel of 5 mm behind a stiff lining: contact at both ends only; meshes six times as fine
+    judge.
+    """
     thin = vary(brake, {"shoe.body.thickness": 5e-3, "shoe.lining.material.E": 1e9})
     coarse, truth = solve(thin, tolerance=5e-3), solve(thin, tolerance=3e-4)
     assert all(shoe.contact_arcs for shoe in truth.shoes)
@@ -79,13 +88,20 @@ def test_a_shoe_that_lifts_off_in_places_is_followed_to_its_contact_ends(brake):
 @pytest.mark.parametrize("support", ["fixed", "free"])
 @pytest.mark.slow
 def test_an_elastic_ring_is_refined_with_the_linings(brake, support):
-    ring = {"thickness": 0.01, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": support}
+    ring = {
+        "thickness": 0.01,
+        "width": 0.04,
+        "material": {"E": 1.2e11, "nu": 0.25},
+        "support": support,
+    }
     ringed = vary(brake, CLEARANCE | {"drum.ring": ring})
     response, truth = solve(ringed, tolerance=3e-3), solve(ringed, tolerance=2e-4)
     assert distance(response, truth) < 3e-3
     assert response.torque == pytest.approx(truth.torque, rel=1e-4)
     assert max(response.iterations, truth.iterations) <= 15
-    assert abs(truth.torque / solve(vary(brake, CLEARANCE), tolerance=1e-4).torque - 1) > 2e-5  # the ring matters
+    assert (
+        abs(truth.torque / solve(vary(brake, CLEARANCE), tolerance=1e-4).torque - 1) > 2e-5
+    )  # the ring matters
 
 
 def test_finer_meshes_start_from_coarser_ones_and_shoes_share_their_mesh(brake):
@@ -99,7 +115,9 @@ def test_finer_meshes_start_from_coarser_ones_and_shoes_share_their_mesh(brake):
 
 
 def test_without_contact_or_friction_there_is_no_error_to_estimate(brake):
-    assert solve(vary(brake, {"shoe.actuation.force": 0.0}), tolerance=1e-2).error == dict.fromkeys(NAMES, 0.0)
+    assert solve(vary(brake, {"shoe.actuation.force": 0.0}), tolerance=1e-2).error == dict.fromkeys(
+        NAMES, 0.0
+    )
     assert solve(vary(brake, {"friction": 0.0}), tolerance=1e-2).error["torque"] == 0
 
 
@@ -125,12 +143,17 @@ def test_refined_divisions_shrink_towards_the_edges_the_more_the_finer_they_are(
 
 def test_a_mesh_of_a_kind_has_no_estimate_and_is_not_asked_for_a_tolerance(brake):
     assert solve(brake, elements=10, kind="tri2").error is None
-    with pytest.raises(BadInput, match=r"--tolerance = 0.01: chooses the elements; leave out --kind = tri2"):
+    with pytest.raises(
+        BadInput, match=r"--tolerance = 0.01: chooses the elements; leave out --kind = tri2"
+    ):
         solve(brake, tolerance=1e-2, kind="tri2")
 
 
 def test_a_tolerance_that_cannot_be_met_is_refused_with_what_was_reached(brake, monkeypatch):
-    with pytest.raises(NoAnswer, match=r"tolerance 1e-12 not reached on 3 meshes .* error of p .*e-0., of the torque"):
+    with pytest.raises(
+        NoAnswer,
+        match=r"tolerance 1e-12 not reached on 3 meshes .* error of p .*e-0., of the torque",
+    ):
         monkeypatch.setattr("drumlin.fem.hp.levels.LEVELS", LEVELS[:3])
         solve(brake, tolerance=1e-12)
 

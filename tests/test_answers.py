@@ -1,4 +1,6 @@
-"""The comparison of two trees' answers sees what differs, and lets times and reordered operations pass."""
+"""The comparison of two trees' answers sees what differs, and lets times and reordered operations
+pass.
+"""
 
 import pytest
 
@@ -13,7 +15,14 @@ def test_times_and_reordered_operations_are_no_differences():
 
 
 @pytest.mark.parametrize(
-    "change", [{"torque": 1.0 + 1e-8}, {"p": [1e6, 1.0, 2e6]}, {"p": [1e6]}, {"words": ["a", "c"]}, {"more": 1}]
+    "change",
+    [
+        {"torque": 1.0 + 1e-8},
+        {"p": [1e6, 1.0, 2e6]},
+        {"p": [1e6]},
+        {"words": ["a", "c"]},
+        {"more": 1},
+    ],
 )
 def test_other_numbers_words_and_keys_are(change):
     assert list(differences(BEFORE, BEFORE | change)) != []

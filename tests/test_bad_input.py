@@ -1,4 +1,6 @@
-"""Broken brake files and meshes end as one line or as a sound answer: no traceback, no hang, no wrong number."""
+"""Broken brake files and meshes end as one line or as a sound answer: no traceback, no hang, no
+wrong number.
+"""
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -19,9 +21,13 @@ def test_no_input_is_a_fault(maker, rng):
 
 
 def test_a_sound_mesh_is_answered():
-    """The broken meshes are made from meshes that drumlin takes: else their refusal would prove nothing."""
+    """The broken meshes are made from meshes that drumlin takes: else their refusal would prove
+    nothing.
+    """
     for suffix in (".msh", ".inp", ".vtu"):
-        sound = broken_meshes.meshed("sound", broken_meshes.mesh_files(SOUND.meshed)[suffix], suffix, False, SOUND)
+        sound = broken_meshes.meshed(
+            "sound", broken_meshes.mesh_files(SOUND.meshed)[suffix], suffix, False, SOUND
+        )
         assert bad_input.judge(sound).outcome == "answer"
 
 

@@ -1,4 +1,6 @@
-"""Blocks on a band: shoes in a chain of straps, by the equilibrium of each block and by finite elements."""
+"""Blocks on a band: shoes in a chain of straps, by the equilibrium of each block and by finite
+elements.
+"""
 
 import math
 from pathlib import Path
@@ -21,11 +23,16 @@ R, BAND, HALF, PITCH = 0.25, 0.267, math.radians(18), math.radians(48)
 
 
 def band(mu: float = 0.35, spin: int = -1, blocks: int = 3, thickness: float = 5e-4) -> Brake:
-    """Rigid blocks with thin linings, the first pulled at its end, each pulling the next, the last held."""
+    """Rigid blocks with thin linings, the first pulled at its end, each pulling the next, the last
+    held.
+    """
     shoes: list[dict[str, Any]] = []
     for k in range(blocks):
         middle = k * PITCH
-        ends = [{"x": BAND * math.cos(a), "y": BAND * math.sin(a)} for a in (middle - PITCH / 2, middle + PITCH / 2)]
+        ends = [
+            {"x": BAND * math.cos(a), "y": BAND * math.sin(a)}
+            for a in (middle - PITCH / 2, middle + PITCH / 2)
+        ]
         shoe = {
             "name": f"b{k}", "side": "external",
             "abutment": {"point": ends[1], "direction": middle + PITCH / 2 + math.pi / 2},
@@ -33,26 +40,40 @@ def band(mu: float = 0.35, spin: int = -1, blocks: int = 3, thickness: float = 5
                        "material": {"E": 3e8, "nu": 0.25}},
         }  # fmt: skip
         if k == 0:
-            shoe["actuation"] = {"force": 2000.0, "direction": -PITCH / 2 - math.pi / 2, "point": ends[0]}
+            shoe["actuation"] = {
+                "force": 2000.0,
+                "direction": -PITCH / 2 - math.pi / 2,
+                "point": ends[0],
+            }
         shoes.append(shoe)
     links = [{"from": f"b{k}", "to": f"b{k + 1}"} for k in range(blocks - 1)]
     rotation = "counter-clockwise" if spin > 0 else "clockwise"
-    data = {"title": "band", "rotation": rotation, "friction": mu, "drum": {"radius": R}, "shoe": shoes, "link": links}
+    data = {
+        "title": "band",
+        "rotation": rotation,
+        "friction": mu,
+        "drum": {"radius": R},
+        "shoe": shoes,
+        "link": links,
+    }
     return brake_from(data)
 
 
 def pulls(mu: float, spin: int, blocks: int) -> list[float]:
-    """The pulls of the straps by the equilibria of each block: of x, of y and of moments about the drum's centre.
+    """The pulls of the straps by the equilibria of each block: of x, of y and of moments about the
+    drum's centre.
 
-    Under p = A cos + B sin of the angle from its middle, times width and R, the drum pushes it by A (a + sin 2a/2)
-    outwards and B (a - sin 2a/2) across, drags it by mu of that turned, and turns it by mu R of A 2 sin a.
+    Under p = A cos + B sin of the angle from its middle, times width and R, the drum pushes it by A
+    (a + sin 2a/2) outwards and B (a - sin 2a/2) across, drags it by mu of that turned, and turns it
+    by mu R of A 2 sin a.
     """
     even, odd = HALF + math.sin(2 * HALF) / 2, HALF - math.sin(2 * HALF) / 2
     s, c, d = math.sin(PITCH / 2), math.cos(PITCH / 2), mu * spin
     found = [2000.0]
     for _ in range(blocks):
         T = found[-1]
-        # the pulls: T (-s, -c) at the one end, next (-s, c) at the other, in the frame of the block's middle
+        # the pulls: T (-s, -c) at the one end, next (-s, c) at the other, in the frame of the
+        # block's middle
         rows = np.array([
             [even, -d * odd, -s],
             [d * even, odd, c],
@@ -74,18 +95,25 @@ def test_the_law_of_a_band_of_blocks_is_the_equilibrium_of_each(spin: int, block
 
 
 def test_short_blocks_have_the_ratio_of_pulls_of_textbooks() -> None:
-    """(1 + mu tan(theta))/(1 - mu tan(theta)) a block of 2 theta, where both pulls meet in the middle of its face."""
+    """(1 + mu tan(theta))/(1 - mu tan(theta)) a block of 2 theta, where both pulls meet in the
+    middle of its face.
+    """
     brake, arm = band(blocks=3), R * math.cos(PITCH / 2) / BAND
     changes: dict[str, Any] = {}
     for k, shoe in enumerate(brake.shoes):
         middle = shoe.lining.middle
-        changes |= {f"shoe[{k}].lining.start": middle - 1e-4, f"shoe[{k}].lining.end": middle + 1e-4}
+        changes |= {
+            f"shoe[{k}].lining.start": middle - 1e-4,
+            f"shoe[{k}].lining.end": middle + 1e-4,
+        }
         for key in ("abutment.point", "actuation.point") if k == 0 else ("abutment.point",):
             point = shoe.abutment.point if "abutment" in key else shoe.actuation.point  # type: ignore[union-attr]
             changes[f"shoe[{k}].{key}"] = {"x": point.x * arm, "y": point.y * arm}
     t = 0.35 * math.tan(PITCH / 2)
     reactions = [np.linalg.norm(shoe.hinge_reaction) for shoe in law(vary(brake, changes)).shoes]
-    assert reactions == pytest.approx([2000 * ((1 + t) / (1 - t)) ** (k + 1) for k in range(3)], rel=1e-3)
+    assert reactions == pytest.approx(
+        [2000 * ((1 + t) / (1 - t)) ** (k + 1) for k in range(3)], rel=1e-3
+    )
 
 
 @pytest.mark.parametrize("spin", [1, -1])
@@ -93,15 +121,22 @@ def test_elastic_blocks_balance_and_thin_linings_bear_by_the_law(spin: int) -> N
     brake = band(spin=spin)
     fem, rigid = drumlin.solve(brake), law(brake)
     assert fem.torque == pytest.approx(rigid.torque, rel=3e-3)
-    assert [shoe.torque for shoe in fem.shoes] == pytest.approx([shoe.torque for shoe in rigid.shoes], rel=3e-3)
+    assert [shoe.torque for shoe in fem.shoes] == pytest.approx(
+        [shoe.torque for shoe in rigid.shoes], rel=3e-3
+    )
     assert max(fem.balance.force, fem.balance.moment) < 1e-9
 
 
 def test_slopes_and_full_slip_of_a_chain() -> None:
     brake = band(thickness=5e-3)
     scene = scene_of(brake, elements=20)
-    torque = [drumlin.solve(vary(brake, {"friction": mu}), elements=20).torque for mu in (0.35, 0.3501, 0.3499)]
-    assert sensitivity(scene, brake).friction == pytest.approx((torque[1] - torque[2]) / 2e-4, rel=1e-6)
+    torque = [
+        drumlin.solve(vary(brake, {"friction": mu}), elements=20).torque
+        for mu in (0.35, 0.3501, 0.3499)
+    ]
+    assert sensitivity(scene, brake).friction == pytest.approx(
+        (torque[1] - torque[2]) / 2e-4, rel=1e-6
+    )
     states = hold(scene, brake, np.array([0.0, full_slip_rotation(scene, brake)]))
     assert states[-1].torque == pytest.approx(torque[0], rel=1e-9)
 
@@ -117,8 +152,14 @@ def test_the_file_wears_in_to_its_law(root: Path) -> None:
 @pytest.mark.parametrize(
     ("links", "said"),
     [
-        ([("b1", "b2"), ("b0", "b1")], "link[1].to = 'b1': must be a shoe that does not push another in a link before"),
-        ([("b0", "b1"), ("b1", "b0")], "link[1].to = 'b0': must be a shoe that does not push another in a link before"),
+        (
+            [("b1", "b2"), ("b0", "b1")],
+            "link[1].to = 'b1': must be a shoe that does not push another in a link before",
+        ),
+        (
+            [("b0", "b1"), ("b1", "b0")],
+            "link[1].to = 'b0': must be a shoe that does not push another in a link before",
+        ),
         ([("b0", "b1"), ("b0", "b2")], "link[1].from = 'b0': bears on two struts"),
         ([("b0", "b2"), ("b1", "b2")], "link[1].to = 'b2': is pushed by two struts"),
         ([("b0", "b0")], "link[0].to = 'b0': must be a shoe that does not push another"),

@@ -1,4 +1,6 @@
-"""Stiffness, dissection and condensation against closed forms and against solving everything at once."""
+"""Stiffness, dissection and condensation against closed forms and against solving everything at
+once.
+"""
 
 import math
 
@@ -22,9 +24,13 @@ from drumlin.fem.mesh.arc import shoe_mesh
 
 STEEL = Material(E=210e9, nu=0.3)
 KINDS = {
-    "quad2": lambda: skfem.MeshQuad2.from_mesh(skfem.MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))),
+    "quad2": lambda: skfem.MeshQuad2.from_mesh(
+        skfem.MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))
+    ),
     "quad1": lambda: skfem.MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4)),
-    "tri2": lambda: skfem.MeshTri2.from_mesh(skfem.MeshTri.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))),
+    "tri2": lambda: skfem.MeshTri2.from_mesh(
+        skfem.MeshTri.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))
+    ),
     "tri1": lambda: skfem.MeshTri.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4)),
 }
 
@@ -65,14 +71,18 @@ def test_uniaxial_plane_stress(kind):
 
 
 def test_curved_cantilever_under_end_shear():
-    """Quarter ring, a = 1, b = 2, E = 1e4, fixed at one end, moved by u0 = 0.01 at the other: P u0 = (ln 2 - 0.6)/pi.
+    """Quarter ring, a = 1, b = 2, E = 1e4, fixed at one end, moved by u0 = 0.01 at the other: P u0
+    = (ln 2 - 0.6)/pi.
 
-    Timoshenko & Goodier's curved bar under end shear; the strain energy, plane stress, nu = 1/4, unit width. The
-    shear traction's distribution is that of the closed form, so the end displacement is prescribed radially.
+    Timoshenko & Goodier's curved bar under end shear; the strain energy, plane stress, nu = 1/4,
+    unit width. The shear traction's distribution is that of the closed form, so the end
+    displacement is prescribed radially.
     """
     errors = []
     for n in (4, 8, 16):
-        grid = skfem.MeshQuad.init_tensor(np.linspace(1, 2, n + 1), np.linspace(0, math.pi / 2, 2 * n + 1))
+        grid = skfem.MeshQuad.init_tensor(
+            np.linspace(1, 2, n + 1), np.linspace(0, math.pi / 2, 2 * n + 1)
+        )
         mesh = skfem.MeshQuad2.from_mesh(grid)
         r, phi = mesh.doflocs
         mesh = whole(skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t))
@@ -82,7 +92,8 @@ def test_curved_cantilever_under_end_shear():
         u = np.zeros(2 * basis.N)
         base, tip = np.flatnonzero(np.abs(x) < 1e-12), np.flatnonzero(np.abs(y) < 1e-12)
         pinned = base[np.argmin(np.abs(y[base] - 1))]
-        # symmetry-like supports of the benchmark: u_x = 0 on x = 0 with one point held in y; u_x = u0 on y = 0
+        # symmetry-like supports of the benchmark: u_x = 0 on x = 0 with one point held in y; u_x =
+        # u0 on y = 0
         fixed = np.concatenate([2 * base, [2 * pinned + 1], 2 * tip])
         u[2 * tip] = 0.01
         free = np.setdiff1d(np.arange(2 * basis.N), fixed)
@@ -101,7 +112,9 @@ def test_dissection_is_an_order_of_all_nodes_in_which_regions_follow_one_another
 
 
 def test_elimination_equals_the_dense_schur_complement():
-    """Any symmetric positive definite sparse matrix and any split into regions, empty ones included."""
+    """Any symmetric positive definite sparse matrix and any split into regions, empty ones
+    included.
+    """
     rng = np.random.default_rng(4)
     for inner, kept in ((30, 7), (60, 3), (5, 12)):
         n = inner + kept
@@ -111,11 +124,18 @@ def test_elimination_equals_the_dense_schur_complement():
         loads = rng.normal(size=(n, 2))
         found = eliminate(A, region, loads)
         dense = A.toarray()
-        ii, ik, ki, kk = dense[:inner, :inner], dense[:inner, inner:], dense[inner:, :inner], dense[inner:, inner:]
+        ii, ik, ki, kk = (
+            dense[:inner, :inner],
+            dense[:inner, inner:],
+            dense[inner:, :inner],
+            dense[inner:, inner:],
+        )
         inverse = np.linalg.inv(ii)
         scale = np.abs(kk).max()
         assert pytest.approx(kk - ki @ inverse @ ik, abs=1e-11 * scale) == found.S
-        assert found.loads == pytest.approx(loads[inner:] - ki @ inverse @ loads[:inner], rel=1e-9, abs=1e-10)
+        assert found.loads == pytest.approx(
+            loads[inner:] - ki @ inverse @ loads[:inner], rel=1e-9, abs=1e-10
+        )
         assert found.work == pytest.approx(loads[:inner].T @ inverse @ loads[:inner], rel=1e-9)
 
 
@@ -129,7 +149,9 @@ def test_a_singular_inside_is_refused():
 def test_dissection_of_tiny_meshes(brake, elements):
     mesh = shoe_mesh(brake.shoes[0], brake.drum.radius, elements)
     basis = scalar_basis(mesh)
-    assert np.array_equal(np.sort(dissection(basis.doflocs, basis.element_dofs).nodes), np.arange(basis.N))
+    assert np.array_equal(
+        np.sort(dissection(basis.doflocs, basis.element_dofs).nodes), np.arange(basis.N)
+    )
 
 
 def full_system(brake, elements=12):

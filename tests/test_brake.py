@@ -28,7 +28,9 @@ def test_names_of_many_kinds_are_taken(tmp_path, name):
 
 
 def test_the_study_brake_has_the_source_geometry(brake):
-    """Simscape defaults: pin 125 mm at 15 deg from the axis, line of force at 100 mm, lining 5 to 130 deg."""
+    """Simscape defaults: pin 125 mm at 15 deg from the axis, line of force at 100 mm, lining 5 to
+    130 deg.
+    """
     assert brake.drum.radius == pytest.approx(0.150, rel=1e-15)
     for shoe in brake.shoes:
         assert shoe.hinge.radius == pytest.approx(0.125, rel=1e-12)
@@ -52,21 +54,57 @@ REFUSED = [
     ("friction = 0.3", "friction = -0.3", ["friction = -0.3", "greater than or equal to 0"]),
     ("friction = 0.3", 'friction = "high"', ["friction = 'high'", "number"]),
     ("friction = 0.3", "", ["friction: is missing"]),
-    ("friction = 0.3", "friction = 0.3\nfrction = 1", ["unknown key 'frction'", "did you mean 'friction'"]),
+    (
+        "friction = 0.3",
+        "friction = 0.3\nfrction = 1",
+        ["unknown key 'frction'", "did you mean 'friction'"],
+    ),
     ('"counter-clockwise"', '"widdershins"', ["rotation = 'widdershins'", "clockwise"]),
-    ('thickness = "8 mm" ', 'thickness = "-8 mm" ', ["shoe[0].lining.thickness = '-8 mm'", "greater than 0"]),
-    ('thickness = "8 mm" ', 'thicknes = "8 mm" ', ["shoe[0].lining", "'thicknes'", "did you mean 'thickness'"]),
+    (
+        'thickness = "8 mm" ',
+        'thickness = "-8 mm" ',
+        ["shoe[0].lining.thickness = '-8 mm'", "greater than 0"],
+    ),
+    (
+        'thickness = "8 mm" ',
+        'thicknes = "8 mm" ',
+        ["shoe[0].lining", "'thicknes'", "did you mean 'thickness'"],
+    ),
     ('thickness = "8 mm" ', 'thickness = "140 mm" ', ["shoe[0]", "less than drum.radius"]),
     ('end = "55 deg"', 'end = "65 deg"', ["shoe[0].lining", "within the body"]),
     ('end = "55 deg"', 'end = "-80 deg"', ["shoe[0].lining", "greater than start"]),
     ('end = "55 deg"', 'end = "55 mm"', ["shoe[0].lining.end = '55 mm'", "an angle"]),
     ('end = "55 deg"', 'end = "55 percent"', ["shoe[0].lining.end", "an angle"]),
-    ("nu = 0.25 }       # assumed", "nu = 0.5 }       # assumed", ["material.nu = 0.5", "less than 0.5"]),
-    ('E = "300 MPa", nu = 0.25 }       #', 'E = "0 MPa", nu = 0.25 }       #', ["material.E", "greater than 0"]),
-    ('{ radius = "125 mm", angle = "-75 deg" }', '{ radius = "0 mm", angle = "0 deg" }', ["hinge", "drum's centre"]),
-    ('{ radius = "125 mm", angle = "-75 deg" }', '{ radius = "125 mm" }', ["shoe[0].hinge", "radius = ..., angle"]),
-    ('{ radius = "125 mm", angle = "-75 deg" }', '{ radius = "-1 mm", angle = "0 deg" }', ["hinge", "negative"]),
-    ('{ radius = "125 mm", angle = "-75 deg" }', "3", ["shoe[0].hinge = 3", "table with keys of x, y"]),
+    (
+        "nu = 0.25 }       # assumed",
+        "nu = 0.5 }       # assumed",
+        ["material.nu = 0.5", "less than 0.5"],
+    ),
+    (
+        'E = "300 MPa", nu = 0.25 }       #',
+        'E = "0 MPa", nu = 0.25 }       #',
+        ["material.E", "greater than 0"],
+    ),
+    (
+        '{ radius = "125 mm", angle = "-75 deg" }',
+        '{ radius = "0 mm", angle = "0 deg" }',
+        ["hinge", "drum's centre"],
+    ),
+    (
+        '{ radius = "125 mm", angle = "-75 deg" }',
+        '{ radius = "125 mm" }',
+        ["shoe[0].hinge", "radius = ..., angle"],
+    ),
+    (
+        '{ radius = "125 mm", angle = "-75 deg" }',
+        '{ radius = "-1 mm", angle = "0 deg" }',
+        ["hinge", "negative"],
+    ),
+    (
+        '{ radius = "125 mm", angle = "-75 deg" }',
+        "3",
+        ["shoe[0].hinge = 3", "table with keys of x, y"],
+    ),
     (
         'rotation = "counter-clockwise"',
         'rotation = "counter-clockwise"\nlink = 3',
@@ -74,9 +112,17 @@ REFUSED = [
     ),
     ('title = "internal double-shoe brake"', "title = 3", ["title = 3", "must be a text"]),
     ("friction = 0.3", 'friction = "much"', ["friction = 'much'", "must be a number"]),
-    ('side = "internal"', 'side = "internal"\nmesh_unit = "mm"', ["shoe[0]", "mesh_unit = 'mm'", "mesh is missing"]),
+    (
+        'side = "internal"',
+        'side = "internal"\nmesh_unit = "mm"',
+        ["shoe[0]", "mesh_unit = 'mm'", "mesh is missing"],
+    ),
     ('side = "internal"', 'side = "internal"\nmesh = 3', ["shoe[0].mesh = 3", "name of a file"]),
-    ('side = "internal"', 'side = "internal"\nmesh_interference = 3', ["mesh_interference = 3", "true or false"]),
+    (
+        'side = "internal"',
+        'side = "internal"\nmesh_interference = 3',
+        ["mesh_interference = 3", "true or false"],
+    ),
     ('name = "left"', 'name = "right"', ["names must differ"]),
     ('name = "left"', 'name = "Right"', ["names must differ"]),  # on some machines the same file
     ('name = "left"', 'name = "../left"', ["shoe[1].name = '../left'", "letters, digits"]),
@@ -90,8 +136,12 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("old", "new", "words"), REFUSED, ids=[f"{i}" for i in range(len(REFUSED))])
-def test_wrong_input_is_refused_in_one_line_with_key_value_and_what_is_allowed(tmp_path, old, new, words):
+@pytest.mark.parametrize(
+    ("old", "new", "words"), REFUSED, ids=[f"{i}" for i in range(len(REFUSED))]
+)
+def test_wrong_input_is_refused_in_one_line_with_key_value_and_what_is_allowed(
+    tmp_path, old, new, words
+):
     assert old in TEXT
     with pytest.raises(BadInput) as refusal:
         read(tmp_path, TEXT.replace(old, new, 1))
@@ -114,7 +164,11 @@ def test_unreadable_files_are_refused(tmp_path):
 
 def test_units_do_not_matter(tmp_path, brake):
     text = TEXT.replace('radius = "150 mm"', 'radius = "0.15 m"').replace('"2 kN"', '"2000 N"')
-    text = text.replace('"300 MPa"', '"300 N/mm^2"').replace('"8 mm"', '"0.8 cm"').replace('"0 deg"', '"0 rad"')
+    text = (
+        text.replace('"300 MPa"', '"300 N/mm^2"')
+        .replace('"8 mm"', '"0.8 cm"')
+        .replace('"0 deg"', '"0 rad"')
+    )
     other = read(tmp_path, text)
     for a, b in zip(other.shoes, brake.shoes, strict=True):
         assert a.lining.thickness == pytest.approx(b.lining.thickness, rel=1e-14)
@@ -125,7 +179,9 @@ def test_units_do_not_matter(tmp_path, brake):
 def test_a_clearance_table_is_read_and_interpolated(tmp_path):
     table = 'end = "55 deg"\nclearance = [["-70 deg", "0 mm"], ["0 deg", "0.2 mm"], ["55 deg", "0.1 mm"]]'
     lining = read(tmp_path, TEXT.replace('end = "55 deg"', table, 1)).shoes[0].lining
-    assert lining.clearance_at(np.radians([-70, -35, 0, 27.5])) == pytest.approx([0, 1e-4, 2e-4, 1.5e-4], abs=1e-18)
+    assert lining.clearance_at(np.radians([-70, -35, 0, 27.5])) == pytest.approx(
+        [0, 1e-4, 2e-4, 1.5e-4], abs=1e-18
+    )
     for bad, words in [
         ('[["0 deg", "0 mm"]]', "at least two rows"),
         ('[["9 deg", "0 mm"], ["0 deg", "0 mm"]]', "growing angles, not '0 deg' after '9 deg'"),
@@ -142,7 +198,12 @@ def test_vary_changes_one_key_or_the_key_of_every_shoe_and_validates(brake):
     changed = vary(brake, {"shoe.lining.thickness": "9 mm", "shoe[1].name": "other"})
     assert [s.lining.thickness for s in changed.shoes] == pytest.approx([0.009, 0.009], rel=1e-14)
     assert [s.name for s in changed.shoes] == ["right", "other"]
-    for key, value in {"shoe.lining.thikness": 1.0, "drum.radius": -1.0, "dram.radius": 1.0, "friction.x": 1}.items():
+    for key, value in {
+        "shoe.lining.thikness": 1.0,
+        "drum.radius": -1.0,
+        "dram.radius": 1.0,
+        "friction.x": 1,
+    }.items():
         with pytest.raises(BadInput):
             vary(brake, {key: value})
 
@@ -161,7 +222,11 @@ def test_a_changed_copy_of_a_shoe_has_a_frame_of_its_own(brake):
     other = shoe.model_copy(update={"lining": lining, "hinge": brake.shoes[1].hinge})
     assert (other.frame, other.arc) != before == (shoe.frame, shoe.arc)
     fresh = type(shoe).model_validate(other.model_dump())
-    assert (other.frame, other.arc) == (fresh.frame, fresh.arc) and other == fresh and hash(other) == hash(fresh)
+    assert (
+        (other.frame, other.arc) == (fresh.frame, fresh.arc)
+        and other == fresh
+        and hash(other) == hash(fresh)
+    )
 
 
 @given(st.floats(-4, 4), st.sampled_from([-1, 1]), st.floats(-9, 9), st.floats(-9, 9))
@@ -170,20 +235,28 @@ def test_the_frame_of_a_shoe_and_back_is_the_identity_and_keeps_lengths(origin, 
     v = np.array([x, y])
     assert frame.to_shoe(frame.to_brake(v)) == pytest.approx(v, abs=1e-12)
     assert np.linalg.norm(frame.to_brake(v)) == pytest.approx(np.linalg.norm(v), rel=1e-12)
-    ray = np.array([math.cos(0.3), math.sin(0.3)])  # the ray phi = 0.3 lies at theta = origin + sense 0.3
+    ray = np.array(
+        [math.cos(0.3), math.sin(0.3)]
+    )  # the ray phi = 0.3 lies at theta = origin + sense 0.3
     theta = float(frame.theta(np.array(0.3)))
     assert frame.to_brake(ray) == pytest.approx([math.cos(theta), math.sin(theta)], abs=1e-12)
 
 
 @given(st.floats(1e-6, 1e6))
 def test_a_quantity_is_its_number_times_its_unit(number):
-    assert to_si(f"{number!r} mm", "m", unit_required=True) == pytest.approx(number * 1e-3, rel=1e-14)
-    assert to_si(f"{number!r} deg", "rad", unit_required=True) == pytest.approx(math.radians(number), rel=1e-14)
+    assert to_si(f"{number!r} mm", "m", unit_required=True) == pytest.approx(
+        number * 1e-3, rel=1e-14
+    )
+    assert to_si(f"{number!r} deg", "rad", unit_required=True) == pytest.approx(
+        math.radians(number), rel=1e-14
+    )
 
 
 def test_varying_inside_a_table_that_was_given_leaves_that_table_alone(brake):
     ring = {"thickness": 0.015, "width": 0.04, "material": {"E": 1e11, "nu": 0.25}}
-    assert vary(brake, {"drum.ring": ring, "drum.ring.material.E": 2e11}).drum.ring.material.E == 2e11
+    assert (
+        vary(brake, {"drum.ring": ring, "drum.ring.material.E": 2e11}).drum.ring.material.E == 2e11
+    )
     assert ring["material"]["E"] == 1e11
 
 

@@ -1,4 +1,6 @@
-"""The factors of the error estimate are the smallest that cover what they must, and can be found again."""
+"""The factors of the error estimate are the smallest that cover what they must, and can be found
+again.
+"""
 
 import json
 import math
@@ -28,7 +30,9 @@ PROVENANCE = Provenance("1 to 3", 3, 9, "abc", "2000-01-01")
 
 
 def made_up(count, part, beside=1e-9, seed=0):
-    """Levels whose true errors are a part of their steps, up to `part`, and of what chance would change."""
+    """Levels whose true errors are a part of their steps, up to `part`, and of what chance would
+    change.
+    """
     rng = np.random.default_rng(seed)
     levels = []
     for share in np.linspace(0, 1, count):
@@ -58,7 +62,9 @@ def test_the_fit_finds_the_factors_that_cover_all_but_the_share_that_may_be_miss
 
 
 def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel():
-    """One step in ten is a thousandth of what it was before the cancellation; chance tells the size."""
+    """One step in ten is a thousandth of what it was before the cancellation; chance tells the
+    size.
+    """
     rng = np.random.default_rng(1)
     levels = []
     for _ in range(2000):
@@ -82,9 +88,18 @@ def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel(
 
 def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
     (level,) = made_up(1, dict.fromkeys(QUANTITIES, 0.5))
-    unknown = level._replace(true={**level.true, "peak": math.nan, "torque": 0.5 * RELEVANT, "pressure": 1e-3})
-    assert [len(samples([unknown], name).true) for name in ("pressure", "torque", "peak")] == [1, 1, 0]
-    assert [samples([unknown], name).known.tolist() for name in ("pressure", "torque")] == [[True], [False]]
+    unknown = level._replace(
+        true={**level.true, "peak": math.nan, "torque": 0.5 * RELEVANT, "pressure": 1e-3}
+    )
+    assert [len(samples([unknown], name).true) for name in ("pressure", "torque", "peak")] == [
+        1,
+        1,
+        0,
+    ]
+    assert [samples([unknown], name).known.tolist() for name in ("pressure", "torque")] == [
+        [True],
+        [False],
+    ]
 
 
 def test_the_file_holds_the_factors_and_what_they_were_fitted_on(tmp_path):
@@ -124,7 +139,9 @@ def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
             FACTORS.pressure * level.step["pressure"] + level.beside["pressure"], rel=1e-6
         )
         assert stated.brake["torque"] == pytest.approx(
-            FACTORS.force * level.step["torque"] + FACTORS.cancelled * level.chance["torque"] + level.beside["torque"]
+            FACTORS.force * level.step["torque"]
+            + FACTORS.cancelled * level.chance["torque"]
+            + level.beside["torque"]
         )
         assert level.true["pressure"] < level.step["pressure"]
 

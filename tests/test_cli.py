@@ -1,4 +1,6 @@
-"""The command line as a person meets it: answers, refusals, exit statuses, what it loads and how fast."""
+"""The command line as a person meets it: answers, refusals, exit statuses, what it loads and how
+fast.
+"""
 
 import json
 import os
@@ -17,13 +19,31 @@ from drumlin.fem.solve import solve
 
 
 def test_solve_prints_and_writes_json(tmp_path):
-    done = drumlin("solve", STUDY / "brake.toml", "--json", tmp_path / "r.json", "--elements", 40, "--penalty", "inf")
+    done = drumlin(
+        "solve",
+        STUDY / "brake.toml",
+        "--json",
+        tmp_path / "r.json",
+        "--elements",
+        40,
+        "--penalty",
+        "inf",
+    )
     assert done.returncode == 0, done.stderr
     data = json.loads((tmp_path / "r.json").read_text())
     expected = solve(read_brake(STUDY / "brake.toml"), elements=40, penalty=float("inf"))
     assert data["torque"] == pytest.approx(expected.torque, rel=1e-9)
     assert f"torque {expected.torque:.6g} N m" in done.stdout
-    assert {"model", "torque", "converged", "iterations", "balance", "seconds", "left_out", "shoes"} <= set(data)
+    assert {
+        "model",
+        "torque",
+        "converged",
+        "iterations",
+        "balance",
+        "seconds",
+        "left_out",
+        "shoes",
+    } <= set(data)
     shoe = data["shoes"][0]
     assert {
         "name", "torque", "normal_force", "self_energising", "peak_pressure", "hinge_reaction", "contact_arcs",
@@ -34,7 +54,9 @@ def test_solve_prints_and_writes_json(tmp_path):
 
 
 def test_solve_to_a_tolerance_states_the_estimated_errors(tmp_path):
-    done = drumlin("solve", STUDY / "brake.toml", "--tolerance", "5e-3", "--json", tmp_path / "r.json")
+    done = drumlin(
+        "solve", STUDY / "brake.toml", "--tolerance", "5e-3", "--json", tmp_path / "r.json"
+    )
     assert done.returncode == 0, done.stderr
     assert "estimated error: p " in done.stdout
     assert 0 < json.loads((tmp_path / "r.json").read_text())["error"]["pressure"] <= 5e-3
@@ -51,21 +73,61 @@ REFUSED = {
     "bad penalty": (["--penalty", "soft"], None, 2, "--penalty = 'soft'"),
     "negative penalty": (["--penalty", "-1"], None, 2, "greater than 0"),
     "no elements": (["--elements", "0"], None, 2, "--elements = 0"),
-    "lift for a law": (["--model", "sine", "--lift", "tilt"], None, 2, "belong to --model foundation, not to 'sine'"),
+    "lift for a law": (
+        ["--model", "sine", "--lift", "tilt"],
+        None,
+        2,
+        "belong to --model foundation, not to 'sine'",
+    ),
     "foundation of an arc": (["--model", "foundation"], None, 2, "not a straight beam"),
     "unknown kind": (["--kind", "hex8"], None, 2, "allowed: quad2, quad1, tri2, tri1"),
     "kind for a law": (["--model", "sine", "--kind", "tri2"], None, 2, "belong to --model fem"),
-    "elements for a law": (["--model", "sine", "--elements", "9"], None, 2, "belong to --model fem"),
-    "tolerance for a law": (["--model", "sine", "--tolerance", "1e-3"], None, 2, "belong to --model fem"),
-    "tolerance of nothing": (["--tolerance", "0"], None, 2, "--tolerance = 0: must be greater than 0"),
-    "tolerance and elements": (["--tolerance", "1e-3", "--elements", "9"], None, 2, "leave out --elements"),
+    "elements for a law": (
+        ["--model", "sine", "--elements", "9"],
+        None,
+        2,
+        "belong to --model fem",
+    ),
+    "tolerance for a law": (
+        ["--model", "sine", "--tolerance", "1e-3"],
+        None,
+        2,
+        "belong to --model fem",
+    ),
+    "tolerance of nothing": (
+        ["--tolerance", "0"],
+        None,
+        2,
+        "--tolerance = 0: must be greater than 0",
+    ),
+    "tolerance and elements": (
+        ["--tolerance", "1e-3", "--elements", "9"],
+        None,
+        2,
+        "leave out --elements",
+    ),
     "self-locking": ([], ("friction = 0.3", "friction = 1.3"), 3, "self-locking"),
-    "self-locking law": (["--model", "sine"], ("friction = 0.3", "friction = 0.9"), 3, "self-locking"),
-    "never touches": ([], ('thickness = "8 mm" ', 'clearance = "100 mm"\nthickness = "8 mm" '), 3, "to touch"),
+    "self-locking law": (
+        ["--model", "sine"],
+        ("friction = 0.3", "friction = 0.9"),
+        3,
+        "self-locking",
+    ),
+    "never touches": (
+        [],
+        ('thickness = "8 mm" ', 'clearance = "100 mm"\nthickness = "8 mm" '),
+        3,
+        "to touch",
+    ),
     "broken toml": ([], ("[drum]", "[drum"), 2, "not TOML"),
     "unknown key": ([], ("[drum]", "[drum]\ncolour = 3"), 2, "colour"),
     "wrong unit": ([], ('"150 mm"', '"150 s"'), 2, "drum.radius = '150 s'"),
-    "missing mesh": ([], ('side = "internal"', 'side = "internal"\nmesh = "none.msh"'), 2, "no such file"),
+    "missing mesh": (
+        [],
+        ('side = "internal"', 'side = "internal"\nmesh = "none.msh"'),
+        2,
+        "no such file",
+    ),
     "zero force": ([], ('force = "2 kN"', 'force = "0 N"'), 0, ""),
 }
 
@@ -115,7 +177,9 @@ def test_a_refused_run_leaves_an_earlier_result_whole(tmp_path):
     assert (tmp_path / "r.json").read_text() == "earlier"
 
 
-def test_on_a_narrow_terminal_columns_are_left_out_by_name_and_no_number_is_cut(monkeypatch, capsys):
+def test_on_a_narrow_terminal_columns_are_left_out_by_name_and_no_number_is_cut(
+    monkeypatch, capsys
+):
     table = [
         {"shoe": "[left]", "model": "fem", "torque": 321.43, "peak_pressure": 0.8391e6, "reaction": 4227.5,
          "contact": "125.0 to 249.7", "self_energising": "yes", "pressure_error": 0.268, "status": "converged"},
@@ -128,9 +192,17 @@ def test_on_a_narrow_terminal_columns_are_left_out_by_name_and_no_number_is_cut(
         lines = capsys.readouterr().out.replace("\n  contact", " contact").splitlines()
         assert max(map(len, lines[:-1])) <= columns
         text = "\n".join(lines)
-        assert "[left]" in text and "321.43" in text and "26.8" in text and "converged" in text and "…" not in text
+        assert (
+            "[left]" in text
+            and "321.43" in text
+            and "26.8" in text
+            and "converged" in text
+            and "…" not in text
+        )
         assert ("125.0 to 249.7" in text) is not bool(left_out)
-        assert (lines[-1] == f"not shown here, the terminal is too narrow: {', '.join(left_out)}") is bool(left_out)
+        assert (
+            lines[-1] == f"not shown here, the terminal is too narrow: {', '.join(left_out)}"
+        ) is bool(left_out)
 
 
 def test_a_terminal_without_greek_letters_is_no_fault(tmp_path):
@@ -163,7 +235,16 @@ def test_help_answers_in_some_half_a_second():
 
 # What a solve by columns does not need.
 BESIDE = {"scipy.optimize", "drumlin.foundation"}
-HEAVY = {"pyvista", "matplotlib", "vtk", "pint", "meshio", "jinja2", "scipy.stats", "drumlin.verification"}
+HEAVY = {
+    "pyvista",
+    "matplotlib",
+    "vtk",
+    "pint",
+    "meshio",
+    "jinja2",
+    "scipy.stats",
+    "drumlin.verification",
+}
 
 
 @pytest.mark.parametrize(
@@ -191,7 +272,9 @@ def test_solving_loads_what_it_calls(tmp_path, options, none_of):
 
 @pytest.mark.slow
 def test_compare_view_mesh_and_cost(tmp_path):
-    done = drumlin("compare", STUDY / "brake.toml", "--output", tmp_path / "report", "--elements", 30)
+    done = drumlin(
+        "compare", STUDY / "brake.toml", "--output", tmp_path / "report", "--elements", 30
+    )
     assert done.returncode == 0, done.stderr
     for unit in ("[N m]", "[%]", "[MPa]", "[N]", "[deg]", "[ms]"):
         assert unit in done.stdout.split("converged")[0], unit
@@ -202,10 +285,15 @@ def test_compare_view_mesh_and_cost(tmp_path):
     page = (tmp_path / "report" / "index.html").read_text()
     assert "sine" in page and 'src="data:image/svg+xml;base64' in page and "scikit-fem" in page
     picture = tmp_path / "v.png"
-    assert drumlin("view", STUDY / "brake.toml", "--output", picture, "--elements", 20).returncode == 0
+    assert (
+        drumlin("view", STUDY / "brake.toml", "--output", picture, "--elements", 20).returncode == 0
+    )
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert drumlin("view", STUDY / "brake.toml", "--output", "v.txt").returncode == 2
-    assert drumlin("mesh", STUDY / "brake.toml", "--output", tmp_path, "--elements", 20).returncode == 0
+    assert (
+        drumlin("mesh", STUDY / "brake.toml", "--output", tmp_path, "--elements", 20).returncode
+        == 0
+    )
     assert (tmp_path / "brake_right.msh").exists() and (tmp_path / "brake_left.msh").exists()
     done = drumlin("cost", STUDY / "brake.toml", "--elements", 20)
     assert "times their sum" in done.stdout and "of the first" in done.stdout
@@ -229,14 +317,21 @@ def test_meshes_of_every_kind_are_written_and_solved(tmp_path, suffix):
     assert "torque" in torques[0]
     for command in (["solve"], ["mesh"], ["export", "--to", "calculix"], ["cost"]):
         refused = drumlin(*command, tmp_path / "filed.toml", "--elements", 40)
-        assert refused.returncode == 2 and "--elements = 40: all shoes have mesh files" in refused.stderr
-    again = drumlin("mesh", tmp_path / "filed.toml", "--output", tmp_path, "--name", "brake", "--format", suffix)
+        assert (
+            refused.returncode == 2
+            and "--elements = 40: all shoes have mesh files" in refused.stderr
+        )
+    again = drumlin(
+        "mesh", tmp_path / "filed.toml", "--output", tmp_path, "--name", "brake", "--format", suffix
+    )
     assert again.returncode == 2 and "must not be written over" in again.stderr
 
 
 def test_meshes_stay_in_their_folder(tmp_path):
     (tmp_path / "in").mkdir()
-    done = drumlin("mesh", STUDY / "brake.toml", "--output", tmp_path / "in", "--name", "../x", "--elements", 9)
+    done = drumlin(
+        "mesh", STUDY / "brake.toml", "--output", tmp_path / "in", "--name", "../x", "--elements", 9
+    )
     assert done.returncode == 2 and "--name = '../x': must be a word without folders" in done.stderr
     assert [path.name for path in tmp_path.rglob("*")] == ["in"]
 
@@ -245,7 +340,11 @@ def test_no_output_is_written_over_a_brake_file(tmp_path):
     path = tmp_path / "b.toml"
     text = (STUDY / "brake.toml").read_text()
     path.write_text(text)
-    for command, option in (("solve", "--json"), ("solve", "--pressure"), ("sensitivity", "--json")):
+    for command, option in (
+        ("solve", "--json"),
+        ("solve", "--pressure"),
+        ("sensitivity", "--json"),
+    ):
         done = drumlin(command, path, option, path)
         assert done.returncode == 2 and "must not be a .toml file" in done.stderr
     assert path.read_text() == text

@@ -37,7 +37,9 @@ def test_pressure_is_interpolated_between_nodes_and_zero_beyond(brake):
     shoe = sine(brake).shoes[0]
     theta = np.array([shoe.theta[0] - 0.1, 0.123, shoe.theta[-1] + 0.1])
     amplitude = shoe.peak_pressure
-    assert shoe.pressure_at(theta) == pytest.approx([0, amplitude * math.sin(0.123 + math.radians(75)), 0], rel=1e-8)
+    assert shoe.pressure_at(theta) == pytest.approx(
+        [0, amplitude * math.sin(0.123 + math.radians(75)), 0], rel=1e-8
+    )
 
 
 def test_a_failed_model_stays_in_the_table(brake):

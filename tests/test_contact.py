@@ -6,14 +6,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drumlin.contact import active_set
-from drumlin.contact.equations import LARGE, Changed, Equations, Problem, condition, equilibrated, few_changed
+from drumlin.contact.equations import (
+    LARGE,
+    Changed,
+    Equations,
+    Problem,
+    condition,
+    equilibrated,
+    few_changed,
+)
 from drumlin.errors import NoAnswer
 
 
 def free(A, q):
     """A problem without free motions."""
     n = len(q)
-    return Problem(np.asarray(A, float), np.asarray(q, float), np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
+    return Problem(
+        np.asarray(A, float), np.asarray(q, float), np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
+    )
 
 
 def p_matrix(rng, n, skew):
@@ -38,7 +48,8 @@ def test_random_p_matrices_are_solved_from_any_start_with_one_answer(n, seed, sk
     problem = free(p_matrix(rng, n, skew), rng.normal(size=n))
     scale = np.abs(problem.q).max()
     answers = [
-        active_set.solve(problem, start) for start in (None, np.zeros(n, bool), np.ones(n, bool), rng.random(n) < 0.5)
+        active_set.solve(problem, start)
+        for start in (None, np.zeros(n, bool), np.ones(n, bool), rng.random(n) < 0.5)
     ]
     for found in answers:
         w = problem.q + problem.A @ found.p
@@ -46,22 +57,30 @@ def test_random_p_matrices_are_solved_from_any_start_with_one_answer(n, seed, sk
         assert not found.w[found.active].any()
         assert w.min() >= -1e-9 * scale
         assert np.abs(found.p * w).max() <= 1e-9 * scale * max(1.0, found.p.max())
-        assert found.p == pytest.approx(answers[0].p, rel=1e-7, abs=1e-9 * max(1.0, answers[0].p.max()))
+        assert found.p == pytest.approx(
+            answers[0].p, rel=1e-7, abs=1e-9 * max(1.0, answers[0].p.max())
+        )
 
 
 def test_murtys_cycle_is_resolved():
-    """The classic 3 x 3 P-matrix on which the plain active-set iteration goes round for ever (Murty 1974)."""
+    """The classic 3 x 3 P-matrix on which the plain active-set iteration goes round for ever (Murty
+    1974).
+    """
     A = np.array([[1.0, 2.0, 0.0], [0.0, 1.0, 2.0], [2.0, 0.0, 1.0]])
     found = active_set.solve(free(A, -np.ones(3)))
     assert found.p == pytest.approx(np.full(3, 1 / 3), rel=1e-12)
     for start in range(8):
-        again = active_set.solve(free(A, [-1.0, -1.5, 2.0]), np.array([start & 1, start & 2, start & 4], bool))
+        again = active_set.solve(
+            free(A, [-1.0, -1.5, 2.0]), np.array([start & 1, start & 2, start & 4], bool)
+        )
         w = np.array([-1.0, -1.5, 2.0]) + A @ again.p
         assert w.min() > -1e-12 and abs(again.p @ w) < 1e-12
 
 
 def test_a_free_motion_is_found_with_its_equilibrium():
-    """Two springs under a rigid beam of length 2 hinged at its end, load 3 at its tip: known lever statics."""
+    """Two springs under a rigid beam of length 2 hinged at its end, load 3 at its tip: known lever
+    statics.
+    """
     k, x = 10.0, np.array([1.0, 2.0])
     problem = Problem(np.eye(2) / k, np.zeros(2), -x[:, None], -x[None], np.array([-6.0]))
     found = active_set.solve(problem)
@@ -72,7 +91,9 @@ def test_a_free_motion_is_found_with_its_equilibrium():
 
 
 def test_a_gap_closes_before_pressure_rises():
-    """The same beam with the inner spring standing back too far to touch: the outer one carries all."""
+    """The same beam with the inner spring standing back too far to touch: the outer one carries
+    all.
+    """
     x = np.array([1.0, 2.0])
     problem = Problem(np.eye(2) / 10, np.array([5.0, 0.1]), -x[:, None], -x[None], np.array([-6.0]))
     found = active_set.solve(problem)
@@ -87,10 +108,18 @@ def test_a_load_that_no_pressure_balances_is_refused():
 
 
 def test_beyond_locking_the_determinant_has_changed_its_sign():
-    """One spring whose pressure turns the lever by x - mu a: regular below mu = x/a, singular at it, not beyond."""
+    """One spring whose pressure turns the lever by x - mu a: regular below mu = x/a, singular at
+    it, not beyond.
+    """
 
     def problem(mu):
-        return Problem(np.array([[1.0]]), np.zeros(1), np.array([[-1.0]]), np.array([[mu - 1.0]]), np.array([mu - 1.0]))
+        return Problem(
+            np.array([[1.0]]),
+            np.zeros(1),
+            np.array([[-1.0]]),
+            np.array([[mu - 1.0]]),
+            np.array([mu - 1.0]),
+        )
 
     assert active_set.solve(problem(0.9)).regular
     assert not active_set.solve(problem(1.1)).regular
@@ -114,7 +143,11 @@ def test_the_tangent_agrees_with_differences(n, seed):
 def test_changing_a_few_nodes_of_a_factorised_set_equals_factorising_the_other_set(n, seed):
     rng = np.random.default_rng(seed)
     problem = Problem(
-        p_matrix(rng, n, 0.3), rng.normal(size=n), rng.normal(size=(n, 1)), rng.normal(size=(1, n)), rng.normal(size=1)
+        p_matrix(rng, n, 0.3),
+        rng.normal(size=n),
+        rng.normal(size=(n, 1)),
+        rng.normal(size=(1, n)),
+        rng.normal(size=1),
     )
     active = rng.random(n) < 0.8
     system, other = equilibrated(problem), active.copy()
@@ -151,7 +184,9 @@ def test_scaling_of_pressures_and_gaps_does_not_change_the_answer():
 
 @pytest.mark.parametrize("n", [48, 49, 200, 201])
 def test_the_guess_from_coarser_problems_is_the_contact_set_within_a_node(n):
-    """A smooth obstacle on springs: p = max(-q, 0); the guess may take in one node more at either end."""
+    """A smooth obstacle on springs: p = max(-q, 0); the guess may take in one node more at either
+    end.
+    """
     q = np.cos(np.linspace(0, 7, n))
     guess, true = active_set.coarse_start(free(np.eye(n), q)), q < 0
     wider = true.copy()
@@ -163,7 +198,9 @@ def test_the_guess_from_coarser_problems_is_the_contact_set_within_a_node(n):
 
 
 def test_a_small_contact_far_away_is_found_in_few_steps():
-    """A hinged lever of springs whose far end alone touches, with its gap growing all the way to the pin."""
+    """A hinged lever of springs whose far end alone touches, with its gap growing all the way to
+    the pin.
+    """
     x = np.linspace(1, 2, 161)
     problem = Problem(np.eye(161) * 1e-4, (2 - x) * 10, -x[:, None], -x[None], np.array([-0.5]))
     assert np.count_nonzero(active_set.solve(problem).p) < 8
@@ -172,7 +209,9 @@ def test_a_small_contact_far_away_is_found_in_few_steps():
 
 @given(st.integers(2, 25), st.integers(0, 10_000), st.floats(0, 0.5), st.booleans())
 def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, skew, hinged):
-    """Free or on a hinge, with friction (skew) or without: the set that is found from all nodes, in a few n steps."""
+    """Free or on a hinge, with friction (skew) or without: the set that is found from all nodes, in
+    a few n steps.
+    """
     rng = np.random.default_rng(seed)
     A, x = p_matrix(rng, n, skew), rng.uniform(0.2, 1.0, n)
     motion = (-x[:, None], -x[None], np.array([-1.0])) if hinged else free(A, x)[2:]
@@ -183,7 +222,9 @@ def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, ske
     assert steps <= 10 * n
     w = problem.q + A @ found.p + problem.B @ found.y
     assert w.min() >= -1e-9 * max(np.abs(problem.q).max(), np.abs(w).max())
-    assert found.p == pytest.approx(active_set.solve(problem).p, rel=1e-7, abs=1e-9 * found.p.max(initial=1.0))
+    assert found.p == pytest.approx(
+        active_set.solve(problem).p, rel=1e-7, abs=1e-9 * found.p.max(initial=1.0)
+    )
 
 
 def test_followed_from_wider_gaps_a_contact_without_answer_never_arrives():
@@ -197,11 +238,17 @@ def test_followed_from_wider_gaps_a_contact_without_answer_never_arrives():
     [
         ([[0.4, 0.0, -0.1], [-0.4, 2.4, 0.8], [0.5, 0.7, -0.1]], [0.9, -0.6, -0.2], [11, 0, 53]),
         ([[2.4, -1.8, 0.6], [0.6, -0.4, 1.9], [-0.5, 0.5, 1.4]], [-0.6, -1.0, -0.6], [13, 17, 0]),
-        ([[2.1, 1.8, -0.2], [-0.2, 0.5, -0.4], [-1.2, 1.8, -0.8]], [0.1, 0.8, -0.2], [0, 2.25, 4.8125]),
+        (
+            [[2.1, 1.8, -0.2], [-0.2, 0.5, -0.4], [-1.2, 1.8, -0.8]],
+            [0.1, 0.8, -0.2],
+            [0, 2.25, 4.8125],
+        ),
     ],
 )
 def test_a_path_that_turns_back_is_followed_to_the_only_answer(A, q, p):
-    """Gaps grow again on the way, in the last case twice; the answers are the only ones of all eight contact sets."""
+    """Gaps grow again on the way, in the last case twice; the answers are the only ones of all
+    eight contact sets.
+    """
     active, steps = active_set.narrowed(free(A, q))
     assert active.tolist() == [value > 0 for value in p]
     assert steps <= 5
@@ -209,8 +256,13 @@ def test_a_path_that_turns_back_is_followed_to_the_only_answer(A, q, p):
 
 
 def test_wrong_nodes_that_do_not_become_fewer_are_given_up_after_five_steps_more():
-    """Murty's cycle: one wrong node in each step; then the answer is followed, and all steps are counted."""
-    cycle, start = free([[1, 2, 0], [0, 1, 2], [2, 0, 1]], [-1, -1, -1]), np.array([True, False, False])
+    """Murty's cycle: one wrong node in each step; then the answer is followed, and all steps are
+    counted.
+    """
+    cycle, start = (
+        free([[1, 2, 0], [0, 1, 2], [2, 0, 1]], [-1, -1, -1]),
+        np.array([True, False, False]),
+    )
     with pytest.raises(active_set.NotSettled, match="still changes after 7 steps") as end:
         active_set.settle(cycle, start)
     assert end.value.steps == 7
@@ -226,7 +278,11 @@ def test_round_off_does_not_change_the_contact_set_and_more_does():
         assert active_set.settle(free(np.eye(2), [size, -1]), on).steps == steps  # a pull
         assert active_set.settle(free(np.eye(2), [-size, -1]), off).steps == steps  # a penetration
         scaled = Problem(
-            np.eye(2), np.array([-size, 1.0]), np.array([[0.0], [-1.0]]), np.array([[0.0, -1]]), np.array([-1.0])
+            np.eye(2),
+            np.array([-size, 1.0]),
+            np.array([[0.0], [-1.0]]),
+            np.array([[0.0, -1]]),
+            np.array([-1.0]),
         )
         assert active_set.settle(scaled, off).steps == steps
 
@@ -234,7 +290,9 @@ def test_round_off_does_not_change_the_contact_set_and_more_does():
 def hinged_twice():
     """Two springs on a motion each, the first one also against a third spring that stands back."""
     B = -np.array([[1.0, 0], [0, 2], [1, 0]])
-    return Problem(np.diag([1.0, 4, 1]), np.array([0.5, 0.2, 2]), B, B.T.copy(), np.array([-1.0, -6]))
+    return Problem(
+        np.diag([1.0, 4, 1]), np.array([0.5, 0.2, 2]), B, B.T.copy(), np.array([-1.0, -6])
+    )
 
 
 @pytest.mark.parametrize("start", [None, [False] * 3, [True, False, False], [False, True, False]])
@@ -254,7 +312,11 @@ def test_nodes_that_the_actuation_closes_first():
     assert first(q, B, C, h).tolist() == [True, True, False]
     assert first(np.array([0.5, 0.2, 0.5]), B, C, h).tolist() == [True, True, True]  # at once
     assert first(np.array([0.5, 0.2, 0.5]), B, C, h, alone=True).tolist() == [True, True, False]
-    assert first(np.array([0.5, 0.2, 0.4]), B * [[1], [1], [0.5]], C, h).tolist() == [True, True, False]  # slower
+    assert first(np.array([0.5, 0.2, 0.4]), B * [[1], [1], [0.5]], C, h).tolist() == [
+        True,
+        True,
+        False,
+    ]  # slower
     resisting = C * [[1, 1, -1]]  # the pressure of the third would help the actuation
     assert first(np.array([0.5, 0.2, 0.1]), B, resisting, h).tolist() == [True, True, False]
     with pytest.raises(NoAnswer, match="cannot balance the actuation anywhere"):
@@ -262,12 +324,16 @@ def test_nodes_that_the_actuation_closes_first():
 
 
 def test_with_two_motions_the_answer_is_regular_where_neither_has_lost_its_resistance():
-    """C A^-1 B of other signs: two negative ones leave the determinant's as it was; a whirl is no loss."""
+    """C A^-1 B of other signs: two negative ones leave the determinant's as it was; a whirl is no
+    loss.
+    """
 
     def regular(resistance):
         A, B, p = 4 * np.eye(2), -3 * np.eye(2), np.array([1.0, 2])
         C = -np.asarray(resistance, float)
-        return active_set.settle(Problem(A, np.zeros(2), B, C, C @ p), np.array([True, True])).regular
+        return active_set.settle(
+            Problem(A, np.zeros(2), B, C, C @ p), np.array([True, True])
+        ).regular
 
     assert regular([[1, 0], [0, 5]])
     assert not regular([[-1, 0], [0, -5]])
@@ -278,7 +344,8 @@ def test_with_two_motions_the_answer_is_regular_where_neither_has_lost_its_resis
 
 def test_condition_is_that_of_the_equilibrated_equations():
     problem, on = hinged_twice(), np.array([True, True, False])
-    # unit diagonal of A, largest entries of the columns of B and rows of C: those of equal springs, each on its motion
+    # unit diagonal of A, largest entries of the columns of B and rows of C: those of equal springs,
+    # each on its motion
     exact = np.linalg.cond(np.block([[np.eye(2), -np.eye(2)], [-np.eye(2), np.zeros((2, 2))]]), 1)
     assert condition(problem, on) == pytest.approx(exact, rel=1e-12)
     assert condition(free(np.eye(2), [1, 1]), np.zeros(2, bool)) == 1.0
@@ -287,13 +354,19 @@ def test_condition_is_that_of_the_equilibrated_equations():
 
 def test_equilibration_makes_units_of_a_b_and_c_and_is_undone():
     problem = Problem(
-        np.array([[4.0, 1], [2, 9]]), np.array([1.0, 2]), np.array([[6.0], [3]]), np.array([[4.0, 2]]), np.array([8.0])
+        np.array([[4.0, 1], [2, 9]]),
+        np.array([1.0, 2]),
+        np.array([[6.0], [3]]),
+        np.array([[4.0, 2]]),
+        np.array([8.0]),
     )
     system = equilibrated(problem)
     scaled = system.problem
     assert np.diagonal(scaled.A) == pytest.approx([1, 1])
     assert scaled.A[0, 1] == pytest.approx(1 / 6) and scaled.q == pytest.approx([1 / 2, 2 / 3])
-    assert np.abs(scaled.B).max() == np.abs(scaled.C).max() == 1 and scaled.B[1, 0] == pytest.approx(1 / 3)
+    assert np.abs(scaled.B).max() == np.abs(scaled.C).max() == 1 and scaled.B[
+        1, 0
+    ] == pytest.approx(1 / 3)
     assert scaled.h / scaled.C[0, 0] * system.across[0] == pytest.approx(8 / 4)
     assert system.across[2:] == pytest.approx([1 / 3]) and system.down[2:] == pytest.approx([1 / 2])
     whole = np.block([[problem.A, problem.B], [problem.C, np.zeros((1, 1))]])
@@ -302,14 +375,20 @@ def test_equilibration_makes_units_of_a_b_and_c_and_is_undone():
 
 def test_coarse_problems_are_those_on_every_other_node():
     for n in (5, 6):
-        P = np.array([np.interp(np.arange(n), np.arange(0, n, 2), row) for row in np.eye((n + 1) // 2)]).T
+        P = np.array(
+            [np.interp(np.arange(n), np.arange(0, n, 2), row) for row in np.eye((n + 1) // 2)]
+        ).T
         rows = np.arange(2.0 * n).reshape(n, 2) ** 2
         P[-1] = P[-1] if n % 2 else [0, 0, 0.5]  # the last node of an even number has one neighbour
         assert active_set.halved_sums(rows) == pytest.approx(P.T @ rows)
         assert active_set.halved_sums(rows.T, 1) == pytest.approx((P.T @ rows).T)
-        assert active_set.between(rows[: (n + 1) // 2, 0], n) == pytest.approx(P @ rows[: (n + 1) // 2, 0])
+        assert active_set.between(rows[: (n + 1) // 2, 0], n) == pytest.approx(
+            P @ rows[: (n + 1) // 2, 0]
+        )
     assert active_set.coarse_start(free(np.eye(47), np.ones(47))).all()
-    assert active_set.coarse_start(free(-np.eye(48), -np.ones(48))).all()  # without an answer: all nodes, too
+    assert active_set.coarse_start(
+        free(-np.eye(48), -np.ones(48))
+    ).all()  # without an answer: all nodes, too
 
 
 def test_a_few_changed_nodes_use_the_factors_that_there_are():
@@ -329,12 +408,16 @@ def test_a_few_changed_nodes_use_the_factors_that_there_are():
 
 
 def test_pairs_of_nodes_that_carry_no_two_motions_are_passed_over_in_silence():
-    """Where two nodes press along the same lines no pressures balance both motions: no warning, another pair."""
+    """Where two nodes press along the same lines no pressures balance both motions: no warning,
+    another pair.
+    """
     B = np.array([[1.0, 0.0], [1.0, 0.5], [2.0, 0.0], [1.0, 1.0]])
     for h in ([1.0, 0.3], [1.0, -0.1]):
         with pytest.raises(NoAnswer, match="cannot balance"):
             active_set._first_nodes(np.full(4, 0.1), B, -B.T, np.array(h), np.ones(4, dtype=bool))
-    first = active_set._first_nodes(np.full(4, 0.1), B, -B.T, np.array([-1.0, -0.3]), np.ones(4, dtype=bool))
+    first = active_set._first_nodes(
+        np.full(4, 0.1), B, -B.T, np.array([-1.0, -0.3]), np.ones(4, dtype=bool)
+    )
     assert len(set(first)) == 2
 
 
@@ -345,7 +428,9 @@ def test_with_the_scales_of_another_problem_the_answer_is_the_same():
     other = one._replace(A=3 * A + np.eye(6), C=-0.5 * x[None])
     found, like = active_set.settle(other), active_set.settle(one).system
     scaled = active_set.settle(other, like=like)
-    assert equilibrated(other, like).down is like.down and not np.array_equal(found.system.down, like.down)
+    assert equilibrated(other, like).down is like.down and not np.array_equal(
+        found.system.down, like.down
+    )
     np.testing.assert_array_equal(scaled.active, found.active)
     np.testing.assert_allclose(scaled.p, found.p, rtol=1e-12)
     np.testing.assert_allclose(scaled.y, found.y, rtol=1e-12)

@@ -1,4 +1,6 @@
-"""What the pressure does at a pressed corner and under a tip, by closed forms and by a solved contact."""
+"""What the pressure does at a pressed corner and under a tip, by closed forms and by a solved
+contact.
+"""
 
 import math
 from itertools import islice, pairwise
@@ -52,10 +54,13 @@ def test_friction_towards_the_corner_leaves_the_pressure_bounded_and_away_from_i
 def test_what_a_polynomial_leaves_of_a_power_is_its_distance_by_gauss_and_jacobi(power, degree):
     """By Legendre coefficients: 1 - the sum of their squares over that of x^(2a)."""
     coefficients = [
-        math.gamma(power + 1) ** 2 / (math.gamma(power + n + 2) * math.gamma(power - n + 1)) for n in range(degree + 1)
+        math.gamma(power + 1) ** 2 / (math.gamma(power + n + 2) * math.gamma(power - n + 1))
+        for n in range(degree + 1)
     ]
     inside = sum((2 * n + 1) * c**2 for n, c in enumerate(coefficients))
-    assert left_by_power(power, degree) == pytest.approx(math.sqrt(1 - inside * (2 * power + 1)), rel=1e-6)
+    assert left_by_power(power, degree) == pytest.approx(
+        math.sqrt(1 - inside * (2 * power + 1)), rel=1e-6
+    )
 
 
 def test_columns_at_a_tip_leave_the_error_that_they_are_made_for():
@@ -71,8 +76,10 @@ def test_columns_at_a_tip_leave_the_error_that_they_are_made_for():
 
 
 def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
-    """The slopes of log p by a solve whose columns there are polynomials, without any power of its own: between
-    0.0003 and 0.01 of the contact, where neither the columns at the corner nor the rest of the lining matter."""
+    """The slopes of log p by a solve whose columns there are polynomials, without any power of its
+    own: between
+    0.0003 and 0.01 of the contact, where neither the columns at the corner nor the rest of the lining matter.
+    """
     stored = read(TRUTHS / "corner_dragged_inwards.json")
     *_, last = islice(steps(stored.brake, respond), 5)
     (found,) = last.response.shoes
@@ -87,10 +94,15 @@ def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
 
 @pytest.mark.parametrize("at_start", [True, False])
 def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_again(at_start):
-    """Of p = x^-0.3 + 2 - x, interpolated on columns that grow from a corner, its value there made up."""
+    """Of p = x^-0.3 + 2 - x, interpolated on columns that grow from a corner, its value there made
+    up.
+    """
     power, order = -0.3, 6
     ends = np.concatenate([[0.0], 1e-4 * 2.4 ** np.arange(11)])
-    x = np.append((ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])).ravel(), ends[-1])
+    x = np.append(
+        (ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])).ravel(),
+        ends[-1],
+    )
     with np.errstate(divide="ignore"):
         exact = x**power + 2 - x
     exact[0] = exact[1]
@@ -118,12 +130,16 @@ def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, 
 
 
 def test_what_is_left_of_p_is_known_where_it_has_no_bound():
-    """Under a tip the columns leave what the true error is; far smaller pieces leave little at a corner."""
+    """Under a tip the columns leave what the true error is; far smaller pieces leave little at a
+    corner.
+    """
     stored = read(TRUTHS / "tip_short.json")
     *_, last = islice(steps(stored.brake, respond), 4)
     (shoe,), (found,) = stored.brake.shoes, last.response.shoes
     left = left_under_tips(shoe, stored.brake.size, found)
-    assert left == pytest.approx(errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3)
+    assert left == pytest.approx(
+        errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
+    )
     corner = read(TRUTHS / "corner_dragged_inwards.json").brake
     *_, last = islice(steps(corner, respond), 2)
     (found,) = last.response.shoes

@@ -1,6 +1,8 @@
-"""Equal runs write equal bytes but for times; the number of threads moves no number by more than 1e-9.
+"""Equal runs write equal bytes but for times; the number of threads moves no number by more than
+1e-9.
 
-That one and two processes, and a sweep that was stopped, give the same bytes stands in test_sweep_stopped.
+That one and two processes, and a sweep that was stopped, give the same bytes stands in
+test_sweep_stopped.
 """
 
 import datetime
@@ -27,7 +29,9 @@ print(json.dumps([drumlin.solve(drumlin.read_brake(path), tolerance=1e-3).as_dic
 
 
 def test_equal_runs_write_equal_files_but_for_times(tmp_path, monkeypatch, capsys):
-    """With clocks that stand still, everything: pages, figures, field pictures, tables, JSON, meshes."""
+    """With clocks that stand still, everything: pages, figures, field pictures, tables, JSON,
+    meshes.
+    """
     brake = str(ROOT / "studies" / BRAKES[0]) + ".toml"
     monkeypatch.setattr(time, "perf_counter", lambda: 0.0)
     written = []
@@ -48,11 +52,19 @@ def test_equal_runs_write_equal_files_but_for_times(tmp_path, monkeypatch, capsy
             ["view", brake, "--output", "v.svg"],
         ):
             assert run(words) == 0
-        written.append({path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()})
+        written.append(
+            {
+                path.relative_to(folder): path.read_bytes()
+                for path in folder.rglob("*")
+                if path.is_file()
+            }
+        )
         written[-1]["printed"] = capsys.readouterr().out
     assert len(written[0]) > 10 and written[0].keys() == written[1].keys()
     today = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d").encode()
-    assert today in written[0][next(path for path in written[0] if str(path).endswith("index.html"))]
+    assert (
+        today in written[0][next(path for path in written[0] if str(path).endswith("index.html"))]
+    )
     for path, data in written[0].items():
         assert data == written[1][path], path
 
@@ -60,20 +72,36 @@ def test_equal_runs_write_equal_files_but_for_times(tmp_path, monkeypatch, capsy
 def numbers(data):
     """All numbers of an answer by their place, times apart."""
     if isinstance(data, dict):
-        return [x for key, value in sorted(data.items()) if key not in {"seconds", "balance"} for x in numbers(value)]
+        return [
+            x
+            for key, value in sorted(data.items())
+            if key not in {"seconds", "balance"}
+            for x in numbers(value)
+        ]
     if isinstance(data, list):
         return [x for value in data for x in numbers(value)]
     return [float(data)] if isinstance(data, int | float) else []
 
 
 def test_the_number_of_threads_moves_no_number():
-    """Torques and forces by more than 1e-9 of them, pressures, which feel round-off in thin columns, by 3e-7."""
+    """Torques and forces by more than 1e-9 of them, pressures, which feel round-off in thin
+    columns, by 3e-7.
+    """
     paths = [str(ROOT / "studies" / brake) + ".toml" for brake in BRAKES]
     answers = []
     for threads in ("1", "2"):
-        env = {**os.environ, **dict.fromkeys(THREADS, threads), "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+        env = {
+            **os.environ,
+            **dict.fromkeys(THREADS, threads),
+            "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+        }
         done = subprocess.run(
-            [sys.executable, "-c", CHILD, *paths], capture_output=True, text=True, env=env, check=True, timeout=300
+            [sys.executable, "-c", CHILD, *paths],
+            capture_output=True,
+            text=True,
+            env=env,
+            check=True,
+            timeout=300,
         )
         answers.append(json.loads(done.stdout))
     for one, two in zip(*answers, strict=True):
@@ -81,6 +109,8 @@ def test_the_number_of_threads_moves_no_number():
         for a, b in zip(one["shoes"], two["shoes"], strict=True):
             for key, value in a.items():
                 x, y = np.array(numbers(value)), np.array(numbers(b[key]))
-                size = 1.0 if key == "error" else np.abs(x).max(initial=1e-300)  # errors are relative already
+                size = (
+                    1.0 if key == "error" else np.abs(x).max(initial=1e-300)
+                )  # errors are relative already
                 within = 1e-9 if key in {"torque", "normal_force", "hinge_reaction"} else 3e-7
                 np.testing.assert_allclose(x, y, rtol=0, atol=within * size, err_msg=key)

@@ -27,10 +27,18 @@ def test_importing_it_loads_nothing_and_changes_nothing():
         "import json, os, sys; before, loaded = dict(os.environ), set(sys.modules); import drumlin;"
         "print(json.dumps([dict(os.environ) == before, sorted(set(sys.modules) - loaded)]))"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
     same, loaded = json.loads(done.stdout)
     assert same
-    assert not {name.split(".")[0] for name in loaded} & {"numpy", "scipy", "pydantic", "skfem", "matplotlib"}
+    assert not {name.split(".")[0] for name in loaded} & {
+        "numpy",
+        "scipy",
+        "pydantic",
+        "skfem",
+        "matplotlib",
+    }
 
 
 def test_a_path_may_be_a_text_and_a_response_carries_its_figures_of_merit(root):
@@ -38,7 +46,9 @@ def test_a_path_may_be_a_text_and_a_response_carries_its_figures_of_merit(root):
     response = drumlin.solve(brake, elements=10)
     assert response.torque == pytest.approx(sum(shoe.torque for shoe in response.shoes))
     for i, shoe in enumerate(response.shoes):  # T/(F R) by hand, F = 2 kN, R = 150 mm
-        assert response.merits[i].shoe_factor == pytest.approx(shoe.torque / (2000 * 0.150), rel=1e-12)
+        assert response.merits[i].shoe_factor == pytest.approx(
+            shoe.torque / (2000 * 0.150), rel=1e-12
+        )
         assert response.merits[i] == merit(brake, i, shoe, contact_resultant(brake, i, shoe))
     assert response.bearing_load is not None
     assert drumlin.solve(brake, "sine").torque == sine(brake).torque
@@ -55,7 +65,9 @@ def test_a_response_shows_itself(root):
     axes = response.plot()
     for line, shoe in zip(axes.lines, response.shoes, strict=True):
         assert line.get_ydata().max() == pytest.approx(shoe.peak_pressure * 1e-6, rel=1e-3)
-        assert line.get_xdata()[[0, -1]] == pytest.approx([57.29577951308232 * shoe.theta[k] for k in (0, -1)])
+        assert line.get_xdata()[[0, -1]] == pytest.approx(
+            [57.29577951308232 * shoe.theta[k] for k in (0, -1)]
+        )
 
 
 def test_compare_and_sweep_are_functions_whatever_was_imported_before(root):

@@ -9,7 +9,12 @@ import skfem
 from skfem.helpers import sym_grad
 from skfem.models.elasticity import lame_parameters, plane_stress
 
-from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix, has_directions, solid_elasticity_matrix
+from drumlin.brake.elasticity import (
+    ElasticLayer,
+    elasticity_matrix,
+    has_directions,
+    solid_elasticity_matrix,
+)
 from drumlin.brake.fields import Material
 from drumlin.fem.body import scalar_basis, stiffness
 from drumlin.fem.elasticity import across, split, stress
@@ -24,7 +29,10 @@ from drumlin.verification.triangles.triangulation import Layer, start
 DIRECTED = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]]) * 1e8
 """Of a layer three times as stiff along as through, and not with the shear stiffness of an
 isotropic one."""
-LAYERS = {"around": ElasticLayer(DIRECTED, 0.03), "straight": ElasticLayer(DIRECTED, 0.03, np.array([0.6, -0.8]))}
+LAYERS = {
+    "around": ElasticLayer(DIRECTED, 0.03),
+    "straight": ElasticLayer(DIRECTED, 0.03, np.array([0.6, -0.8])),
+}
 KINDS = {
     "quad2": (skfem.MeshQuad, skfem.MeshQuad2.from_mesh),
     "quad1": (skfem.MeshQuad, None),
@@ -35,7 +43,11 @@ KINDS = {
 
 def directions(layer, x):
     """The unit vectors along a layer and through it at points (2, ...), by angles."""
-    angle = np.arctan2(x[1], x[0]) + math.pi / 2 if layer.along is None else math.atan2(-0.8, 0.6) + 0 * x[0]
+    angle = (
+        np.arctan2(x[1], x[0]) + math.pi / 2
+        if layer.along is None
+        else math.atan2(-0.8, 0.6) + 0 * x[0]
+    )
     return np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
 
 
@@ -49,12 +61,21 @@ def work_in(layer):
         def strains(field):
             eps = sym_grad(field)
             along, through, half_shear = (
-                sum(a[i] * eps[i, j] * b[j] for i in range(2) for j in range(2)) for a, b in ((t, t), (n, n), (t, n))
+                sum(a[i] * eps[i, j] * b[j] for i in range(2) for j in range(2))
+                for a, b in ((t, t), (n, n), (t, n))
             )
             return along, through, 2 * half_shear
 
-        D, (e, f, gamma), (tested_e, tested_f, tested_gamma) = layer.elasticity, strains(u), strains(v)
-        along, through, shear = D[0, 0] * e + D[0, 1] * f, D[1, 0] * e + D[1, 1] * f, D[2, 2] * gamma
+        D, (e, f, gamma), (tested_e, tested_f, tested_gamma) = (
+            layer.elasticity,
+            strains(u),
+            strains(v),
+        )
+        along, through, shear = (
+            D[0, 0] * e + D[0, 1] * f,
+            D[1, 0] * e + D[1, 1] * f,
+            D[2, 2] * gamma,
+        )
         return layer.width * (along * tested_e + through * tested_f + shear * tested_gamma)
 
     return work
@@ -85,7 +106,9 @@ def test_the_matrix_of_an_isotropic_material_has_the_constants_of_plane_stress()
 def test_isotropic_materials_have_no_directions(nu):
     matrix = elasticity_matrix(Material(E=3e8, nu=nu))
     assert not has_directions(matrix) and not has_directions(0.0371 * matrix)
-    assert has_directions(DIRECTED) and has_directions(matrix * [[1, 1, 1], [1, 1 + 1e-9, 1], [1, 1, 1]])
+    assert has_directions(DIRECTED) and has_directions(
+        matrix * [[1, 1, 1], [1, 1 + 1e-9, 1], [1, 1, 1]]
+    )
 
 
 @pytest.mark.parametrize("name", LAYERS)
@@ -98,7 +121,9 @@ def test_stresses_are_those_of_the_matrix_in_the_layers_directions(name):
     eps = 0.5 * (H + H.swapaxes(0, 1))
 
     def parts(tensor):
-        return np.array([np.einsum("im,ijm,jm->m", a, tensor, b) for a, b in ((t, t), (n, n), (t, n))])
+        return np.array(
+            [np.einsum("im,ijm,jm->m", a, tensor, b) for a, b in ((t, t), (n, n), (t, n))]
+        )
 
     strains = parts(eps) * np.array([[1], [1], [2]])
     assert parts(stress(H, DIRECTED, t)) == pytest.approx(DIRECTED @ strains, rel=1e-12)
@@ -152,7 +177,10 @@ def test_elements_of_high_degree_have_the_rotated_stiffness_of_every_point(p, na
     precise = hp.stiffness(long, matrices.astype(np.longdouble), p, along_at(layer, long, p))
     assert np.abs(K - precise).max() < 1e-13 * size
     turn = np.stack([-long[:, 1], long[:, 0]], axis=2)
-    assert np.abs(np.einsum("eaibj,ebj->eai", precise, turn)).max() < 1e-17 * float(size) * (p + 1) ** 2
+    assert (
+        np.abs(np.einsum("eaibj,ebj->eai", precise, turn)).max()
+        < 1e-17 * float(size) * (p + 1) ** 2
+    )
     values = np.linalg.eigvalsh(theirs[0])
     assert values[3] > 1e-6 * values[-1] > 1e6 * abs(values[2])
 
@@ -169,13 +197,18 @@ def test_isotropic_elements_beside_directed_ones_stay_what_they_are_alone():
 
 
 @pytest.mark.parametrize("flat", [False, True], ids=["arc", "pad"])
-@pytest.mark.parametrize(("p", "contact", "held"), [(3, True, False), (4, True, True), (5, False, False)])
+@pytest.mark.parametrize(
+    ("p", "contact", "held"), [(3, True, False), (4, True, True), (5, False, False)]
+)
 def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, flat):
     """One layer isotropic, one a third as stiff through as along, one with the shear of no
     isotropic material."""
     half, depths = np.array([0.003, 0.05, 0.21]), np.array([0.0, 0.0002, 0.004, 0.011])
     steel = elasticity_matrix(Material(E=2e11, nu=0.28))
-    layers = [ElasticLayer(D, 0.04, np.array([0.0, 1.0]) if flat else None) for D in (DIRECTED, 0.1 * DIRECTED, steel)]
+    layers = [
+        ElasticLayer(D, 0.04, np.array([0.0, 1.0]) if flat else None)
+        for D in (DIRECTED, 0.1 * DIRECTED, steel)
+    ]
     matrices = np.array([layer.stiffness for layer in layers])
     angles, radius = half[:, None] * lobatto(p), 0.14
 
@@ -192,7 +225,10 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
     theirs = columns(hp.condensed_elements(xy, matrices, p, along), of)
     A = angular(angles, p, flat=flat, directed=True)
     ours = arc_columns(
-        elements(radius - depths, A, matrices, p, radius if flat else None), p, contact=contact, held=held
+        elements(radius - depths, A, matrices, p, radius if flat else None),
+        p,
+        contact=contact,
+        held=held,
     )
     nodes = p + 1 if contact else 0
     for K, own, side in zip(theirs, ours, 0.0 * half if flat else half, strict=True):
@@ -204,7 +240,9 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
 
 def test_split_and_put_together_a_matrix_is_the_same():
     lam, mu, a, b = split(DIRECTED)
-    assert np.array([[lam + 2 * mu + a, lam, 0], [lam, lam + 2 * mu + b, 0], [0, 0, mu]]) == pytest.approx(DIRECTED)
+    assert np.array(
+        [[lam + 2 * mu + a, lam, 0], [lam, lam + 2 * mu + b, 0], [0, 0, mu]]
+    ) == pytest.approx(DIRECTED)
 
 
 def test_triangles_of_the_second_solver_carry_an_even_strain():
@@ -221,7 +259,9 @@ def test_triangles_of_the_second_solver_carry_an_even_strain():
     K = lagrange.stiffness(mesh, nodes, [Layer(-1, 1, layer)], degree)
     H = np.array([[1e-3, 4e-4], [-2e-4, 5e-4]])
     u = nodes.xy @ H.T
-    energy = sum(0.5 * u[of].ravel() @ own @ u[of].ravel() for own, of in zip(K, nodes.of, strict=True))
+    energy = sum(
+        0.5 * u[of].ravel() @ own @ u[of].ravel() for own, of in zip(K, nodes.of, strict=True)
+    )
     sigma = stress(H[..., None], DIRECTED, layer.along[:, None])[..., 0]
     area = 0.2 * 0.02
     assert energy == pytest.approx(0.5 * (sigma * H).sum() * area * layer.width, rel=1e-12)

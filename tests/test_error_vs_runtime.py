@@ -40,7 +40,9 @@ class Stopping(Journal):
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
-    """The module, the result of a run that was stopped twice, and what was in its journal at each stop."""
+    """The module, the result of a run that was stopped twice, and what was in its journal at each
+    stop.
+    """
     path = tmp_path_factory.mktemp("study") / "journal.jsonl"
     module, _ = load("error_vs_runtime")
     kept, references = [], {}
@@ -48,7 +50,11 @@ def outcome(tmp_path_factory):
     def once(brake, refinement):
         """The reference of a brake: the stopped runs and the whole one need the same."""
         key = brake.model_dump_json()
-        return references[key] if key in references else references.setdefault(key, responses(brake, refinement))
+        return (
+            references[key]
+            if key in references
+            else references.setdefault(key, responses(brake, refinement))
+        )
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "responses", once)
@@ -68,14 +74,20 @@ def rows(outcome):
 
 
 def pick(rows, family, **options):
-    return next(r for r in rows if r["family"] == family and all(r.get(k) == v for k, v in options.items()))
+    return next(
+        r for r in rows if r["family"] == family and all(r.get(k) == v for k, v in options.items())
+    )
 
 
 def test_a_stopped_run_goes_on_and_keeps_every_row(outcome):
     _, result, (first, second), whole = outcome
     assert second.startswith(first) and whole.startswith(second)
     keys = [(row["brake"], row["family"], row["method"]) for row in result.rows]
-    assert len(set(keys)) == len(keys) == len([line for line in whole.splitlines() if '\\"family\\"' in line])
+    assert (
+        len(set(keys))
+        == len(keys)
+        == len([line for line in whole.splitlines() if '\\"family\\"' in line])
+    )
     assert set(result.floors) == {MAIN, "laws/shigley_16_2"}
 
 
@@ -91,14 +103,19 @@ def test_finite_elements_know_more_than_laws_and_laws_are_faster(rows):
 
 
 def test_grading_and_order_pay(rows):
-    graded, even = (pick(rows, family, kind="quad2", elements=40) for family in ("graded mesh", "even mesh"))
+    graded, even = (
+        pick(rows, family, kind="quad2", elements=40) for family in ("graded mesh", "even mesh")
+    )
     linear = pick(rows, "graded mesh", kind="tri1", elements=40)
     assert graded["pressure_error"] < 0.5 * even["pressure_error"]
     assert graded["torque_error"] < 0.01 * linear["torque_error"]
 
 
 def test_columns_know_more_for_their_unknowns_and_keep_the_tolerance_that_they_state(rows):
-    mesh, columns = pick(rows, "graded mesh", kind="quad2", elements=40), pick(rows, "columns", level=0)
+    mesh, columns = (
+        pick(rows, "graded mesh", kind="quad2", elements=40),
+        pick(rows, "columns", level=0),
+    )
     assert columns["unknowns"] < 1.25 * mesh["unknowns"]
     assert columns["pressure_error"] < 0.15 * mesh["pressure_error"]
     assert pick(rows, "columns, error stated")["pressure_error"] < 5e-3
@@ -106,7 +123,10 @@ def test_columns_know_more_for_their_unknowns_and_keep_the_tolerance_that_they_s
 
 
 def test_the_textbook_contact_is_slower_and_less_exact_on_the_same_mesh_and_its_failures_stay(rows):
-    weak, textbook = (pick(rows, family, elements=40, penalty=1e3) for family in ("weak penalty", "pointwise penalty"))
+    weak, textbook = (
+        pick(rows, family, elements=40, penalty=1e3)
+        for family in ("weak penalty", "pointwise penalty")
+    )
     assert textbook["unknowns"] == weak["unknowns"]
     assert textbook["pressure_error"] > 2 * weak["pressure_error"]
     assert textbook["seconds"] > 1.2 * weak["seconds"]
@@ -158,7 +178,9 @@ def test_report(outcome, tmp_path):
 def test_methods_that_do_not_apply_are_rows(brake):
     rows = [
         measure(brake, Method("foundation", "f", {"model": "foundation"}), None, lambda: None),
-        measure(brake, Method("weak penalty", "w", {"elements": 4, "penalty": -1.0}), None, lambda: None),
+        measure(
+            brake, Method("weak penalty", "w", {"elements": 4, "penalty": -1.0}), None, lambda: None
+        ),
     ]
     assert all(row["status"].startswith("refused: --") for row in rows)
     with pytest.raises(BadInput):
@@ -177,10 +199,19 @@ def test_times_are_medians_of_enough_repeats_beside_the_unit():
 
 def test_the_floor_is_the_distance_of_both_references_whose_shoes_do_not_cancel(brake):
     one = solve(brake, elements=10)
-    other = replace(one, shoes=tuple(replace(s, torque=s.torque + d) for s, d in zip(one.shoes, (1, -1), strict=True)))
+    other = replace(
+        one,
+        shoes=tuple(
+            replace(s, torque=s.torque + d) for s, d in zip(one.shoes, (1, -1), strict=True)
+        ),
+    )
     assert other.torque == pytest.approx(one.torque, rel=1e-12)
-    assert floor(brake, Trio(one, one, other))["torque_error"] == pytest.approx(2 / one.torque, rel=1e-12)
+    assert floor(brake, Trio(one, one, other))["torque_error"] == pytest.approx(
+        2 / one.torque, rel=1e-12
+    )
     peaks = replace(one, shoes=tuple(replace(s, pressure=1.01 * s.pressure) for s in one.shoes))
     found = floor(brake, Trio(one, peaks, None))
-    assert [found[key] for key in ("pressure_error", "peak_error")] == pytest.approx([0.01, 0.01], rel=1e-9)
+    assert [found[key] for key in ("pressure_error", "peak_error")] == pytest.approx(
+        [0.01, 0.01], rel=1e-9
+    )
     assert set(floor(brake, Trio(one, one, one)).values()) == {0.0}

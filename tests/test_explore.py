@@ -1,4 +1,6 @@
-"""The page to play with: knobs, answers and pictures without a browser; then one browser that moves a slider."""
+"""The page to play with: knobs, answers and pictures without a browser; then one browser that moves
+a slider.
+"""
 
 import json
 import math
@@ -57,7 +59,10 @@ CHANGES = {
     "friction": (0.41, {"friction": 0.41}),
     "force": (3.0, {"shoe.actuation.force": "3 kN"}),
     "shift": (5.0, {"shoe.actuation.point.y": "105 mm"}),  # both lines are level, above the hinges
-    "turn": (10.0, {"shoe[0].actuation.direction": "10 deg", "shoe[1].actuation.direction": "170 deg"}),
+    "turn": (
+        10.0,
+        {"shoe[0].actuation.direction": "10 deg", "shoe[1].actuation.direction": "170 deg"},
+    ),
     "clearance": (0.1, {"shoe.lining.clearance": "0.1 mm"}),
     "misfit": (-0.05, {"shoe.lining.misfit.radius": "149.95 mm"}),
     "lining": (600.0, {"shoe.lining.material.E": "600 MPa"}),
@@ -77,7 +82,9 @@ def test_a_knob_does_what_a_changed_file_does(explorer, name):
 
 
 def test_every_quantity_has_a_test():
-    assert set(CHANGES) | {"wear"} == {knob.name for knob in knobs_of(read_brake(STUDY / "brake.toml"))}
+    assert set(CHANGES) | {"wear"} == {
+        knob.name for knob in knobs_of(read_brake(STUDY / "brake.toml"))
+    }
 
 
 def test_worn_long_enough_the_brake_is_the_laws(explorer):
@@ -92,7 +99,10 @@ def test_worn_long_enough_the_brake_is_the_laws(explorer):
 
 
 def test_a_lining_is_not_worn_beyond_its_thickness():
-    thin = vary(read_brake(STUDY / "brake.toml"), {"shoe.lining.thickness": "0.2 mm", "shoe.lining.material.E": 3e6})
+    thin = vary(
+        read_brake(STUDY / "brake.toml"),
+        {"shoe.lining.thickness": "0.2 mm", "shoe.lining.material.E": 3e6},
+    )
     explorer = Explorer(thin)
     answer = explorer.answer(turned(explorer, wear=50.0))
     assert answer.found is None
@@ -101,7 +111,12 @@ def test_a_lining_is_not_worn_beyond_its_thickness():
 
 def test_what_is_kept_changes_no_answer(explorer):
     brake = explorer.brake
-    path = [turned(explorer, friction=0.2), turned(explorer, shoe=20.0), turned(explorer, wear=3.0), start_of(brake)]
+    path = [
+        turned(explorer, friction=0.2),
+        turned(explorer, shoe=20.0),
+        turned(explorer, wear=3.0),
+        start_of(brake),
+    ]
     for setting in [*path, *reversed(path)]:
         assert explorer.answer(setting).found.torque == Explorer(brake).answer(setting).found.torque
 
@@ -147,9 +162,13 @@ def test_a_picture_shows_the_pressure_it_is_of(explorer):
         assert curve.p.min() >= 0
         sent = numbers_of(curve, picture.scale)
         assert np.array(sent["at"]) * 1e-3 == pytest.approx(curve.at, abs=6e-4)
-        assert np.array(sent["p"]) * 1e-4 * picture.scale == pytest.approx(curve.p, abs=6e-5 * picture.scale)
+        assert np.array(sent["p"]) * 1e-4 * picture.scale == pytest.approx(
+            curve.p, abs=6e-5 * picture.scale
+        )
     for shoe, curve in zip(answer.law.shoes, picture.law, strict=True):
-        assert curve.p * 1e6 == pytest.approx(shoe.pressure_at(np.radians(curve.at)), rel=1e-6, abs=1.0)
+        assert curve.p * 1e6 == pytest.approx(
+            shoe.pressure_at(np.radians(curve.at)), rel=1e-6, abs=1.0
+        )
     torques = [row[2] for row in picture.rows if row[1] == "finite elements"]
     assert sum(map(float, torques)) == pytest.approx(answer.found.torque, rel=1e-5)
     assert [np.radians(arc) for arc in picture.arcs] == [
@@ -162,7 +181,10 @@ def test_a_brake_on_a_plane_is_explored_too():
     brake = read_any(path)
     explorer = Explorer(brake)
     names = {each.name for each in explorer.knobs}
-    assert {"friction", "force", "shift", "turn", "clearance", "lining"} <= names and not {"wear", "misfit"} & names
+    assert {"friction", "force", "shift", "turn", "clearance", "lining"} <= names and not {
+        "wear",
+        "misfit",
+    } & names
     answer = explorer.answer(start_of(brake))
     solved = drumlin.solve(brake)
     assert not answer.failure
@@ -173,7 +195,10 @@ def test_a_brake_on_a_plane_is_explored_too():
     assert explorer.answer(changed).found.effect == pytest.approx(expected.effect, rel=1e-3)
     back = brake.other_direction
     setting, lines = setting_from(explorer.knobs, brake, {"sliding": back})
-    assert not lines and link_of(explorer.knobs, brake, setting) == f"sliding={back.replace('+', '%2B')}"
+    assert (
+        not lines
+        and link_of(explorer.knobs, brake, setting) == f"sliding={back.replace('+', '%2B')}"
+    )
     expected = drumlin.solve(vary(brake, {"plane.sliding": back}))
     assert explorer.answer(setting).found.effect == pytest.approx(expected.effect, rel=1e-3)
     picture = picture_of(answer, brake)
@@ -181,7 +206,10 @@ def test_a_brake_on_a_plane_is_explored_too():
         assert np.trapezoid(curve.p, curve.at * 1e-3) * 1e6 == pytest.approx(
             integrate(shoe.theta, shoe.pressure, shoe.order), rel=5e-3
         )
-    assert f"braking force <b>{answer.found.effect:.6g} N</b>" in picture.head and "-0.0 %" not in picture.head
+    assert (
+        f"braking force <b>{answer.found.effect:.6g} N</b>" in picture.head
+        and "-0.0 %" not in picture.head
+    )
     for address in ("/", "/picture", "/locking", "/brake.toml?friction=0.2"):
         assert reply(explorer, address, "b").status == 200
     assert read_any(path, reply(explorer, "/brake.toml?friction=0.2", "b").text).friction == 0.2
@@ -203,7 +231,12 @@ def test_how_far_the_fixed_division_is_off_is_said(explorer):
 def test_the_scale_is_round_and_holds_the_peak():
     for peak in np.geomspace(1e-3, 1e3, 200):
         assert peak <= scale_of(peak) <= 2.5001 * peak
-        assert round(scale_of(peak) / 10 ** math.floor(math.log10(scale_of(peak)) + 1e-9), 6) in {1, 2, 5, 10}
+        assert round(scale_of(peak) / 10 ** math.floor(math.log10(scale_of(peak)) + 1e-9), 6) in {
+            1,
+            2,
+            5,
+            10,
+        }
     assert scale_of(0.0) == 1.0
 
 
@@ -236,7 +269,8 @@ def test_what_a_link_cannot_mean_is_said(explorer, query, said):
 
 
 @given(
-    st.text(max_size=60), st.dictionaries(st.sampled_from(["friction", "force", "wear", "law"]), st.text(max_size=9))
+    st.text(max_size=60),
+    st.dictionaries(st.sampled_from(["friction", "force", "wear", "law"]), st.text(max_size=9)),
 )
 def test_no_address_breaks_the_page(explorer, junk, query):
     words = "&".join(f"{key}={text}" for key, text in query.items())
@@ -259,7 +293,9 @@ def test_the_saved_file_is_the_brake_that_is_solved(explorer, tmp_path):
 
 
 def test_a_setting_without_answer_saves_nothing(explorer):
-    locked = reply(Explorer(vary(explorer.brake, {"friction": 0.9})), "/brake.toml?friction=1.5", "b")
+    locked = reply(
+        Explorer(vary(explorer.brake, {"friction": 0.9})), "/brake.toml?friction=1.5", "b"
+    )
     assert locked.status == 422
     assert "self-locking" in locked.text
 
@@ -288,7 +324,9 @@ def test_shoes_that_share_a_force_are_explored_by_it(brake):
     assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     force = knob(explorer, "force")
     twice = explorer.answer(turned(explorer, force=2 * force.start))
-    assert twice.found.torque == pytest.approx(2 * answer.found.torque, rel=1e-6)  # no clearance: proportional
+    assert twice.found.torque == pytest.approx(
+        2 * answer.found.torque, rel=1e-6
+    )  # no clearance: proportional
     assert reply(explorer, "/", "b").status == reply(explorer, "/picture", "b").status == 200
 
 

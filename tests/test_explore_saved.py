@@ -1,4 +1,6 @@
-"""The brake file that the page saves: valid, and the same brake, whatever the names of files and folders."""
+"""The brake file that the page saves: valid, and the same brake, whatever the names of files and
+folders.
+"""
 
 import os
 import shutil
@@ -31,11 +33,15 @@ def explorer():
 @pytest.mark.parametrize("name", NAMES, ids=ascii)
 def test_the_saved_file_is_the_same_brake_whatever_the_file_was_called(explorer, tmp_path, name):
     saved = reply(explorer, "/brake.toml?friction=0.4", name)
-    assert saved.status == 200 and saved.file.isprintable() and not set(saved.file) & set('/\\:*?"<>|')
+    assert (
+        saved.status == 200 and saved.file.isprintable() and not set(saved.file) & set('/\\:*?"<>|')
+    )
     data = saved.text.encode("utf-8", errors="strict")
     path = tmp_path / saved.file[-100:]
     path.write_bytes(data)
-    assert set(tomllib.loads(data.decode())) == set(tomllib.loads((STUDY / "brake.toml").read_text()))
+    assert set(tomllib.loads(data.decode())) == set(
+        tomllib.loads((STUDY / "brake.toml").read_text())
+    )
     assert read_any(path) == explorer.brake.model_copy(update={"friction": 0.4})
 
 
@@ -46,9 +52,15 @@ def test_the_server_sends_it(explorer):
         thread.start()
         try:
             asked = HTTPConnection("127.0.0.1", server.server_port, timeout=20)
-            asked.request("GET", "/brake.toml?friction=0.4", headers={"Host": f"localhost:{server.server_port}"})
+            asked.request(
+                "GET",
+                "/brake.toml?friction=0.4",
+                headers={"Host": f"localhost:{server.server_port}"},
+            )
             answer = asked.getresponse()
-            assert answer.status == 200 and "_explored.toml" in answer.headers["Content-Disposition"]
+            assert (
+                answer.status == 200 and "_explored.toml" in answer.headers["Content-Disposition"]
+            )
             assert tomllib.loads(answer.read().decode())["friction"] == 0.4
             asked.close()
         finally:
@@ -77,7 +89,8 @@ def test_mesh_files_are_found_from_any_folder(tmp_path, monkeypatch, name):
     again = read_any(tmp_path / "elsewhere" / saved.file)
     assert [shoe.mesh for shoe in again.shoes] == [tmp_path / shoe.mesh for shoe in brake.shoes]
     shoes = tuple(
-        shoe.model_copy(update={"mesh": mine.mesh}) for shoe, mine in zip(again.shoes, brake.shoes, strict=True)
+        shoe.model_copy(update={"mesh": mine.mesh})
+        for shoe, mine in zip(again.shoes, brake.shoes, strict=True)
     )
     assert again.model_copy(update={"shoes": shoes}) == brake
 

@@ -1,4 +1,6 @@
-"""Stiffnesses, sizes and arcs far apart, solved by columns: within what is stated of a graded mesh, or refused."""
+"""Stiffnesses, sizes and arcs far apart, solved by columns: within what is stated of a graded mesh,
+or refused.
+"""
 
 import pytest
 
@@ -20,8 +22,8 @@ SLOW = [
 
 
 def check(case):
-    """The errors of a brake are within what is stated, as far as a mesh can tell: its corners converge slowly, and the
-    last step may be as large as half of what is left.
+    """The errors of a brake are within what is stated, as far as a mesh can tell: its corners
+    converge slowly, and the last step may be as large as half of what is left.
     """
     brake = case.brake()
     found = solve(brake)

@@ -1,4 +1,6 @@
-"""Broken inputs of every generator: an answer that is finite, or one line. And the judge itself, which can say no."""
+"""Broken inputs of every generator: an answer that is finite, or one line. And the judge itself,
+which can say no.
+"""
 
 import random
 import time
@@ -11,7 +13,16 @@ from drumlin.fem.mesh import vtu
 from drumlin.fem.mesh.abaqus import read_inp
 from drumlin.fuzzing import endings, trials
 from drumlin.fuzzing.endings import fault_of, in_process, in_subprocess
-from drumlin.fuzzing.faults import MAKERS, Input, brake_text, make, mesh_files, reference_text, result_text, shown
+from drumlin.fuzzing.faults import (
+    MAKERS,
+    Input,
+    brake_text,
+    make,
+    mesh_files,
+    reference_text,
+    result_text,
+    shown,
+)
 from judged_endings import BAD, GIVEN, GOOD, REFUSED
 
 SECONDS = 15.0
@@ -50,8 +61,12 @@ def test_a_process_of_its_own_ends_alike():
 def test_words_that_no_process_can_be_given_are_tried_in_this_one():
     """A NUL, half of a surrogate pair: both are among the words."""
     numbers = [n for n in range(60) if not all(map(trials.passes, trials.made("words", n).words))]
-    assert {True, False} == {any("\0" in word for word in trials.made("words", n).words) for n in numbers}
-    assert [trials.tried("words", n, apart=True).status for n in numbers[:6]] == [2] * len(numbers[:6])
+    assert {True, False} == {
+        any("\0" in word for word in trials.made("words", n).words) for n in numbers
+    }
+    assert [trials.tried("words", n, apart=True).status for n in numbers[:6]] == [2] * len(
+        numbers[:6]
+    )
 
 
 def test_what_waits_without_end_is_found(monkeypatch):
@@ -100,7 +115,11 @@ def test_brake_files_that_used_to_fall(case):
     before, after = TEXTS[case]
     text = brake_text(BRAKE).decode()
     assert before in text
-    given = Input(case, {"b.toml": text.replace(before, after, 1).encode()}, ["solve", "b.toml", "--elements", "6"])
+    given = Input(
+        case,
+        {"b.toml": text.replace(before, after, 1).encode()},
+        ["solve", "b.toml", "--elements", "6"],
+    )
     end = in_process(given)
     assert end.status == 2 and fault_of(given, end) == ""
 
@@ -134,7 +153,9 @@ def test_a_small_vtu_that_unpacks_to_much_is_refused_before(monkeypatch):
         vtu.check_unpacked(data)
     with pytest.raises(ValueError, match="unpacks"):
         vtu._unpacked(zlib.compress(bytes(50_000_000)), zlib.decompressobj, 1000)
-    assert vtu._unpacked(zlib.compress(bytes(5_000_000)), zlib.decompressobj, 5_000_000) == 5_000_000
+    assert (
+        vtu._unpacked(zlib.compress(bytes(5_000_000)), zlib.decompressobj, 5_000_000) == 5_000_000
+    )
     with pytest.raises(ValueError, match="entities"):
         vtu.check_unpacked(b'<!DOCTYPE x [<!ENTITY a "b">]>' + data)
 

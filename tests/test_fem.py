@@ -33,20 +33,27 @@ def same(a, b, rel):
     assert a.torque == pytest.approx(b.torque, rel=rel)
     for x, y in zip(a.shoes, b.shoes, strict=True):
         assert x.pressure == pytest.approx(y.pressure, rel=rel, abs=rel * y.pressure.max())
-        assert x.hinge_reaction == pytest.approx(y.hinge_reaction, rel=rel, abs=rel * np.abs(y.hinge_reaction).max())
+        assert x.hinge_reaction == pytest.approx(
+            y.hinge_reaction, rel=rel, abs=rel * np.abs(y.hinge_reaction).max()
+        )
         assert x.normal_force == pytest.approx(y.normal_force, rel=rel)
         assert x.self_energising == y.self_energising
 
 
 @pytest.mark.parametrize("rotation", ROTATIONS)
 def test_a_stiff_shoe_with_a_thin_lining_returns_to_the_sine_law(rotation):
-    rigid = vary(BRAKE, {"rotation": rotation, "shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 0.003})
+    rigid = vary(
+        BRAKE,
+        {"rotation": rotation, "shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 0.003},
+    )
     law, fem = sine(rigid), solve(rigid, elements=120)
     assert fem.torque == pytest.approx(law.torque, rel=3e-3)
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=3e-3)
         assert b.self_energising == a.self_energising
-        assert np.linalg.norm(b.hinge_reaction - a.hinge_reaction) < 5e-3 * np.linalg.norm(a.hinge_reaction)
+        assert np.linalg.norm(b.hinge_reaction - a.hinge_reaction) < 5e-3 * np.linalg.norm(
+            a.hinge_reaction
+        )
         phi = spec.frame.phi(b.theta)
         inside = (phi > phi.min() + 0.1) & (phi < phi.max() - 0.1)
         ratio = b.pressure[inside] / np.sin(phi[inside])
@@ -54,7 +61,9 @@ def test_a_stiff_shoe_with_a_thin_lining_returns_to_the_sine_law(rotation):
 
 
 def test_the_deviation_from_the_law_falls_with_the_lining(brake):
-    """Rigid shoe (no body): only the lining's own shear and bulging are left, and they vanish with t/R."""
+    """Rigid shoe (no body): only the lining's own shear and bulging are left, and they vanish with
+    t/R.
+    """
     deviations = []
     for thickness in (0.008, 0.004, 0.002):
         rigid = vary(brake, {"shoe.body": None, "shoe.lining.thickness": thickness})
@@ -118,7 +127,9 @@ def test_every_kind_of_mesh_converges_to_one_answer(kind, brake, fine):
     for count in elements:
         response = solve(brake, elements=count, kind=kind, penalty=math.inf)
         assert max(response.balance.force, response.balance.moment) < 1e-9
-        distances = [pressure_distance(a, b) for a, b in zip(response.shoes, fine.shoes, strict=True)]
+        distances = [
+            pressure_distance(a, b) for a, b in zip(response.shoes, fine.shoes, strict=True)
+        ]
         errors.append([abs(response.torque / fine.torque - 1), max(distances)])
     assert (np.array(errors[1]) < most).all()  # of each number: lists compare by their first alone
     orders = np.log2(np.array(errors[0]) / errors[1]) / math.log2(elements[1] / elements[0])
@@ -153,16 +164,22 @@ def test_the_fields_of_every_kind_agree(kind, brake, tmp_path):
 def open_heels(brake, flexible):
     """Brakes whose heels a clearance holds off, and their contact arcs on a fine mesh."""
     specs = [vary(spec, {"shoe.lining.clearance": 1e-4}) for spec in (brake, flexible)]
-    return [(spec, [shoe.contact_arcs for shoe in solve(spec, elements=200).shoes]) for spec in specs]
+    return [
+        (spec, [shoe.contact_arcs for shoe in solve(spec, elements=200).shoes]) for spec in specs
+    ]
 
 
 @pytest.mark.parametrize("kind", ["quad2", "tri2"])
 def test_contact_ends_are_located_inside_an_element(kind, open_heels):
-    """Within a fifth of an inner element of the ends on a fine mesh, and nearer than the node next to the pressed."""
+    """Within a fifth of an inner element of the ends on a fine mesh, and nearer than the node next
+    to the pressed.
+    """
     errors, nodes = [], []
     for spec, true in open_heels:
         for count in (40, 50, 60, 80):
-            for shoe, exact, part in zip(solve(spec, elements=count, kind=kind).shoes, true, spec.shoes, strict=True):
+            for shoe, exact, part in zip(
+                solve(spec, elements=count, kind=kind).shoes, true, spec.shoes, strict=True
+            ):
                 near, far = shoe.contact_arcs[0], exact[0]
                 k = 0 if part.frame.sense > 0 else -1  # the heel is next to the hinge
                 theta, p = shoe.theta, shoe.pressure
@@ -194,8 +211,12 @@ def test_times_the_force_is_times_everything(factor, friction, rotation):
     a, b = respond(SCENE, brake), respond(SCENE, more)
     assert b.torque == pytest.approx(factor * a.torque, rel=1e-10)
     for x, y in zip(a.shoes, b.shoes, strict=True):
-        assert y.pressure == pytest.approx(factor * x.pressure, rel=1e-10, abs=1e-10 * factor * x.pressure.max())
-        assert y.hinge_reaction == pytest.approx(factor * x.hinge_reaction, rel=1e-10, abs=1e-7 * factor)
+        assert y.pressure == pytest.approx(
+            factor * x.pressure, rel=1e-10, abs=1e-10 * factor * x.pressure.max()
+        )
+        assert y.hinge_reaction == pytest.approx(
+            factor * x.hinge_reaction, rel=1e-10, abs=1e-7 * factor
+        )
         assert y.turn == pytest.approx(factor * x.turn, rel=1e-10)
 
 
@@ -233,7 +254,9 @@ def test_the_mirror_image_gives_the_mirrored_answer(friction, tilt, height, rota
 
 
 def test_a_brake_in_mm_n_mpa_numbers_gives_the_same_numbers(brake):
-    """All lengths as numbers of mm, moduli of MPa: torque in N mm, pressure in MPa, the same to round-off."""
+    """All lengths as numbers of mm, moduli of MPa: torque in N mm, pressure in MPa, the same to
+    round-off.
+    """
     data = brake.model_dump(by_alias=True)
 
     def scaled(value, key=None):
@@ -333,12 +356,16 @@ def test_a_self_locking_brake_is_refused_with_both_limits(friction):
     locked = vary(BRAKE, {"friction": friction})
     with pytest.raises(NoAnswer, match=rf"self-locking, friction {friction:g} .* mu_lock = 0.823"):
         sine(locked)
-    with pytest.raises(NoAnswer, match=rf"self-locking.*friction {friction:g};.*mu_lock = .*rigid-shoe law"):
+    with pytest.raises(
+        NoAnswer, match=rf"self-locking.*friction {friction:g};.*mu_lock = .*rigid-shoe law"
+    ):
         respond(SCENE, locked)
 
 
 def test_a_rigid_shoe_locks_where_the_sine_law_does():
-    rigid = vary(BRAKE, {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 0.003, "friction": 0.9})
+    rigid = vary(
+        BRAKE, {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 0.003, "friction": 0.9}
+    )
     with pytest.raises(NoAnswer) as refusal:
         solve(rigid, elements=40)
     limit = float(str(refusal.value).split("mu_lock = ")[1].split()[0])
@@ -346,7 +373,9 @@ def test_a_rigid_shoe_locks_where_the_sine_law_does():
 
 
 def test_torque_grows_without_bound_towards_the_elastic_limit_of_self_locking():
-    """Follow the left shoe: its torque rises with mu, faster and faster, until there is no equilibrium."""
+    """Follow the left shoe: its torque rises with mu, faster and faster, until there is no
+    equilibrium.
+    """
     torques = []
     for friction in np.arange(0.05, 3.0, 0.05):
         try:
@@ -363,14 +392,20 @@ def test_a_shoe_that_turns_without_ever_touching_is_refused(brake):
         respond(SCENE, vary(brake, {"shoe.lining.clearance": 0.1}))
     outside = vary(
         brake,
-        {"shoe[0].hinge": {"x": 0.02, "y": 0.0}, "shoe[0].lining.clearance": 0.045, "shoe[0].actuation.point.y": 0.1},
+        {
+            "shoe[0].hinge": {"x": 0.02, "y": 0.0},
+            "shoe[0].lining.clearance": 0.045,
+            "shoe[0].actuation.point.y": 0.1,
+        },
     )
     with pytest.raises(NoAnswer, match="ever touching"):
         solve(outside, elements=20)
 
 
 def test_cost_is_counted_from_the_same_run(brake):
-    """Ratios are for the command `drumlin cost` to state; here: they are finite, ordered and not absurd."""
+    """Ratios are for the command `drumlin cost` to state; here: they are finite, ordered and not
+    absurd.
+    """
     c = cost(brake, elements=60, repeats=3)
     assert 1 < c.solve_ratio < 10
     assert 0 < c.further_ratio < 0.5
@@ -380,8 +415,12 @@ def test_cost_is_counted_from_the_same_run(brake):
 def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
     head, *rows, last = table(brake, sizes=(2_000, 4_000))
     assert "memory [GiB]" in head
-    assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.4)  # whole layers
-    assert all(0.05 < float(row.split()[-1]) < 2 for row in rows)  # GiB: Python and its libraries take 0.08
+    assert [float(row.split()[0]) for row in rows] == pytest.approx(
+        [2_000, 4_000], rel=0.4
+    )  # whole layers
+    assert all(
+        0.05 < float(row.split()[-1]) < 2 for row in rows
+    )  # GiB: Python and its libraries take 0.08
     assert "solve ~ N^" in last
 
 

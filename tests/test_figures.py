@@ -1,4 +1,6 @@
-"""Figures that everybody can read: colours apart under colour blindness, curves named and cut ones marked."""
+"""Figures that everybody can read: colours apart under colour blindness, curves named and cut ones
+marked.
+"""
 
 from itertools import combinations
 
@@ -16,11 +18,23 @@ from drumlin.report.render import _round_up
 # Dichromats by Machado, Oliveira & Fernandes (2009), severity 1, on linear RGB
 SIGHT = {
     "normal": np.eye(3),
-    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
-    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "protanopia": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+    "deuteranopia": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ],
 }
 TO_XYZ = np.array(
-    [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.119192, 0.9503041]]
+    [
+        [0.4124564, 0.3575761, 0.1804375],
+        [0.2126729, 0.7151522, 0.0721750],
+        [0.0193339, 0.119192, 0.9503041],
+    ]
 )
 WHITE = np.array([0.95047, 1.0, 1.08883])
 APART = 25.0  # CIE 1976 distance: ten times what is just noticed side by side
@@ -77,10 +91,18 @@ def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_be
     lower = Figure().subplots()
     lower.set_ylim(0, 0.5 * p.max())
     figures.mark_cut(lower, theta, p, "#000000")
-    assert [line.get_ydata()[0] for line in lower.lines] == [0.5 * p.max()] * len(lower.lines) and lower.lines
+    assert [line.get_ydata()[0] for line in lower.lines] == [0.5 * p.max()] * len(
+        lower.lines
+    ) and lower.lines
     assert not any(axes.get_legend() for axes in few.axes)  # nothing over the data
-    many = figures.pressures([("right", {name: solve(brake, name).shoes[0] for name in ("sine", "cosine", "uniform")})])
-    assert {text.get_text() for text in many.legends[0].get_texts()} >= {"sine law", "cosine law", "uniform pressure"}
+    many = figures.pressures(
+        [("right", {name: solve(brake, name).shoes[0] for name in ("sine", "cosine", "uniform")})]
+    )
+    assert {text.get_text() for text in many.legends[0].get_texts()} >= {
+        "sine law",
+        "cosine law",
+        "uniform pressure",
+    }
 
 
 # drawings of brakes
@@ -117,10 +139,16 @@ def test_a_rigid_arm_is_drawn_from_what_holds_and_pushes_a_block_to_its_grip(roo
     axes, _, dashed = drawn(root / "studies/brakes/block_on_lever.toml")
     ends = [line[-1].tolist() for line in dashed]
     assert ends == [[-250, 200], [450, 200]]
-    np.testing.assert_allclose([line[0] for line in dashed], [[0, 200]] * 2, atol=1e-9)  # the middle of its back
-    back = [line.get_xydata() for line in axes.lines if np.allclose(np.hypot(*line.get_xydata().T), 200)]
+    np.testing.assert_allclose(
+        [line[0] for line in dashed], [[0, 200]] * 2, atol=1e-9
+    )  # the middle of its back
+    back = [
+        line.get_xydata() for line in axes.lines if np.allclose(np.hypot(*line.get_xydata().T), 200)
+    ]
     lengths = [float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in back]
-    assert any(length == pytest.approx(1e3 * brake.shoes[0].body.grip, rel=1e-3) for length in lengths)
+    assert any(
+        length == pytest.approx(1e3 * brake.shoes[0].body.grip, rel=1e-3) for length in lengths
+    )
 
 
 def test_a_strut_reaches_from_a_foot_to_the_shoe_that_it_pushes(root):
@@ -140,10 +168,17 @@ def test_the_top_of_a_colour_bar_is_round_in_its_quarters_and_near():
 
 
 def test_panels_of_other_angles_say_their_own(root, brake):
-    """Blocks one after the other around a drum have their axes each; shoes in both rotations share them."""
+    """Blocks one after the other around a drum have their axes each; shoes in both rotations share
+    them.
+    """
     band = read_any(root / "studies/brakes/band.toml")
     blocks = [(shoe.name, {"rigid": shoe}) for shoe in solve(band, "rigid").shoes]
     shown = [axes for axes in figures.pressures(blocks).axes if axes.get_visible()]
     assert [bool(axes.get_xlabel()) for axes in shown] == [True] * 5
     both = [(shoe.name, {"sine": shoe}) for _ in range(2) for shoe in solve(brake, "sine").shoes]
-    assert [bool(axes.get_xlabel()) for axes in figures.pressures(both).axes] == [False, False, True, True]
+    assert [bool(axes.get_xlabel()) for axes in figures.pressures(both).axes] == [
+        False,
+        False,
+        True,
+        True,
+    ]

@@ -1,4 +1,6 @@
-"""Where files are read and written: what is replaced, what never is, what a pipe gets, what has a limit."""
+"""Where files are read and written: what is replaced, what never is, what a pipe gets, what has a
+limit.
+"""
 
 import os
 import signal
@@ -15,7 +17,16 @@ import pytest
 from conftest import STUDY
 from drumlin.cli.process import run
 from drumlin.errors import BadInput, NoAnswer, Stopped, ended, line_and_status
-from drumlin.files import cell, check_folder, check_outputs, inputs_kept, read_bytes, read_text, replacing, write_text
+from drumlin.files import (
+    cell,
+    check_folder,
+    check_outputs,
+    inputs_kept,
+    read_bytes,
+    read_text,
+    replacing,
+    write_text,
+)
 from drumlin.texts import MOST_DIGITS, check_digits, check_toml, one_line, typed
 
 
@@ -60,10 +71,16 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
     for link, to in (("l.json", "there/t.json"), ("again.json", "l.json")):
         (tmp_path / link).symlink_to(to)
     write_text(tmp_path / "again.json", "new")
-    assert target.read_text() == "new" and (tmp_path / "again.json").is_symlink() and (tmp_path / "l.json").is_symlink()
+    assert (
+        target.read_text() == "new"
+        and (tmp_path / "again.json").is_symlink()
+        and (tmp_path / "l.json").is_symlink()
+    )
     (tmp_path / "dangling").symlink_to("there/made.json")
     write_text(tmp_path / "dangling", "made")
-    assert (tmp_path / "there" / "made.json").read_text() == "made" and (tmp_path / "dangling").is_symlink()
+    assert (tmp_path / "there" / "made.json").read_text() == "made" and (
+        tmp_path / "dangling"
+    ).is_symlink()
     os.mkfifo(tmp_path / "pipe")
     # /dev/stdout is such a link, to whatever standard output is.
     (tmp_path / "to pipe").symlink_to("pipe")
@@ -134,10 +151,18 @@ def test_a_stopped_run_leaves_the_earlier_file_and_no_other(tmp_path):
         with pytest.raises(type(error)), replacing(path) as partial:
             partial.write_text("half")
             raise error
-    assert path.read_text() == "earlier" and [each.name for each in tmp_path.iterdir()] == ["r.json"]
+    assert path.read_text() == "earlier" and [each.name for each in tmp_path.iterdir()] == [
+        "r.json"
+    ]
 
 
-FOLDERS = {"a folder": "sub", "below a file": "b.json/x.json", "NUL": "a\0b", "too long": "x" * 300, "no name": ""}
+FOLDERS = {
+    "a folder": "sub",
+    "below a file": "b.json/x.json",
+    "NUL": "a\0b",
+    "too long": "x" * 300,
+    "no name": "",
+}
 
 
 @pytest.mark.parametrize("case", FOLDERS)
@@ -165,7 +190,9 @@ def test_two_outputs_need_two_files_and_a_folder_no_file(tmp_path):
 # inputs
 
 
-@pytest.mark.parametrize("spelling", ["b.json", "./b.json", "sub/../b.json", "link.json", "hard.json"])
+@pytest.mark.parametrize(
+    "spelling", ["b.json", "./b.json", "sub/../b.json", "link.json", "hard.json"]
+)
 def test_no_output_is_an_input_however_it_is_spelled(tmp_path, monkeypatch, spelling):
     monkeypatch.chdir(tmp_path)
     text = (STUDY / "brake.toml").read_text()
@@ -178,14 +205,18 @@ def test_no_output_is_an_input_however_it_is_spelled(tmp_path, monkeypatch, spel
         ["solve", "b.json", "--pressure"],
         ["sensitivity", "b.json", "--json"],
     ):
-        with pytest.raises(BadInput, match="one of the files that are read; must not be written over"):
+        with pytest.raises(
+            BadInput, match="one of the files that are read; must not be written over"
+        ):
             run([*words, spelling])
     assert (tmp_path / "b.json").read_text() == text
 
 
 def test_no_output_is_the_mesh_even_of_a_model_that_reads_none(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    text = (STUDY / "brake.toml").read_text().replace('name = "left"', 'name = "left"\nmesh = "m.msh"')
+    text = (
+        (STUDY / "brake.toml").read_text().replace('name = "left"', 'name = "left"\nmesh = "m.msh"')
+    )
     (tmp_path / "b.toml").write_text(text)
     (tmp_path / "m.msh").write_text("mesh")
     with pytest.raises(BadInput, match="must not be written over"):
@@ -271,10 +302,16 @@ def test_what_is_no_mesh_is_refused_at_once(tmp_path, monkeypatch, kind):
     said = no_mesh(kind, tmp_path / "m.msh")
     brake = (STUDY / "brake.toml").read_text()
     (tmp_path / "whole.toml").write_text(brake)
-    (tmp_path / "b.toml").write_text(brake.replace('name = "left"', 'name = "left"\nmesh = "m.msh"'))
+    (tmp_path / "b.toml").write_text(
+        brake.replace('name = "left"', 'name = "left"\nmesh = "m.msh"')
+    )
     (tmp_path / "s.toml").write_text('brake = "b.toml"\n[vary]\nfriction = [0.1, 0.2]\n')
     (tmp_path / "t.toml").write_text('brake = "whole.toml"\n[vary]\n"shoe[0].mesh" = ["m.msh"]\n')
-    for words in (["solve", "b.toml"], ["sweep", "s.toml", "--jobs", "1"], ["sweep", "t.toml", "--jobs", "1"]):
+    for words in (
+        ["solve", "b.toml"],
+        ["sweep", "s.toml", "--jobs", "1"],
+        ["sweep", "t.toml", "--jobs", "1"],
+    ):
         with pytest.raises(BadInput, match=rf"m\.msh.*({said})"), within(10):
             start = time.process_time()
             run(words)
@@ -285,8 +322,20 @@ def test_what_is_no_mesh_is_refused_at_once(tmp_path, monkeypatch, kind):
 
 
 def test_a_page_shows_what_was_typed_without_the_machine_s_folders():
-    words = ["drumlin", "compare", "/home/x/b <i>.toml", "--output=/srv/r", "--penalty", "1e5", "a/b.toml", "x\n", ""]
-    assert typed(words) == "drumlin compare 'b <i>.toml' --output=r --penalty 1e5 a/b.toml 'x\\n' ''"
+    words = [
+        "drumlin",
+        "compare",
+        "/home/x/b <i>.toml",
+        "--output=/srv/r",
+        "--penalty",
+        "1e5",
+        "a/b.toml",
+        "x\n",
+        "",
+    ]
+    assert (
+        typed(words) == "drumlin compare 'b <i>.toml' --output=r --penalty 1e5 a/b.toml 'x\\n' ''"
+    )
 
 
 def test_lines_for_people_are_printable_and_short():
@@ -314,12 +363,16 @@ def test_texts_are_limited_before_a_parser_sees_them():
             check_toml(key + " = 1")
 
 
-@pytest.mark.parametrize("text", ["=1+1", "+cmd|' /C calc'!A0", "-2+3+cmd|x", "@SUM(1)", "\t=1", "\r=1", "-x"])
+@pytest.mark.parametrize(
+    "text", ["=1+1", "+cmd|' /C calc'!A0", "-2+3+cmd|x", "@SUM(1)", "\t=1", "\r=1", "-x"]
+)
 def test_a_text_that_a_spreadsheet_would_compute_is_led_by_an_apostrophe(text):
     assert cell(text) == f"'{text}"
 
 
-@pytest.mark.parametrize("value", ["-70 to 55.1", "-1e-05", "+3", "-70", "a=1", "", -3.5, None, "failed: -"])
+@pytest.mark.parametrize(
+    "value", ["-70 to 55.1", "-1e-05", "+3", "-70", "a=1", "", -3.5, None, "failed: -"]
+)
 def test_numbers_and_harmless_texts_are_cells_as_they_are(value):
     assert cell(value) == value
 
@@ -341,7 +394,11 @@ ENDS = {
     "disk": (OSError(28, "No space left on device", "f"), "f: No space left on device", 3),
     "handles": (OSError(24, "Too many open files"), "Too many open files", 3),
     "folder": (IsADirectoryError(21, "Is a directory", "f\n"), r"f\n: Is a directory", 2),
-    "fault": (ZeroDivisionError("x"), "unexpected ZeroDivisionError: x; a fault of drumlin, please report it", 1),
+    "fault": (
+        ZeroDivisionError("x"),
+        "unexpected ZeroDivisionError: x; a fault of drumlin, please report it",
+        1,
+    ),
 }
 
 

@@ -1,4 +1,6 @@
-"""The foundation model: its grid and ring from below, closed forms of beams, limits, contact, refusals."""
+"""The foundation model: its grid and ring from below, closed forms of beams, limits, contact,
+refusals.
+"""
 
 import math
 import time
@@ -27,7 +29,9 @@ POST = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
 PAPER = {"tilt": False, "wedge": False, "plane_stress": False}
 
 
-def upright(R=2.0, D=2.5, arc=40.0, EI=5e8, layer=5e8, mu=0.4, spin=1, gap=0.0, force=1e5, **more) -> Brake:
+def upright(
+    R=2.0, D=2.5, arc=40.0, EI=5e8, layer=5e8, mu=0.4, spin=1, gap=0.0, force=1e5, **more
+) -> Brake:
     """One post on the right of a rigid drum, hinge below, its lining without a block."""
     data = {
         "title": "post",
@@ -78,13 +82,17 @@ def test_ring_coefficients_are_their_fourier_series(d):
     assert ring.one_force(d) == pytest.approx(float(terms @ np.cos(n * d)), abs=1e-10)
     assert ring.drag_of_one_force(d) == pytest.approx(float((terms / n) @ np.sin(n * d)), abs=1e-10)
     if abs(math.sin(d)) > 0.1:  # converges as 1/n^2 there
-        assert ring.shear_of_one_force(d) == pytest.approx(float((terms * n**2) @ np.cos(n * d)), abs=1e-7)
+        assert ring.shear_of_one_force(d) == pytest.approx(
+            float((terms * n**2) @ np.cos(n * d)), abs=1e-7
+        )
 
 
 def test_two_opposite_forces_are_twice_one_and_the_known_ring():
     """F R^3/EI under a diametral pair: 0.148778/2 under a force, 0.136620/2 across."""
     d = np.linspace(0, 2 * math.pi, 50)
-    assert ring.two_forces(d) == pytest.approx(ring.one_force(d) + ring.one_force(d + math.pi), abs=1e-13)
+    assert ring.two_forces(d) == pytest.approx(
+        ring.one_force(d) + ring.one_force(d + math.pi), abs=1e-13
+    )
     assert ring.two_forces(0.0) / math.pi == pytest.approx(0.148778 / 2, abs=5e-7)
     assert ring.two_forces(math.pi / 2) / math.pi == pytest.approx(-0.136620 / 2, abs=5e-7)
 
@@ -93,23 +101,31 @@ def test_two_opposite_forces_are_twice_one_and_the_known_ring():
 
 
 def test_a_cantilever_and_a_beam_of_two_stiffnesses():
-    """The lever matrices alone: closing^T (dx/EI) M of a beam clamped at its hinge is P L^3/(3 EI) at its end."""
+    """The lever matrices alone: closing^T (dx/EI) M of a beam clamped at its hinge is P L^3/(3 EI)
+    at its end.
+    """
     errors = []
     for sections in (40, 80):
         p = post(upright(), upright().shoes[0], sections, **PAPER)
-        w = np.maximum(p.x[-1] - p.x, 0) @ (np.where(p.x == 0, 0.5 * p.x[1], p.step) / p.EI * p.loaded)
+        w = np.maximum(p.x[-1] - p.x, 0) @ (
+            np.where(p.x == 0, 0.5 * p.x[1], p.step) / p.EI * p.loaded
+        )
         exact = 1e5 * 4.6**3 / (3 * 5e8)
         errors.append(abs(w / exact - 1))
     assert errors[0] < 2e-3
     assert errors[1] < 0.3 * errors[0]
-    table = vary(upright(), {"shoe.body.bending_stiffness": [[0.0, 4e8], [2.0, 4e8], [2.001, 8e8], [4.6, 8e8]]})
+    table = vary(
+        upright(),
+        {"shoe.body.bending_stiffness": [[0.0, 4e8], [2.0, 4e8], [2.001, 8e8], [4.6, 8e8]]},
+    )
     p = post(table, table.shoes[0], 10, **PAPER)
     assert p.EI[p.x < 2] == pytest.approx(4e8)
     assert p.EI[p.x > 2.1] == pytest.approx(8e8)
 
 
 def test_a_beam_on_an_elastic_foundation_is_hetenyis():
-    """A nearly flat lining (R = 20 km) under all of a beam, hinged at one end, loaded at the other, no lift-off.
+    """A nearly flat lining (R = 20 km) under all of a beam, hinged at one end, loaded at the other,
+    no lift-off.
 
     EI w'''' = -k w with w = 0, w'' = 0 at the hinge and w'' = 0, EI w''' = -P at the end:
     w is the sum of exp(+-bx +- i bx) that meets the four conditions, b^4 = k/(4 EI).
@@ -121,7 +137,13 @@ def test_a_beam_on_an_elastic_foundation_is_hetenyis():
     data["friction"] = 0.0
     shoe = data["shoe"][0]
     shoe["hinge"] = {"x": R + 0.021, "y": -1.0}
-    shoe["lining"] |= {"start": -half, "end": half, "width": 0.3, "thickness": 0.02, "material": {"E": E, "nu": 0.0}}
+    shoe["lining"] |= {
+        "start": -half,
+        "end": half,
+        "width": 0.3,
+        "thickness": 0.02,
+        "material": {"E": E, "nu": 0.0},
+    }
     shoe["body"] = {"shape": "beam", "bending_stiffness": EI}
     shoe["actuation"] = {"force": P, "direction": math.pi, "point": {"x": R + 0.021, "y": 1.0}}
     flat = brake_from(data)
@@ -181,12 +203,21 @@ def test_a_stiff_beam_on_a_rigid_drum_turns_as_a_rigid_body(spin):
 @pytest.mark.parametrize("spin", [1, pytest.param(-1, marks=pytest.mark.slow)])
 def test_second_order_where_the_contact_set_is_fixed(lift, spin):
     brake = soft(spin=spin, **{"drum.ring": {"bending_stiffness": 5e8}, "shoe.lining.end": 0.6})
-    lift = tuple(name for name in foundation.LIFTS if name not in {"thick-ring", "wedge"}) if lift else ()
+    lift = (
+        tuple(name for name in foundation.LIFTS if name not in {"thick-ring", "wedge"})
+        if lift
+        else ()
+    )
 
     def numbers(sections):
         response = foundation.solve(brake, sections=sections, lift=lift)
-        assert response.shoes[0].contact_arcs[0] == (response.shoes[0].theta[0], response.shoes[0].theta[-1])
-        return np.array([response.torque, response.shoes[0].normal_force, response.merits[0].friction_radius])
+        assert response.shoes[0].contact_arcs[0] == (
+            response.shoes[0].theta[0],
+            response.shoes[0].theta[-1],
+        )
+        return np.array(
+            [response.torque, response.shoes[0].normal_force, response.merits[0].friction_radius]
+        )
 
     fine = numbers(1440)
     errors = [np.abs(numbers(n) / fine - 1) for n in (45, 90, 180, 360)]
@@ -226,7 +257,9 @@ def test_balances_hold_and_pressure_is_complementary(spin, mu, EI, layer, ring_E
 
 def test_torque_is_the_integral_of_the_responses_own_pressure():
     shoe = foundation.solve(soft()).shoes[0]
-    assert shoe.torque == pytest.approx(0.4 * 0.3 * 4.0 * np.trapezoid(shoe.pressure, shoe.theta), rel=1e-12)
+    assert shoe.torque == pytest.approx(
+        0.4 * 0.3 * 4.0 * np.trapezoid(shoe.pressure, shoe.theta), rel=1e-12
+    )
 
 
 def test_doubling_the_force_doubles_everything_without_clearance():
@@ -257,7 +290,8 @@ def arcs(brake, **options):
     shoe = foundation.solve(brake, **options).shoes[0]
     start, end = shoe.theta[0], shoe.theta[-1]
     return [
-        (round((a - start) / (end - start), 2), round((b - start) / (end - start), 2)) for a, b in shoe.contact_arcs
+        (round((a - start) / (end - start), 2), round((b - start) / (end - start), 2))
+        for a, b in shoe.contact_arcs
     ]
 
 
@@ -296,7 +330,9 @@ def test_from_any_start_at_most_twelve_steps_and_one_answer(sections, gap):
     scale = answers[0].shoes[0].pressure.max()
     for answer in answers:
         assert answer.iterations <= 12
-        assert answer.shoes[0].pressure == pytest.approx(answers[0].shoes[0].pressure, rel=1e-7, abs=1e-9 * scale)
+        assert answer.shoes[0].pressure == pytest.approx(
+            answers[0].shoes[0].pressure, rel=1e-7, abs=1e-9 * scale
+        )
     assert answers[0].shoes[0].pressure.min() == 0  # some of it is off: a set was found, not given
 
 
@@ -311,7 +347,9 @@ def test_the_papers_iteration_gives_the_same_answer(gap, ring_EI, spin):
     paper = iterate(brake, 0, 120)
     p = post(brake, brake.shoes[0], 120, **PAPER)
     assert paper.rounds > 1
-    assert mine.pressure == pytest.approx(paper.N / (0.3 * 2.0 * p.sector), rel=1e-6, abs=1e-8 * mine.pressure.max())
+    assert mine.pressure == pytest.approx(
+        paper.N / (0.3 * 2.0 * p.sector), rel=1e-6, abs=1e-8 * mine.pressure.max()
+    )
     assert mine.deformation.w == pytest.approx(paper.w, rel=1e-6, abs=1e-8 * paper.w.max())
     scale = max(np.abs(paper.z).max(), 1e-12)
     assert mine.deformation.z == pytest.approx(paper.z, rel=1e-6, abs=1e-7 * scale)
@@ -342,9 +380,13 @@ def test_each_lift_changes_what_it_names_and_nothing_else():
         assert f"--lift {name})" not in said[1]
     rigid = vary(POST, {"drum.ring": None})
     for name in ("all-modes", "own-pressure", "ring-friction", "thick-ring"):
-        assert foundation.solve(rigid, lift=[name]).torque == pytest.approx(foundation.solve(rigid).torque, rel=1e-12)
+        assert foundation.solve(rigid, lift=[name]).torque == pytest.approx(
+            foundation.solve(rigid).torque, rel=1e-12
+        )
     nu0 = vary(POST, {"shoe.lining.material.nu": 0, "shoe.backing.material.nu": 0})
-    assert foundation.solve(nu0, lift=["plane-stress"]).torque == pytest.approx(foundation.solve(nu0).torque, rel=1e-12)
+    assert foundation.solve(nu0, lift=["plane-stress"]).torque == pytest.approx(
+        foundation.solve(nu0).torque, rel=1e-12
+    )
 
 
 def test_without_friction_and_with_tilt_lifted_the_flexibility_is_symmetric():
@@ -360,7 +402,10 @@ def test_equal_pressures_half_a_turn_apart_are_the_papers_twin():
     data = POST.model_dump(by_alias=True)
     left = data["shoe"][1]
     left["hinge"] = {"x": -data["shoe"][0]["hinge"]["x"], "y": -data["shoe"][0]["hinge"]["y"]}
-    left["actuation"]["point"] = {"x": left["hinge"]["x"], "y": -data["shoe"][0]["actuation"]["point"]["y"]}
+    left["actuation"]["point"] = {
+        "x": left["hinge"]["x"],
+        "y": -data["shoe"][0]["actuation"]["point"]["y"],
+    }
     pair = brake_from(data)
     twin, own = foundation.solve(pair), foundation.solve(pair, lift=["own-pressure"])
     assert own.torque == pytest.approx(twin.torque, rel=1e-8)
@@ -400,7 +445,10 @@ def test_the_model_is_one_of_the_models(brake):
         ({"shoe.lining.end": 1.6}, "must lie between the beam's ends"),
         ({"shoe.body.offset": [[0.0, 0.1], [4.6, 0.1]]}, "starts with 0 at the hinge"),
         ({"shoe.body.bending_stiffness": [[0.0, 1.0], [4.6, -1.0]]}, "must be greater than 0"),
-        ({"shoe.body.bending_stiffness": None}, "needs thickness, width and material, or bending_stiffness"),
+        (
+            {"shoe.body.bending_stiffness": None},
+            "needs thickness, width and material, or bending_stiffness",
+        ),
         ({"shoe.body.bending_stiffness": "5 m"}, "must be a bending stiffness such as '12 MN m^2'"),
         ({"shoe.body.shape": "bent"}, 'must be "arc" (the default) or "beam"'),
         ({"drum.ring": {"thickness": 0.1}}, "needs thickness, width and material"),
@@ -428,19 +476,28 @@ def test_refusals_of_the_model():
 
 def test_self_locking_is_said_with_the_friction_it_begins_at():
     def stiff(mu):
-        return vary(soft(D=2.05, EI=5e12, mu=mu), {"shoe.actuation.force": 1.0})  # the torque grows beyond bounds
+        return vary(
+            soft(D=2.05, EI=5e12, mu=mu), {"shoe.actuation.force": 1.0}
+        )  # the torque grows beyond bounds
 
-    with pytest.raises(NoAnswer, match=r"self-locking.*mu_lock = [0-9.]+ \(rigid-shoe law") as caught:
+    with pytest.raises(
+        NoAnswer, match=r"self-locking.*mu_lock = [0-9.]+ \(rigid-shoe law"
+    ) as caught:
         foundation.solve(stiff(8.0), lift=["tilt"])
     lock = float(str(caught.value).split("mu_lock = ")[1].split()[0])
     assert lock == pytest.approx(locking_friction(stiff(1.0), stiff(1.0).shoes[0]), rel=2e-3)
-    torques = [foundation.solve(stiff(lock * (1 - gap)), lift=["tilt"]).torque * gap for gap in (1e-2, 2e-3)]
+    torques = [
+        foundation.solve(stiff(lock * (1 - gap)), lift=["tilt"]).torque * gap
+        for gap in (1e-2, 2e-3)
+    ]
     assert torques[1] == pytest.approx(torques[0], rel=0.05)  # grows as 1/(mu_lock - mu)
 
 
 @pytest.mark.parametrize("spin", [1, -1])
 def test_a_flexible_post_does_not_lock_and_is_followed_to_any_friction(spin):
-    """At mu = 5 and 6 there is a second, unstable contact set, which a guess may lead to; torque has no jump."""
+    """At mu = 5 and 6 there is a second, unstable contact set, which a guess may lead to; torque
+    has no jump.
+    """
     torques = [foundation.solve(upright(D=2.05, mu=mu, spin=spin)).torque for mu in (4.0, 5.0, 6.0)]
     assert torques[2] - torques[1] == pytest.approx(torques[1] - torques[0], rel=0.6)
 
@@ -448,9 +505,15 @@ def test_a_flexible_post_does_not_lock_and_is_followed_to_any_friction(spin):
 def test_a_worn_in_lining_bears_by_the_sine_law_however_elastic_the_brake_is():
     for lift in ((), ("all",)):
         worn = worn_in_foundation(POST, lift=lift)
-        before, after, law = foundation.solve(POST, lift=lift), foundation.solve(worn, lift=lift), sine(POST)
+        before, after, law = (
+            foundation.solve(POST, lift=lift),
+            foundation.solve(worn, lift=lift),
+            sine(POST),
+        )
         for a, b, c, shoe in zip(before.shoes, after.shoes, law.shoes, worn.shoes, strict=True):
-            assert b.pressure == pytest.approx(c.pressure_at(b.theta), rel=2e-3, abs=1e-5 * c.peak_pressure)
+            assert b.pressure == pytest.approx(
+                c.pressure_at(b.theta), rel=2e-3, abs=1e-5 * c.peak_pressure
+            )
             assert np.abs(a.pressure - c.pressure_at(a.theta)).max() > 0.1 * c.peak_pressure
             gap = shoe.lining.clearance_at(b.theta)
             assert gap.min() == pytest.approx(0, abs=1e-9)

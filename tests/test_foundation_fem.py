@@ -1,4 +1,6 @@
-"""The straight-beam shoe as finite elements, and the foundation model against them where its assumptions hold."""
+"""The straight-beam shoe as finite elements, and the foundation model against them where its
+assumptions hold.
+"""
 
 import math
 
@@ -41,7 +43,8 @@ def with_arc(brake, half):
 
 
 POST = vary(
-    with_arc(STUDY, 40), {"shoe.body.thickness": 0.5, "shoe.body.bending_stiffness": 3e8, "shoe.lining.material.E": 5e8}
+    with_arc(STUDY, 40),
+    {"shoe.body.thickness": 0.5, "shoe.body.bending_stiffness": 3e8, "shoe.lining.material.E": 5e8},
 )
 
 
@@ -67,7 +70,9 @@ def test_the_mesh_fills_beam_block_and_lining_and_nothing_else():
         assert np.ptp(nodes[end][:, 0]) == pytest.approx(0.5)
         assert nodes[end][:, 0].mean() == pytest.approx(2.5)
     angles = np.degrees(np.arctan2(nodes["contact"][:, 1], nodes["contact"][:, 0]))
-    assert (angles.min(), angles.max()) == pytest.approx((math.degrees(lining.start), math.degrees(lining.end)))
+    assert (angles.min(), angles.max()) == pytest.approx(
+        (math.degrees(lining.start), math.degrees(lining.end))
+    )
 
 
 def test_a_beam_given_by_its_bending_stiffness_bends_as_one_of_that_section():
@@ -77,15 +82,23 @@ def test_a_beam_given_by_its_bending_stiffness_bends_as_one_of_that_section():
     plain = vary(POST, {"drum.ring": None, "shoe.body.width": 12 * EI / (2.1e11 * 0.5**3)})
     plain = vary(plain, {"shoe.body.bending_stiffness": None})
     other = vary(POST, {"drum.ring": None, "shoe.body.width": 1.0})
-    assert solve(other, elements=20).torque == pytest.approx(solve(plain, elements=20).torque, rel=1e-9)
+    assert solve(other, elements=20).torque == pytest.approx(
+        solve(plain, elements=20).torque, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("rotation", ["counter-clockwise", "clockwise"])
 @pytest.mark.parametrize("half", partly([15, 20, 30], {15, 30}))
 def test_with_matched_stiffness_the_torque_agrees_within_two_per_cent(half, rotation):
-    """Thin soft lining, slender beam, nu = 0, tilt lifted. As printed the model is off by what tilt is worth."""
+    """Thin soft lining, slender beam, nu = 0, tilt lifted. As printed the model is off by what tilt
+    is worth.
+    """
     brake = vary(with_arc(POST, half), MATCHED | {"rotation": rotation})
-    fem, mine, printed = solve(brake, elements=40), foundation.solve(brake, lift=["tilt"]), foundation.solve(brake)
+    fem, mine, printed = (
+        solve(brake, elements=40),
+        foundation.solve(brake, lift=["tilt"]),
+        foundation.solve(brake),
+    )
     for a, b in zip(mine.shoes, fem.shoes, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=0.01)
         assert a.turn == pytest.approx(b.turn, rel=0.04)
@@ -106,14 +119,23 @@ def test_a_flexible_post_is_followed_where_the_sine_law_fails():
 @pytest.mark.parametrize(("share", "slack"), [(0.01, 5e-4), (0.1, 8e-3)])
 @pytest.mark.parametrize("twin", [True, False])
 def test_a_ring_of_finite_elements_moves_by_the_closed_form(share, slack, twin):
-    """Work of a uniform pressure on 40 deg, alone or with an equal one opposite, by the ring's flexibility.
+    """Work of a uniform pressure on 40 deg, alone or with an equal one opposite, by the ring's
+    flexibility.
 
-    With hoop, shear and the radius of the section's middle; the thin ring of the drum's radius is too soft by
+    With hoop, shear and the radius of the section's middle; the thin ring of the drum's radius is
+    too soft by
     1.5 t/R, since its middle lies t/2 inside.
     """
     brake = vary(
         with_arc(POST, 20),
-        {"drum.ring": {"thickness": 2 * share, "width": 0.3, "material": {"E": 2.1e11, "nu": 0.3}, "support": "free"}},
+        {
+            "drum.ring": {
+                "thickness": 2 * share,
+                "width": 0.3,
+                "material": {"E": 2.1e11, "nu": 0.3},
+                "support": "free",
+            }
+        },
     )
     pressed = [part.sum(axis=1) for part in prepare(brake, elements=40).ring.pressed]
     fem = float(pressed[0] @ (sum(pressed) if twin else pressed[0]))
@@ -121,7 +143,8 @@ def test_a_ring_of_finite_elements_moves_by_the_closed_form(share, slack, twin):
     half = math.radians(20)
     N, d = 0.3 * 2.0 * half * weights, half * np.subtract.outer(points, points)
     thick, thin = (
-        float(N @ flexibility(brake.drum.ring, 2.0, d, twin=twin, sign=-1, thick=thick) @ N) for thick in (True, False)
+        float(N @ flexibility(brake.drum.ring, 2.0, d, twin=twin, sign=-1, thick=thick) @ N)
+        for thick in (True, False)
     )
     assert thick == pytest.approx(fem, rel=slack)
     assert thin / fem - 1 == pytest.approx(1.5 * share, rel=0.03)
@@ -150,14 +173,21 @@ def test_what_cannot_be_meshed_is_refused_and_the_foundation_model_still_answers
 
 def test_beam_and_rim_of_the_finite_elements_move_as_those_of_the_foundation_model():
     """Where the assumptions hold."""
-    ring = {"thickness": 0.06, "width": 0.4, "bending_stiffness": 2e8, "material": {"E": 2.1e11, "nu": 0.0}}
+    ring = {
+        "thickness": 0.06,
+        "width": 0.4,
+        "bending_stiffness": 2e8,
+        "material": {"E": 2.1e11, "nu": 0.0},
+    }
     brake = vary(with_arc(POST, 20), MATCHED | {"drum.ring": ring | {"support": "free"}})
     scene = prepare(brake, elements=40)
     fem, mine = respond(scene, brake), foundation.solve(brake, lift=["all"])
     for i, answer in enumerate(mine.shoes):
         x, w = beam_deflection(scene, brake, fem, i)
         assert (x[0], x[-1]) == pytest.approx((0, 4.6), abs=1e-9)
-        assert w == pytest.approx(np.interp(x, answer.deformation.x, answer.deformation.w), abs=0.05 * w.max())
+        assert w == pytest.approx(
+            np.interp(x, answer.deformation.x, answer.deformation.w), abs=0.05 * w.max()
+        )
     theta, z = rim_displacement(scene, brake, fem)
     whole = foundation.rim(brake, mine, theta, ["all"]).sum(axis=0)
     assert np.ptp(theta) > 6

@@ -1,4 +1,6 @@
-"""Shoes held by a pivot, an abutment or a guide, by finite elements: rigid limit, balances, mirror images."""
+"""Shoes held by a pivot, an abutment or a guide, by finite elements: rigid limit, balances, mirror
+images.
+"""
 
 import math
 from pathlib import Path
@@ -22,7 +24,9 @@ def test_a_rigid_shoe_with_a_thin_lining_answers_as_its_law(kind: str, spin: int
     fem, rigid = drumlin.solve(brake), law(brake)
     assert fem.torque == pytest.approx(rigid.torque, rel=3e-3)
     a, b = fem.shoes[0], rigid.shoes[0]
-    assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 6e-3 * np.linalg.norm(b.hinge_reaction)
+    assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 6e-3 * np.linalg.norm(
+        b.hinge_reaction
+    )
     theta = np.linspace(-0.8, 0.8, 33)
     p, q = a.pressure_at(theta), b.pressure_at(theta)
     assert np.linalg.norm(p - q) < 0.02 * np.linalg.norm(q)
@@ -100,24 +104,32 @@ def test_the_whole_system_refined_is_the_same_answer() -> None:
         for order in ("COLAMD", "MMD_AT_PLUS_A"):
             refined = refined_group(group, found.active, order)
             np.testing.assert_allclose(refined.p[0], found.p, atol=1e-8 * found.p.max())
-            np.testing.assert_allclose(refined.motions[0], found.y, rtol=1e-6, atol=1e-9 * abs(found.y).max())
+            np.testing.assert_allclose(
+                refined.motions[0], found.y, rtol=1e-6, atol=1e-9 * abs(found.y).max()
+            )
 
 
 def test_meshes_answer_as_columns_do() -> None:
     for kind in ("abutment", "pivot", "guide"):
         brake = vary(brake_of(kind, 1, body=BODY), {"shoe.lining.thickness": 0.006})
-        assert drumlin.solve(brake, elements=60).torque == pytest.approx(drumlin.solve(brake).torque, rel=2e-3)
+        assert drumlin.solve(brake, elements=60).torque == pytest.approx(
+            drumlin.solve(brake).torque, rel=2e-3
+        )
 
 
 def test_a_body_bolted_to_a_lever_is_held_as_a_guided_one_where_the_lever_is_long() -> None:
-    """Far away on a normal of the guide's direction a pin lets the shoe move along it, and does not turn it."""
+    """Far away on a normal of the guide's direction a pin lets the shoe move along it, and does not
+    turn it.
+    """
     guided = brake_of("guide", 1, body=BODY | {"grip": 0.03})
     away = {"x": -1e4 * math.sin(0.1), "y": 1e4 * math.cos(0.1)}
     hinged = vary(guided, {"shoe.guide": None, "shoe.hinge": away})
     a, b = drumlin.solve(hinged), drumlin.solve(guided)
     assert a.torque == pytest.approx(b.torque, rel=1e-4)
     theta = np.linspace(-0.9, 0.9, 31)
-    np.testing.assert_allclose(a.shoes[0].pressure_at(theta), b.shoes[0].pressure_at(theta), rtol=2e-3)
+    np.testing.assert_allclose(
+        a.shoes[0].pressure_at(theta), b.shoes[0].pressure_at(theta), rtol=2e-3
+    )
     assert "its hinge grips 30 mm of the back of its body" in "\n".join(a.notes)
     by_face = drumlin.solve(vary(hinged, {"shoe.body.grip": None}))
     assert abs(by_face.torque / b.torque - 1) > 0.01
@@ -125,7 +137,9 @@ def test_a_body_bolted_to_a_lever_is_held_as_a_guided_one_where_the_lever_is_lon
 
 @pytest.mark.parametrize("kind", ["abutment", "rough abutment"])
 def test_an_abutment_does_not_grip_a_back(kind: str) -> None:
-    with pytest.raises(BadInput, match=r"^shoe\[0\]\.body\.grip = 30 mm: an abutment holds the body's end face"):
+    with pytest.raises(
+        BadInput, match=r"^shoe\[0\]\.body\.grip = 30 mm: an abutment holds the body's end face"
+    ):
         brake_of(kind, 1, body=BODY | {"grip": 0.03})
 
 
@@ -143,7 +157,9 @@ FILES = ["band", "crane", "duo_servo", "duplex", "s_cam", "simplex_hinged", "blo
 
 @pytest.mark.parametrize("name", FILES)
 def test_the_displacements_inside_are_those_of_the_answer(name: str, root: Path) -> None:
-    """However a shoe is held and pushed, where it bears it stands on the drum: no displacement along radii."""
+    """However a shoe is held and pushed, where it bears it stands on the drum: no displacement
+    along radii.
+    """
     brake = drumlin.read_brake(root / f"studies/brakes/{name}.toml")
     scene = scene_of(brake, elements=20)
     response = drumlin.solve(brake, elements=20)

@@ -1,4 +1,6 @@
-"""The rigid-shoe law, however a shoe is held and pushed: closed forms, its special cases, balances, symmetries."""
+"""The rigid-shoe law, however a shoe is held and pushed: closed forms, its special cases, balances,
+symmetries.
+"""
 
 import math
 from math import atan, cos, pi, radians, sin
@@ -28,7 +30,13 @@ R, F, C, A, OFF = 0.11, 1000.0, 0.08, 0.08, 0.025  # of the closed form's exampl
 
 
 def abutted(
-    mu: float, spin: int, m: float, friction: float = 0.0, arc: float = radians(110), at: float = 0.05, off: float = OFF
+    mu: float,
+    spin: int,
+    m: float,
+    friction: float = 0.0,
+    arc: float = radians(110),
+    at: float = 0.05,
+    off: float = OFF,
 ) -> Any:
     return {
         "name": "first",
@@ -41,12 +49,22 @@ def abutted(
 
 def brake_of(*shoes: dict[str, Any], mu: float = 0.3, spin: int = -1, **more: Any) -> Brake:
     rotation = "counter-clockwise" if spin > 0 else "clockwise"
-    data = {"title": "t", "rotation": rotation, "friction": mu, "drum": {"radius": R}, "shoe": list(shoes)}
+    data = {
+        "title": "t",
+        "rotation": rotation,
+        "friction": mu,
+        "drum": {"radius": R},
+        "shoe": list(shoes),
+    }
     return brake_from(data | more)
 
 
-def limpert(mu: float, lead: int, m: float, arc: float = radians(110), be: float = 0.05, off: float = OFF) -> float:
-    """Brake factor T/(r F) of a shoe on an abutment (Limpert, Brake Design and Safety), upper signs leading."""
+def limpert(
+    mu: float, lead: int, m: float, arc: float = radians(110), be: float = 0.05, off: float = OFF
+) -> float:
+    """Brake factor T/(r F) of a shoe on an abutment (Limpert, Brake Design and Safety), upper signs
+    leading.
+    """
     D = (C + A + m * off) / R * cos(be) + m * C / R * sin(be)
     E = m * C / R * cos(be) - (C + A + m * off) / R * sin(be)
     f = (arc + sin(arc)) / (4 * sin(arc / 2)) * (A + m * off) / R
@@ -64,8 +82,12 @@ def test_an_abutted_shoe_is_the_closed_form(spin: int, factor: float) -> None:
 
 
 @many
-@given(st.floats(0.05, 0.45), SIGNS, st.floats(-0.2, 0.4), st.floats(1.0, 2.0), st.floats(-0.1, 0.15))
-def test_abutted_shoes_of_all_kinds_are_the_closed_form(mu: float, spin: int, m: float, arc: float, at: float) -> None:
+@given(
+    st.floats(0.05, 0.45), SIGNS, st.floats(-0.2, 0.4), st.floats(1.0, 2.0), st.floats(-0.1, 0.15)
+)
+def test_abutted_shoes_of_all_kinds_are_the_closed_form(
+    mu: float, spin: int, m: float, arc: float, at: float
+) -> None:
     brake = brake_of(abutted(mu, spin, m, arc=arc, at=at), mu=mu, spin=spin)
     factor = limpert(mu, -spin, m, arc, at)
     assume(rigid.locking_friction(brake, brake.shoes[0]) > 1.05 * mu)
@@ -73,14 +95,20 @@ def test_abutted_shoes_of_all_kinds_are_the_closed_form(mu: float, spin: int, m:
 
 
 def test_friction_of_an_abutment_opposes_the_slide_that_it_finds() -> None:
-    """A leading shoe slides with the drum, so that mu_s acts as the slope does; a trailing one the other way."""
+    """A leading shoe slides with the drum, so that mu_s acts as the slope does; a trailing one the
+    other way.
+    """
     for spin, m in ((-1, 0.2), (1, -0.2)):
-        rough, sloped = (brake_of(abutted(0.35, spin, *s), mu=0.35, spin=spin) for s in ((0.0, 0.2), (m, 0.0)))
+        rough, sloped = (
+            brake_of(abutted(0.35, spin, *s), mu=0.35, spin=spin) for s in ((0.0, 0.2), (m, 0.0))
+        )
         assert rigid.solve(rough).torque == approx(rigid.solve(sloped).torque, rel=1e-12)
 
 
 def test_a_foot_that_sticks_is_a_hinge() -> None:
-    """So rough an abutment holds the foot: the sine law about it, with a reaction inside the cone of friction."""
+    """So rough an abutment holds the foot: the sine law about it, with a reaction inside the cone
+    of friction.
+    """
     brake = brake_of(abutted(0.3, -1, 0.0, friction=2.0), mu=0.3)
     hinge = vary(brake, {"shoe.abutment": None, "shoe.hinge": {"x": OFF, "y": -A}})
     assert law(brake).torque == approx(MODELS["sine"].solve(hinge).torque, rel=1e-10)
@@ -89,7 +117,9 @@ def test_a_foot_that_sticks_is_a_hinge() -> None:
 
 
 def secondary(hx: float, hy: float) -> dict[str, Any]:
-    """The other shoe of a duo-servo brake, hinged at the top, its lining 20 to 130 deg from the strut's end."""
+    """The other shoe of a duo-servo brake, hinged at the top, its lining 20 to 130 deg from the
+    strut's end.
+    """
     lining = LINING | {"start": radians(-90 - 130), "end": radians(-90 - 20)}
     return {"name": "second", "side": "internal", "hinge": {"x": hx, "y": hy}, "lining": lining}
 
@@ -102,11 +132,16 @@ def hinged_factor(mu: float, h: float, a: float, phi_1: float, phi_2: float) -> 
 
 
 def test_duo_servo_is_the_closed_form() -> None:
-    """B = B1 + B2 (c + B1 r)/a of a strut that pushes along x; with a slope m the equilibria give (c + B1 r)/(a + m o).
+    """B = B1 + B2 (c + B1 r)/a of a strut that pushes along x; with a slope m the equilibria give
+    (c + B1 r)/(a + m o).
 
-    The strut is a two-force member: its line meets the secondary at the arm 2 a + m o about a hinge at (0, a)."""
+    The strut is a two-force member: its line meets the secondary at the arm 2 a + m o about a hinge
+    at (0, a).
+    """
     for m in (0.0, 0.2):
-        brake = brake_of(abutted(0.3, -1, m), secondary(0.0, A), link=[{"from": "first", "to": "second"}])
+        brake = brake_of(
+            abutted(0.3, -1, m), secondary(0.0, A), link=[{"from": "first", "to": "second"}]
+        )
         B1, B2 = limpert(0.3, 1, m), hinged_factor(0.3, 2 * A, A, radians(50), radians(160))
         strut = (C + B1 * R) / (A + m * OFF)
         expected = B1 + B2 * strut * (2 * A + m * OFF) / (2 * A)
@@ -118,7 +153,9 @@ def test_duo_servo_is_the_closed_form() -> None:
 
 
 def test_duo_servo_by_the_short_formula() -> None:
-    """B = B1 + B2 (c + B1 r)/a leaves out that a slope m lifts the foot at o: exact without slope, and with o = 0."""
+    """B = B1 + B2 (c + B1 r)/a leaves out that a slope m lifts the foot at o: exact without slope,
+    and with o = 0.
+    """
     B2 = hinged_factor(0.3, 2 * A, A, radians(50), radians(160))
 
     def short(m: float, off: float) -> float:
@@ -130,7 +167,9 @@ def test_duo_servo_by_the_short_formula() -> None:
         first = abutted(0.3, -1, m, off=off)
         brake = brake_of(first, secondary(0.0, A), link=[{"from": "first", "to": "second"}])
         assert rigid.solve(brake, whole=True).torque / (R * F) == approx(short(m, off), rel=1e-9)
-    inclined = brake_of(abutted(0.3, -1, 0.2), secondary(0.0, A), link=[{"from": "first", "to": "second"}])
+    inclined = brake_of(
+        abutted(0.3, -1, 0.2), secondary(0.0, A), link=[{"from": "first", "to": "second"}]
+    )
     assert rigid.solve(inclined, whole=True).torque / (R * F) == approx(short(0.2, OFF), rel=0.05)
 
 
@@ -142,7 +181,10 @@ def cam_brake(mu: float, spin: int, **actuation: Any) -> Brake:
             "side": "internal",
             "hinge": {"x": hand * 0.03, "y": -0.09},
             "lining": LINING | {"start": middle - 0.9, "end": middle + 0.9},
-            "actuation": {"direction": 0.0 if hand > 0 else pi, "point": {"x": hand * 0.02, "y": 0.085}},
+            "actuation": {
+                "direction": 0.0 if hand > 0 else pi,
+                "point": {"x": hand * 0.02, "y": 0.085},
+            },
         }
         for name, hand, middle in (("right", 1, 0.0), ("left", -1, pi))
     ]
@@ -155,7 +197,10 @@ def test_a_cam_that_moves_both_tips_equally_has_the_closed_form(mu: float, spin:
     """F1 B1 = F2 B2, and the brake factor 4 B1 B2/(B1 + B2) over half of the sum of both forces."""
     brake = cam_brake(mu, spin)
     response = law(brake)
-    B = [law(vary(brake, {"actuation": None, "shoe.actuation.force": F})).shoes[i].torque / (R * F) for i in (0, 1)]
+    B = [
+        law(vary(brake, {"actuation": None, "shoe.actuation.force": F})).shoes[i].torque / (R * F)
+        for i in (0, 1)
+    ]
     forces = [shoe.force for shoe in response.shoes]
     assert sum(forces) == approx(2000.0, rel=1e-12)
     assert forces[0] * B[0] == approx(forces[1] * B[1], rel=1e-9)
@@ -165,26 +210,39 @@ def test_a_cam_that_moves_both_tips_equally_has_the_closed_form(mu: float, spin:
 
 
 def test_a_cam_on_linings_of_unlike_stiffness_says_how_it_shares_its_force() -> None:
-    """New, F1 B1 t1/E1 = F2 B2 t2/E2; worn in, F1 B1 = F2 B2: what a rigid shoe's tip goes by is p t/E, then wear."""
+    """New, F1 B1 t1/E1 = F2 B2 t2/E2; worn in, F1 B1 = F2 B2: what a rigid shoe's tip goes by is p
+    t/E, then wear.
+    """
     brake = vary(cam_brake(0.3, -1), {"shoe.lining.thickness": 3e-4})
     unlike = vary(brake, {"shoe[1].lining.material.E": 1e8})
-    B = [law(vary(brake, {"actuation": None, "shoe.actuation.force": F})).shoes[i].torque for i in (0, 1)]
+    B = [
+        law(vary(brake, {"actuation": None, "shoe.actuation.force": F})).shoes[i].torque
+        for i in (0, 1)
+    ]
     for one, stiff in ((brake, 1.0), (unlike, 3.0)):
         for model, ratio in (("rigid", 1.0), ("fem", stiff)):
             found = MODELS[model].solve(one)
             first, second = (shoe.force or 0.0 for shoe in found.shoes)
-            assert first * B[0] == approx(ratio * second * B[1], rel=1e-9 if model == "rigid" else 1e-2)
+            assert first * B[0] == approx(
+                ratio * second * B[1], rel=1e-9 if model == "rigid" else 1e-2
+            )
             said = [
-                note for note in found.notes if note.startswith("cam: linings of unlike E/t, 1e+12 and 3.33e+11 Pa")
+                note
+                for note in found.notes
+                if note.startswith("cam: linings of unlike E/t, 1e+12 and 3.33e+11 Pa")
             ]
             assert len(said) == (one is unlike)
 
 
 def test_a_cylinder_pushes_both_shoes_with_its_pressure() -> None:
     brake = cam_brake(0.3, 1, pressure=5e6, diameter=0.02, efficiency=0.96)
-    assert [shoe.actuation.force for shoe in brake.shoes] == approx([0.96 * 5e6 * pi * 0.02**2 / 4] * 2)
+    assert [shoe.actuation.force for shoe in brake.shoes] == approx(
+        [0.96 * 5e6 * pi * 0.02**2 / 4] * 2
+    )
     doubled = vary(brake, {"actuation.pressure": 1e7})
-    assert MODELS["sine"].solve(doubled).torque == approx(2 * MODELS["sine"].solve(brake).torque, rel=1e-12)
+    assert MODELS["sine"].solve(doubled).torque == approx(
+        2 * MODELS["sine"].solve(brake).torque, rel=1e-12
+    )
 
 
 # the special cases
@@ -198,7 +256,10 @@ def test_the_law_of_a_hinge_is_the_sine_law_and_that_of_a_guide_the_cosine() -> 
             assert a.torque == approx(b.torque, rel=1e-12)
             assert a.peak_pressure == approx(b.peak_pressure, rel=1e-12)
             np.testing.assert_allclose(a.hinge_reaction, b.hinge_reaction, rtol=1e-10)
-        guided = vary(brake, {"shoe.hinge": None} | {f"shoe[{i}].guide": {"direction": i * pi} for i in (0, 1)})
+        guided = vary(
+            brake,
+            {"shoe.hinge": None} | {f"shoe[{i}].guide": {"direction": i * pi} for i in (0, 1)},
+        )
         shoe = law(guided).shoes[0]
         N = F  # the friction is across the guide
         assert shoe.torque == approx(0.3 * float(equivalent_friction(0.9)) * N * R, rel=1e-12)
@@ -215,20 +276,27 @@ def test_a_lining_that_reaches_past_its_hinge_lifts_there() -> None:
     assert shoe.torque == approx(MODELS["sine"].solve(cut).torque, rel=1e-9)
 
 
-def plane(held: dict[str, Any], mu: float = 0.35, sliding: str = "+x", **actuation: Any) -> FlatBrake:
+def plane(
+    held: dict[str, Any], mu: float = 0.35, sliding: str = "+x", **actuation: Any
+) -> FlatBrake:
     shoe = {
         "name": "pad",
         "lining": {"start": 0.06, "end": 0.18, "width": 0.04},
-        "actuation": {"force": 500.0, "direction": -pi / 2, "point": {"x": 0.25, "y": 0.06}} | actuation,
+        "actuation": {"force": 500.0, "direction": -pi / 2, "point": {"x": 0.25, "y": 0.06}}
+        | actuation,
     } | held
-    return validated(FlatBrake, {"title": "t", "friction": mu, "plane": {"sliding": sliding}, "shoe": [shoe]})
+    return validated(
+        FlatBrake, {"title": "t", "friction": mu, "plane": {"sliding": sliding}, "shoe": [shoe]}
+    )
 
 
 def test_on_a_plane_a_guide_makes_p_even_and_a_pivot_balances_about_itself() -> None:
     guided = law(plane({"guide": {"direction": -pi / 2}})).shoes[0]
     assert guided.pressure == approx(np.full(3, 500 / (0.12 * 0.04)), rel=1e-12)
     for sliding, spin in (("+x", 1), ("-x", -1)):
-        brake = plane({"hinge": {"x": 0.0, "y": 0.1}, "pivot": {"x": 0.12, "y": 0.02}}, sliding=sliding)
+        brake = plane(
+            {"hinge": {"x": 0.0, "y": 0.1}, "pivot": {"x": 0.12, "y": 0.02}}, sliding=sliding
+        )
         shoe = law(brake).shoes[0]
         x = np.linspace(0.06, 0.18, 4001)
         p = shoe.pressure_at(x)
@@ -242,24 +310,39 @@ def test_on_a_plane_a_guide_makes_p_even_and_a_pivot_balances_about_itself() -> 
 
 def kinds(draw: Any, mu: float, spin: int) -> Brake:
     """A brake of any kind."""
-    kind = draw(st.sampled_from(["abutment", "rough", "pivot", "guide", "cam", "servo", "plane guide", "plane pivot"]))
-    m, at, half = draw(st.floats(-0.2, 0.3)), draw(st.floats(-0.15, 0.15)), draw(st.floats(0.3, 0.9))
+    kind = draw(
+        st.sampled_from(
+            ["abutment", "rough", "pivot", "guide", "cam", "servo", "plane guide", "plane pivot"]
+        )
+    )
+    m, at, half = (
+        draw(st.floats(-0.2, 0.3)),
+        draw(st.floats(-0.15, 0.15)),
+        draw(st.floats(0.3, 0.9)),
+    )
     one = abutted(mu, spin, m, arc=2 * half, at=at)
     if kind == "cam":
         return cam_brake(mu, spin)
     if kind == "servo":
-        return brake_of(one, secondary(0.0, A), mu=mu, spin=spin, link=[{"from": "first", "to": "second"}])
+        return brake_of(
+            one, secondary(0.0, A), mu=mu, spin=spin, link=[{"from": "first", "to": "second"}]
+        )
     if kind == "plane guide":
         return plane({"guide": {"direction": -pi / 2 + m}}, mu, "+x" if spin > 0 else "-x")
     if kind == "plane pivot":
-        return plane({"hinge": {"x": 0.0, "y": 0.1}, "pivot": {"x": 0.12 + 0.05 * m, "y": 0.02}}, mu)
+        return plane(
+            {"hinge": {"x": 0.0, "y": 0.1}, "pivot": {"x": 0.12 + 0.05 * m, "y": 0.02}}, mu
+        )
     if kind == "rough":
         one["abutment"]["friction"] = draw(st.floats(0.05, 0.4))
     if kind in {"pivot", "guide"}:
         del one["abutment"]
     if kind == "pivot":
         reach = float(equivalent_friction(half)) * draw(st.floats(0.9, 1.1))
-        one |= {"hinge": {"x": 0.03, "y": -0.2}, "pivot": {"radius": R * reach, "angle": at + 0.1 * m}}
+        one |= {
+            "hinge": {"x": 0.03, "y": -0.2},
+            "pivot": {"radius": R * reach, "angle": at + 0.1 * m},
+        }
     if kind == "guide":
         one |= {"guide": {"direction": m}}
     return brake_of(one, mu=mu, spin=spin)
@@ -295,9 +378,14 @@ def test_forces_moments_and_what_holds_the_shoe_balance(brake: Brake) -> None:
             assert abs(-s * x + c * y) <= data.abutment.friction * (c * x + s * y) + 1e-9 * size
         if data.pivot is not None and not under.surface.straight:
             force, g = contact_resultant(under, i, shoe), data.pivot.xy
-            assert abs(force.moment - (g[0] * force.force[1] - g[1] * force.force[0])) < 1e-7 * size * R
+            assert (
+                abs(force.moment - (g[0] * force.force[1] - g[1] * force.force[0]))
+                < 1e-7 * size * R
+            )
     for link in under.links:
-        source, to = (next(s for s in response.shoes if s.name == name) for name in (link.source, link.to))
+        source, to = (
+            next(s for s in response.shoes if s.name == name) for name in (link.source, link.to)
+        )
         assert np.linalg.norm(source.hinge_reaction) == approx(to.force, rel=1e-12)
 
 
@@ -305,7 +393,9 @@ def mirrored(brake: Brake) -> Brake:
     """The mirror image about the y axis, from the data itself."""
     data = brake.model_dump(by_alias=True)
     if "rotation" in data:
-        data["rotation"] = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}[data["rotation"]]
+        data["rotation"] = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}[
+            data["rotation"]
+        ]
     else:
         data["plane"] = {"sliding": {"+x": "-x", "-x": "+x"}[data["plane"]["sliding"]]}
     flat = isinstance(brake, FlatBrake)
@@ -319,7 +409,9 @@ def mirrored(brake: Brake) -> Brake:
                 if "point" in part:
                     part["point"] |= {"x": -part["point"]["x"]}
         ends = shoe["lining"]["start"], shoe["lining"]["end"]
-        shoe["lining"] |= dict(zip(("end", "start"), ((0 if flat else pi) - x for x in ends), strict=True))
+        shoe["lining"] |= dict(
+            zip(("end", "start"), ((0 if flat else pi) - x for x in ends), strict=True)
+        )
     return validated(type(brake), data)
 
 
@@ -336,7 +428,9 @@ def test_mirror_images_and_scaled_forces_answer_alike(brake: Brake, size: float)
     response = answered(brake)
     for a, b in zip(response.shoes, law(mirrored(brake)).shoes, strict=True):
         same(a, b)
-        np.testing.assert_allclose(b.pressure[::-1], a.pressure, rtol=1e-7, atol=1e-9 * a.peak_pressure)
+        np.testing.assert_allclose(
+            b.pressure[::-1], a.pressure, rtol=1e-7, atol=1e-9 * a.peak_pressure
+        )
     drive = brake.actuation is not None
     forces = [shoe.actuation.force * size for shoe in brake.shoes]
     changes = {f"shoe[{i}].actuation.force": force for i, force in enumerate(forces)}
@@ -363,7 +457,11 @@ def test_torque_grows_without_bound_towards_locking(brake: Brake) -> None:
 
 def test_every_brake_has_the_rigid_law_under_exactly_one_name(root: Any) -> None:
     names = {"sine", "pivoted", "linear", "rigid"}
-    for brake in (cam_brake(0.3, 1), brake_of(abutted(0.3, 1, 0.1)), read_any(root / "studies/laws/pad.toml")):
+    for brake in (
+        cam_brake(0.3, 1),
+        brake_of(abutted(0.3, 1, 0.1)),
+        read_any(root / "studies/laws/pad.toml"),
+    ):
         assert len(names & {model.name for model in applicable(brake)}) == 1
     one = vary(cam_brake(0.3, 1), {"actuation": None, "shoe.actuation.force": F})
     assert law(one).model == "sine"
@@ -376,14 +474,26 @@ def test_every_brake_has_the_rigid_law_under_exactly_one_name(root: Any) -> None
 @pytest.mark.parametrize(
     ("changes", "line"),
     [
-        ({"hinge": None}, "hinge: is missing; a shoe is held by one of hinge, hinge and pivot, abutment, guide"),
+        (
+            {"hinge": None},
+            "hinge: is missing; a shoe is held by one of hinge, hinge and pivot, abutment, guide",
+        ),
         (
             {"guide": {"direction": 0.0}},
             "guide: a shoe is held by one of hinge, abutment, guide, not by hinge and guide",
         ),
-        ({"hinge": None, "guide": {"direction": pi}}, "guide.direction = 180 deg: must lead the middle of the lining"),
-        ({"hinge": None, "pivot": {"x": 0.1, "y": 0}, "guide": {"direction": 0.0}}, "whose pin is the hinge"),
-        ({"actuation": {"direction": 0.0, "point": {"x": 0.02, "y": 0.08}}}, "shoe[0].actuation.force: is missing"),
+        (
+            {"hinge": None, "guide": {"direction": pi}},
+            "guide.direction = 180 deg: must lead the middle of the lining",
+        ),
+        (
+            {"hinge": None, "pivot": {"x": 0.1, "y": 0}, "guide": {"direction": 0.0}},
+            "whose pin is the hinge",
+        ),
+        (
+            {"actuation": {"direction": 0.0, "point": {"x": 0.02, "y": 0.08}}},
+            "shoe[0].actuation.force: is missing",
+        ),
     ],
 )
 def test_misuse_is_refused_in_one_line(changes: dict[str, Any], line: str) -> None:
@@ -404,10 +514,18 @@ def test_misuse_of_what_pushes_the_shoes_is_refused_in_one_line() -> None:
             {"link": [{"from": "first", "to": "third"}]},
             "link[0].to = 'third': must be the name of a shoe",
         ),
-        ((one, pushed), {"link": [{"from": "second", "to": "first"}]}, "must bear on the strut by an abutment"),
+        (
+            (one, pushed),
+            {"link": [{"from": "second", "to": "first"}]},
+            "must bear on the strut by an abutment",
+        ),
         ((one, two), {}, "shoe[1].actuation: is missing"),
         ((one,), {"actuation": {"force": 1.0}}, "a cam moves two shoes, not 1"),
-        ((one, pushed), {"actuation": {"force": 1.0, "radius": 0.01}}, "needs pressure and diameter of a cylinder"),
+        (
+            (one, pushed),
+            {"actuation": {"force": 1.0, "radius": 0.01}},
+            "needs pressure and diameter of a cylinder",
+        ),
     ):
         with pytest.raises(BadInput) as refusal:
             brake_of(*shoes, **more)

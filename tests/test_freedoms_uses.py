@@ -31,20 +31,26 @@ RING = {"thickness": 0.01, "width": 0.04, "material": {"E": 1.1e11, "nu": 0.25},
 @pytest.mark.parametrize("ring", [None, RING])
 @pytest.mark.parametrize("spin", [1, -1])
 @pytest.mark.parametrize("make", [cam_brake, servo])
-def test_forces_shared_by_a_cam_or_a_strut_hold_the_drum_by_what_it_slides_at(make, spin: int, ring) -> None:
+def test_forces_shared_by_a_cam_or_a_strut_hold_the_drum_by_what_it_slides_at(
+    make, spin: int, ring
+) -> None:
     brake = vary(make(spin=spin, body=0.012), {"shoe.lining.thickness": 0.005, "drum.ring": ring})
     scene = prepare(brake, elements=10)
     states = hold(scene, brake, np.linspace(0, full_slip_rotation(scene, brake), 4))
     assert states[-1].sticking == 0
     assert states[-1].torque == pytest.approx(respond(scene, brake).torque, rel=1e-6)
-    trailing = brake.links and spin > 0  # the strut lets both shoes be dragged, to full slip, as they are pressed
+    trailing = (
+        brake.links and spin > 0
+    )  # the strut lets both shoes be dragged, to full slip, as they are pressed
     assert states[0].torque <= (1 + 1e-9 if trailing else 0.9) * states[-1].torque
     assert np.diff([state.dissipated for state in states]).min() >= 0
 
 
 @pytest.mark.parametrize("spin", [1, -1])
 def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) -> None:
-    """Coulomb's law at the foot, from the equations; and at full slip the drum is held by what it slides at."""
+    """Coulomb's law at the foot, from the equations; and at full slip the drum is held by what it
+    slides at.
+    """
     brake = vary(brake_of("rough abutment", spin, body=BODY), {"shoe.lining.thickness": 0.005})
     scene = prepare(brake, elements=12)
     (group,) = grouped(scene, brake, [0], 1e6)
@@ -58,9 +64,17 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
     at = stick_slip.solve(problem, mu, before, np.full(n, stick_slip.STICK))
     for rotation in end * np.array([0.0, 0.2, 1.0, 0.5, -0.5]):
         q_s = problem.q_s + lever * (brake.spin / group.unit_force) * rotation
-        before, at = at.history, stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state)
+        before, at = (
+            at.history,
+            stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state),
+        )
         p, t = at.p[-1], at.t[-1]
-        s = problem.q_s[-1] + problem.A_sp[-1] @ at.p + problem.A_st[-1] @ at.t + problem.B_s[-1] @ at.y
+        s = (
+            problem.q_s[-1]
+            + problem.A_sp[-1] @ at.p
+            + problem.A_st[-1] @ at.t
+            + problem.B_s[-1] @ at.y
+        )
         slip = s - before.s[-1] - problem.Q[-1, -1] * (t - before.t[-1])
         assert p > 0
         assert abs(t) <= 0.2 * p * (1 + 1e-9)
@@ -68,16 +82,20 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
         seen.add(int(at.state[-1]))
     assert len(seen) > 1
     last = hold(scene, brake, np.linspace(0, end, 5))[-1]
-    # The foot of the trailing shoe slides while the force comes on and sticks there: a little beyond its place under a
-    # drum that slides already.
-    assert last.torque == pytest.approx(respond(scene, brake).torque, rel=1e-3 if spin > 0 else 1e-8)
+    # The foot of the trailing shoe slides while the force comes on and sticks there: a little
+    # beyond its place under a drum that slides already.
+    assert last.torque == pytest.approx(
+        respond(scene, brake).torque, rel=1e-3 if spin > 0 else 1e-8
+    )
     assert len(last.notes) == (spin > 0)
 
 
 def test_clearance_and_misfit_act_on_every_kind_of_shoe() -> None:
     for kind in ("abutment", "pivot", "guide"):
         brake = vary(brake_of(kind, 1, body=BODY), {"shoe.lining.thickness": 0.005})
-        ground = vary(brake, {"shoe.lining.misfit": {"radius": 0.1098}, "shoe.lining.clearance": 1e-5})
+        ground = vary(
+            brake, {"shoe.lining.misfit": {"radius": 0.1098}, "shoe.lining.clearance": 1e-5}
+        )
         response = drumlin.solve(ground)
         assert max(response.balance.force, response.balance.moment) < 1e-9
         assert abs(response.torque / drumlin.solve(brake).torque - 1) > 1e-3
@@ -99,4 +117,6 @@ def test_a_grip_is_met_by_any_mesh(kind: str) -> None:
     brake = vary(brake_of(kind, -1, body=BODY), {"shoe.lining.thickness": 0.005})
     torque = drumlin.solve(brake, elements=24).torque
     for elements in (1, 2, 3, 5, 8, 10):
-        assert drumlin.solve(brake, elements=elements).torque == pytest.approx(torque, rel=0.2 / elements)
+        assert drumlin.solve(brake, elements=elements).torque == pytest.approx(
+            torque, rel=0.2 / elements
+        )

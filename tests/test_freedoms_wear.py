@@ -47,7 +47,9 @@ def test_a_worn_in_pad_bears_by_the_law() -> None:
     worn, rigid = drumlin.solve(brake, worn_in=True), law(brake)
     assert worn.merits[0].braking_force == pytest.approx(rigid.merits[0].braking_force, rel=1e-4)
     x = np.linspace(0.07, 0.17, 21)
-    np.testing.assert_allclose(worn.shoes[0].pressure_at(x), rigid.shoes[0].pressure_at(x), rtol=2e-3)
+    np.testing.assert_allclose(
+        worn.shoes[0].pressure_at(x), rigid.shoes[0].pressure_at(x), rtol=2e-3
+    )
 
 
 @pytest.mark.parametrize("name", ["abutment", "cam"])

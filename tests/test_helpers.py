@@ -1,4 +1,6 @@
-"""What tests share stands in modules of its own, so that one test module can change without another."""
+"""What tests share stands in modules of its own, so that one test module can change without
+another.
+"""
 
 import ast
 from pathlib import Path
@@ -6,5 +8,11 @@ from pathlib import Path
 
 def test_no_test_module_is_imported():
     for path in Path(__file__).parent.glob("*.py"):
-        imported = [node.module for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.ImportFrom)]
-        assert not [name for name in imported if name is not None and name.startswith("test_")], path.name
+        imported = [
+            node.module
+            for node in ast.walk(ast.parse(path.read_text()))
+            if isinstance(node, ast.ImportFrom)
+        ]
+        assert not [name for name in imported if name is not None and name.startswith("test_")], (
+            path.name
+        )

@@ -1,4 +1,6 @@
-"""The holding brake on brakes of all kinds: to full slip and back, against another discretisation, true refusals."""
+"""The holding brake on brakes of all kinds: to full slip and back, against another discretisation,
+true refusals.
+"""
 
 import math
 from collections import Counter
@@ -27,7 +29,8 @@ OTHER = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
 
 
 def any_brake(seed):
-    """A random brake, every third with a ring, every third with a lining of another radius, below self-locking.
+    """A random brake, every third with a ring, every third with a lining of another radius, below
+    self-locking.
 
     Also its scene.
     """
@@ -38,7 +41,9 @@ def any_brake(seed):
         ring = {"thickness": 0.1 * R, "width": 0.04, "material": {"E": 1e11, "nu": 0.3}}
         brake = vary(brake, {"drum.ring": ring | {"support": rng.choice(["fixed", "free"])}})
     if seed % 3 == 2:
-        brake = vary(brake, {"shoe[0].lining.misfit": {"radius": R * (1 + rng.uniform(-2e-3, 2e-3))}})
+        brake = vary(
+            brake, {"shoe[0].lining.misfit": {"radius": R * (1 + rng.uniform(-2e-3, 2e-3))}}
+        )
     scene = prepare(brake, elements=ELEMENTS)
     locks = min(limit.friction for limit in limits(scene, brake, 2.0).values())
     return vary(brake, {"friction": rng.uniform(0.1, 0.95) * min(locks, 0.9)}), scene
@@ -55,7 +60,9 @@ def test_random_brakes_go_through_full_slip_and_back(count):
         states = hold(scene, brake, forth)
         assert states[-1].sticking == 0
         assert states[-1].torque == pytest.approx(respond(scene, brake).torque, rel=1e-6)
-        assert np.diff([state.dissipated for state in states]).min() >= -1e-9 * states[-1].dissipated
+        assert (
+            np.diff([state.dissipated for state in states]).min() >= -1e-9 * states[-1].dissipated
+        )
         assert states[-1].dissipated > 0
         ends["forth"] += 1
         back = vary(brake, {"rotation": OTHER[brake.rotation]})
@@ -85,7 +92,9 @@ def test_at_the_rotation_of_full_slip_no_path_sticks():
 
 
 def test_an_increment_that_does_not_settle_is_halved():
-    """A shoe that stands off its drum goes at once through forty times the rotation to full slip, to and fro."""
+    """A shoe that stands off its drum goes at once through forty times the rotation to full slip,
+    to and fro.
+    """
     brake = standing_off(420078)
     scene = prepare(brake, elements=12)
     far = 40 * full_slip_rotation(scene, brake)
@@ -96,7 +105,9 @@ def test_an_increment_that_does_not_settle_is_halved():
 
 
 def test_every_increment_obeys_contact_and_friction():
-    """Gaps, pressures, tractions and slips of each node, elementwise, from the equations and not from its state."""
+    """Gaps, pressures, tractions and slips of each node, elementwise, from the equations and not
+    from its state.
+    """
     kinds = set()
     for seed in range(6):
         brake, scene = any_brake(seed)
@@ -104,11 +115,16 @@ def test_every_increment_obeys_contact_and_friction():
         end, mu = full_slip_rotation(scene, brake), brake.friction
         turn = lever * (brake.spin / brake.shoes[0].actuation.force)
         nothing = np.zeros(len(lever))
-        at = stick_slip.solve(problem, mu, stick_slip.History(nothing, nothing), np.full(len(lever), STICK))
+        at = stick_slip.solve(
+            problem, mu, stick_slip.History(nothing, nothing), np.full(len(lever), STICK)
+        )
         before = stick_slip.History(nothing, nothing)
         for rotation in end * np.array([0.1, 0.5, 1.0, 0.6, -0.4]):
             q_s = problem.q_s + turn * rotation
-            before, at = at.history, stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state)
+            before, at = (
+                at.history,
+                stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state),
+            )
             kinds |= set(at.state.tolist())
             w = problem.q_w + problem.A_wp @ at.p + problem.A_wt @ at.t + problem.B_w @ at.y
             s = q_s + problem.A_sp @ at.p + problem.A_st @ at.t + problem.B_s @ at.y
@@ -148,7 +164,9 @@ def _refuse(system, start):
 
 
 def test_another_discretisation_and_another_method_give_the_same_history():
-    """Triangles with a layer at quadrature points, friction as bounded minimisation: forth and back, to .3 %."""
+    """Triangles with a layer at quadrature points, friction as bounded minimisation: forth and
+    back, to .3 %.
+    """
     both = read_brake(STUDY / "flexible.toml")
     brake = both.model_copy(update={"shoes": both.shoes[1:]})
     scene = prepare(brake, elements=24)
@@ -167,7 +185,11 @@ def test_the_history_converges_with_the_increment():
     end = full_slip_rotation(scene, brake)
 
     def after(n):
-        state = hold(scene, brake, end * np.concatenate([np.linspace(0, 0.6, n), np.linspace(0.6, -0.3, n)[1:]]))[-1]
+        state = hold(
+            scene,
+            brake,
+            end * np.concatenate([np.linspace(0, 0.6, n), np.linspace(0.6, -0.3, n)[1:]]),
+        )[-1]
         return np.array([state.torque / respond(scene, brake).torque, state.dissipated])
 
     fine = after(161)
@@ -190,7 +212,9 @@ def test_self_locking_is_refused_with_its_limit(rotation):
     for share in (0.97, 1.03):
         strong = vary(brake, {"friction": share * locks})
         if share < 1:
-            torque = hold(scene, strong, np.linspace(0, full_slip_rotation(scene, strong), 5))[-1].torque
+            torque = hold(scene, strong, np.linspace(0, full_slip_rotation(scene, strong), 5))[
+                -1
+            ].torque
             assert torque == pytest.approx(respond(scene, strong).torque, rel=1e-6)
         else:
             with pytest.raises(NoAnswer, match=rf"self-locking.*mu_lock = {locks:.4g}"):

@@ -1,4 +1,6 @@
-"""Elements of high degree: stiffness, columns, rings and contact against skfem's own, closed forms and each other."""
+"""Elements of high degree: stiffness, columns, rings and contact against skfem's own, closed forms
+and each other.
+"""
 
 import math
 from dataclasses import replace
@@ -43,7 +45,12 @@ from drumlin.wear.worn_in import solve as solve_worn_in
 
 STEEL = Material(E=210e9, nu=0.3)
 POST = {
-    "shoe[0].body": {"shape": "beam", "thickness": 0.03, "width": 0.04, "material": {"E": 2.1e11, "nu": 0.3}},
+    "shoe[0].body": {
+        "shape": "beam",
+        "thickness": 0.03,
+        "width": 0.04,
+        "material": {"E": 2.1e11, "nu": 0.3},
+    },
 }
 
 
@@ -61,14 +68,18 @@ def curved(p):
     return mesh, np.ascontiguousarray(xy[:, :, element(p).order]), at[:, element(p).order]
 
 
-@pytest.mark.parametrize("p", [3, 4, pytest.param(6, marks=pytest.mark.slow), pytest.param(8, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "p", [3, 4, pytest.param(6, marks=pytest.mark.slow), pytest.param(8, marks=pytest.mark.slow)]
+)
 def test_the_stiffness_is_that_of_skfems_own_assembly_of_the_same_mesh(p):
     mesh, xy, at = curved(p)
     hierarchical = skfem.ElementQuadP(p)
     basis = skfem.Basis(mesh, skfem.ElementVector(hierarchical), intorder=2 * p + 1)
     theirs = linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(basis)
     ours = stiffness(xy, np.tile(elasticity_matrix(STEEL), (len(xy), 1, 1)), p)
-    at_nodes = np.array([hierarchical.lbasis(at, i)[0] for i in range((p + 1) ** 2)])  # (functions, nodes)
+    at_nodes = np.array(
+        [hierarchical.lbasis(at, i)[0] for i in range((p + 1) ** 2)]
+    )  # (functions, nodes)
     local = np.einsum("ia,eacbd,jb->eicjd", at_nodes, ours, at_nodes)  # on skfem's own functions
     mapped = np.zeros(theirs.shape)
     dofs = basis.element_dofs.T
@@ -86,7 +97,9 @@ def test_the_nodal_functions_are_one_at_their_own_node_and_carry_linear_fields(p
     anywhere = np.random.default_rng(1).uniform(size=(2, 7))
     values, slopes = shape_functions(p, anywhere)
     assert at @ values == pytest.approx(anywhere, abs=1e-13)
-    assert np.einsum("ca,adq->cdq", at, slopes) == pytest.approx(np.eye(2)[:, :, None] * np.ones(7), abs=1e-11)
+    assert np.einsum("ca,adq->cdq", at, slopes) == pytest.approx(
+        np.eye(2)[:, :, None] * np.ones(7), abs=1e-11
+    )
 
 
 def test_in_long_double_the_stiffness_is_the_same_and_rigid_motions_strain_nothing():
@@ -109,11 +122,16 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
     depth = [0.5 * (y[k] + y[k + 1]) + 0.5 * (y[k + 1] - y[k]) * lobatto(p) for k in range(layers)]
     xy = np.array(
         [
-            [np.stack(np.meshgrid(c + h * lobatto(p), d)).reshape(2, -1) for c, h in zip(middle, half, strict=True)]
+            [
+                np.stack(np.meshgrid(c + h * lobatto(p), d)).reshape(2, -1)
+                for c, h in zip(middle, half, strict=True)
+            ]
             for d in depth
         ]
     )[..., element(p).order]
-    K = condensed_elements(xy, np.tile(elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p)
+    K = condensed_elements(
+        xy, np.tile(elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p
+    )
     of = stack(p, layers, contact=True, held=False)
     parts = [Piece(part, of.line, of.line) for part in columns(K, of)]
     whole = merged(parts, 2)
@@ -131,9 +149,12 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
 
 
 @pytest.mark.parametrize(
-    ("p", "contact", "held"), [(3, True, False), (4, True, True), (5, False, False), (6, True, False)]
+    ("p", "contact", "held"),
+    [(3, True, False), (4, True, True), (5, False, False), (6, True, False)],
 )
-def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_their_elements(p, contact, held):
+def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_their_elements(
+    p, contact, held
+):
     radii, half = 0.14 - np.array([0.0, 0.0002, 0.004, 0.011]), np.array([0.003, 0.05, 0.21])
     matrices = np.array([elasticity_matrix(Material(E=E, nu=0.28)) for E in (1e8, 1e8, 2e11)])
     angles, depths = half[:, None] * lobatto(p), 0.14 - radii
@@ -144,7 +165,9 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     of = stack(p, 3, contact=contact, held=held)
     theirs = columns(condensed_elements(nodes_of(place, depths, angles, p), matrices, p), of)
     nodes = p + 1 if contact else 0
-    ours = arc_columns(elements(radii, angular(angles, p), matrices, p), p, contact=contact, held=held)
+    ours = arc_columns(
+        elements(radii, angular(angles, p), matrices, p), p, contact=contact, held=held
+    )
     for K, own, side in zip(theirs, ours, half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
@@ -153,18 +176,26 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
 
 
 def every_unknown_at_once(K, p):
-    """Condensed elements (layers, columns, n, n) side by side on the nodes of their outermost edges, by one solve."""
+    """Condensed elements (layers, columns, n, n) side by side on the nodes of their outermost
+    edges, by one solve.
+    """
     layers, m = K.shape[:2]
     number = np.arange((layers * p + 1) * (m * p + 1)).reshape(layers * p + 1, -1)
     A = np.zeros((2 * number.size, 2 * number.size))
     for k in range(layers):
         for j in range(m):
-            own = number[k * p : (k + 1) * p + 1, j * p : (j + 1) * p + 1].ravel()[element(p).order[: 4 * p]]
+            own = number[k * p : (k + 1) * p + 1, j * p : (j + 1) * p + 1].ravel()[
+                element(p).order[: 4 * p]
+            ]
             at = (2 * own[:, None] + [0, 1]).ravel()
             A[at[:, None], at] += K[k, j]
     kept = 2 * (m * p + 1)
-    rest = np.flatnonzero(np.abs(A).sum(axis=1) > 0)[kept:]  # without the insides of elements, which are gone
-    return A[:kept, :kept] - A[:kept, rest] @ np.linalg.solve(A[rest[:, None], rest], A[rest, :kept])
+    rest = np.flatnonzero(np.abs(A).sum(axis=1) > 0)[
+        kept:
+    ]  # without the insides of elements, which are gone
+    return A[:kept, :kept] - A[:kept, rest] @ np.linalg.solve(
+        A[rest[:, None], rest], A[rest, :kept]
+    )
 
 
 def body_and_parts(brake, index=0, level=LEVELS[1]):
@@ -183,7 +214,9 @@ CASES = {
 
 @pytest.mark.parametrize("case", CASES)
 def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
-    """Contact stiffness, unit loads, their work: against the assembled grid, nodes eliminated in another order."""
+    """Contact stiffness, unit loads, their work: against the assembled grid, nodes eliminated in
+    another order.
+    """
     shoe, body = body_and_parts(vary(brake, CASES[case]))
     _, ties, loads = body.condensed.inside()
     other = condense(body.basis.stiffness(layers_of(shoe)), ties, loads, 2 * len(body.line.nodes))
@@ -208,19 +241,23 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     assert body.condensed.load_f == pytest.approx(other.load_f, abs=1e-8)
     ends = [body.basis.doflocs[:, body.basis.sets[name]] for name in ("hinge", "actuation")]
-    middles = [0.5 * (nodes[:, 0] + nodes[:, -1]) for nodes in ends]  # its axis goes from the pin to the force
+    middles = [
+        0.5 * (nodes[:, 0] + nodes[:, -1]) for nodes in ends
+    ]  # its axis goes from the pin to the force
     assert middles[0] == pytest.approx(shoe.own_pin, abs=1e-12)
     assert middles[1] == pytest.approx(shoe.own_points(shoe.actuation.point.xy), abs=1e-12)
     assert body.load_centre == pytest.approx(middles[1])
 
 
 @pytest.mark.parametrize(
-    ("which", "softer", "level"), [("flexible", 1.0, 0), ("flexible", 1e-6, 0), (6676, 1.0, 0), (7578, 1.0, 1)]
+    ("which", "softer", "level"),
+    [("flexible", 1.0, 0), ("flexible", 1e-6, 0), (6676, 1.0, 0), (7578, 1.0, 1)],
 )
 def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which, softer, level):
-    """Against the whole system refined in long double. Much was lost of a shoe far softer than its lining, of a slender
-    one that lies on a thin lining at one place, 6676, and of one under a small contact, 7578, before rigid motions and
-    unit loads told what: 1e-5 and 1e-4 of p."""
+    """Against the whole system refined in long double. Much was lost of a shoe far softer than its
+    lining, of a slender one that lies on a thin lining at one place, 6676, and of one under a small
+    contact, 7578, before rigid motions and unit loads told what: 1e-5 and 1e-4 of p.
+    """
     brake = flexible if which == "flexible" else random_brake(which)
     brake = vary(brake, {"shoe.body.material.E": softer * brake.shoes[0].body.material.E})
     made, response = list(steps(brake, respond, levels=LEVELS[: level + 1]))[-1]
@@ -247,7 +284,9 @@ def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
-    """Two half linings without friction, even p: u = p R/E ((1 - nu) R^2 + (1 + nu) b^2)/(b^2 - R^2) of a free ring."""
+    """Two half linings without friction, even p: u = p R/E ((1 - nu) R^2 + (1 + nu) b^2)/(b^2 -
+    R^2) of a free ring.
+    """
     R, b, E, nu = 0.15, 0.165, 1.2e11, 0.25
     ring = {"thickness": b - R, "width": 0.04, "material": {"E": E, "nu": nu}, "support": support}
     halves = {
@@ -270,7 +309,12 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
 
 @pytest.mark.parametrize("support", ["fixed", pytest.param("free", marks=pytest.mark.slow)])
 def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
-    ring = {"thickness": 0.012, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": support}
+    ring = {
+        "thickness": 0.012,
+        "width": 0.04,
+        "material": {"E": 1.2e11, "nu": 0.25},
+        "support": support,
+    }
     ringed = vary(brake, {"drum.ring": ring})
     theirs = respond(prepare(ringed, elements=120), ringed)
     mine = respond(scene(ringed, LEVELS[2], places_of(ringed, theirs)), ringed)
@@ -280,13 +324,16 @@ def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
 
 @pytest.mark.slow
 def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
-    """Errors against the finest level: p falls at least threefold a level; what is stated is more, and not ten
-    times.
+    """Errors against the finest level: p falls at least threefold a level; what is stated is more,
+    and not ten times.
     """
     made = list(steps(flexible, respond))[:5]  # the last one has less digits than the others
     responses, truth = [step.response for step in made], made[-1].response
     lost = ROUND_OFF * max(shoe.lost.pressure for shoe in truth.shoes)  # of the truth itself
-    errors = [max(pressure_distance(a, b) for a, b in zip(r.shoes, truth.shoes, strict=True)) for r in responses]
+    errors = [
+        max(pressure_distance(a, b) for a, b in zip(r.shoes, truth.shoes, strict=True))
+        for r in responses
+    ]
     for k in range(1, len(responses) - 1):
         stated = estimate(flexible, *responses[k - 1 : k + 1])
         assert errors[k] < 0.6 * errors[k - 1]
@@ -301,7 +348,11 @@ def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(bra
     response = solve(half)
     assert response.error["pressure"] <= DEFAULT.pressure
     assert response.error["torque"] <= DEFAULT.torque
-    assert set(response.error) == set(response.shoes[0].error) == {"pressure", "torque", "peak", "reaction"}
+    assert (
+        set(response.error)
+        == set(response.shoes[0].error)
+        == {"pressure", "torque", "peak", "reaction"}
+    )
     fine = [step.response for step in steps(half, respond)][3]
     for shoe, a, b in zip(half.shoes, response.shoes, fine.shoes, strict=True):
         assert pressure_distance(a, b) < response.error["pressure"]
@@ -312,7 +363,9 @@ def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(bra
 
 
 def test_a_small_smooth_contact_is_that_of_hertz(brake):
-    """A lining of a smaller radius touches over a few millimetres: p and its width by Hertz, far from all edges."""
+    """A lining of a smaller radius touches over a few millimetres: p and its width by Hertz, far
+    from all edges.
+    """
     rigid_shoe = vary(
         brake,
         {
@@ -362,7 +415,9 @@ def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     [(0.1901, 0.2205, 0.2733, 1.95e9, 0.011), (0.0628, 0.1235, 0.1191, 1.6e9, 0.246)],
 )
 def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, backing, E, mu):
-    """Its corners at the back feel the force however far they are: the torque's error stays below the stated one."""
+    """Its corners at the back feel the force however far they are: the torque's error stays below
+    the stated one.
+    """
     block = {
         "name": "block", "side": "internal", "hinge": {"radius": 0.6, "angle": -0.5 * length - 0.7},
         "lining": {"start": -0.5 * length, "end": 0.5 * length, "thickness": thickness, "width": 0.1,
@@ -370,21 +425,32 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
         "backing": {"thickness": backing, "material": {"E": E, "nu": 0.3}},
         "actuation": {"direction": 0.1, "point": {"radius": 0.6, "angle": 0.5 * length + 0.7}, "force": 3e3 * length},
     }  # fmt: skip
-    data = {"title": "block", "rotation": "clockwise", "friction": mu, "drum": {"radius": 1.0}, "shoe": [block]}
+    data = {
+        "title": "block",
+        "rotation": "clockwise",
+        "friction": mu,
+        "drum": {"radius": 1.0},
+        "shoe": [block],
+    }
     brake = brake_from(data)
     found = [step.response for step in islice(steps(brake, respond), 5)]
     for k in (2, 3, 4):
-        assert abs(found[k - 1].torque / found[-1].torque - 1) < estimate(brake, *found[k - 2 : k]).brake["torque"]
+        assert (
+            abs(found[k - 1].torque / found[-1].torque - 1)
+            < estimate(brake, *found[k - 2 : k]).brake["torque"]
+        )
 
 
 @pytest.mark.parametrize("seed", [5, 23])
 def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypatch, seed):
-    """Divided as finely as those near it they are a quarter of the unknowns in a layer on a rigid shoe
-    (5) and on an elastic one (23), and move p by less than its level's error.
+    """Divided as finely as those near it they are a quarter of the unknowns in a layer on a rigid
+    shoe (5) and on an elastic one (23), and move p by less than its level's error.
     """
     brake, found = random_brake(seed, "small contact"), []
     (_, before), (_, true) = islice(steps(brake, respond), 1, 3)
-    places = places_of(brake, true)  # the same ends of the contact: where they are rounded to moves p by more
+    places = places_of(
+        brake, true
+    )  # the same ends of the contact: where they are rounded to moves p by more
     for rule in (division.faded, lambda part, distance, *, fades: part):
         monkeypatch.setattr(division, "faded", rule)
         made = scene(brake, LEVELS[2], places)
@@ -397,8 +463,8 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
 
 
 def test_most_short_contacts_are_known_by_default_on_the_third_level():
-    """Its estimate is a part of the step from the second level, which must know p well enough: with wider columns at
-    the ends the fourth level, three times as dear, would be needed more often.
+    """Its estimate is a part of the step from the second level, which must know p well enough: with
+    wider columns at the ends the fourth level, three times as dear, would be needed more often.
     """
 
     def steps_of_p():
@@ -415,8 +481,8 @@ def test_most_short_contacts_are_known_by_default_on_the_third_level():
 
 
 def test_a_short_contact_is_graded_faster():
-    """Its pressure rises from its ends as a root: columns that grow as those under a long contact are more by a fifth
-    and change p by less than its level's error.
+    """Its pressure rises from its ends as a root: columns that grow as those under a long contact
+    are more by a fifth and change p by less than its level's error.
     """
     brake = random_brake(2, "small contact")
     true = [step.response for step in steps(brake, respond)][-1]
@@ -436,11 +502,14 @@ def test_a_short_contact_is_graded_faster():
 @pytest.mark.slow
 def test_what_a_level_cannot_reach_is_said(brake):
     with pytest.raises(
-        NoAnswer, match=r"tolerance 1e-12 not reached on \d meshes of up to \d+ unknowns a shoe: estimated"
+        NoAnswer,
+        match=r"tolerance 1e-12 not reached on \d meshes of up to \d+ unknowns a shoe: estimated",
     ):
         solve(brake, tolerance=1e-12)
     answered = adapt(brake, DEFAULT._replace(torque=0.0), respond, must=False).response
-    assert answered.notes[-1].startswith("warning: tolerance ") and "not reached" in answered.notes[-1]
+    assert (
+        answered.notes[-1].startswith("warning: tolerance ") and "not reached" in answered.notes[-1]
+    )
     assert answered.error["torque"] > 0
 
 
@@ -454,15 +523,23 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     assert apart[1] / apart[0] == pytest.approx(2.5) and apart[-2] / apart[-1] == pytest.approx(4.0)
     shoe = brake.shoes[0]
     (start, _), t = shoe.arc, shoe.lining.thickness / brake.drum.radius
-    beside = divide(shoe, brake.drum.radius, LEVELS[2], [(start + x, 1e-7, False) for x in (2e-10, 1e-7)])
-    assert np.diff(beside.angles).min() >= 0.99 * division.FINEST * t  # however near to its end a lining is open
+    beside = divide(
+        shoe, brake.drum.radius, LEVELS[2], [(start + x, 1e-7, False) for x in (2e-10, 1e-7)]
+    )
+    assert (
+        np.diff(beside.angles).min() >= 0.99 * division.FINEST * t
+    )  # however near to its end a lining is open
     div = divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False)])
     assert 1.0 in div.angles
     at = int(np.flatnonzero(div.angles == 1.0)[0])
-    assert np.diff(div.angles)[at - 1 : at + 1].max() < 0.1 * shoe.lining.thickness / brake.drum.radius
+    assert (
+        np.diff(div.angles)[at - 1 : at + 1].max() < 0.1 * shoe.lining.thickness / brake.drum.radius
+    )
     assert div.depths[-1] == pytest.approx(shoe.lining.thickness + shoe.body.thickness)
     end = shoe.arc[1]
-    borne = np.diff(divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False), (end, 0.5, False)]).angles)
+    borne = np.diff(
+        divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False), (end, 0.5, False)]).angles
+    )
     everywhere = np.diff(divide(shoe, brake.drum.radius, LEVELS[2]).angles)
     assert borne[-1] == pytest.approx(everywhere[-1])
     assert borne[0] > 3 * everywhere[0], "no pressure there: not graded to its spike"
@@ -471,7 +548,9 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
 
 
 def test_a_table_of_many_clearances_is_a_curve(brake):
-    """Its rows are not graded to: it costs what a smooth gap costs, and meshes of another kind answer alike."""
+    """Its rows are not graded to: it costs what a smooth gap costs, and meshes of another kind
+    answer alike.
+    """
     theta = np.linspace(-70, 55, 1001)
     table = np.column_stack([np.radians(theta), 1e-4 * np.cos(np.radians(theta)) ** 2]).tolist()
     curved = vary(brake, {"shoe[0].lining.clearance": table})
@@ -486,20 +565,28 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
     (start, end), t = shoe.arc, shoe.lining.thickness / R
 
     def first(*contact):
-        angles = divide(shoe, R, level, [(x, contact[1] - contact[0], False) for x in contact]).angles
+        angles = divide(
+            shoe, R, level, [(x, contact[1] - contact[0], False) for x in contact]
+        ).angles
         return angles[1] - angles[0]
 
     unknown = min(level.edge * t, level.zone * math.radians(0.2))
     assert first() == pytest.approx(unknown, rel=1e-9)
     assert first(start, start + 1.0) == pytest.approx(unknown, rel=1e-9)
     assert first(start, start + 1e-3) == pytest.approx(level.edge * 5e-4, rel=1e-9)
-    assert first(start + 1e-7, start + 1e-7 + 1e-3) == pytest.approx(level.edge * 5e-4, rel=1e-9)  # all but reaches it
-    assert first(start + 0.1, end) == pytest.approx(level.back * t, rel=1e-9)  # nothing presses there
+    assert first(start + 1e-7, start + 1e-7 + 1e-3) == pytest.approx(
+        level.edge * 5e-4, rel=1e-9
+    )  # all but reaches it
+    assert first(start + 0.1, end) == pytest.approx(
+        level.back * t, rel=1e-9
+    )  # nothing presses there
 
 
 @pytest.mark.parametrize("at_start", [True, False])
 def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, at_start):
-    """A contact that ends at 0.4 % of its length from there ends between two columns, on every level."""
+    """A contact that ends at 0.4 % of its length from there ends between two columns, on every
+    level.
+    """
     shoe, R = brake.shoes[0], brake.drum.radius
     start, end = shoe.arc
     length, gap = 2e-3, 8e-6
@@ -511,8 +598,12 @@ def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, a
 
 
 def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
-    """0.4 % of its length from there: where no column ends with it, p is 0.3 % off on the fourth level."""
-    *_, one, other = (step.response.shoes[0] for step in steps(random_brake(7986), respond, levels=LEVELS[:5]))
+    """0.4 % of its length from there: where no column ends with it, p is 0.3 % off on the fourth
+    level.
+    """
+    *_, one, other = (
+        step.response.shoes[0] for step in steps(random_brake(7986), respond, levels=LEVELS[:5])
+    )
     assert pressure_distance(one, other) < 5e-4
 
 
@@ -521,7 +612,9 @@ def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     response = solve(kinked, elements=40)
     places = places_of(kinked, response)
     kinks = sorted(x for found in places.values() for x, _, kind in found if kind == Kind.KINK)
-    assert kinks == pytest.approx(sorted(brake.shoes[0].frame.phi(np.array([-0.5, 0.1, 0.6])).tolist()))
+    assert kinks == pytest.approx(
+        sorted(brake.shoes[0].frame.phi(np.array([-0.5, 0.1, 0.6])).tolist())
+    )
     (tip,) = (x for found in places.values() for x, _, kind in found if kind == Kind.TIP)
     assert tip == pytest.approx(float(brake.shoes[0].frame.phi(np.array(0.1))))
     theta = solve(kinked).shoes[0].theta
@@ -535,22 +628,30 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
     i = len(shoe.theta) // 2
     opened = shoe.pressure.copy()
     opened[i] = 0.0
-    places = places_of(brake, replace(response, shoes=(replace(shoe, pressure=opened), *response.shoes[1:])))
+    places = places_of(
+        brake, replace(response, shoes=(replace(shoe, pressure=opened), *response.shoes[1:]))
+    )
     before = places_of(brake, response)
-    (found,) = {place for own in places.values() for place in own} - {place for own in before.values() for place in own}
+    (found,) = {place for own in places.values() for place in own} - {
+        place for own in before.values() for place in own
+    }
     assert found[:2] == pytest.approx((brake.shoes[0].frame.phi(shoe.theta[i]), shoe.theta[i + 1] - shoe.theta[i - 1]),
                                       rel=1e-5)  # fmt: skip
 
 
 def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
-    """Between columns of 1e-6 rad, as at an end of the contact, p may waver: nodes there open and close."""
+    """Between columns of 1e-6 rad, as at an end of the contact, p may waver: nodes there open and
+    close.
+    """
     response = solve(brake, elements=40)
     shoe = response.shoes[0]
     i = len(shoe.theta) // 2
     opened, theta = shoe.pressure.copy(), shoe.theta.copy()
     opened[i] = 0.0
     theta[i - 1], theta[i + 1] = theta[i] - 1e-6, theta[i] + 1e-6
-    narrow = replace(response, shoes=(replace(shoe, pressure=opened, theta=theta), *response.shoes[1:]))
+    narrow = replace(
+        response, shoes=(replace(shoe, pressure=opened, theta=theta), *response.shoes[1:])
+    )
     assert places_of(brake, narrow) == places_of(brake, response)
     ((a, b),) = shoe.contact_arcs
     for gap, seen in ((1e-6, 0), (0.1, 2)):  # two ends more, of an opening that two nodes show
@@ -559,18 +660,29 @@ def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
         assert len(places_of(brake, split)[0]) == len(places_of(brake, response)[0]) + seen
 
 
-def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_the_tolerance(brake, monkeypatch):
+def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_the_tolerance(
+    brake, monkeypatch
+):
     monkeypatch.setattr("drumlin.fem.hp.scene.MOST_NODES", 110)
-    with pytest.raises(NoAnswer, match=r"not reached, the next level: its \d+ contact nodes are more than the 110"):
+    with pytest.raises(
+        NoAnswer, match=r"not reached, the next level: its \d+ contact nodes are more than the 110"
+    ):
         solve(brake, tolerance=1e-5)
 
 
 def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch):
-    ring = {"thickness": 0.02, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": "fixed"}
+    ring = {
+        "thickness": 0.02,
+        "width": 0.04,
+        "material": {"E": 1.2e11, "nu": 0.25},
+        "support": "fixed",
+    }
     ringed = vary(brake, {"drum.ring": ring})
     nodes = sum(len(body.line.nodes) for body in scene(ringed, LEVELS[0]).bodies)
     monkeypatch.setattr("drumlin.fem.hp.scene.MOST_NODES", nodes - 1)
-    with pytest.raises(NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1} that"):
+    with pytest.raises(
+        NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1} that"
+    ):
         scene(ringed, LEVELS[0])
     scene(brake, LEVELS[0])
 
@@ -592,7 +704,9 @@ def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():
 
 
 def test_fields_recovered_on_a_grid_are_in_balance(brake):
-    """The displacements of all nodes under the contact's forces: the assembled stiffness gives these forces back."""
+    """The displacements of all nodes under the contact's forces: the assembled stiffness gives
+    these forces back.
+    """
     response = solve(brake)
     made = scene(brake, LEVELS[1], places_of(brake, response))
     found = respond(made, brake)
@@ -602,7 +716,9 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     from drumlin.fem.assembly import actuation
 
-    u = body.condensed.displacement(nodal, np.zeros(FRAME), shoe.actuation.force * actuation(body, shoe)[0])
+    u = body.condensed.displacement(
+        nodal, np.zeros(FRAME), shoe.actuation.force * actuation(body, shoe)[0]
+    )
     forces = body.basis.stiffness(layers_of(shoe)) @ u.T.ravel()
     n = 2 * len(body.line.nodes)
     assert forces[:n] == pytest.approx(nodal, abs=1e-6 * np.abs(nodal).max())
@@ -627,12 +743,21 @@ def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_ce
 
 @pytest.mark.parametrize("part", ["hinge", pytest.param("free ring", marks=pytest.mark.slow)])
 def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake, part):
-    ring = {"thickness": 0.02, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": "free"}
+    ring = {
+        "thickness": 0.02,
+        "width": 0.04,
+        "material": {"E": 1.2e11, "nu": 0.25},
+        "support": "free",
+    }
     whole = vary(brake, {"drum.ring": ring}) if part == "free ring" else brake
     found = []
     for made in (scene_of(whole), prepare(whole, elements=160)):
         response = respond(made, whole)
-        found.append(ring_fields(made, whole, response) if part == "free ring" else fields(made, whole, response, 0))
+        found.append(
+            ring_fields(made, whole, response)
+            if part == "free ring"
+            else fields(made, whole, response, 0)
+        )
     ours, theirs = found
     near = cKDTree(theirs.points).query(ours.points)
     close = near[0] < 2e-4
@@ -647,7 +772,9 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
     theta = [body.line.phi for body in made.bodies]
     assert [len(line) for line in theta] == [len(shoe.theta) for shoe in answer.shoes]
     end = full_slip_rotation(made, brake)
-    assert hold(made, brake, np.linspace(0.0, end, 9))[-1].torque == pytest.approx(answer.torque, rel=1e-5)
+    assert hold(made, brake, np.linspace(0.0, end, 9))[-1].torque == pytest.approx(
+        answer.torque, rel=1e-5
+    )
     assert sensitivity(made, brake).torque == pytest.approx(answer.torque, rel=1e-9)
     worn = solve_worn_in(brake)
     assert worn.torque == pytest.approx(sine(brake).torque, rel=1e-3)
@@ -656,7 +783,10 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
 def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
     cases = [Case(brake, {"friction": mu}) for mu in (0.3, 0.3001, 0.3002)]
     rows = [solved(case, cache) for cache in [Cache()] for case in cases]
-    assert all(0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque for row in rows)
+    assert all(
+        0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque
+        for row in rows
+    )
     assert rows == [solved(case) for case in cases]  # a row depends on its case alone
     meshed = solved(cases[0]._replace(options={"elements": 20}))
     assert "error_pressure" not in meshed
@@ -664,11 +794,21 @@ def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
 
 
 def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
-    """Bodies and ring from one cache are those that are made anew: with and without friction, other sizes, other ends
-    of the contact, a guided shoe whose force acts elsewhere."""
-    ring = {"thickness": 0.02, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": "fixed"}
+    """Bodies and ring from one cache are those that are made anew: with and without friction, other
+    sizes, other ends of the contact, a guided shoe whose force acts elsewhere.
+    """
+    ring = {
+        "thickness": 0.02,
+        "width": 0.04,
+        "material": {"E": 1.2e11, "nu": 0.25},
+        "support": "fixed",
+    }
     ringed, cache = vary(brake, {"drum.ring": ring, "shoe.body": None}), Cache()
-    guide = {"shoe.hinge": None, "shoe[0].guide": {"direction": 0.0}, "shoe[1].guide": {"direction": math.pi}}
+    guide = {
+        "shoe.hinge": None,
+        "shoe[0].guide": {"direction": 0.0},
+        "shoe[1].guide": {"direction": math.pi},
+    }
     cases = [
         ({"friction": 0.0}, {}),
         ({}, {}),
@@ -681,7 +821,13 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
         own = vary(ringed, changes)
         kept, anew = (scene(own, LEVELS[0], where, which) for which in (cache, None))
         for a, b in zip(kept.bodies, anew.bodies, strict=True):
-            for name in ("closing_pressed", "closing_dragged", "held_pressed", "turned", "load_centre"):
+            for name in (
+                "closing_pressed",
+                "closing_dragged",
+                "held_pressed",
+                "turned",
+                "load_centre",
+            ):
                 mine, theirs = getattr(a, name), getattr(b, name)
                 assert (mine is None) == (theirs is None), name
                 assert mine is None or np.array_equal(mine, theirs), name
@@ -698,7 +844,12 @@ def test_a_brake_that_locks_is_divided_too(brake):
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies(brake, support):
-    ring = {"thickness": 0.02, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": support}
+    ring = {
+        "thickness": 0.02,
+        "width": 0.04,
+        "material": {"E": 1.2e11, "nu": 0.25},
+        "support": support,
+    }
     whole = vary(brake, {"drum.ring": ring})
     (group,) = groups_of(scene(whole, LEVELS[0]), whole)
     found = group.answer()

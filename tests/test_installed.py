@@ -1,4 +1,6 @@
-"""drumlin away from its checkout: examples, schemas, what a wheel and an sdist carry, and a wheel that is used."""
+"""drumlin away from its checkout: examples, schemas, what a wheel and an sdist carry, and a wheel
+that is used.
+"""
 
 import json
 import os
@@ -28,10 +30,17 @@ SWEEPS = sorted((ROOT / "studies" / "sweeps").glob("*.toml"))
 
 def test_every_example_is_listed_printed_and_is_a_brake(tmp_path):
     listed = [line.split("  ")[0] for line in drumlin("init").stdout.splitlines()]
-    assert listed == list(examples()) and {"double_shoe", "double_shoe_flexible", "post_brake", "pad"} <= set(listed)
+    assert listed == list(examples()) and {
+        "double_shoe",
+        "double_shoe_flexible",
+        "post_brake",
+        "pad",
+    } <= set(listed)
     for name, path in examples().items():
         (tmp_path / "my.toml").write_text(drumlin("init", name).stdout)
-        assert read_any(tmp_path / "my.toml") == read_any(path), name  # mesh files are found from anywhere
+        assert read_any(tmp_path / "my.toml") == read_any(path), (
+            name
+        )  # mesh files are found from anywhere
     done = drumlin("init", "duble_shoe")
     assert done.returncode == 2 and "did you mean 'double_shoe'?" in done.stderr
 
@@ -52,7 +61,11 @@ def test_what_is_misspelt_is_guessed(words, meant):
 
 def test_version_and_completion(monkeypatch):
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    assert drumlin("--version").stdout == f"drumlin {project['version']}\n" == f"drumlin {package.__version__}\n"
+    assert (
+        drumlin("--version").stdout
+        == f"drumlin {project['version']}\n"
+        == f"drumlin {package.__version__}\n"
+    )
     assert f"version: {project['version']}\n" in (ROOT / "CITATION.cff").read_text()
     monkeypatch.setenv("_DRUMLIN_COMPLETE", "complete_bash")
     monkeypatch.setenv("COMP_WORDS", "drumlin so")
@@ -91,7 +104,10 @@ def test_every_example_keeps_to_its_schema_and_names_it():
         ('radius = "150 mm"', 'radius = "big"'),
         ('radius = "150 mm"', 'radiuss = "150 mm"'),
         ('rotation = "counter-clockwise"', 'rotation = "left"'),
-        ('hinge = { radius = "125 mm", angle = "-75 deg" }', 'hinge = { radius = "125 mm", x = "-75 mm" }'),
+        (
+            'hinge = { radius = "125 mm", angle = "-75 deg" }',
+            'hinge = { radius = "125 mm", x = "-75 mm" }',
+        ),
         ("friction = 0.3", 'friction = "0.3"'),
         ('thickness = "8 mm" ', 'clearance = [["-70 deg", 0]]\nthickness = "8 mm" '),
     ],
@@ -111,7 +127,9 @@ def test_tables_and_sweeps_are_in_the_schemas():
     assert faults(brake_schema(), data) == []
     sweep = tomllib.loads(SWEEPS[0].read_text())
     assert faults(sweep_schema(), sweep | {"pressure": "psi"})
-    assert faults(sweep_schema(), sweep | {"vary": {"friction": {"distribution": "normal"}}})  # no deviation
+    assert faults(
+        sweep_schema(), sweep | {"vary": {"friction": {"distribution": "normal"}}}
+    )  # no deviation
 
 
 # a wheel
@@ -134,7 +152,9 @@ def built(tmp_path_factory):
     tools = folder / "tools"
     venv.create(tools, with_pip=True)
     subprocess.run([tools / "bin" / "pip", "install", "--quiet", "setuptools>=77"], check=True)
-    subprocess.run([tools / "bin" / "python", "-c", code], cwd=source, capture_output=True, check=True)
+    subprocess.run(
+        [tools / "bin" / "python", "-c", code], cwd=source, capture_output=True, check=True
+    )
     return next(folder.glob("*.whl")), next(folder.glob("*.tar.gz")), set(filter(None, files))
 
 
@@ -155,16 +175,22 @@ def test_the_sdist_is_complete_and_the_wheel_carries_what_commands_need(built):
 
 @pytest.mark.slow
 def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
-    """In an environment of its own, which borrows the libraries of this one, not its drumlin; even the page."""
+    """In an environment of its own, which borrows the libraries of this one, not its drumlin; even
+    the page.
+    """
     place, here = tmp_path / "environment", tmp_path / "empty"
     here.mkdir()
     venv.create(place, with_pip=True)
     python = place / "bin" / "python"
-    subprocess.run([python, "-m", "pip", "install", "--quiet", "--no-deps", built[0]], check=True, cwd=here)
+    subprocess.run(
+        [python, "-m", "pip", "install", "--quiet", "--no-deps", built[0]], check=True, cwd=here
+    )
     site = next((place / "lib").glob("python*/site-packages"))
     borrowed = [path for path in sys.path if path.endswith("site-packages")]
     (site / "borrowed.pth").write_text("".join(f"{path}\n" for path in borrowed))
-    free = {key: value for key, value in os.environ.items() if key not in {"PYTHONPATH", "PYTHONHOME"}}
+    free = {
+        key: value for key, value in os.environ.items() if key not in {"PYTHONPATH", "PYTHONHOME"}
+    }
 
     def run(*words):
         done = subprocess.run(
@@ -179,7 +205,11 @@ def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
         return done.stdout
 
     where = [python, "-c", "import drumlin.studies as s; print(s.REPOSITORY)"]
-    at = Path(subprocess.run(where, cwd=here, env=free, capture_output=True, text=True, check=True).stdout.strip())
+    at = Path(
+        subprocess.run(
+            where, cwd=here, env=free, capture_output=True, text=True, check=True
+        ).stdout.strip()
+    )
     assert at == site / "drumlin" / "carried"
     assert "double_shoe" in run("init")
     (here / "my.toml").write_text(run("init", "double_shoe"))
@@ -194,7 +224,9 @@ def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
     assert (here / "reports" / "double_shoe" / "index.html").is_file()
     run("study", "paper")
     assert (here / "reports" / "paper" / "index.html").is_file()
-    kept = run("solve", "my.toml", "--elements", 80, "--pressure", "p.csv") and run("check", "my.toml", "p.csv")
+    kept = run("solve", "my.toml", "--elements", 80, "--pressure", "p.csv") and run(
+        "check", "my.toml", "p.csv"
+    )
     assert "carried" in kept.splitlines()[0]  # the reference values come with it
     program = [place / "bin" / "drumlin"]
     with served(program, "my.toml", cwd=here, env=free) as address, browser(tmp_path) as page:
@@ -203,4 +235,6 @@ def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
             (here / "explored.toml").write_bytes(saved.read())
     assert read_any(here / "explored.toml").friction == 0.34
     assert "torque" in run("solve", "explored.toml")
-    assert not list(site.glob("drumlin/carried/reports/*.html")) and not list(site.rglob("drumlin/reports"))
+    assert not list(site.glob("drumlin/carried/reports/*.html")) and not list(
+        site.rglob("drumlin/reports")
+    )

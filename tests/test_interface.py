@@ -58,23 +58,29 @@ def test_normal_pressure_has_no_moment_about_the_centre_and_drag_has_the_torque(
 
 
 def test_nodal_forces_have_the_resultant_of_the_traction(brake):
-    """Against an integration over the exact arc that knows nothing of the mesh: they differ by its chord error."""
+    """Against an integration over the exact arc that knows nothing of the mesh: they differ by its
+    chord error.
+    """
     shoe = brake.shoes[0]
     body = prepare(brake, elements=80).bodies[0]
     phi = body.line.phi
     p = 1e6 * np.sin(phi)
     force = (-body.coupling.N.T @ p + 0.3 * body.coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
     R = brake.drum.radius
-    exact = resultant(DRUM, phi, p, order=2, size=R, per_place=R * shoe.lining.width, sign=1, drag=0.3)
+    exact = resultant(
+        DRUM, phi, p, order=2, size=R, per_place=R * shoe.lining.width, sign=1, drag=0.3
+    )
     assert force == pytest.approx(exact.force, rel=1e-7)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_patch_test_on_the_arc(sign):
-    """Ring pressed into ring by an interference, on meshes that do not match: the even pressure of Lame.
+    """Ring pressed into ring by an interference, on meshes that do not match: the even pressure of
+    Lame.
 
-    Even to the error of the arcs, which falls with more than the second power of the element; forces and moment on both
-    rings balance to round-off. The pressure is carried by the inner ring (sign 1) or by the outer one.
+    Even to the error of the arcs, which falls with more than the second power of the element;
+    forces and moment on both rings balance to round-off. The pressure is carried by the inner ring
+    (sign 1) or by the outer one.
     """
     interference, exact, spreads, means = 1e-4, lame_interference(1e-4), [], []
     for inside, outside in ((24, 30), (48, 60), (96, 120)):
@@ -88,12 +94,16 @@ def test_patch_test_on_the_arc(sign):
         means.append(abs(found.p.mean() / exact - 1))
         mine, other = rings[::sign]
         for ours, theirs in zip(
-            (both.coupling.N, both.coupling.T), couple_ring(mine.line, other.line, 1.0, sign), strict=True
+            (both.coupling.N, both.coupling.T),
+            couple_ring(mine.line, other.line, 1.0, sign),
+            strict=True,
         ):
             a, b = ((M.T @ found.p).reshape(-1, 2) for M in (ours, theirs))
             scale = np.abs(a).sum()
             assert b.sum(axis=0) == pytest.approx(a.sum(axis=0), abs=1e-13 * scale)
-            moments = [float(cross(line.xy.T, f).sum()) for line, f in ((mine.line, a), (other.line, b))]
+            moments = [
+                float(cross(line.xy.T, f).sum()) for line, f in ((mine.line, a), (other.line, b))
+            ]
             assert moments[1] == pytest.approx(moments[0], abs=1e-13 * scale)
     assert spreads[0] > 4 * spreads[1] > 16 * spreads[2]
     assert spreads[2] < 5e-6
@@ -105,7 +115,9 @@ def circle(count):
 
 
 def lame_interference(interference):
-    """Pressure between rings of R = 1 held at r = 0.6 and r = 1.4, plane stress: u = A r + B/r, u = 0 where held."""
+    """Pressure between rings of R = 1 held at r = 0.6 and r = 1.4, plane stress: u = A r + B/r, u =
+    0 where held.
+    """
     E, nu = pair.STEEL.E, pair.STEEL.nu
     yielding = 0.0  # radial displacement per pressure, of both
     for held in (0.6, 1.4):
@@ -116,15 +128,23 @@ def lame_interference(interference):
 
 def test_integrals_of_piecewise_polynomials():
     theta = np.linspace(0.2, 1.4, 41)
-    assert integrate(theta, np.sin(theta), 2) == pytest.approx(math.cos(0.2) - math.cos(1.4), rel=1e-8)
-    assert integrate(theta, np.sin(theta), 1) == pytest.approx(math.cos(0.2) - math.cos(1.4), rel=1e-3)
+    assert integrate(theta, np.sin(theta), 2) == pytest.approx(
+        math.cos(0.2) - math.cos(1.4), rel=1e-8
+    )
+    assert integrate(theta, np.sin(theta), 1) == pytest.approx(
+        math.cos(0.2) - math.cos(1.4), rel=1e-3
+    )
     assert integrate(theta, theta**2, 2) == pytest.approx((1.4**3 - 0.2**3) / 3, rel=1e-14)
 
 
 def test_an_external_lining_sees_its_drum_from_the_other_side(brake):
     external = vary(
         brake,
-        {"shoe.side": "external", "shoe.hinge": {"x": 0.05, "y": -0.2}, "shoe.actuation.direction": math.pi},
+        {
+            "shoe.side": "external",
+            "shoe.hinge": {"x": 0.05, "y": -0.2},
+            "shoe.actuation.direction": math.pi,
+        },
     )
     body = prepare(external, elements=10).bodies[0]
     assert np.hypot(*body.basis.doflocs).min() == pytest.approx(brake.drum.radius, rel=1e-12)
@@ -138,12 +158,21 @@ STRAIGHT = {  # a straight edge of length 1: Int psi_i psi_j
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
-    """Two edges, of lengths 2 and 1, on the line x = 3 from y = -1 to 2; directions are given, not radial."""
+    """Two edges, of lengths 2 and 1, on the line x = 3 from y = -1 to 2; directions are given, not
+    radial.
+    """
     y = np.array([-1.0, 0, 1, 1.5, 2])[:: 3 - order]
     line = ContactLine(
-        np.arange(len(y)), np.array([np.full(len(y), 3.0), y]), y, np.arange(order + 1)[:, None] + [0, order]
+        np.arange(len(y)),
+        np.array([np.full(len(y), 3.0), y]),
+        y,
+        np.arange(order + 1)[:, None] + [0, order],
     )
-    found = couple(line, 0.5, lambda x: (np.ones_like(x) * [[[0.6]], [[0.8]]], np.ones_like(x) * [[[-0.8]], [[0.6]]]))
+    found = couple(
+        line,
+        0.5,
+        lambda x: (np.ones_like(x) * [[[0.6]], [[0.8]]], np.ones_like(x) * [[[-0.8]], [[0.6]]]),
+    )
     M = np.zeros((len(y), len(y)))
     for first, length in ((0, 2.0), (order, 1.0)):
         M[first : first + order + 1, first : first + order + 1] += 0.5 * length * STRAIGHT[order]
@@ -151,8 +180,12 @@ def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
     assert pytest.approx(M, abs=1e-15) == found.M
     assert found.area == pytest.approx(M.sum(axis=1), abs=1e-15)
     for matrix, (a, b) in ((found.N, (0.6, 0.8)), (found.T, (-0.8, 0.6))):
-        assert matrix[:, 0::2] == pytest.approx(a * M, abs=1e-15) and matrix[:, 1::2] == pytest.approx(b * M, abs=1e-15)
-    lever = 0.5 * sum(end / 2 * math.hypot(3, end) + 9 / 2 * math.asinh(end / 3) for end in (1.0, 2.0))
+        assert matrix[:, 0::2] == pytest.approx(a * M, abs=1e-15) and matrix[
+            :, 1::2
+        ] == pytest.approx(b * M, abs=1e-15)
+    lever = 0.5 * sum(
+        end / 2 * math.hypot(3, end) + 9 / 2 * math.asinh(end / 3) for end in (1.0, 2.0)
+    )
     assert found.lever.sum() == pytest.approx(lever, rel=1e-7)  # 0.5 Int sqrt(9 + y^2) dy
 
 

@@ -1,4 +1,6 @@
-"""A journal keeps finished cases, loses none but damaged ones, and belongs to one state of the program and one run."""
+"""A journal keeps finished cases, loses none but damaged ones, and belongs to one state of the
+program and one run.
+"""
 
 import errno
 import json
@@ -17,9 +19,13 @@ CASES = 40
 def test_cases_survive_and_are_not_computed_again(tmp_path):
     path = tmp_path / "journal.jsonl"
     with Journal(path, "a") as journal:
-        assert journal.once({"n": 1, "mu": 0.3}, lambda: {"torque": math.inf}) == {"torque": math.inf}
+        assert journal.once({"n": 1, "mu": 0.3}, lambda: {"torque": math.inf}) == {
+            "torque": math.inf
+        }
     with Journal(path, "a") as journal:
-        assert journal.once({"mu": 0.3, "n": 1}, lambda: pytest.fail("computed again")) == {"torque": math.inf}
+        assert journal.once({"mu": 0.3, "n": 1}, lambda: pytest.fail("computed again")) == {
+            "torque": math.inf
+        }
         assert len(journal) == 1 and not journal.notes
 
 
@@ -74,8 +80,14 @@ def test_damage_costs_the_damaged_records_alone(tmp_path, seed):
     for _ in range(2):
         with Journal(path, "a") as journal:
             assert CASES >= len(journal) >= sound - 1  # the last one may have lost its end of line
-            assert all(journal[{"n": n}] == {"torque": n / 7} for n in range(CASES) if {"n": n} in journal)
-            if data.startswith(whole[:17]) and data.count(b"\n") == CASES + 1 and len(journal) < CASES:
+            assert all(
+                journal[{"n": n}] == {"torque": n / 7} for n in range(CASES) if {"n": n} in journal
+            )
+            if (
+                data.startswith(whole[:17])
+                and data.count(b"\n") == CASES + 1
+                and len(journal) < CASES
+            ):
                 assert "damaged lines are skipped" in journal.notes[0]
             for n in range(CASES):
                 journal.once({"n": n}, lambda n=n: {"torque": n / 7})
@@ -114,7 +126,10 @@ def test_the_journal_of_another_program_is_kept_aside(tmp_path):
 def test_two_runs_at_a_time_are_refused(tmp_path):
     with Journal(tmp_path / "j.jsonl"), pytest.raises(BadInput, match="another run"):
         Journal(tmp_path / "j.jsonl")
-    with Journal(tmp_path / "j.jsonl", "a"), pytest.raises(BadInput, match="another run"):  # moved aside and anew
+    with (
+        Journal(tmp_path / "j.jsonl", "a"),
+        pytest.raises(BadInput, match="another run"),
+    ):  # moved aside and anew
         Journal(tmp_path / "j.jsonl", "a")
 
 
@@ -147,7 +162,9 @@ def test_a_file_that_is_no_journal_is_left_alone(tmp_path, name):
     (tmp_path / "notes").write_bytes(FOREIGN[name])
     with pytest.raises(BadInput, match="is no journal"):
         Journal(tmp_path / "notes", "a")
-    assert (tmp_path / "notes").read_bytes() == FOREIGN[name] and list(tmp_path.iterdir()) == [tmp_path / "notes"]
+    assert (tmp_path / "notes").read_bytes() == FOREIGN[name] and list(tmp_path.iterdir()) == [
+        tmp_path / "notes"
+    ]
 
 
 def test_an_empty_file_and_a_torn_first_line_are_new_journals(tmp_path):

@@ -59,11 +59,17 @@ def balanced(response: Any) -> float:
 def solved(at: Posed) -> None:
     response = drumlin.solve(at.brake)
     balanced(response)
-    whole = loaded(at.brake, response)  # struts act within: what is left are pins, feet, forces from outside, the drum
+    whole = loaded(
+        at.brake, response
+    )  # struts act within: what is left are pins, feet, forces from outside, the drum
     inside = {link.to for link in at.brake.links}
     feet = {link.source for link in at.brake.links}
     outer = [s.actuation.vector for s in whole.shoes if s.name not in inside]
-    outer += [r.hinge_reaction for s, r in zip(whole.shoes, response.shoes, strict=True) if s.name not in feet]
+    outer += [
+        r.hinge_reaction
+        for s, r in zip(whole.shoes, response.shoes, strict=True)
+        if s.name not in feet
+    ]
     if response.bearing_load is not None and not at.brake.surface.straight:
         total = np.sum([*outer, -response.bearing_load], axis=0)
         assert np.linalg.norm(total) < 1e-9 * np.abs(outer).max()
@@ -86,18 +92,30 @@ def radius(brake: Brake) -> float:
 
 def with_misfit(at: Posed) -> None:
     if flat(at.brake):  # whose guides take up every moment
-        crowned = drumlin.solve(vary(at.brake, {"shoe.lining.misfit": {"radius": 100.0, "taper": 1e-5}}))
+        crowned = drumlin.solve(
+            vary(at.brake, {"shoe.lining.misfit": {"radius": 100.0, "taper": 1e-5}})
+        )
         balanced(crowned)
-        assert crowned.shoes[0].peak_pressure > 1.05 * drumlin.solve(at.brake).shoes[0].peak_pressure
+        assert (
+            crowned.shoes[0].peak_pressure > 1.05 * drumlin.solve(at.brake).shoes[0].peak_pressure
+        )
         return
     brake = vary(at.brake, {"shoe.lining.misfit": {"radius": 0.999 * radius(at.brake)}, "drum.out_of_round": [
         {"order": 2, "amplitude": 1e-5, "phase": 0.3}]})  # fmt: skip
-    assert abs(balanced(drumlin.solve(brake, elements=ELEMENTS)) / drumlin.solve(at.brake).effect - 1) > 1e-3
+    assert (
+        abs(balanced(drumlin.solve(brake, elements=ELEMENTS)) / drumlin.solve(at.brake).effect - 1)
+        > 1e-3
+    )
 
 
 def on_ring(at: Posed) -> None:
     R = radius(at.brake)
-    ring = {"thickness": 0.1 * R, "width": 0.06, "material": {"E": 1.1e11, "nu": 0.25}, "support": "fixed"}
+    ring = {
+        "thickness": 0.1 * R,
+        "width": 0.06,
+        "material": {"E": 1.1e11, "nu": 0.25},
+        "support": "fixed",
+    }
     soft = balanced(drumlin.solve(vary(at.brake, {"drum.ring": ring}), elements=ELEMENTS))
     hard = ring | {"material": {"E": 1.1e17, "nu": 0.25}}
     stiff = balanced(drumlin.solve(vary(at.brake, {"drum.ring": hard}), elements=ELEMENTS))
@@ -107,7 +125,9 @@ def on_ring(at: Posed) -> None:
 
 
 def worn_in(at: Posed) -> None:
-    assert drumlin.solve(at.brake, worn_in=True, elements=40).effect == pytest.approx(law(at.brake).effect, rel=1e-2)
+    assert drumlin.solve(at.brake, worn_in=True, elements=40).effect == pytest.approx(
+        law(at.brake).effect, rel=1e-2
+    )
 
 
 def wears(at: Posed) -> None:
@@ -122,9 +142,14 @@ def wears(at: Posed) -> None:
 
 
 def slopes(at: Posed) -> None:
-    """All forces grown alike, those of a cylinder or a cam too, make the torque grow so where linings fit."""
+    """All forces grown alike, those of a cylinder or a cam too, make the torque grow so where
+    linings fit.
+    """
     found = sensitivity(prepare(at.brake, elements=ELEMENTS), at.brake)
-    forces = [(s.force or 0.0) * shoe.actuation.force for s, shoe in zip(found.shoes, at.brake.shoes, strict=True)]
+    forces = [
+        (s.force or 0.0) * shoe.actuation.force
+        for s, shoe in zip(found.shoes, at.brake.shoes, strict=True)
+    ]
     drive = sum(forces) if found.drive is None else found.drive
     assert drive == pytest.approx(found.torque, rel=1e-9)
     moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
@@ -132,7 +157,9 @@ def slopes(at: Posed) -> None:
 
 
 def held(at: Posed) -> None:
-    """Turned far enough the drum is held by what it slides at, or a line says that a foot stands elsewhere."""
+    """Turned far enough the drum is held by what it slides at, or a line says that a foot stands
+    elsewhere.
+    """
     scene = prepare(at.brake, elements=ELEMENTS)
     states = hold(scene, at.brake, np.linspace(0, full_slip_rotation(scene, at.brake), 4))
     torque = drumlin.solve(at.brake, elements=ELEMENTS).effect
@@ -157,7 +184,9 @@ def own_meshes(at: Posed) -> None:
 
 def swept(at: Posed) -> None:
     sweep, table = at.folder / "sweep.toml", at.folder / "table.csv"
-    sweep.write_text(f'title = "t"\nbrake = "{at.file}"\n[model.fem]\nelements = 10\n[vary]\nfriction = [0.1, 0.2]\n')
+    sweep.write_text(
+        f'title = "t"\nbrake = "{at.file}"\n[model.fem]\nelements = 10\n[vary]\nfriction = [0.1, 0.2]\n'
+    )
     with pytest.raises(SystemExit) as end:
         app(["sweep", str(sweep), "--output", str(table)])
     assert end.value.code == 0
@@ -175,7 +204,9 @@ ROUGHLY = Refinement(2, LEVELS[1:3], triangles.LEVELS[:1])
 
 
 def referred(at: Posed) -> None:
-    """Reference values, of rougher meshes than those that are cited; on a drum their other solver covers the brake."""
+    """Reference values, of rougher meshes than those that are cited; on a drum their other solver
+    covers the brake.
+    """
     trio = responses(at.brake, ROUGHLY)
     assert (trio.other is None) == flat(at.brake)
     found = reference(at.brake, at.file.read_text(), "made here", trio)

@@ -1,4 +1,6 @@
-"""Shoes of every kind against curved triangles, which share nothing with the finite elements but the brake."""
+"""Shoes of every kind against curved triangles, which share nothing with the finite elements but
+the brake.
+"""
 
 import math
 from typing import Any
@@ -10,7 +12,15 @@ import drumlin
 from drumlin.brake.brake import Brake
 from drumlin.verification import triangles
 from drumlin.verification.random_kinds import KINDS, random_kind
-from drumlin.verification.stated_true import QUANTITIES, Truth, by_columns, errors, limit, ratio, row
+from drumlin.verification.stated_true import (
+    QUANTITIES,
+    Truth,
+    by_columns,
+    errors,
+    limit,
+    ratio,
+    row,
+)
 
 ON_DRUM = [kind for kind in KINDS if not kind.startswith("pad")]
 QUICK = triangles.LEVELS[:1]
@@ -29,7 +39,9 @@ def test_another_solver_answers_alike(kind: str) -> None:
     found = drumlin.solve(brake)
     assert found.torque == pytest.approx(math.fsum(shoe.torque for shoe in true), rel=1e-4)
     for a, b in zip(found.shoes, true, strict=True):
-        assert a.hinge_reaction == pytest.approx(b.hinge_reaction, abs=1e-3 * np.linalg.norm(b.hinge_reaction))
+        assert a.hinge_reaction == pytest.approx(
+            b.hinge_reaction, abs=1e-3 * np.linalg.norm(b.hinge_reaction)
+        )
         theta = np.linspace(*b.theta[[0, -1]], 31)[3:-3]
         p, q = a.pressure_at(theta), b.pressure_at(theta)
         assert np.linalg.norm(p - q) < 5e-3 * np.linalg.norm(q)
@@ -49,7 +61,9 @@ def rows_of(kind: str, seeds: range, tolerance: float) -> list[dict[str, Any]]:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ON_DRUM)
 def test_what_a_solve_states_is_what_it_has(kind: str) -> None:
-    """The true error is below the tolerance and not above twice what is stated, but for what the truth is unsure of."""
+    """The true error is below the tolerance and not above twice what is stated, but for what the
+    truth is unsure of.
+    """
     for one in rows_of(kind, range(4), 1e-3):
         assert one["outcome"] == "reached", one
         for name in ("pressure", "torque"):
@@ -59,8 +73,9 @@ def test_what_a_solve_states_is_what_it_has(kind: str) -> None:
 
 @pytest.mark.slow
 def test_an_opening_between_two_nodes_is_found_before_an_error_is_stated() -> None:
-    """A lining that opens over a tenth of its middle, where coarse columns have one open node: without its ends the
-    error of p would stay where its estimate falls."""
+    """A lining that opens over a tenth of its middle, where coarse columns have one open node:
+    without its ends the error of p would stay where its estimate falls.
+    """
     brake = brake_of(79, "strut")
     one = row(brake, 1e-3, drumlin.solve, by_columns(brake, 1e-3))
     assert len(drumlin.solve(brake, tolerance=0.02).shoes[0].contact_arcs) == 2
@@ -70,7 +85,9 @@ def test_an_opening_between_two_nodes_is_found_before_an_error_is_stated() -> No
 
 @pytest.mark.slow
 def test_a_reaction_does_not_move_late() -> None:
-    """Where sizes at the hinge did not shrink evenly, this one moved by 5e-5 in the first step, with 1.5e-4 to go."""
+    """Where sizes at the hinge did not shrink evenly, this one moved by 5e-5 in the first step,
+    with 1.5e-4 to go.
+    """
     brake = brake_of(121, "guide")
     one = row(brake, 1e-2, drumlin.solve, by_columns(brake, 1e-3))
     assert 5e-5 < one["true_reaction"] < 2e-4, one

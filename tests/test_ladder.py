@@ -14,10 +14,14 @@ from drumlin.verification.ladder_friction import pressed_plate
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.family}: {case.quantity}".replace(" ", "_"))
+@pytest.mark.parametrize(
+    "case", CASES, ids=lambda case: f"{case.family}: {case.quantity}".replace(" ", "_")
+)
 def test_every_case_is_within_its_tolerance(case):
     value = case.found()
-    assert within(case, value), f"{value!r} for {case.expected!r}, {value / case.expected - 1:.2e} off"
+    assert within(case, value), (
+        f"{value!r} for {case.expected!r}, {value / case.expected - 1:.2e} off"
+    )
     assert not within(case, 1.1 * value)
     assert not within(case, value / 1.1)
     assert not within(case, math.nan)
@@ -49,15 +53,20 @@ def test_the_clearance_and_the_pressure_of_the_disc_agree():
 
 def test_the_yield_of_rings_tends_to_its_limits():
     E, nu = 200e9, 0.3
-    # a thin layer of thickness t held at its back: t (1 - nu^2)/E in every mode that is long against it
+    # a thin layer of thickness t held at its back: t (1 - nu^2)/E in every mode that is long
+    # against it
     for n in (0, 1, 2, 5):
-        inside, outside = (closed_forms.ring_yield(n, 1.0, held, E, nu) for held in (1 - 1e-4, 1 + 1e-4))
+        inside, outside = (
+            closed_forms.ring_yield(n, 1.0, held, E, nu) for held in (1 - 1e-4, 1 + 1e-4)
+        )
         assert inside == approx(-1e-4 * (1 - nu**2) / E, rel=1e-3)
         assert outside == approx(1e-4 * (1 - nu**2) / E, rel=1e-3)
     # a short wave sees a half-plane: 2/(E n)
     assert closed_forms.ring_yield(60, 1.0, 1.9, E, nu) == approx(2 / (E * 60), rel=0.02)
     # sizes scale
-    assert closed_forms.ring_yield(2, 3.0, 1.8, E, nu) == approx(3 * closed_forms.ring_yield(2, 1.0, 0.6, E, nu))
+    assert closed_forms.ring_yield(2, 3.0, 1.8, E, nu) == approx(
+        3 * closed_forms.ring_yield(2, 1.0, 0.6, E, nu)
+    )
 
 
 def test_lames_ring_tends_to_the_boiler_formula():
@@ -66,10 +75,14 @@ def test_lames_ring_tends_to_the_boiler_formula():
     assert inner == approx(1e6 / 200e9 / 0.001, rel=2e-3)
 
 
-@pytest.mark.parametrize(("mu", "exponent"), [(0.0, 1.0), (0.1, 0.887), (0.3, 0.7095), (0.5, 0.564)])
+@pytest.mark.parametrize(
+    ("mu", "exponent"), [(0.0, 1.0), (0.1, 0.887), (0.3, 0.7095), (0.5, 0.564)]
+)
 def test_exponents_of_the_corner(mu, exponent):
     """The digits known at nu = .3; towards mu = 0 the singularity goes."""
-    assert closed_forms.corner_exponent(mu, 0.3) == approx(exponent, abs=5e-5 if mu == 0.3 else 5e-4)
+    assert closed_forms.corner_exponent(mu, 0.3) == approx(
+        exponent, abs=5e-5 if mu == 0.3 else 5e-4
+    )
     assert closed_forms.corner_exponent(1e-3, 0.3) > 0.995
 
 
@@ -81,7 +94,9 @@ def test_hertz_and_westergaard_in_their_limits():
     for mean in (0.2, 0.7, 1.5):
         p = closed_forms.westergaard(mean, 1.0, psi)
         assert np.trapezoid(p, psi) / math.pi == approx(mean, rel=1e-5)
-    assert closed_forms.westergaard(1 - 1e-9, 1.0, psi) == approx(closed_forms.westergaard(1.0, 1.0, psi), abs=1e-4)
+    assert closed_forms.westergaard(1 - 1e-9, 1.0, psi) == approx(
+        closed_forms.westergaard(1.0, 1.0, psi), abs=1e-4
+    )
 
 
 def test_the_flat_punch_carries_its_load():
@@ -91,12 +106,16 @@ def test_the_flat_punch_carries_its_load():
 
 
 def test_tensions_of_a_belt_multiply():
-    assert closed_forms.capstan(0.3, 1.0) * closed_forms.capstan(0.3, 2.0) == approx(closed_forms.capstan(0.3, 3.0))
+    assert closed_forms.capstan(0.3, 1.0) * closed_forms.capstan(0.3, 2.0) == approx(
+        closed_forms.capstan(0.3, 3.0)
+    )
     assert closed_forms.capstan(0.3, -1.0) * closed_forms.capstan(0.3, 1.0) == approx(1.0)
 
 
 def test_a_short_shoe_on_springs_locks_as_a_block_does():
     """A lining at 90 deg, a = R: m = n at mu = 1; and a short block's friction is its own."""
-    assert closed_forms.sine_shoe_limit(0.2, 0.2, math.pi / 2 - 1e-3, math.pi / 2 + 1e-3) == approx(1.0, rel=1e-5)
+    assert closed_forms.sine_shoe_limit(0.2, 0.2, math.pi / 2 - 1e-3, math.pi / 2 + 1e-3) == approx(
+        1.0, rel=1e-5
+    )
     assert closed_forms.equivalent_block(1e-3) == approx(1.0, rel=1e-6)
     assert closed_forms.equivalent_block(math.pi / 2) == approx(4 / math.pi)

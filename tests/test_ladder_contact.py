@@ -1,4 +1,6 @@
-"""Contact of elastic bodies against closed forms: Hertz, Cattaneo-Mindlin, Persson, Westergaard, Lame, patches."""
+"""Contact of elastic bodies against closed forms: Hertz, Cattaneo-Mindlin, Persson, Westergaard,
+Lame, patches.
+"""
 
 import math
 
@@ -11,7 +13,16 @@ from drumlin.contact import active_set, stick_slip
 from drumlin.fem.mesh.grading import graded
 from drumlin.response.resultants import integrate
 from drumlin.verification import closed_forms
-from drumlin.verification.two_bodies import STEEL, Pair, body, both_sides, closed, nested_start, sector, towards
+from drumlin.verification.two_bodies import (
+    STEEL,
+    Pair,
+    body,
+    both_sides,
+    closed,
+    nested_start,
+    sector,
+    towards,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +53,9 @@ def hertz_load(rho, E):
 
 
 def test_hertz(hertz):
-    """Parabolic gap: a = sqrt(4 P rho/(pi E*)), p_0 = sqrt(P E*/(pi rho)), 1/E* = 2/E in plane stress."""
+    """Parabolic gap: a = sqrt(4 P rho/(pi E*)), p_0 = sqrt(P E*/(pi rho)), 1/E* = 2/E in plane
+    stress.
+    """
     rho, E = 2.0, STEEL.E / 2
     P = hertz_load(rho, E)
     s = R * hertz.angle
@@ -61,7 +74,9 @@ def test_hertz(hertz):
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
 def test_cattaneo_mindlin(hertz, half_planes, share):
-    """Tangential load Q < mu P after P: stick within c = a sqrt(1 - Q/(mu P)), slip outside, t by superposition."""
+    """Tangential load Q < mu P after P: stick within c = a sqrt(1 - Q/(mu P)), slip outside, t by
+    superposition.
+    """
     rho, mu, E = 2.0, 0.3, STEEL.E / 2
     P = hertz_load(rho, E)
     s = R * hertz.angle
@@ -72,11 +87,16 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     start = np.where(touching, stick_slip.STICK, stick_slip.OPEN)
     first = stick_slip.solve(hertz.frictional(s**2 / (2 * rho), [P, 0.0]), mu, rest, start)
     inner = np.abs(s) < 0.8 * A
-    assert np.abs(first.t[inner]).max() < 5e-3 * first.p.max()  # equal bodies: no traction from pressing alone
+    assert (
+        np.abs(first.t[inner]).max() < 5e-3 * first.p.max()
+    )  # equal bodies: no traction from pressing alone
     increment = first
     for step in np.linspace(0, share, 5)[1:]:
         increment = stick_slip.solve(
-            hertz.frictional(s**2 / (2 * rho), [P, step * mu * P]), mu, increment.history, increment.state
+            hertz.frictional(s**2 / (2 * rho), [P, step * mu * P]),
+            mu,
+            increment.history,
+            increment.state,
         )
     assert {stick_slip.OPEN, stick_slip.STICK} <= set(increment.state)
     slips = np.isin(increment.state, [stick_slip.FORWARD, stick_slip.BACKWARD])
@@ -85,14 +105,22 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     sticks = s[increment.state == stick_slip.STICK]
     assert 0.5 * (sticks.max() - sticks.min()) == pytest.approx(c, abs=1.5 * A / 20)
     p0 = math.sqrt(P * E / (math.pi * rho))
-    exact = mu * p0 * (np.sqrt(np.maximum(1 - (s / A) ** 2, 0)) - c / A * np.sqrt(np.maximum(1 - (s / c) ** 2, 0)))
+    exact = (
+        mu
+        * p0
+        * (
+            np.sqrt(np.maximum(1 - (s / A) ** 2, 0))
+            - c / A * np.sqrt(np.maximum(1 - (s / c) ** 2, 0))
+        )
+    )
     away = (np.abs(np.abs(s) - c) > 0.12 * A) & (np.abs(s) < 0.9 * A)
     assert np.abs(np.abs(increment.t) - exact)[away].max() < 0.02 * mu * p0
     assert abs(integrate(s, increment.t, 2)) == pytest.approx(share * mu * P, rel=1e-3)
 
 
 def disc_in_hole(eps, count=50):
-    """A disc, loaded at its centre through a small core, in the hole of a large plate; meshes do not match.
+    """A disc, loaded at its centre through a small core, in the hole of a large plate; meshes do
+    not match.
 
     The elements shrink towards the ends +-eps [rad] of the contact, where p ~ sqrt(distance).
     """
@@ -122,14 +150,21 @@ def test_disc_in_a_hole_of_the_same_material(half_angle):
     error = math.sqrt(integrate(theta, (found.p - exact) ** 2, 2) / integrate(theta, exact**2, 2))
     assert error < 5e-3
     touching = theta[found.p > 0]
-    assert math.degrees(0.5 * (touching.max() - touching.min())) == pytest.approx(half_angle, rel=5e-3)
+    assert math.degrees(0.5 * (touching.max() - touching.min())) == pytest.approx(
+        half_angle, rel=5e-3
+    )
     assert found.steps <= 15
 
 
 def ring_pair(count=48, other=60):
     """A ring held inside, pressed by a ring held outside, on meshes that do not match."""
-    inner = body(closed(np.linspace(-math.pi, math.pi, count + 1)[:-1], np.linspace(0, 0.4, 5), R, -1), STEEL)
-    outer = body(closed(np.linspace(-math.pi, math.pi, other + 1)[:-1] + 0.01, np.linspace(0, 0.5, 6), R, 1), STEEL)
+    inner = body(
+        closed(np.linspace(-math.pi, math.pi, count + 1)[:-1], np.linspace(0, 0.4, 5), R, -1), STEEL
+    )
+    outer = body(
+        closed(np.linspace(-math.pi, math.pi, other + 1)[:-1] + 0.01, np.linspace(0, 0.5, 6), R, 1),
+        STEEL,
+    )
     return inner, outer
 
 
@@ -151,10 +186,11 @@ def test_swapping_sides_changes_nothing_beyond_discretisation():
 
 
 def wavy(mean_share, m=40):
-    """Ring in ring with a wavy gap: mean pressure and waviness against Westergaard's periodic contact.
+    """Ring in ring with a wavy gap: mean pressure and waviness against Westergaard's periodic
+    contact.
 
-    The rings are thick against the wave 2 pi/m, so that each wave sees half-planes; the mean pressure comes from
-    an interference.
+    The rings are thick against the wave 2 pi/m, so that each wave sees half-planes; the mean
+    pressure comes from an interference.
     """
     count = 12 * m
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
@@ -179,7 +215,9 @@ def test_westergaard_full_contact():
 
 
 def test_westergaard_partial_contact():
-    """p = 2 p_mean cos(psi)/sin^2(psi_a) sqrt(sin^2 psi_a - sin^2 psi), psi = pi x/lambda, sin^2 psi_a = p_mean/p*."""
+    """p = 2 p_mean cos(psi)/sin^2(psi_a) sqrt(sin^2 psi_a - sin^2 psi), psi = pi x/lambda, sin^2
+    psi_a = p_mean/p*.
+    """
     pair, found, p_star = wavy(0.2)
     m = 40
     mean = integrate(pair.angle, found.p, 2) / (pair.angle[-1] - pair.angle[0])
@@ -208,7 +246,8 @@ def test_lame_ring_under_inner_pressure():
     force = (coupling.N.T @ np.full(len(line.nodes), 60e6)).reshape(-1, 2)
     f[2 * line.nodes], f[2 * line.nodes + 1] = force.T
     x, y = basis.doflocs
-    # statically determinate supports of an axisymmetric state: on the axes nodes move along them only
+    # statically determinate supports of an axisymmetric state: on the axes nodes move along them
+    # only
     on_x, on_y = np.flatnonzero(np.abs(y) < 1e-9), np.flatnonzero(np.abs(x) < 1e-9)
     fixed = np.concatenate([2 * on_x + 1, 2 * on_y])
     free = np.setdiff1d(np.arange(2 * basis.N), fixed)
@@ -217,5 +256,9 @@ def test_lame_ring_under_inner_pressure():
     u[free] = spsolve(K[free][:, free].tocsc(), f[free])
     radial_u = (u[0::2] * x + u[1::2] * y) / np.hypot(x, y)
     r = np.hypot(x, y)
-    assert radial_u[r < 0.1 + 1e-9] == pytest.approx(np.full((r < 0.1 + 1e-9).sum(), 5.90e-5), rel=2e-4)
-    assert radial_u[r > 0.2 - 1e-9] == pytest.approx(np.full((r > 0.2 - 1e-9).sum(), 4.00e-5), rel=2e-4)
+    assert radial_u[r < 0.1 + 1e-9] == pytest.approx(
+        np.full((r < 0.1 + 1e-9).sum(), 5.90e-5), rel=2e-4
+    )
+    assert radial_u[r > 0.2 - 1e-9] == pytest.approx(
+        np.full((r > 0.2 - 1e-9).sum(), 4.00e-5), rel=2e-4
+    )

@@ -1,4 +1,6 @@
-"""Elasticity alone: a manufactured solution with its rates, and the singularity of a sharp sliding edge."""
+"""Elasticity alone: a manufactured solution with its rates, and the singularity of a sharp sliding
+edge.
+"""
 
 import math
 
@@ -26,7 +28,9 @@ KINDS = {
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
-    """u = (sin(pi x) sin(pi y), x y) with its body force: L2 error of order 3 (quadratic) or 2 (linear)."""
+    """u = (sin(pi x) sin(pi y), x y) with its body force: L2 error of order 3 (quadratic) or 2
+    (linear).
+    """
     make, raise_, order = KINDS[kind]
     E, nu = 1000.0, 0.3
     lam, mu = E * nu / (1 - nu**2), E / (2 * (1 + nu))
@@ -38,7 +42,9 @@ def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
     def force(x, y):
         # -div s for s = lam tr(e) I + 2 mu e
         ss, cc = np.sin(pi * x) * np.sin(pi * y), np.cos(pi * x) * np.cos(pi * y)
-        return np.array([(lam + 2 * mu) * pi**2 * ss - (lam + mu) + mu * pi**2 * ss, -(lam + mu) * pi**2 * cc])
+        return np.array(
+            [(lam + 2 * mu) * pi**2 * ss - (lam + mu) + mu * pi**2 * ss, -(lam + mu) * pi**2 * cc]
+        )
 
     errors, sizes = [], (8, 16, 32)
     for n in sizes:
@@ -60,7 +66,9 @@ def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
         held = np.setdiff1d(np.arange(2 * basis.N), free)
         u[free] = spsolve(K[free][:, free].tocsc(), f.ravel()[free] - K[free][:, held] @ u[held])
         found = np.array([np.asarray(basis.interpolate(u[c::2])) for c in (0, 1)])
-        errors.append(math.sqrt(float((((found - exact(*points)) ** 2).sum(axis=0) * basis.dx).sum())))
+        errors.append(
+            math.sqrt(float((((found - exact(*points)) ** 2).sum(axis=0) * basis.dx).sum()))
+        )
     rate = -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
     assert rate > order - 0.15
     assert errors[-1] < (2e-4 if order == 3 else 5e-3)
@@ -68,7 +76,9 @@ def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
 
 @pytest.fixture(scope="module")
 def strip():
-    """A strip, rigid at its back, sharp edges: elements shrink to 1e-7 of its thickness at its ends and face."""
+    """A strip, rigid at its back, sharp edges: elements shrink to 1e-7 of its thickness at its ends
+    and face.
+    """
     thickness, half = 0.05, 0.1
     fine = towards(1e-8, 1.35, half)
     angles = np.concatenate([-half + fine, (half - fine)[::-1][1:]])
@@ -77,8 +87,12 @@ def strip():
     )
 
 
-@pytest.mark.parametrize(("mu", "exponent"), [(0.0, 1.0), (0.1, 0.887), (0.3, 0.7095), (0.5, 0.564)])
-def test_the_pressure_at_a_sharp_edge_that_the_drum_runs_onto_goes_as_r_to_lambda_minus_one(strip, mu, exponent):
+@pytest.mark.parametrize(
+    ("mu", "exponent"), [(0.0, 1.0), (0.1, 0.887), (0.3, 0.7095), (0.5, 0.564)]
+)
+def test_the_pressure_at_a_sharp_edge_that_the_drum_runs_onto_goes_as_r_to_lambda_minus_one(
+    strip, mu, exponent
+):
     """Plane stress, nu = 0.3, rigid drum (eigenvalues of the corner with sliding friction)."""
     thickness, pair = strip
     A = pair.pressed.T @ (pair.pressed + mu * pair.dragged)

@@ -36,7 +36,9 @@ def solve(model: str, brake: Brake) -> Response:
 
 
 def shigley_16_2() -> Brake:
-    """Two equal internal shoes, in their own frames mirror images; the force 24 deg off the hinge's radius."""
+    """Two equal internal shoes, in their own frames mirror images; the force 24 deg off the hinge's
+    radius.
+    """
     a, c, slope = math.hypot(0.112, 0.050), 0.212, radians(24)
     shoes = []
     for name, hand, turned in (("helped", 1, 0.0), ("opposed", -1, math.pi)):
@@ -61,12 +63,20 @@ def shigley_16_2() -> Brake:
             }
         )
     return brake_from(
-        {"title": "16-2", "rotation": "clockwise", "friction": 0.32, "drum": {"radius": 0.15}, "shoe": shoes}
+        {
+            "title": "16-2",
+            "rotation": "clockwise",
+            "friction": 0.32,
+            "drum": {"radius": 0.15},
+            "shoe": shoes,
+        }
     )
 
 
 def test_shigley_example_16_2_internal_shoes_from_the_permissible_pressure() -> None:
-    """Shigley, example 16-2 [C]: p_a 1000 kPa on the helped shoe; forces, torques, other pressure, pins."""
+    """Shigley, example 16-2 [C]: p_a 1000 kPa on the helped shoe; forces, torques, other pressure,
+    pins.
+    """
     brake = rated(shigley_16_2(), MODELS["sine"].solve, 1e6)
     helped, opposed = solve("sine", brake).shoes
     assert brake.shoes[0].actuation.force == approx(2279.06, abs=0.005)
@@ -82,7 +92,9 @@ def test_shigley_example_16_2_internal_shoes_from_the_permissible_pressure() -> 
 
 
 def test_shigley_problem_16_1_from_the_force() -> None:
-    """Shigley, problem 16-1 [C], 734 kPa [P]: hinges 30 deg off the axis of symmetry, force line 216.506 mm away."""
+    """Shigley, problem 16-1 [C], 734 kPa [P]: hinges 30 deg off the axis of symmetry, force line
+    216.506 mm away.
+    """
     a = 0.125
     block = DoubleShoe(
         r_D=0.15,
@@ -108,7 +120,9 @@ def test_shigley_problem_16_1_from_the_force() -> None:
 
 
 def test_bhandari_12_7_pivoted_block() -> None:
-    """Bhandari, example 12.7 [P]: pivot where the pressure is p_0 cos; torque and reactions at 0.5 MPa."""
+    """Bhandari, example 12.7 [P]: pivot where the pressure is p_0 cos; torque and reactions at 0.5
+    MPa.
+    """
     R, half = 0.25, radians(50)
     h = float(pivot_radius(R, half))
     assert h * 1e3 == approx(280.588279, abs=5e-7)
@@ -137,14 +151,22 @@ def test_bhandari_12_8_internal_shoes() -> None:
     helped = rated(helped, MODELS["sine"].solve, 1e6)
     opposed = hinged(**shoe, moment=helped.shoes[0].actuation.force, spin=1)
     torque = solve("sine", helped).torque + solve("sine", opposed).torque
-    assert helped.shoes[0].actuation.force / 0.1875 == approx(2089.795894, rel=1e-9)  # the force has a unit arm
+    assert helped.shoes[0].actuation.force / 0.1875 == approx(
+        2089.795894, rel=1e-9
+    )  # the force has a unit arm
     assert torque * 1e3 == approx(434831.0515, rel=1e-9)
 
 
 @pytest.mark.parametrize(("spin", "torque", "printed"), [(1, 83.8874, 83.87), (-1, 69.1543, 69.14)])
-def test_block_on_a_lever_with_the_equivalent_friction(spin: int, torque: float, printed: float) -> None:
-    """Block brake of a problem collection [C]; the printed torques [P] come from a rounded mu' = 0.385."""
-    brake = lever_block(R=0.125, arm=0.45, x=0.2, a=0.05, P=700.0, mu=0.35, half=radians(45), spin=spin)
+def test_block_on_a_lever_with_the_equivalent_friction(
+    spin: int, torque: float, printed: float
+) -> None:
+    """Block brake of a problem collection [C]; the printed torques [P] come from a rounded mu' =
+    0.385.
+    """
+    brake = lever_block(
+        R=0.125, arm=0.45, x=0.2, a=0.05, P=700.0, mu=0.35, half=radians(45), spin=spin
+    )
     response = solve("block", brake)
     assert 0.35 * equivalent_friction(radians(45)) == approx(0.3850750, abs=5e-8)
     assert response.torque == approx(torque, rel=C)
@@ -154,7 +176,9 @@ def test_block_on_a_lever_with_the_equivalent_friction(spin: int, torque: float,
 
 
 def test_cosine_law_of_the_same_block_by_exact_statics() -> None:
-    """[D] The same p_0 cos with each element's friction in its place: mu N acts at psi R, not mu' N at R."""
+    """[D] The same p_0 cos with each element's friction in its place: mu N acts at psi R, not mu' N
+    at R.
+    """
     R, x, a, mu, half = 0.125, 0.2, 0.05, 0.35, radians(45)
     brake = lever_block(R=R, arm=0.45, x=x, a=a, P=700.0, mu=mu, half=half, spin=1)
     psi = float(equivalent_friction(half))
@@ -174,9 +198,13 @@ def test_equivalent_friction(half: float, ratio: float) -> None:
 
 
 def test_gate_short_shoe() -> None:
-    """GATE problem [P]: drum 500 mm, lever 1000 mm, block at 500 mm, pin 200 mm off the friction: N and T."""
+    """GATE problem [P]: drum 500 mm, lever 1000 mm, block at 500 mm, pin 200 mm off the friction: N
+    and T.
+    """
     for spin, a in ((1, 0.2), (-1, -0.2)):
-        brake = lever_block(R=0.25, arm=1.0, x=0.5, a=a, P=100.0, mu=0.35, half=radians(10), spin=spin)
+        brake = lever_block(
+            R=0.25, arm=1.0, x=0.5, a=a, P=100.0, mu=0.35, half=radians(10), spin=spin
+        )
         response = solve("short", brake)
         assert response.shoes[0].normal_force == approx(232.558, abs=5e-4)
         assert round(response.torque, 2) == 20.35
@@ -198,17 +226,26 @@ def test_simscape_defaults_and_both_readings_of_theta_s() -> None:
 
 
 def test_simscape_block_and_its_brake_file_are_one() -> None:
-    """[D] The block's torques are those of the sine law on the brake that it describes, inside and outside."""
+    """[D] The block's torques are those of the sine law on the brake that it describes, inside and
+    outside.
+    """
     block = DoubleShoe()
     leading, trailing = block.shoe_torques(2000.0, 1.0)
     for side in ("internal", "external"):
         for rotation in ("clockwise", "counter-clockwise"):
-            torques = sorted(s.torque for s in solve("sine", block.brake(2000.0, rotation, side)).shoes)
-            assert torques == [approx(float(trailing), rel=1e-12), approx(float(leading), rel=1e-12)]
+            torques = sorted(
+                s.torque for s in solve("sine", block.brake(2000.0, rotation, side)).shoes
+            )
+            assert torques == [
+                approx(float(trailing), rel=1e-12),
+                approx(float(leading), rel=1e-12),
+            ]
 
 
 def test_simscape_torque_over_speed_and_force() -> None:
-    """Simscape block: odd in omega through zero, mu_visc omega at full friction, nothing for F <= 0."""
+    """Simscape block: odd in omega through zero, mu_visc omega at full friction, nothing for F <=
+    0.
+    """
     block = DoubleShoe(mu_visc=0.5)
     omega = np.linspace(-0.02, 0.02, 81)
     torque = block.torque(1000.0, omega)
@@ -245,15 +282,21 @@ def test_uwa_translational_long_shoe() -> None:
         (r := solve("linear", pad(h=h, span=(x1, x2), moment=M, mu=mu, width=w))).shoes,
         r.merits,
     )
-    assert shoe.peak_pressure == approx(M * x2 / w / ((x2**3 - x1**3) / 3 + mu * h * (x2**2 - x1**2) / 2), rel=1e-12)
-    assert merit.braking_force == approx(M / (h + 2 * (x2**3 - x1**3) / (3 * mu * (x2**2 - x1**2))), rel=1e-12)
+    assert shoe.peak_pressure == approx(
+        M * x2 / w / ((x2**3 - x1**3) / 3 + mu * h * (x2**2 - x1**2) / 2), rel=1e-12
+    )
+    assert merit.braking_force == approx(
+        M / (h + 2 * (x2**3 - x1**3) / (3 * mu * (x2**2 - x1**2))), rel=1e-12
+    )
     assert shoe.pressure_at(np.array([0.1])) == approx([shoe.peak_pressure * 0.1 / x2], rel=1e-12)
 
 
 @pytest.mark.parametrize("side", ["external", "internal"])
 @pytest.mark.parametrize("spin", [1, -1])
 def test_uwa_short_rotational_shoe_in_the_general_form(side: str, spin: int) -> None:
-    """UWA notes, eq. 6a, 8: N = M/(mu r (m - dD n)), eta = 1/(m - dD n), S = m eta; dD by its definition."""
+    """UWA notes, eq. 6a, 8: N = M/(mu r (m - dD n)), eta = 1/(m - dD n), S = m eta; dD by its
+    definition.
+    """
     r, a, theta_m, mu, M = 0.2, 0.25, radians(75), 0.3, 50.0
     arc = (theta_m - 0.05, theta_m + 0.05)
     brake = hinged(R=r, a=a, arc=arc, moment=M, mu=mu, side=side, spin=spin)
@@ -271,7 +314,8 @@ def test_uwa_short_rotational_shoe_in_the_general_form(side: str, spin: int) -> 
 
 
 def test_two_separately_actuated_short_shoes() -> None:
-    """[D] The kind of example that the UWA notes close with: torque, sensitivity, bearing load of the pair.
+    """[D] The kind of example that the UWA notes close with: torque, sensitivity, bearing load of
+    the pair.
 
     Both shoes sit opposite each other at 90 deg from their pins, a = r: then n = 1 and m = 1/mu, so
     N = M/(r (1 - dD mu)), and by hand with M_1 = 60, M_2 = 40 N m, r = 0.2 m, mu = 0.25:
@@ -290,7 +334,10 @@ def test_two_separately_actuated_short_shoes() -> None:
     brake = one.model_copy(update={"shoes": tuple(shoes)})
     response = solve("short", brake)
     helped, opposed = response.shoes
-    assert (helped.normal_force, opposed.normal_force) == (approx(400.0, rel=1e-9), approx(160.0, rel=1e-9))
+    assert (helped.normal_force, opposed.normal_force) == (
+        approx(400.0, rel=1e-9),
+        approx(160.0, rel=1e-9),
+    )
     assert response.torque == approx(28.0, rel=1e-9)
     # on the drum: 400 N from the right, 160 N from the left; friction -mu s N across each
     assert response.bearing_load == approx([-400 + 160, -0.25 * 400 + 0.25 * 160], rel=1e-9)
@@ -310,7 +357,9 @@ def test_nptel_external_long_shoes() -> None:
     M_f = mu * p0 * b * R * (R * (cos(th1) - cos(th2)) - delta / 4 * (cos(2 * th1) - cos(2 * th2)))
     T = mu * p0 * b * R**2 * (cos(th1) - cos(th2))
     for spin, moment in ((1, M_p - M_f), (-1, M_p + M_f)):
-        brake = hinged(R=R, a=delta, arc=(th1, th2), moment=moment, mu=mu, side="external", spin=spin, width=b)
+        brake = hinged(
+            R=R, a=delta, arc=(th1, th2), moment=moment, mu=mu, side="external", spin=spin, width=b
+        )
         (shoe,) = solve("sine", brake).shoes
         assert shoe.peak_pressure == approx(p0, rel=1e-12)
         assert shoe.torque == approx(T, rel=1e-12)
@@ -323,7 +372,15 @@ def test_nptel_external_long_shoes() -> None:
 
 def test_nptel_back_stop_locks_one_way_only() -> None:
     """NPTEL lesson 12.1: mu' > x/a locks the block in one rotation, never in the other."""
-    block = {"R": 0.125, "arm": 0.45, "x": 0.03, "a": 0.15, "P": 700.0, "mu": 0.35, "half": radians(20)}
+    block = {
+        "R": 0.125,
+        "arm": 0.45,
+        "x": 0.03,
+        "a": 0.15,
+        "P": 700.0,
+        "mu": 0.35,
+        "half": radians(20),
+    }
     with pytest.raises(NoAnswer, match=r"self-locking, friction 0.35 is not below mu_lock = 0.19"):
         solve("block", lever_block(**block, spin=1))
     assert solve("block", lever_block(**block, spin=-1)).torque > 0
@@ -333,7 +390,9 @@ def test_nptel_back_stop_locks_one_way_only() -> None:
 
 
 def test_double_block_brake_takes_the_load_off_the_shaft() -> None:
-    """NPTEL lesson 12.1: two blocks face to face; with the pins on the lines of friction nothing is left."""
+    """NPTEL lesson 12.1: two blocks face to face; with the pins on the lines of friction nothing is
+    left.
+    """
     one = lever_block(R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1)
     shoe = one.shoes[0]
     data = shoe.model_dump()
@@ -350,7 +409,9 @@ def test_double_block_brake_takes_the_load_off_the_shaft() -> None:
 
 
 def test_pivot_off_the_middle_leaves_no_moment_about_it() -> None:
-    """[D] The shoe's equilibrium about G by quadrature of the response's own p, tractions written out here."""
+    """[D] The shoe's equilibrium about G by quadrature of the response's own p, tractions written
+    out here.
+    """
     brake = hinged(
         R=0.25, a=0.45, arc=(radians(30), radians(130)), moment=300.0, mu=0.3, side="external",
         pivot=(0.29, radians(84)),
@@ -360,7 +421,10 @@ def test_pivot_off_the_middle_leaves_no_moment_about_it() -> None:
     theta = np.linspace(shoe.theta[0], shoe.theta[-1], 20001)
     p = shoe.pressure_at(theta)
     assert p.min() > 0
-    radial, across = np.array([np.cos(theta), np.sin(theta)]), np.array([-np.sin(theta), np.cos(theta)])
+    radial, across = (
+        np.array([np.cos(theta), np.sin(theta)]),
+        np.array([-np.sin(theta), np.cos(theta)]),
+    )
     traction = p * radial + 0.3 * p * across  # external shoe, counter-clockwise drum
     place = 0.25 * radial - brake.shoes[0].pivot.xy[:, None]
     moment = place[0] * traction[1] - place[1] * traction[0]

@@ -24,7 +24,9 @@ from drumlin.response.merit import barecki_shoe_factor, double_delta, sensitivit
 from drumlin.response.response import ShoeResponse
 from drumlin.verification.textbook_brakes import hinged, pad
 
-many = settings(max_examples=2 * settings.default.max_examples, suppress_health_check=[HealthCheck.too_slow])
+many = settings(
+    max_examples=2 * settings.default.max_examples, suppress_health_check=[HealthCheck.too_slow]
+)
 
 LAW_NAMES = st.sampled_from(sorted(LAWS))
 SPREAD = [name for name, law in LAWS.items() if not law.lumped]
@@ -44,7 +46,9 @@ def arcs(draw: st.DrawFn) -> tuple[float, float]:
 @st.composite
 def layouts(draw: st.DrawFn) -> Layout:
     """A shoe as the laws see it."""
-    return Layout(*draw(arcs()), R=draw(st.floats(0.05, 2.0)), a=draw(st.floats(0.05, 3.0)), dD=draw(SIGNS))
+    return Layout(
+        *draw(arcs()), R=draw(st.floats(0.05, 2.0)), a=draw(st.floats(0.05, 3.0)), dD=draw(SIGNS)
+    )
 
 
 @st.composite
@@ -72,7 +76,9 @@ def unlocked(name: str, brake: Brake) -> ShoeResponse:
 
 
 def forces(brake: Brake, shoe: ShoeResponse) -> tuple[np.ndarray, float]:
-    """Force (2,) and moment about O of p(theta) on the shoe, by trapezoids with the tractions written out."""
+    """Force (2,) and moment about O of p(theta) on the shoe, by trapezoids with the tractions
+    written out.
+    """
     theta = np.linspace(shoe.theta[0], shoe.theta[-1], 40001)
     p = shoe.pressure_at(theta) * brake.shoes[0].lining.width * brake.size
     outward = 1 if brake.shoes[0].side == "internal" else -1
@@ -89,11 +95,17 @@ def test_response_balances_by_integrating_its_own_pressure(brake: Brake, name: s
     shoe = unlocked(name, brake)
     force, moment = forces(brake, shoe)
     data = brake.shoes[0]
-    largest = max(np.linalg.norm(force), np.linalg.norm(data.actuation.vector), np.linalg.norm(shoe.hinge_reaction))
+    largest = max(
+        np.linalg.norm(force),
+        np.linalg.norm(data.actuation.vector),
+        np.linalg.norm(shoe.hinge_reaction),
+    )
     assert np.linalg.norm(force + data.actuation.vector + shoe.hinge_reaction) < 1e-7 * largest
     about_hinge = moment - (data.hinge.x * force[1] - data.hinge.y * force[0])
     actuation = data.actuation.moment_about(data.hinge)
-    assert abs(about_hinge + actuation) < 1e-6 * max(abs(moment), abs(actuation), largest * data.hinge.radius)
+    assert abs(about_hinge + actuation) < 1e-6 * max(
+        abs(moment), abs(actuation), largest * data.hinge.radius
+    )
     assert shoe.torque == approx(abs(moment), rel=1e-7)
     assert shoe.pressure.min() >= 0
     assert shoe.peak_pressure == approx(shoe.pressure.max(), rel=1e-4)  # nodes straddle the peak
@@ -102,7 +114,9 @@ def test_response_balances_by_integrating_its_own_pressure(brake: Brake, name: s
 @many
 @given(brakes(), st.sampled_from(["short", "block"]))
 def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None:
-    """The lumped laws' own free body: N and F = T/R at the middle, sized by integrals of their own p."""
+    """The lumped laws' own free body: N and F = T/R at the middle, sized by integrals of their own
+    p.
+    """
     shoe = unlocked(name, brake)
     data = brake.shoes[0]
     theta = np.linspace(shoe.theta[0], shoe.theta[-1], 20001)
@@ -111,7 +125,10 @@ def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None
     p = shoe.pressure_at(theta) * area
     N = np.trapezoid(p if name == "short" else p * np.cos(theta - middle), theta)
     F = brake.friction * np.trapezoid(p, theta)
-    e_r, e_t = np.array([math.cos(middle), math.sin(middle)]), np.array([-math.sin(middle), math.cos(middle)])
+    e_r, e_t = (
+        np.array([math.cos(middle), math.sin(middle)]),
+        np.array([-math.sin(middle), math.cos(middle)]),
+    )
     contact = -data.sign * N * e_r + brake.spin * F * e_t
     largest = max(N, F, np.linalg.norm(shoe.hinge_reaction))
     assert np.linalg.norm(contact + data.actuation.vector + shoe.hinge_reaction) < 1e-7 * largest
@@ -127,7 +144,9 @@ def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None
 
 @many
 @given(layouts(), LAW_NAMES, st.floats(0.05, 0.6))
-def test_sensitivity_is_the_derivative_of_the_mechanical_advantage(arc: Layout, name: str, mu: float) -> None:
+def test_sensitivity_is_the_derivative_of_the_mechanical_advantage(
+    arc: Layout, name: str, mu: float
+) -> None:
     law, h = LAWS[name], 1e-5
     assume(mu < 0.9 * law.locking_friction(arc))
     eta = [float(law.mechanical_advantage(mu * (1 + k * h), arc)) for k in (-1, 0, 1)]
@@ -142,24 +161,38 @@ def test_merits_of_a_response_are_those_of_the_formula(brake: Brake, name: str) 
     unlocked(name, brake)
     (merit,) = MODELS[name].solve(brake).merits
     law, arc = LAWS[name], layout(brake, brake.shoes[0])
-    assert merit.mechanical_advantage == approx(float(law.mechanical_advantage(brake.friction, arc)), rel=1e-8)
-    assert merit.sensitivity_at_fixed_shape == approx(float(law.sensitivity(brake.friction, arc)), rel=1e-8)
-    assert merit.mechanical_advantage == approx(1 / (merit.m - merit.double_delta * merit.n), rel=1e-6)
-    assert sensitivity(brake, MODELS[name].solve) == approx(float(law.sensitivity(brake.friction, arc)), rel=1e-2)
+    assert merit.mechanical_advantage == approx(
+        float(law.mechanical_advantage(brake.friction, arc)), rel=1e-8
+    )
+    assert merit.sensitivity_at_fixed_shape == approx(
+        float(law.sensitivity(brake.friction, arc)), rel=1e-8
+    )
+    assert merit.mechanical_advantage == approx(
+        1 / (merit.m - merit.double_delta * merit.n), rel=1e-6
+    )
+    assert sensitivity(brake, MODELS[name].solve) == approx(
+        float(law.sensitivity(brake.friction, arc)), rel=1e-2
+    )
 
 
 @many
 @given(brakes(), st.sampled_from([*SPREAD, "short"]))
 def test_shoe_factor_by_barecki_from_the_position_of_the_resultant(brake: Brake, name: str) -> None:
-    """Barecki & Scieszka, eq. 26, is the moment balance in other words: S = T/(P R) for any pressure."""
+    """Barecki & Scieszka, eq. 26, is the moment balance in other words: S = T/(P R) for any
+    pressure.
+    """
     assume(brake.friction > 1e-3)
     unlocked(name, brake)
     (merit,) = MODELS[name].solve(brake).merits
     shoe, R = brake.shoes[0], brake.size
     angle = float(shoe.frame.phi(np.array(merit.resultant_angle)))
-    up = brake.spin * shoe.frame.sense  # friction on the shoe points from the hinge to the loaded end
+    up = (
+        brake.spin * shoe.frame.sense
+    )  # friction on the shoe points from the hinge to the loaded end
     leading = up if shoe.side == "external" else -up
-    S = barecki_shoe_factor(brake.friction, angle, merit.friction_radius, shoe.hinge.radius / R, 1.0 / R, leading)
+    S = barecki_shoe_factor(
+        brake.friction, angle, merit.friction_radius, shoe.hinge.radius / R, 1.0 / R, leading
+    )
     assert merit.shoe_factor == approx(S, rel=1e-6)
 
 
@@ -176,7 +209,9 @@ def test_every_law_becomes_the_short_shoe_as_the_arc_shrinks(
         assume(mu < 0.7 * short.locking_friction(arc))
         eta = float(short.mechanical_advantage(mu, arc))
         for name, law in LAWS.items():
-            errors.setdefault(name, []).append(abs(float(law.mechanical_advantage(mu, arc)) / eta - 1))
+            errors.setdefault(name, []).append(
+                abs(float(law.mechanical_advantage(mu, arc)) / eta - 1)
+            )
     del errors["short"]
     assert len(errors) == 4
     for coarse, fine in errors.values():
@@ -245,7 +280,9 @@ def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictio
     mu = 1e-6
     slight = MODELS[name].solve(vary(brake, {"friction": mu})).shoes[0]
     integral = np.trapezoid(free.pressure, free.theta) * brake.shoes[0].lining.width * brake.size**2
-    M_N = LAWS[name].moments(Layout(*brake.shoes[0].arc, brake.size, brake.shoes[0].hinge.radius, 1))
+    M_N = LAWS[name].moments(
+        Layout(*brake.shoes[0].arc, brake.size, brake.shoes[0].hinge.radius, 1)
+    )
     assume(abs(M_N[1] / M_N[0]) < 100)
     assert slight.torque / mu == approx(integral, rel=1e-3)
 
@@ -253,7 +290,9 @@ def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictio
 @many
 @given(layouts(), LAW_NAMES)
 def test_torque_grows_without_bound_towards_locking(arc: Layout, name: str) -> None:
-    """T (mu_lock - mu)/mu stays what it is: T ~ 1/(mu_lock - mu); at mu_lock and beyond there is no number."""
+    """T (mu_lock - mu)/mu stays what it is: T ~ 1/(mu_lock - mu); at mu_lock and beyond there is no
+    number.
+    """
     law = LAWS[name]
     mu_lock = float(law.locking_friction(arc))
     assume(mu_lock < 1e3)
@@ -272,7 +311,9 @@ def test_self_locking_is_refused_exactly_beyond_mu_lock(brake: Brake, name: str)
     assume(mu_lock < 1e3)
     below = MODELS[name].solve(vary(brake, {"friction": mu_lock * (1 - 1e-9)}))
     assert below.shoes[0].self_energising
-    with pytest.raises(NoAnswer, match=r"^shoe 'shoe': self-locking, friction .* is not below mu_lock = .*"):
+    with pytest.raises(
+        NoAnswer, match=r"^shoe 'shoe': self-locking, friction .* is not below mu_lock = .*"
+    ):
         MODELS[name].solve(vary(brake, {"friction": mu_lock * (1 + 1e-9)}))
 
 
@@ -282,8 +323,12 @@ def test_a_force_that_does_not_press_is_an_answer(brake: Brake, name: str, force
     response = MODELS[name].solve(vary(brake, {"shoe.actuation.force": force}))
     (shoe,) = response.shoes
     assert (shoe.torque, shoe.normal_force, shoe.contact_arcs) == (0.0, 0.0, ())
-    assert shoe.hinge_reaction == approx(-vary(brake, {"shoe.actuation.force": force}).shoes[0].actuation.vector)
-    assert response.notes == ("shoe 'shoe': no contact, the force does not turn it towards the drum",)
+    assert shoe.hinge_reaction == approx(
+        -vary(brake, {"shoe.actuation.force": force}).shoes[0].actuation.vector
+    )
+    assert response.notes == (
+        "shoe 'shoe': no contact, the force does not turn it towards the drum",
+    )
     assert response.merits[0].resultant_angle is None
 
 
@@ -292,9 +337,14 @@ def test_a_force_that_does_not_press_is_an_answer(brake: Brake, name: str, force
 
 @st.composite
 def levers(draw: st.DrawFn) -> Brake:
-    """A shoe on a pivot near where the pressure is p_0 cos, so that all of it presses at moderate friction."""
+    """A shoe on a pivot near where the pressure is p_0 cos, so that all of it presses at moderate
+    friction.
+    """
     middle, half, R = draw(st.floats(0.8, 2.2)), draw(st.floats(0.3, 0.75)), 0.25
-    pivot = float(pivot_radius(R, half)) * draw(st.floats(0.85, 1.15)), middle + draw(st.floats(-0.03, 0.03))
+    pivot = (
+        float(pivot_radius(R, half)) * draw(st.floats(0.85, 1.15)),
+        middle + draw(st.floats(-0.03, 0.03)),
+    )
     return hinged(
         R=R, a=draw(st.floats(0.3, 0.6)), arc=(middle - half, middle + half), moment=100.0,
         mu=draw(st.floats(0.05, 0.4)), side=draw(SIDES), spin=draw(SIGNS), hand=draw(SIGNS),
@@ -322,15 +372,29 @@ def test_pivoted_shoe_keeps_both_equilibria(brake: Brake) -> None:
 @given(levers())
 def test_pivoted_formulas_are_the_response_and_its_derivative(brake: Brake) -> None:
     shoe = unlocked("pivoted", brake)
-    arc, pivot, mu, h = layout(brake, brake.shoes[0]), pivoted.pivot_place(brake.shoes[0]), brake.friction, 1e-5
+    arc, pivot, mu, h = (
+        layout(brake, brake.shoes[0]),
+        pivoted.pivot_place(brake.shoes[0]),
+        brake.friction,
+        1e-5,
+    )
     T = [float(pivoted.torque(100.0, mu * (1 + k * h), arc, *pivot)) for k in (-1, 0, 1)]
     assume(not np.isnan(T).any())
     assert shoe.torque == approx(T[1], rel=1e-9)
-    assert pivoted.sensitivity(mu, arc, *pivot) == approx((T[2] - T[0]) / (2 * h * T[1]), rel=1e-5, abs=1e-5)
+    assert pivoted.sensitivity(mu, arc, *pivot) == approx(
+        (T[2] - T[0]) / (2 * h * T[1]), rel=1e-5, abs=1e-5
+    )
 
 
 @many
-@given(st.floats(0.9, 2.0), st.floats(0.3, 0.8), st.floats(0.3, 0.6), st.floats(0.0, 0.35), SIGNS, SIDES)
+@given(
+    st.floats(0.9, 2.0),
+    st.floats(0.3, 0.8),
+    st.floats(0.3, 0.6),
+    st.floats(0.0, 0.35),
+    SIGNS,
+    SIDES,
+)
 def test_pivot_at_its_place_makes_the_pressure_a_cosine_at_any_friction(
     middle: float, half: float, a: float, mu: float, spin: int, side: str
 ) -> None:
@@ -346,20 +410,32 @@ def test_pivot_at_its_place_makes_the_pressure_a_cosine_at_any_friction(
 
 
 def test_pivoted_lever_locks_and_tips() -> None:
-    """Beyond mu_lock, and with the pivot too far off the lining, there is no answer, and the line says which."""
+    """Beyond mu_lock, and with the pivot too far off the lining, there is no answer, and the line
+    says which.
+    """
     half, middle = 0.6, 1.2
     place = (float(pivot_radius(0.25, half)), middle)
     arc = (middle - half, middle + half)
-    brake = hinged(R=0.25, a=0.1, arc=arc, moment=50.0, mu=0.2, side="external", spin=1, pivot=place)
+    brake = hinged(
+        R=0.25, a=0.1, arc=arc, moment=50.0, mu=0.2, side="external", spin=1, pivot=place
+    )
     shape, pivot = layout(brake, brake.shoes[0]), pivoted.pivot_place(brake.shoes[0])
     mu_lock = pivoted.locking_friction(shape, *pivot)
     assert mu_lock == approx(float(LAWS["cosine"].locking_friction(shape)), rel=1e-9)
-    T = [float(pivoted.torque(1.0, mu_lock * (1 - gap), shape, *pivot)) * gap for gap in (1e-4, 1e-6)]
+    T = [
+        float(pivoted.torque(1.0, mu_lock * (1 - gap), shape, *pivot)) * gap for gap in (1e-4, 1e-6)
+    ]
     assert T[0] == approx(T[1], rel=1e-3)
-    with pytest.raises(NoAnswer, match=rf"self-locking, friction .* is not below mu_lock = {mu_lock:.6g}"):
+    with pytest.raises(
+        NoAnswer, match=rf"self-locking, friction .* is not below mu_lock = {mu_lock:.6g}"
+    ):
         MODELS["pivoted"].solve(vary(brake, {"friction": mu_lock * 1.01}))
-    tipping = hinged(R=0.25, a=0.4, arc=arc, moment=50.0, mu=0.3, side="external", pivot=(0.28, middle + 0.9))
-    with pytest.raises(NoAnswer, match=r"tips, no pressure of a rigid shoe on its lining balances the actuation"):
+    tipping = hinged(
+        R=0.25, a=0.4, arc=arc, moment=50.0, mu=0.3, side="external", pivot=(0.28, middle + 0.9)
+    )
+    with pytest.raises(
+        NoAnswer, match=r"tips, no pressure of a rigid shoe on its lining balances the actuation"
+    ):
         MODELS["pivoted"].solve(tipping)
     lifted = vary(brake, {"shoe.actuation.force": -50.0})
     assert MODELS["pivoted"].solve(lifted).torque == 0.0
@@ -399,14 +475,18 @@ def test_long_flat_shoe_becomes_the_short_one() -> None:
     errors = []
     for length in (0.02, 0.01):
         strip = FlatLayout(0.2 - length / 2, 0.2 + length / 2, 0.06, 1)
-        errors.append(LINEAR.braking_force(1.0, 0.4, strip) / FLAT_SHORT.braking_force(1.0, 0.4, strip) - 1)
+        errors.append(
+            LINEAR.braking_force(1.0, 0.4, strip) / FLAT_SHORT.braking_force(1.0, 0.4, strip) - 1
+        )
     assert errors[0] / errors[1] == approx(4, rel=1e-2)
 
 
 def test_flat_shoe_locks_towards_its_hinge_only() -> None:
     """N = M/(a - mu h): beyond mu = a/h the body pulls the shoe in; the other way it never does."""
     brake = pad(h=0.3, span=(0.05, 0.07), moment=10.0, mu=0.21, sliding="-x")
-    with pytest.raises(NoAnswer, match=r"shoe 'pad': self-locking, friction 0.21 is not below mu_lock = 0.2 of"):
+    with pytest.raises(
+        NoAnswer, match=r"shoe 'pad': self-locking, friction 0.21 is not below mu_lock = 0.2 of"
+    ):
         MODELS["short"].solve(brake)
     assert MODELS["short"].solve(vary(brake, {"plane.sliding": "+x"})).merits[0].braking_force > 0
     lifted = MODELS["short"].solve(vary(brake, {"shoe.actuation.force": -10.0}))

@@ -56,9 +56,11 @@ def test_every_brake_file_is_answered_by_the_laws_that_apply_and_the_others_say_
 
 
 def test_every_law_file_is_listed_here() -> None:
-    assert {f"laws/{path.name}" for path in (STUDIES / "laws").glob("*.toml") if path.name not in NOT_BRAKES} == {
-        file for file in FILES if file.startswith("laws/")
-    }
+    assert {
+        f"laws/{path.name}"
+        for path in (STUDIES / "laws").glob("*.toml")
+        if path.name not in NOT_BRAKES
+    } == {file for file in FILES if file.startswith("laws/")}
 
 
 PAD = (STUDIES / "laws/pad.toml").read_text()
@@ -69,30 +71,67 @@ PIVOTED = (STUDIES / "laws/pivoted_block.toml").read_text()
     ("text", "old", "new", "line"),
     [
         (PAD, 'sliding = "+x"', 'sliding = "left"', "plane.sliding = 'left': must be '+x' or '-x'"),
-        (PAD, 'sliding = "+x"', 'slide = "+x"', "unknown key 'slide' (did you mean 'sliding'?); allowed: sliding"),
+        (
+            PAD,
+            'sliding = "+x"',
+            'slide = "+x"',
+            "unknown key 'slide' (did you mean 'sliding'?); allowed: sliding",
+        ),
         (PAD, 'end = "180 mm"', 'end = "40 mm"', "end = 40 mm must be greater than start = 60 mm"),
-        (PAD, 'end = "180 mm"', 'end = "40 deg"', "shoe[0].lining.end = '40 deg': must be a length such as '8 mm'"),
-        (PAD, 'end = "180 mm"', "end = 180", "shoe[0].lining.end = 180: has no unit; write a length such as '8 mm'"),
-        (PAD, 'width = "40 mm"', 'width = "-40 mm"', "shoe[0].lining.width = '-40 mm': must be greater than 0"),
+        (
+            PAD,
+            'end = "180 mm"',
+            'end = "40 deg"',
+            "shoe[0].lining.end = '40 deg': must be a length such as '8 mm'",
+        ),
+        (
+            PAD,
+            'end = "180 mm"',
+            "end = 180",
+            "shoe[0].lining.end = 180: has no unit; write a length such as '8 mm'",
+        ),
+        (
+            PAD,
+            'width = "40 mm"',
+            'width = "-40 mm"',
+            "shoe[0].lining.width = '-40 mm': must be greater than 0",
+        ),
         (PAD, "friction = 0.35", "friction = nan", "friction = nan: must be a finite number"),
-        (PAD, "friction = 0.35", "friction = -0.1", "friction = -0.1: must be greater than or equal to 0"),
+        (
+            PAD,
+            "friction = 0.35",
+            "friction = -0.1",
+            "friction = -0.1: must be greater than or equal to 0",
+        ),
         (
             PAD,
             "[plane]",
             '[drum]\nradius = "1 m"\n[plane]',
             "unknown key 'drum'; allowed: title, friction, plane, shoe",
         ),
-        (PIVOTED, 'pivot = { radius = "280.588279 mm"', 'pivot = { radius = "0 mm"', "must not be the drum's centre"),
+        (
+            PIVOTED,
+            'pivot = { radius = "280.588279 mm"',
+            'pivot = { radius = "0 mm"',
+            "must not be the drum's centre",
+        ),
         (
             PIVOTED,
             'pivot = { radius = "280.588279 mm", angle = "0 deg" }',
             'pivot = { x = "330 mm", y = "-300 mm" }',
             "shoe[0].pivot = (330 mm, -300 mm): must not be the hinge",
         ),
-        (PIVOTED, 'pivot = { radius = "280.588279 mm"', "pivot = { radius = 1", "radius = 1 has no unit"),
+        (
+            PIVOTED,
+            'pivot = { radius = "280.588279 mm"',
+            "pivot = { radius = 1",
+            "radius = 1 has no unit",
+        ),
     ],
 )
-def test_bad_files_are_refused_in_one_line(tmp_path: Path, text: str, old: str, new: str, line: str) -> None:
+def test_bad_files_are_refused_in_one_line(
+    tmp_path: Path, text: str, old: str, new: str, line: str
+) -> None:
     assert text.count(old) == 1
     path = tmp_path / "brake.toml"
     path.write_text(text.replace(old, new))
@@ -111,7 +150,10 @@ def test_bad_files_are_refused_in_one_line(tmp_path: Path, text: str, old: str, 
         ({"r_a": -0.1}, "r_a = -100 mm: must be greater than 0"),
         ({"r_p": math.nan}, "r_p = nan mm: must be greater than 0"),
         ({"theta_p": -0.1}, "theta_p = -5.72958 deg: must be at least 0"),
-        ({"theta_sb": math.radians(166)}, "theta_sb = 166 deg: must be from 0 to 180 deg - theta_p = 165 deg"),
+        (
+            {"theta_sb": math.radians(166)},
+            "theta_sb = 166 deg: must be from 0 to 180 deg - theta_p = 165 deg",
+        ),
         (
             {"theta_s": math.radians(161)},
             "theta_s = 161 deg: must be above 5 deg and at most 180 deg - theta_p - theta_sb = 160 deg",
@@ -133,7 +175,9 @@ def test_simscape_ranges_are_enforced(parameters: dict[str, object], line: str) 
 
 
 def test_simscape_self_locking_is_an_error() -> None:
-    with pytest.raises(NoAnswer, match=r"self-locking, mu_Coulomb = 0.83 is not below mu_lock = 0.823082"):
+    with pytest.raises(
+        NoAnswer, match=r"self-locking, mu_Coulomb = 0.83 is not below mu_lock = 0.823082"
+    ):
         DoubleShoe(mu_Coulomb=0.83).torque(1.0, 1.0)
 
 
@@ -152,11 +196,15 @@ def test_laws_say_why_they_do_not_apply() -> None:
     wide = hinged(**shoe, arc=(0.1, 3.5))
     for name in ("cosine", "block", "uniform", "short"):
         assert "arc 194.806 deg must not be more than 180 deg" in str(MODELS[name].why_not(wide))
-    centred = vary(hinged(**shoe, arc=(0.1, 0.5)), {"shoe.lining.start": -0.5, "shoe.lining.end": 0.5})
+    centred = vary(
+        hinged(**shoe, arc=(0.1, 0.5)), {"shoe.lining.start": -0.5, "shoe.lining.end": 0.5}
+    )
     assert "passes through the hinge" in str(MODELS["cosine"].why_not(centred))
     two_sided = vary(read_any(STUDIES / "laws/pad.toml"), {"shoe.lining.start": "-20 mm"})
     assert isinstance(two_sided, FlatBrake)
-    assert "on one side of the hinge, not reach 20 mm beyond" in str(MODELS["linear"].why_not(two_sided))
+    assert "on one side of the hinge, not reach 20 mm beyond" in str(
+        MODELS["linear"].why_not(two_sided)
+    )
     assert MODELS["short"].why_not(two_sided) is None
 
 
@@ -172,12 +220,19 @@ def test_laws_say_why_they_do_not_apply() -> None:
     ],
 )  # fmt: skip
 def test_command_line_answers_or_says_why_not_in_one_line(
-    arguments: list[str], status: int, line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+    arguments: list[str],
+    status: int,
+    line: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: Any,
 ) -> None:
     locking = (STUDIES / "laws/block.toml").read_text().replace("friction = 0.35", "friction = 4")
     (tmp_path / "locking.toml").write_text(locking)
     folder = tmp_path if arguments[0] == "locking.toml" else STUDIES
-    monkeypatch.setattr(sys, "argv", ["drumlin", "solve", str(folder / arguments[0]), *arguments[1:]])
+    monkeypatch.setattr(
+        sys, "argv", ["drumlin", "solve", str(folder / arguments[0]), *arguments[1:]]
+    )
     with pytest.raises(SystemExit) as end:
         main()
     out, err = capsys.readouterr()
@@ -190,12 +245,17 @@ def test_command_line_answers_or_says_why_not_in_one_line(
 
 def test_figures_of_merit_reach_the_json() -> None:
     for file, keys in (
-        ("laws/block.toml", {"resultant_angle", "friction_radius", "shoe_factor", "mechanical_advantage", "m", "n"}),
+        (
+            "laws/block.toml",
+            {"resultant_angle", "friction_radius", "shoe_factor", "mechanical_advantage", "m", "n"},
+        ),
         ("laws/pad.toml", {"braking_force", "sensitivity_at_fixed_shape"}),
         ("laws/pivoted_block.toml", {"pivot_reaction", "double_delta"}),
     ):
         brake = read_any(STUDIES / file)
-        name = next(name for name, model in MODELS.items() if name != "fem" and model.why_not(brake) is None)
+        name = next(
+            name for name, model in MODELS.items() if name != "fem" and model.why_not(brake) is None
+        )
         data = json.loads(json.dumps(MODELS[name].solve(brake).as_dict(), allow_nan=False))
         assert keys <= set(data["shoes"][0])
         assert ("bearing_load" in data) == (not isinstance(brake, FlatBrake))

@@ -22,7 +22,9 @@ def laws() -> ModuleType:
     return load("laws")[0]
 
 
-def test_study_meets_every_worked_example_and_names_the_two_that_were_printed_rounded(laws: ModuleType) -> None:
+def test_study_meets_every_worked_example_and_names_the_two_that_were_printed_rounded(
+    laws: ModuleType,
+) -> None:
     result = laws.study(short=True)
     assert len(result.examples) == 41
     odd = [(row["source"], row["given"]) for row in result.examples if row["status"] != "agrees"]
@@ -30,7 +32,9 @@ def test_study_meets_every_worked_example_and_names_the_two_that_were_printed_ro
         ("block on a lever, friction assists", "83.87"),
         ("block on a lever, friction opposes", "69.14"),
     ]
-    assert all(abs(row["difference"]) < 3e-4 for row in result.examples if row["status"] != "agrees")
+    assert all(
+        abs(row["difference"]) < 3e-4 for row in result.examples if row["status"] != "agrees"
+    )
     assert not [row for row in result.applies if row["status"] == "no answer"]
 
 
@@ -46,7 +50,12 @@ def test_barecki_leading_post_has_the_smaller_shoe_factor_where_n_is_negative() 
         assert (leading["word"], trailing["word"]) == ("leading", "trailing")
         assert leading["S_26"] == pytest.approx(leading["S"], rel=1e-9)
         assert (leading["S_26"] < trailing["S_26"]) == (leading["n"] < 0)
-    assert {row["law"]: row["n"] < 0 for row in rows} == {"short": True, "cosine": True, "uniform": True, "sine": False}
+    assert {row["law"]: row["n"] < 0 for row in rows} == {
+        "short": True,
+        "cosine": True,
+        "uniform": True,
+        "sine": False,
+    }
 
 
 @pytest.mark.slow

@@ -23,12 +23,21 @@ from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, rigid
 from drumlin.verification.random_brake import random_brake
 
-RING = {"drum.ring": {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}, "support": "free"}}
+RING = {
+    "drum.ring": {
+        "thickness": 0.015,
+        "width": 0.04,
+        "material": {"E": 120e9, "nu": 0.25},
+        "support": "free",
+    }
+}
 
 
 def one_node(a=1.0, lever=0.5):
     """One node on a hinge: p = h / (1 - lever mu); it locks at 1 / lever."""
-    still = Problem(np.array([[a]]), np.array([-1.0]), np.array([[-1.0]]), np.array([[-1.0]]), np.array([-1.0]))
+    still = Problem(
+        np.array([[a]]), np.array([-1.0]), np.array([[-1.0]]), np.array([[-1.0]]), np.array([-1.0])
+    )
     return Sliding(still, np.array([[0.0]]), np.array([[lever]]))
 
 
@@ -40,8 +49,12 @@ def test_the_limit_of_one_node_on_a_hinge_is_that_of_its_lever(lever):
 
 
 def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes():
-    """w_2 = 0.5 - mu p_1 closes at mu = 0.5, where p_1 = 1 is far from any pole; on both nodes det = 1 - 8 mu^2 < 0."""
-    still = Problem(np.eye(2), np.array([-1.0, 0.5]), np.zeros((2, 0)), np.zeros((0, 2)), np.zeros(0))
+    """w_2 = 0.5 - mu p_1 closes at mu = 0.5, where p_1 = 1 is far from any pole; on both nodes det
+    = 1 - 8 mu^2 < 0.
+    """
+    still = Problem(
+        np.eye(2), np.array([-1.0, 0.5]), np.zeros((2, 0)), np.zeros((0, 2)), np.zeros(0)
+    )
     problems = Sliding(still, np.array([[0.0, -8.0], [-1.0, 0.0]]), np.zeros((0, 2)))
     end = self_locking.limit(problems)
     assert end.bounded
@@ -49,7 +62,10 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
     both = active_set.solve(problems.at(0.45), np.array([True, True]))
     assert not both.regular and both.p[1] > 0  # the other answer, which meets the first one at 0.5
     assert (
-        self_locking.agreement(problems.at(0.45), self_locking.limit(problems, 0.45).last, [both.active]).unstable == 1
+        self_locking.agreement(
+            problems.at(0.45), self_locking.limit(problems, 0.45).last, [both.active]
+        ).unstable
+        == 1
     )
     with pytest.raises(NoAnswer):
         active_set.solve(problems.at(0.51))
@@ -70,7 +86,9 @@ def test_the_eigenvalue_is_exact_where_halving_was_not(brake):
         for start in (None, end.last.active, ~end.last.active):
             with pytest.raises(NoAnswer):
                 active_set.solve(problems.at(end.friction * (1 + 1e-9)), start)
-        with pytest.raises(NoAnswer, match=rf"mu_lock = {end.friction:.4g} .rigid-shoe law: 0.8231"):
+        with pytest.raises(
+            NoAnswer, match=rf"mu_lock = {end.friction:.4g} .rigid-shoe law: 0.8231"
+        ):
             respond(scene, vary(changed, {"friction": end.friction * 1.01}))
 
 
@@ -78,7 +96,9 @@ def test_both_hands_lock_alike_and_the_other_shoe_never(brake):
     found = []
     for rotation in ("counter-clockwise", "clockwise"):
         turning = vary(brake, {"rotation": rotation})
-        found.append([end.friction for end in limits(prepare(turning, elements=20), turning).values()])
+        found.append(
+            [end.friction for end in limits(prepare(turning, elements=20), turning).values()]
+        )
     assert found[0][0] == found[1][1] == math.inf
     assert found[0][1] == pytest.approx(found[1][0], rel=1e-12)
 
@@ -86,7 +106,10 @@ def test_both_hands_lock_alike_and_the_other_shoe_never(brake):
 def test_the_limit_knows_neither_force_nor_clearance(brake):
     plain, other = (
         limits(prepare(changed, elements=20), changed, 3.0)[(1,)].friction
-        for changed in (brake, vary(brake, {"shoe.actuation.force": 50.0, "shoe.lining.clearance": 2e-4}))
+        for changed in (
+            brake,
+            vary(brake, {"shoe.actuation.force": 50.0, "shoe.lining.clearance": 2e-4}),
+        )
     )
     assert other == pytest.approx(plain, rel=1e-10)
 
@@ -123,15 +146,19 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
     found = self_locking.agreement(problems.at(mu), self_locking.limit(problems, mu).last, starts)
     assert (found.same, found.others, found.unstable, found.lost) == (7, 0, 0, 0)
     assert found.difference < 1e-9
-    assert (end.friction < 5) == (way == "locking")  # of those whose friction opposes the shoe, one in a hundred locks
+    assert (end.friction < 5) == (
+        way == "locking"
+    )  # of those whose friction opposes the shoe, one in a hundred locks
     for beyond in (1.0001, 1.05, 2, 3) if way == "locking" else ():
         with pytest.raises(NoAnswer, match="self-locking"):
             respond(scene, vary(brake, {"friction": beyond * end.friction}), penalty=math.inf)
 
 
 def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
-    """A dent in this lining lets the contact leap: other answers are in equilibrium beyond, up to mu = 1.269 and again
-    on the lining's end alone. Nothing leads to them, however long the steps of friction that would leap too."""
+    """A dent in this lining lets the contact leap: other answers are in equilibrium beyond, up to
+    mu = 1.269 and again on the lining's end alone. Nothing leads to them, however long the steps of
+    friction that would leap too.
+    """
     brake = random_brake(37, "locking")
     scenes = prepare(brake, elements=16), hp.scene(brake, LEVELS[2]), prepare(brake, elements=64)
     ends = []
@@ -148,7 +175,9 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
 
 
 def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollowed():
-    """At twice that limit one stands apart that is stable and hardly grows with friction; no friction leads there."""
+    """At twice that limit one stands apart that is stable and hardly grows with friction; no
+    friction leads there.
+    """
     brake = random_brake(100, "locking")
     (group,) = groups_of(prepare(brake, elements=14), brake, 1e6)
     law = rigid.locking_friction(brake, group.shoes[0])
@@ -163,7 +192,9 @@ def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollow
 
 
 def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexible, monkeypatch):
-    """Assisted and opposed, up to the limit and beyond it, followed on every other, fourth and eighth node."""
+    """Assisted and opposed, up to the limit and beyond it, followed on every other, fourth and
+    eighth node.
+    """
     scene = prepare(flexible, elements=24)
     for group in groups_of(scene, flexible, 1e4):
         problems, n = group.sliding, len(group.problem.q)
@@ -177,7 +208,9 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
                 except NoAnswer as error:
                     answers.append(str(error))
             if mu < end:
-                np.testing.assert_allclose(answers[1], answers[0], rtol=1e-7, atol=1e-9 * answers[0].max())
+                np.testing.assert_allclose(
+                    answers[1], answers[0], rtol=1e-7, atol=1e-9 * answers[0].max()
+                )
             elif math.isfinite(end) and end < 3.0:
                 assert answers[1] == answers[0] and "mu_lock" in answers[0]
 
@@ -191,7 +224,9 @@ def test_of_a_large_problem_the_fine_answer_is_solved_once(flexible, monkeypatch
 
 
 @pytest.mark.parametrize("changes", [{}, {"friction": 0.1}, {"rotation": "clockwise"}])
-def test_the_law_that_is_kept_with_a_scene_is_that_of_the_brake_at_hand(brake, changes, monkeypatch):
+def test_the_law_that_is_kept_with_a_scene_is_that_of_the_brake_at_hand(
+    brake, changes, monkeypatch
+):
     scene, other = prepare(brake, elements=8), vary(brake, changes)
     turned = other.model_copy(update={"shoes": other.shoes[::-1]})  # a mirror image in each place
     for at_hand in (other, turned):
@@ -199,7 +234,9 @@ def test_the_law_that_is_kept_with_a_scene_is_that_of_the_brake_at_hand(brake, c
         assert math.inf in expected and min(expected) < 10
         laws = [group.law(group.members[0]) for group in groups_of(scene, at_hand, 1e6)]
         assert laws == pytest.approx(expected, rel=1e-9)
-    monkeypatch.setattr(rigid, "locking_friction", None)  # nothing is computed again of a hinged shoe
+    monkeypatch.setattr(
+        rigid, "locking_friction", None
+    )  # nothing is computed again of a hinged shoe
     laws = [group.law(group.members[0]) for group in groups_of(scene, brake, 1e6)]
     assert min(laws) < 10
 
@@ -220,7 +257,9 @@ def test_below_the_first_singular_set_every_load_has_one_answer(brake):
 
 @pytest.mark.parametrize(("elements", "large"), [(16, 600), (48, 600), (64, 600), (64, 30)])
 def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, monkeypatch):
-    """At mu = 0.822, a hundredth below where its contact jumps, this shoe has another one of four times the torque."""
+    """At mu = 0.822, a hundredth below where its contact jumps, this shoe has another one of four
+    times the torque.
+    """
     monkeypatch.setattr(self_locking, "LARGE", large)
     brake = vary(random_brake(37, "locking"), {"friction": 0.82245})
     group = next(iter(groups_of(prepare(brake, elements=elements), brake, 1e6)))
@@ -230,12 +269,16 @@ def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, m
     assert solve(brake, elements=elements, penalty=1e6).torque == pytest.approx(followed, rel=1e-6)
     other = active_set.settle(group.problem)
     assert other.regular and other.p.sum() > 4 * end.last.p.sum()
-    found = self_locking.answer(group.problem_at, brake.friction, other.active, law=math.inf, brake="")
+    found = self_locking.answer(
+        group.problem_at, brake.friction, other.active, law=math.inf, brake=""
+    )
     np.testing.assert_allclose(found.p, end.last.p, rtol=1e-6, atol=1e-9 * found.p.max())
 
 
 @pytest.mark.parametrize(("share", "quiet"), [(0.6, True), (0.9, False), (1.2, False)])
-def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(brake, share, quiet, monkeypatch):
+def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(
+    brake, share, quiet, monkeypatch
+):
     """To the very answer, and the very end, that are followed from no friction at all."""
     group = groups_of(prepare(brake, elements=16), brake, 1e6)[1]
     problems, known = group.sliding, []
@@ -249,14 +292,18 @@ def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(bra
     monkeypatch.setattr(self_locking, "limit", noted)
     try:
         found = self_locking.answer(problems.at, mu, law=math.inf, brake="now")
-        np.testing.assert_allclose(found.p, limit(problems, mu).last.p, rtol=1e-9, atol=1e-12 * found.p.max())
+        np.testing.assert_allclose(
+            found.p, limit(problems, mu).last.p, rtol=1e-9, atol=1e-12 * found.p.max()
+        )
         assert share < 1 and (known[0] and known[0][0]) == (0.5 * mu if quiet else None)
     except NoAnswer as refusal:
         assert share > 1 and f"now there is one up to mu_lock = {end.friction:.4g}" in str(refusal)
 
 
 def test_a_refusal_is_not_its_own_cause(brake):
-    """A sweep asks a refusal for what caused it, and so on: of a chain that leads back to itself for ever."""
+    """A sweep asks a refusal for what caused it, and so on: of a chain that leads back to itself
+    for ever.
+    """
     locked = vary(brake, {"friction": 1.3})
     with pytest.raises(NoAnswer, match="self-locking") as refused:
         solve(locked, elements=12)

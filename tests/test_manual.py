@@ -1,4 +1,6 @@
-"""The manual: what is read off the program is complete, every public name is described, examples and links hold."""
+"""The manual: what is read off the program is complete, every public name is described, examples
+and links hold.
+"""
 
 import ast
 import inspect
@@ -34,8 +36,19 @@ def parts(kind=Part):
 
 def test_every_key_of_every_file_is_described():
     listed = [kind for _, kind, _ in (*keys.BRAKE, *keys.SWEEP)]
-    here = {kind for kind in parts() if kind.__module__.startswith(("drumlin.brake", "drumlin.sweeps"))}
-    in_no_file = {"Bar", "ContactOptions", "Distribution", "Held", "Brake", "Lining", "Meshed", "Shoe"}
+    here = {
+        kind for kind in parts() if kind.__module__.startswith(("drumlin.brake", "drumlin.sweeps"))
+    }
+    in_no_file = {
+        "Bar",
+        "ContactOptions",
+        "Distribution",
+        "Held",
+        "Brake",
+        "Lining",
+        "Meshed",
+        "Shoe",
+    }
     assert {kind.__name__ for kind in here - set(listed)} == in_no_file
     assert len(listed) == len(set(listed))
     text = listing.brake_file() + listing.sweep_file()
@@ -60,7 +73,10 @@ def test_a_value_says_its_kind_unit_and_limits():
     assert "| `friction` | a number, ≥ 0, ≤ 1e+06; required |" in text
     assert '| `blocks` | rows like `["55 deg", "8 mm"]`; may be left out |' in text  # no number
     assert '| `blocks` | rows like `["8 mm", "8 mm"]`; may be left out |' in text
-    assert '| `clearance` | a length such as `"8 mm"`, or rows like `["55 deg", "8 mm"]`; default' in text
+    assert (
+        '| `clearance` | a length such as `"8 mm"`, or rows like `["55 deg", "8 mm"]`; default'
+        in text
+    )
     assert '| `support` | `"fixed"` or `"free"`; default `fixed` |' in text
 
 
@@ -78,14 +94,17 @@ def test_every_command_and_option_is_listed():
 
 
 @pytest.mark.parametrize(
-    "path", ["double_shoe/brake.toml", "post_brake/brake.toml", "laws/pivoted_block.toml", "laws/pad.toml"]
+    "path",
+    ["double_shoe/brake.toml", "post_brake/brake.toml", "laws/pivoted_block.toml", "laws/pad.toml"],
 )
 def test_every_quantity_of_a_response_has_its_formula(path):
     page = (PAGES / "reference" / "quantities.md").read_text()
     brake = drumlin.read_brake(ROOT / "studies" / path)
     for name, model in MODELS.items():
         if model.why_not(brake) is None:
-            data = drumlin.solve(brake, name, **({"elements": 6} if name in {"fem", "solid"} else {})).as_dict()
+            data = drumlin.solve(
+                brake, name, **({"elements": 6} if name in {"fem", "solid"} else {})
+            ).as_dict()
             for key in [*data, *data["shoes"][0]]:
                 assert f"`{key}`" in page, f"{key} of {name}"
 
@@ -97,7 +116,9 @@ def test_every_public_name_has_a_docstring():
     missing = []
     for path in sorted((ROOT / "src").rglob("*.py")):
         tree = ast.parse(path.read_text())
-        missing += [str(path)] if ast.get_docstring(tree) is None and path.read_text().strip() else []
+        missing += (
+            [str(path)] if ast.get_docstring(tree) is None and path.read_text().strip() else []
+        )
         for node, owner in public(tree):
             if ast.get_docstring(node) is None:
                 missing.append(f"{path.relative_to(ROOT)}: {owner}{node.name}")
@@ -105,7 +126,9 @@ def test_every_public_name_has_a_docstring():
 
 
 def public(tree, owner=""):
-    """Public functions, classes and their methods; a method that overrides another's is described there."""
+    """Public functions, classes and their methods; a method that overrides another's is described
+    there.
+    """
     for node in tree.body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
             yield node, owner
@@ -147,10 +170,18 @@ def test_a_notebook_is_stripped_and_uses_the_door_alone(path):
             assert cell.execution_count is None
             tree = ast.parse(cell.source)
             for node in ast.walk(tree):
-                names = [alias.name for alias in node.names] if isinstance(node, ast.Import | ast.ImportFrom) else []
+                names = (
+                    [alias.name for alias in node.names]
+                    if isinstance(node, ast.Import | ast.ImportFrom)
+                    else []
+                )
                 assert not (getattr(node, "module", None) or "").startswith("drumlin")
                 assert not any(name.startswith("drumlin.") for name in names)
-                if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "drumlin":
+                if (
+                    isinstance(node, ast.Attribute)
+                    and isinstance(node.value, ast.Name)
+                    and node.value.id == "drumlin"
+                ):
                     assert node.attr in drumlin.__all__
 
 
@@ -222,19 +253,27 @@ def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
         for address in found.loaded:
             parts = urlsplit(address)
             assert not parts.netloc, f"{path.name} loads {address}"
-            assert not address or (path.parent / unquote(parts.path)).exists(), f"{path.name}: {address}"
+            assert not address or (path.parent / unquote(parts.path)).exists(), (
+                f"{path.name}: {address}"
+            )
         for address in found.links:
             parts = urlsplit(address)
             if parts.scheme or parts.netloc:
                 continue
             target = path if not parts.path else Path(path.parent / unquote(parts.path)).resolve()
             assert target.exists(), f"{path.name}: {address}"
-            assert target not in pages or unquote(parts.fragment) in pages[target].places, f"{path.name}: {address}"
+            assert target not in pages or unquote(parts.fragment) in pages[target].places, (
+                f"{path.name}: {address}"
+            )
     text = (site / "engineer" / "table.html").read_text(encoding="utf-8")
-    torque = drumlin.solve(drumlin.read_brake(ROOT / "studies" / "double_shoe" / "brake.toml")).torque
+    torque = drumlin.solve(
+        drumlin.read_brake(ROOT / "studies" / "double_shoe" / "brake.toml")
+    ).torque
     assert f"{torque:.6g}" in text  # what a page shows was computed as it was built
     for name in ("engineer/table", "engineer/which_law", "researcher/python", "notebooks/engineer"):
-        assert "_images/" in (site / f"{name}.html").read_text(encoding="utf-8")  # the figures of its examples
+        assert "_images/" in (site / f"{name}.html").read_text(
+            encoding="utf-8"
+        )  # the figures of its examples
     assert "<math" in (site / "researcher" / "contact.html").read_text(encoding="utf-8")
     for path in pages:  # no command of TeX is left in a formula
         assert not re.search(r"<m[ion][^>]*>\\", path.read_text(encoding="utf-8")), path.name

@@ -59,7 +59,9 @@ def written(tmp_path, brake):
     """The parametric meshes of both shoes as files, and a brake that uses them."""
     for shoe in brake.shoes:
         write_mesh(tmp_path / f"{shoe.name}.msh", shoe_mesh(shoe, brake.drum.radius, 30), shoe)
-    changes = {f"shoe[{i}].mesh": str(tmp_path / f"{shoe.name}.msh") for i, shoe in enumerate(brake.shoes)}
+    changes = {
+        f"shoe[{i}].mesh": str(tmp_path / f"{shoe.name}.msh") for i, shoe in enumerate(brake.shoes)
+    }
     return vary(brake, changes)
 
 
@@ -97,17 +99,32 @@ def rewritten(path, change):
 def top(mesh):
     """A node inside the contact line."""
     return mesh.cells_dict["line3"][
-        np.flatnonzero(mesh.cell_data_dict["gmsh:physical"]["line3"] == mesh.field_data["contact"][0])[5], 0
+        np.flatnonzero(
+            mesh.cell_data_dict["gmsh:physical"]["line3"] == mesh.field_data["contact"][0]
+        )[5],
+        0,
     ]
 
 
 REFUSED = {
-    "missing group": (lambda m: m.field_data.pop("contact"), "named groups missing or empty: contact"),
-    "missing subdomain": (lambda m: m.field_data.pop("lining"), "named groups missing or empty: lining"),
+    "missing group": (
+        lambda m: m.field_data.pop("contact"),
+        "named groups missing or empty: contact",
+    ),
+    "missing subdomain": (
+        lambda m: m.field_data.pop("lining"),
+        "named groups missing or empty: lining",
+    ),
     "not finite": (lambda m: m.points.__setitem__((3, 0), np.nan), "not finite"),
     "wrong radius": (lambda m: m.points.__imul__(1.2), "off the drum's radius"),
-    "bump": (lambda m: m.points.__setitem__(top(m), 0.995 * m.points[top(m)]), "steeper than 0.1 against the drum"),
-    "wrong place": (lambda m: m.points.__setitem__((slice(None), slice(0, 2)), m.points[:, 1::-1]), "lining's arc"),
+    "bump": (
+        lambda m: m.points.__setitem__(top(m), 0.995 * m.points[top(m)]),
+        "steeper than 0.1 against the drum",
+    ),
+    "wrong place": (
+        lambda m: m.points.__setitem__((slice(None), slice(0, 2)), m.points[:, 1::-1]),
+        "lining's arc",
+    ),
 }
 
 
@@ -137,7 +154,12 @@ def test_a_node_number_that_would_fill_the_memory_is_refused(tmp_path, brake, na
 
 def test_files_that_are_no_mesh_are_refused(tmp_path, brake):
     shoe = brake.shoes[0]
-    for name, content in {"a.msh": "nonsense", "b.xyz": "nonsense", "c.msh": "", "d.vtu": "<VTKFile>"}.items():
+    for name, content in {
+        "a.msh": "nonsense",
+        "b.xyz": "nonsense",
+        "c.msh": "",
+        "d.vtu": "<VTKFile>",
+    }.items():
         (tmp_path / name).write_text(content)
         with pytest.raises(BadInput, match="not a mesh") as refusal:
             read_mesh(tmp_path / name, shoe, brake.drum.radius)
@@ -147,6 +169,8 @@ def test_files_that_are_no_mesh_are_refused(tmp_path, brake):
 
 
 def test_the_committed_meshes_solve_as_the_brake_they_were_made_from(brake):
-    """meshes/double_shoe.toml: the parametric shoes of the study at 24 elements, through their files."""
+    """meshes/double_shoe.toml: the parametric shoes of the study at 24 elements, through their
+    files.
+    """
     filed = read_brake(ROOT / "meshes" / "double_shoe.toml")
     assert solve(filed).torque == pytest.approx(solve(brake, elements=24).torque, rel=1e-9)

@@ -1,4 +1,6 @@
-"""Mesh files: every format and kind gives the answer of the mesh that was written, and every fault is one line."""
+"""Mesh files: every format and kind gives the answer of the mesh that was written, and every fault
+is one line.
+"""
 
 import math
 import random
@@ -40,7 +42,8 @@ def filed(brake, folder, kind, suffix):
 def test_every_format_gives_the_answer_of_the_mesh_that_was_written(tmp_path, brake, kind, suffix):
     written = filed(brake, tmp_path, kind, suffix)
     a, b = solve(brake, elements=ELEMENTS, kind=kind), solve(written)
-    # an .inp file lacks the centre nodes of quad2: they return a little off the arc between the layers
+    # an .inp file lacks the centre nodes of quad2: they return a little off the arc between the
+    # layers
     rel = 1e-6 if (kind, suffix) == ("quad2", "inp") else 1e-9
     assert b.torque == pytest.approx(a.torque, rel=rel)
     for x, y in zip(a.shoes, b.shoes, strict=True):
@@ -51,7 +54,10 @@ def test_every_format_gives_the_answer_of_the_mesh_that_was_written(tmp_path, br
 def test_what_no_part_is_divided_by_is_refused(tmp_path, brake):
     """Of shoes with mesh files a ring alone is divided, and has elements of one kind."""
     written = filed(brake, tmp_path, "quad2", "msh")
-    ringed = vary(written, {"drum.ring": {"thickness": 0.01, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}}})
+    ringed = vary(
+        written,
+        {"drum.ring": {"thickness": 0.01, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}}},
+    )
     partly = vary(brake, {"shoe[0].mesh": str(written.shoes[0].mesh)})
     for option in ({"elements": 8}, {"kind": "tri2"}):
         with pytest.raises(BadInput, match=r"--\w+ = \w+: all shoes have mesh files"):
@@ -69,7 +75,9 @@ def test_gmsh_2_2_text_and_binary(tmp_path, brake, options):
     written = filed(brake, tmp_path, "tri2", "msh")
     for shoe in written.shoes:
         meshio.read(shoe.mesh).write(shoe.mesh, file_format=options[0], binary=options[1])
-    assert solve(written).torque == pytest.approx(solve(brake, elements=ELEMENTS, kind="tri2").torque, rel=1e-9)
+    assert solve(written).torque == pytest.approx(
+        solve(brake, elements=ELEMENTS, kind="tri2").torque, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("binary", [0, 1])
@@ -89,7 +97,9 @@ def test_files_that_gmsh_itself_writes(tmp_path, brake, kind, version, binary):
     finally:
         gmsh.finalize()
     assert b"%g %d 8" % (version, binary) in written.shoes[0].mesh.read_bytes()[:40]
-    assert solve(written).torque == pytest.approx(solve(brake, elements=ELEMENTS, kind=kind).torque, rel=1e-9)
+    assert solve(written).torque == pytest.approx(
+        solve(brake, elements=ELEMENTS, kind=kind).torque, rel=1e-9
+    )
 
 
 def test_an_input_file_that_gmsh_writes_has_edges_as_elements(tmp_path):
@@ -108,7 +118,9 @@ def test_an_input_file_that_gmsh_writes_has_edges_as_elements(tmp_path):
 
 
 def test_an_input_file_as_people_write_it(tmp_path, brake):
-    """Two element sections with their sets, sets of sets, ranges, long lines, small letters, foreign keywords."""
+    """Two element sections with their sets, sets of sets, ranges, long lines, small letters,
+    foreign keywords.
+    """
     (tmp_path / "m.inp").write_text(
         """*Heading
  a plate, and *not a keyword
@@ -144,7 +156,9 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
     assert mesh.cell_sets_dict["right"]["quad"].tolist() == [1]
     assert mesh.cell_sets_dict["both"]["quad"].tolist() == [0, 1]
     assert mesh.cell_sets_dict["edge"]["line"].tolist() == [0]
-    assert mesh.cells_dict["line3"].tolist() == [[0, 2, 1]]  # end, middle, end in the file; here the middle is last
+    assert mesh.cells_dict["line3"].tolist() == [
+        [0, 2, 1]
+    ]  # end, middle, end in the file; here the middle is last
     assert mesh.point_sets["bottom"].tolist() == [0, 1, 2]
     assert len(mesh.point_sets["all"]) == 7
 
@@ -153,7 +167,10 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
     ("text", "words"),
     [
         ("*NODE\n1, 0., 0.\n1, 1., 0.\n", "node 1 is defined twice"),
-        ("*NODE\n1, 0., 0.\n*ELEMENT, TYPE=C3D8\n1, 1\n", "TYPE=C3D8 is not an element of a plane mesh"),
+        (
+            "*NODE\n1, 0., 0.\n*ELEMENT, TYPE=C3D8\n1, 1\n",
+            "TYPE=C3D8 is not an element of a plane mesh",
+        ),
         ("*NODE\n1, 0., 0.\n*ELEMENT, TYPE=CPS4\n1, 1, 1\n", "needs a label and 4 nodes"),
         ("*INCLUDE, INPUT=more.inp\n", "INCLUDE is not followed"),
         ("*NODE\n1, 0., 0.\n*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n", "KeyError"),
@@ -176,7 +193,11 @@ def test_counts_that_numpy_only_warns_of_are_refused(tmp_path, brake, monkeypatc
     read = meshio.read
 
     def warned(*arguments):
-        warnings.warn("string or file could not be read to its end due to ...", DeprecationWarning, stacklevel=1)
+        warnings.warn(
+            "string or file could not be read to its end due to ...",
+            DeprecationWarning,
+            stacklevel=1,
+        )
         return read(*arguments)
 
     monkeypatch.setattr(meshio, "read", warned)
@@ -221,7 +242,9 @@ def unbonded(mesh):
         np.vstack([mesh.points, mesh.points[mine]]),
         [(mesh.cells[0].type, cells)],
         cell_data=mesh.cell_data,
-        point_data={name: np.concatenate([values, values[mine]]) for name, values in mesh.point_data.items()},
+        point_data={
+            name: np.concatenate([values, values[mine]]) for name, values in mesh.point_data.items()
+        },
     )
 
 
@@ -257,7 +280,10 @@ def twice(mesh):
     return meshio.Mesh(
         mesh.points,
         [(mesh.cells[0].type, np.vstack([cells_of(mesh), cells_of(mesh)[again]]))],
-        cell_data={name: [np.append(values[0], values[0][again])] for name, values in mesh.cell_data.items()},
+        cell_data={
+            name: [np.append(values[0], values[0][again])]
+            for name, values in mesh.cell_data.items()
+        },
         point_data=mesh.point_data,
     )
 
@@ -277,13 +303,17 @@ def cell_edges(mesh):
     """A Gmsh-like file whose contact runs along inner edges."""
     cells = cells_of(mesh)
     inside = mesh.cell_data["lining"][0] > 0
-    groups = {name: [mesh.cell_data[name][0], np.zeros(5, dtype=np.int32)] for name in ("lining", "shoe")}
+    groups = {
+        name: [mesh.cell_data[name][0], np.zeros(5, dtype=np.int32)] for name in ("lining", "shoe")
+    }
     groups["contact"] = [np.zeros(len(cells), dtype=np.int32), np.ones(5, dtype=np.int32)]
     edges = np.vstack([np.roll(cells[inside][:5, :3], k, axis=1)[:, :2] for k in range(3)])
     radius = np.hypot(*mesh.points[edges, :2].mean(axis=1).T)
     edges = edges[np.argsort(radius)][:5]
     del mesh.point_data["contact"]
-    return meshio.Mesh(mesh.points, [*mesh.cells, ("line", edges)], cell_data=groups, point_data=mesh.point_data)
+    return meshio.Mesh(
+        mesh.points, [*mesh.cells, ("line", edges)], cell_data=groups, point_data=mesh.point_data
+    )
 
 
 def strange_edges(mesh):
@@ -354,7 +384,9 @@ def test_a_damaged_file_is_solved_or_refused_in_one_line(tmp_path, brake, suffix
     for i in range(60):
         lines, at, other = list(whole), rng.randrange(len(whole)), rng.randrange(len(whole))
         words = lines[at].replace(",", " , ").split(" ")
-        words[rng.randrange(len(words))] = rng.choice(["-1", "0", "1e300", "nan", "99999", "7", "x", "12.5"])
+        words[rng.randrange(len(words))] = rng.choice(
+            ["-1", "0", "1e300", "nan", "99999", "7", "x", "12.5"]
+        )
         overwritten = " ".join(words)
         damages = ([], [lines[at], lines[other]], [lines[other]], [overwritten], [overwritten])
         lines[at : at + 1] = damages[i % 5]
@@ -382,7 +414,9 @@ def test_nodes_of_no_element_either_orientation_and_other_groups_do_not_matter(t
             np.vstack([mesh.points[order], [[9.0, 9.0, 0.0]]]),
             [("quad9", back[cells])],
             cell_data={**mesh.cell_data, "spare": [np.ones(len(cells), dtype=np.int32)]},
-            point_data={name: np.append(values[order], 0) for name, values in mesh.point_data.items()},
+            point_data={
+                name: np.append(values[order], 0) for name, values in mesh.point_data.items()
+            },
         )
 
     for shoe in written.shoes:
@@ -436,7 +470,10 @@ def test_the_web_shoe_agrees_with_a_mesh_twice_as_fine(tmp_path):
     script = [sys.executable, ROOT / "meshes" / "web_shoe.py"]
     subprocess.run([*script, "--refine", "2", "--output", fine], check=True, cwd=tmp_path)
     web = read_brake(WEB)
-    a, b = solve(web, penalty=math.inf), solve(vary(web, {"shoe.mesh": str(fine)}), penalty=math.inf)
+    a, b = (
+        solve(web, penalty=math.inf),
+        solve(vary(web, {"shoe.mesh": str(fine)}), penalty=math.inf),
+    )
     assert a.torque == pytest.approx(b.torque, rel=1e-4)
     for x, y in zip(a.shoes, b.shoes, strict=True):
         assert pressure_distance(x, y) < 0.02

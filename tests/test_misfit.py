@@ -31,7 +31,11 @@ MISFIT = "shoe.lining.misfit"
 
 
 @given(
-    st.floats(-0.05, 0.05), st.floats(-0.02, 0.02), st.floats(-0.02, 0.02), st.floats(-3, 3), st.sampled_from([-1, 1])
+    st.floats(-0.05, 0.05),
+    st.floats(-0.02, 0.02),
+    st.floats(-0.02, 0.02),
+    st.floats(-3, 3),
+    st.sampled_from([-1, 1]),
 )
 def test_the_gap_ends_on_the_linings_own_circle(dr, x, y, middle, sign):
     """At R - sign gap every point is the radius r away from the circle's centre."""
@@ -58,9 +62,13 @@ def test_to_first_order_the_gap_is_that_of_small_mismatches(dr, offset):
     assert left[0] == pytest.approx(4 * left[1], rel=1e-2)
 
 
-@pytest.mark.parametrize(("side", "dr"), [("internal", -1), ("internal", 1), ("external", -1), ("external", 1)])
+@pytest.mark.parametrize(
+    ("side", "dr"), [("internal", -1), ("internal", 1), ("external", -1), ("external", 1)]
+)
 def test_where_a_lining_of_another_radius_touches(side, dr):
-    """Internal: a smaller one in its middle, a larger one at its ends; external the other way round."""
+    """Internal: a smaller one in its middle, a larger one at its ends; external the other way
+    round.
+    """
     sign = 1 if side == "internal" else -1
     brake = vary(rigid(side), {f"{MISFIT}.radius": R + dr * 5e-4})
     shoe = solve(brake, elements=60).shoes[0]
@@ -94,7 +102,11 @@ def rigid(side="internal", thickness=4e-3, nu=0.0, half=50, force=500.0):
                         "width": 0.04,
                         "material": {"E": 3e8, "nu": nu},
                     },
-                    "actuation": {"force": force, "direction": 0.0 if sign > 0 else math.pi, "point": {"x": 0, "y": 0}},
+                    "actuation": {
+                        "force": force,
+                        "direction": 0.0 if sign > 0 else math.pi,
+                        "point": {"x": 0, "y": 0},
+                    },
                 }
             ],
         }
@@ -128,14 +140,19 @@ def test_gross_mismatch_on_a_thick_lining_is_hertz():
 
 
 def test_an_offset_across_the_hinges_radius_is_a_turn_of_the_shoe():
-    """It changes the gap by sin(phi), which the shoe's turn takes back; along the radius it does not."""
+    """It changes the gap by sin(phi), which the shoe's turn takes back; along the radius it does
+    not.
+    """
     base, hinge = respond(SCENE, BRAKE), BRAKE.shoes[0].hinge
     across = np.array([-hinge.y, hinge.x]) / hinge.radius
     along = hinge.xy / hinge.radius
     changes = []
     for direction in (across, along):
         x, y = 1e-5 * direction
-        moved = respond(SCENE, vary(BRAKE, {"shoe[0].lining.misfit.offset.x": x, "shoe[0].lining.misfit.offset.y": y}))
+        moved = respond(
+            SCENE,
+            vary(BRAKE, {"shoe[0].lining.misfit.offset.x": x, "shoe[0].lining.misfit.offset.y": y}),
+        )
         changes.append(abs(moved.shoes[0].torque / base.shoes[0].torque - 1))
     assert changes[0] < 2e-5
     assert changes[1] > 1e-2
@@ -156,9 +173,13 @@ def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
     at = BRAKE.shoes[1].lining
     table = [[at.start, 2e-5], [at.end, -2e-5]]
     same(respond(SCENE, other), respond(SCENE, vary(BRAKE, {"shoe[1].lining.clearance": table})))
-    blocks = vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.4, 2e-5], [0.3, -1e-5]]}).shoes[0].lining
+    blocks = (
+        vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.4, 2e-5], [0.3, -1e-5]]}).shoes[0].lining
+    )
     theta = np.array([-1.0, -0.45, -0.4, -0.35, 0.2, 0.3, 0.4, 0.9])
-    assert clearance.block_gap(blocks, theta) == pytest.approx([0, 0, 1e-5, 2e-5, 2e-5, 5e-6, -1e-5, -1e-5], abs=1e-15)
+    assert clearance.block_gap(blocks, theta) == pytest.approx(
+        [0, 0, 1e-5, 2e-5, 2e-5, 5e-6, -1e-5, -1e-5], abs=1e-15
+    )
     growth = clearance.thermal_growth(R, 1.2e-5, 100.0)
     assert growth == pytest.approx(1.8e-4)
     hot = vary(BRAKE, {"drum.out_of_round": [{"order": 0, "amplitude": growth}]})
@@ -167,7 +188,9 @@ def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
 
 def test_steps_between_blocks_begin_and_end_at_the_kinks():
     """Between two kinks of a step its gap moves, beyond them it is level."""
-    lining = vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.4, 2e-5], [0.3, -1e-5]]}).shoes[0].lining
+    lining = (
+        vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.4, 2e-5], [0.3, -1e-5]]}).shoes[0].lining
+    )
     edges = [lining.start, *sorted(clearance.kinks(lining)), lining.end]
     assert len(edges) == 6
     for k, (a, b) in enumerate(pairwise(edges)):
@@ -178,10 +201,14 @@ def test_steps_between_blocks_begin_and_end_at_the_kinks():
 def test_a_drum_turns_with_its_surface():
     """Turned by an angle, what stood at theta stands at theta + angle."""
     lobes = [{"order": 1, "amplitude": 2e-5, "phase": 0.4}, {"order": 3, "amplitude": 1e-5}]
-    still, turned = (vary(BRAKE, {"drum.out_of_round": lobes, "drum.angle": angle}) for angle in (0.0, 0.7))
+    still, turned = (
+        vary(BRAKE, {"drum.out_of_round": lobes, "drum.angle": angle}) for angle in (0.0, 0.7)
+    )
     theta = np.linspace(-3, 3, 13)
     assert still.surface_off(np.array([0.4]))[0] == pytest.approx(2e-5 + 1e-5 * math.cos(1.2))
-    np.testing.assert_allclose(turned.surface_off(theta + 0.7), still.surface_off(theta), atol=1e-18)
+    np.testing.assert_allclose(
+        turned.surface_off(theta + 0.7), still.surface_off(theta), atol=1e-18
+    )
 
 
 def test_a_step_between_blocks_converges_with_the_mesh():
@@ -235,7 +262,11 @@ def scaled(brake, s):
             part["thickness"], part["width"] = part["thickness"] * s, part["width"] * s
         for point in (shoe["hinge"], shoe["actuation"]["point"], m["offset"]):
             point["x"], point["y"] = point["x"] * s, point["y"] * s
-        m["radius"], m["taper"], lining["clearance"] = m["radius"] * s, m["taper"] * s, lining["clearance"] * s
+        m["radius"], m["taper"], lining["clearance"] = (
+            m["radius"] * s,
+            m["taper"] * s,
+            lining["clearance"] * s,
+        )
         m["blocks"] = [[at, depth * s] for at, depth in m["blocks"]]
         shoe["actuation"]["force"] *= s**2
     return brake_from(data)
@@ -263,9 +294,15 @@ def test_mirror_image_and_units_change_nothing(dr, x, y, taper, depth, lobe, ang
         solve(mirrored(brake), elements=40),
         solve(scaled(brake, 2), elements=40),
     )
-    assert [s.torque for s in there.shoes] == pytest.approx([s.torque for s in here.shoes], rel=1e-7)
-    assert [s.torque / 8 for s in large.shoes] == pytest.approx([s.torque for s in here.shoes], rel=1e-7)
-    assert [s.peak_pressure for s in large.shoes] == pytest.approx([s.peak_pressure for s in here.shoes], rel=1e-7)
+    assert [s.torque for s in there.shoes] == pytest.approx(
+        [s.torque for s in here.shoes], rel=1e-7
+    )
+    assert [s.torque / 8 for s in large.shoes] == pytest.approx(
+        [s.torque for s in here.shoes], rel=1e-7
+    )
+    assert [s.peak_pressure for s in large.shoes] == pytest.approx(
+        [s.peak_pressure for s in here.shoes], rel=1e-7
+    )
 
 
 def test_the_foundation_has_the_same_misfit():
@@ -278,28 +315,38 @@ def test_the_foundation_has_the_same_misfit():
         gap = clearance.gap(changed, shoe, theta)
         tables[f"shoe[{i}].lining.clearance"] = np.column_stack([theta, gap]).tolist()
     same(foundation.solve(changed), foundation.solve(vary(brake, tables)), rel=1e-5)
-    assert foundation.solve(changed).torque != pytest.approx(foundation.solve(brake).torque, rel=1e-2)
+    assert foundation.solve(changed).torque != pytest.approx(
+        foundation.solve(brake).torque, rel=1e-2
+    )
 
 
 def test_worn_in_every_lining_bears_by_the_sine_law():
-    """Whatever misfit it had, internal shoes as external ones; on a drum that is not round it does not stay so."""
+    """Whatever misfit it had, internal shoes as external ones; on a drum that is not round it does
+    not stay so.
+    """
     law = sine(BRAKE)
     off = vary(BRAKE, {f"{MISFIT}.radius": R - 1e-4, f"{MISFIT}.taper": 5e-5})
     worn = respond(SCENE, worn_in(SCENE, off))
     assert worn.torque == pytest.approx(law.torque, rel=1e-6)
     assert max(pressure_distance(a, b) for a, b in zip(worn.shoes, law.shoes, strict=True)) < 1e-4
-    assert min(min(gap for _, gap in shoe.lining.clearance) for shoe in worn_in(SCENE, off).shoes) >= 0
+    assert (
+        min(min(gap for _, gap in shoe.lining.clearance) for shoe in worn_in(SCENE, off).shoes) >= 0
+    )
     block = rigid("external", half=40, force=500.0)
     assert solve(block, elements=20).torque == 0  # no friction
     block = vary(block, {"friction": 0.3})
     scene = prepare(block, elements=20)
-    assert respond(scene, worn_in(scene, block)).torque == pytest.approx(sine(block).torque, rel=1e-5)
+    assert respond(scene, worn_in(scene, block)).torque == pytest.approx(
+        sine(block).torque, rel=1e-5
+    )
     oval = vary(worn_in(SCENE, off), {"drum.out_of_round": [{"order": 2, "amplitude": 2e-5}]})
     assert abs(respond(SCENE, oval).torque / law.torque - 1) > 0.01
 
 
 def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
-    """Archard's wear, step by step: its worn shape is `worn_in`'s but for what the shoe's turn makes up, sin(phi)."""
+    """Archard's wear, step by step: its worn shape is `worn_in`'s but for what the shoe's turn
+    makes up, sin(phi).
+    """
     off = vary(BRAKE, {f"{MISFIT}.radius": R + 5e-5, f"{MISFIT}.taper": -3e-5})
     setup = fem_setup(SCENE, off)
     goal = run_in.target(setup)
@@ -320,7 +367,10 @@ REFUSED = [
     ('misfit = { offset = { x = "9 mm", y = "0 mm" } }', ["misfit.offset = 9 mm", "7.5 mm"]),
     ('misfit = { offset = "9 mm" }', ["misfit.offset = '9 mm'"]),
     ('misfit = { blocks = [["56 deg", "1 mm"]] }', ["misfit.blocks", "-70 deg to 55 deg"]),
-    ('misfit = { blocks = [["5 deg", "1 mm"], ["5.5 deg", "0 mm"]] }', ["misfit.blocks", "more than 1 deg"]),
+    (
+        'misfit = { blocks = [["5 deg", "1 mm"], ["5.5 deg", "0 mm"]] }',
+        ["misfit.blocks", "more than 1 deg"],
+    ),
     ('misfit = { blocks = [["5 deg", "-9 mm"]] }', ["misfit.blocks", "7.5 mm"]),
     ('misfit = { blocks = ["5 deg"] }', ["misfit.blocks", "rows like"]),
     ('misfit = { blocks = [["5 deg", 1]] }', ["depth = 1 has no unit"]),
@@ -344,7 +394,10 @@ def test_wrong_drums_are_refused_in_one_line(tmp_path):
     for line, words in (
         ('out_of_round = [{ order = -1, amplitude = "1 mm" }]', "out_of_round[0].order = -1"),
         ('out_of_round = [{ order = 1.5, amplitude = "1 mm" }]', "out_of_round[0].order = 1.5"),
-        ("out_of_round = [{ order = 2, amplitude = 3 }]", "out_of_round[0].amplitude = 3: has no unit"),
+        (
+            "out_of_round = [{ order = 2, amplitude = 3 }]",
+            "out_of_round[0].amplitude = 3: has no unit",
+        ),
         ('out_of_round = [{ order = 2, amplitude = "9 mm" }]', "out_of_round = 9 mm in all"),
         ('angle = "3 mm"', "drum.angle = '3 mm'"),
     ):

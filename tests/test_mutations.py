@@ -23,8 +23,17 @@ from mutations import (
 from not_tuned import NOT_TUNED
 
 PARTS = ("fem", "contact", "response")
-MODULES = [path.relative_to(PACKAGE).as_posix() for part in PARTS for path in sorted((PACKAGE / part).rglob("*.py"))]
-ROWS = [(module, name) for module, guards in TUNED.items() for name, guard in guards.items() if guard != JUDGED]
+MODULES = [
+    path.relative_to(PACKAGE).as_posix()
+    for part in PARTS
+    for path in sorted((PACKAGE / part).rglob("*.py"))
+]
+ROWS = [
+    (module, name)
+    for module, guards in TUNED.items()
+    for name, guard in guards.items()
+    if guard != JUDGED
+]
 """The constants of which it is shown that a test notices them."""
 
 
@@ -37,7 +46,9 @@ def test_every_tuned_number_is_found_and_its_change_changes_nothing_else(module)
         for change in found:
             pairs = zip(ast.parse(source).body, ast.parse(change.source).body, strict=True)
             differing = [before for before, after in pairs if ast.dump(before) != ast.dump(after)]
-            assert [ast.unparse(node.targets[0]) for node in differing if isinstance(node, ast.Assign)] == [name]
+            assert [
+                ast.unparse(node.targets[0]) for node in differing if isinstance(node, ast.Assign)
+            ] == [name]
             assert len(differing) == 1
 
 
@@ -85,21 +96,28 @@ def test_a_constant_that_shares_its_line_is_refused():
 def test_an_unsafe_side_that_stays_green_is_not_guarded():
     sides = {("X", "up"): "", ("X", "down"): "tests/test_x.py::test_y"}
     assert unguarded(Guard("down"), sides) == [] == unguarded(Guard("either"), sides)
-    assert unguarded(Guard("up"), sides) == ["X: up is not noticed"] == unguarded(Guard("both"), sides)
+    assert (
+        unguarded(Guard("up"), sides) == ["X: up is not noticed"] == unguarded(Guard("both"), sides)
+    )
     assert unguarded(Guard("either"), sides | {("X", "down"): ""}) == ["X: neither side is noticed"]
 
 
 def test_a_change_is_noticed_by_the_test_that_fails_with_it(tmp_path):
     test = tmp_path / "test_copy.py"
-    test.write_text("from drumlin.texts import one_line\n\ndef test_one():\n    pass\n", encoding="utf-8")
+    test.write_text(
+        "from drumlin.texts import one_line\n\ndef test_one():\n    pass\n", encoding="utf-8"
+    )
     guard = Guard(tests=(str(test),))
     assert red(guard) == ""
     assert "test_copy.py" in red(guard, "texts.py", "raise SystemError\n")
 
 
-# A part of a name up to its last "::" is what a process takes as a whole: so modules are shared out.
+# A part of a name up to its last "::" is what a process takes as a whole: so modules are shared
+# out.
 @pytest.mark.slow
-@pytest.mark.parametrize(("module", "name"), [pytest.param(*row, id="::".join(row)) for row in ROWS])
+@pytest.mark.parametrize(
+    ("module", "name"), [pytest.param(*row, id="::".join(row)) for row in ROWS]
+)
 def test_a_tuned_number_on_its_unsafe_side_is_noticed(module, name):
     noticed = {(change.name, change.side): by for change, by in tried(module, name, safe=False)}
     assert not unguarded(TUNED[module][name], noticed)

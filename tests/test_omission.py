@@ -1,4 +1,6 @@
-"""What is left out of a brake: exact where it is said to be, predicted where not; for a tolerance, nothing is."""
+"""What is left out of a brake: exact where it is said to be, predicted where not; for a tolerance,
+nothing is.
+"""
 
 import math
 from dataclasses import replace
@@ -17,7 +19,12 @@ from drumlin.fem.omission import change, predict, scene_without, simplified
 from drumlin.fem.reduced import SHORT, ring_modes, sketcher
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
-from drumlin.verification.omission_table import omissions, prediction_ratios, time_saved, worst_straight
+from drumlin.verification.omission_table import (
+    omissions,
+    prediction_ratios,
+    time_saved,
+    worst_straight,
+)
 
 BRAKE = read_brake(STUDY / "brake.toml")
 POST = read_brake(STUDY.parent / "post_brake" / "brake.toml")
@@ -26,7 +33,14 @@ RIGID = {"shoe.body": None}
 
 
 def ringed(support, thickness=0.015, E=1.2e11):
-    return {"drum.ring": {"thickness": thickness, "width": 0.04, "material": IRON | {"E": E}, "support": support}}
+    return {
+        "drum.ring": {
+            "thickness": thickness,
+            "width": 0.04,
+            "material": IRON | {"E": E},
+            "support": support,
+        }
+    }
 
 
 def backed(thickness, E):
@@ -39,7 +53,9 @@ def alone(brake):
 
 def test_what_is_left_out_exactly_changes_nothing_but_round_off():
     for brake, count in ((BRAKE, 2), (vary(BRAKE, {"friction": 0.0}), 3)):
-        exact = [row for row in omissions(brake, "b", elements=16, repeats=0) if row["exact"] == "yes"]
+        exact = [
+            row for row in omissions(brake, "b", elements=16, repeats=0) if row["exact"] == "yes"
+        ]
         assert len(exact) == count
         for row in exact:
             assert max(row["torque"], row["pressure"], row["reaction"]) < 1e-9
@@ -51,7 +67,9 @@ def test_what_is_left_out_exactly_changes_nothing_but_round_off():
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(support):
-    """Mode 0 against Lame, high modes against the half-plane, of a thin free ring modes 2 to 5 against bending."""
+    """Mode 0 against Lame, high modes against the half-plane, of a thin free ring modes 2 to 5
+    against bending.
+    """
     R, t, E, nu = 0.15, 0.02, 1.2e11, 0.25
     ring = Ring(thickness=t, width=0.04, material=IRON, support=support)
     radial, shear = ring_modes(ring, R, 1, np.arange(300))
@@ -69,7 +87,9 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
         thin = Ring(thickness=1e-3 * R, width=0.04, material=IRON, support="free")
         k = np.arange(2, 6)
         EI_per_width = E * (1e-3 * R) ** 3 / 12
-        assert ring_modes(thin, R, 1, k)[0] == pytest.approx(R**4 / (EI_per_width * (k**2 - 1) ** 2), rel=5e-3)
+        assert ring_modes(thin, R, 1, k)[0] == pytest.approx(
+            R**4 / (EI_per_width * (k**2 - 1) ** 2), rel=5e-3
+        )
 
 
 @pytest.mark.parametrize(
@@ -85,16 +105,24 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
 def test_a_sketch_of_closed_forms_answers_as_the_finite_elements_of_its_mesh(brake):
     sketch, full = respond(sketcher(24)(brake), brake), solve(brake, elements=24)
     assert sketch.torque == pytest.approx(full.torque, rel=4e-3)
-    assert max(pressure_distance(a, b) for a, b in zip(sketch.shoes, full.shoes, strict=True)) < 0.05
+    assert (
+        max(pressure_distance(a, b) for a, b in zip(sketch.shoes, full.shoes, strict=True)) < 0.05
+    )
 
 
 LADDER = {
     "shoe stiff": (vary(BRAKE, {"shoe.body.material.E": 2.1e13}), "shoe"),
     "shoe stiffer": (vary(BRAKE, {"shoe.body.material.E": 2.1e14}), "shoe"),
-    "shoe thick": (vary(BRAKE, {"shoe.body.thickness": 0.05, "shoe.lining.material.E": 3e7}), "shoe"),
+    "shoe thick": (
+        vary(BRAKE, {"shoe.body.thickness": 0.05, "shoe.lining.material.E": 3e7}),
+        "shoe",
+    ),
     "ring fixed": (vary(BRAKE, ringed("fixed")), "ring"),
     "ring fixed, soft": (vary(BRAKE, ringed("fixed", E=1e9) | RIGID), "ring"),
-    "ring fixed, clearance": (vary(BRAKE, ringed("fixed", E=1e10) | {"shoe.lining.clearance": 5e-5}), "ring"),
+    "ring fixed, clearance": (
+        vary(BRAKE, ringed("fixed", E=1e10) | {"shoe.lining.clearance": 5e-5}),
+        "ring",
+    ),
     "ring free, stiff": (vary(BRAKE, ringed("free", 0.03, 2e13)), "ring"),
     "ring free": (vary(BRAKE, ringed("free", 0.03, 2e12)), "coupling"),
     "backing": (vary(BRAKE, backed(0.005, 1e10)), "backing"),
@@ -116,7 +144,11 @@ def test_predictions_are_within_a_factor_two_of_the_truth(case):
 
     predicted = predict(brake, [part], respond)
     true = change(respond(*scene_without(brake, [part], make)), respond(make(brake), brake))
-    judged = [(a, b) for a, b in ((predicted.pressure, true.pressure), (predicted.shoes, true.shoes)) if b > 1e-4]
+    judged = [
+        (a, b)
+        for a, b in ((predicted.pressure, true.pressure), (predicted.shoes, true.shoes))
+        if b > 1e-4
+    ]
     assert judged
     for a, b in judged:
         assert b < 0.3
@@ -128,13 +160,17 @@ WITHIN = {
     "ring fixed, thin": alone(vary(BRAKE, ringed("fixed", 0.005))),
     "ring fixed, soft": alone(vary(BRAKE, ringed("fixed", E=1e10))),
     "ring fixed, thin shoe": alone(vary(BRAKE, ringed("fixed") | {"shoe.body.thickness": 0.012})),
-    "ring fixed, two shoes, clearance": vary(BRAKE, ringed("fixed") | {"shoe.lining.clearance": 1e-4}),
+    "ring fixed, two shoes, clearance": vary(
+        BRAKE, ringed("fixed") | {"shoe.lining.clearance": 1e-4}
+    ),
     "ring free": alone(vary(BRAKE, ringed("free"))),
     "ring free, stiff": alone(vary(BRAKE, ringed("free", 0.03, 2e13))),
     "shoe": alone(BRAKE),
     "shoe stiff": alone(vary(BRAKE, {"shoe.body.material.E": 2.1e13})),
     "shoe stiffer, mu 0.6": alone(vary(BRAKE, {"shoe.body.material.E": 2.1e14, "friction": 0.6})),
-    "shoe stiffest, ring": alone(vary(BRAKE, {"shoe.body.material.E": 2.1e15} | ringed("fixed", 0.005))),
+    "shoe stiffest, ring": alone(
+        vary(BRAKE, {"shoe.body.material.E": 2.1e15} | ringed("fixed", 0.005))
+    ),
     "rigid shoe, ring, mu 0": alone(vary(BRAKE, RIGID | ringed("fixed") | {"friction": 0.0})),
 }
 
@@ -150,7 +186,9 @@ def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
         assert max(response.error["pressure"], response.error["torque"]) <= tolerance
         assert true.torque <= response.error["torque"] + 1e-6
         assert any("no [drum.ring]" in line for line in response.left_out) == (brake.ring is None)
-        assert any("no [shoe.body]" in line for line in response.left_out) == (brake.shoes[0].body is None)
+        assert any("no [shoe.body]" in line for line in response.left_out) == (
+            brake.shoes[0].body is None
+        )
 
 
 def test_a_change_is_that_of_the_shoe_that_changes_most():
@@ -206,14 +244,24 @@ def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining(
 def test_rows_are_summed_up_and_a_case_without_answer_stays():
     rows = omissions(vary(BRAKE, RIGID), "b", elements=8, repeats=1)
     locked = omissions(vary(BRAKE, {"friction": 1.1}), "locked when rigid", elements=8, repeats=0)
-    failed = [row for row in locked if row["status"].startswith("failed: shoe 'left': self-locking")]
+    failed = [
+        row for row in locked if row["status"].startswith("failed: shoe 'left': self-locking")
+    ]
     assert {row["part"] for row in failed} >= {"shoe"}
     every = [*rows, *locked]
-    ratios = {row["part"]: row["predicted_pressure"] / row["pressure"] for row in rows if row["exact"] == "no"}
+    ratios = {
+        row["part"]: row["predicted_pressure"] / row["pressure"]
+        for row in rows
+        if row["exact"] == "no"
+    }
     assert set(prediction_ratios(every, "pressure")) <= set(ratios.values())
     assert ratios["drag"] in prediction_ratios(every, "pressure")
     assert ratios["curvature"] not in prediction_ratios(every, "pressure")
-    assert worst_straight(every)["pressure"] == next(row["pressure"] for row in rows if row["part"] == "curvature")
+    assert worst_straight(every)["pressure"] == next(
+        row["pressure"] for row in rows if row["part"] == "curvature"
+    )
     shares = time_saved(every, -1e9)
-    assert shares["drag"] == tuple(next(row["seconds"] for row in rows if row["part"] == "drag") for _ in range(2))
+    assert shares["drag"] == tuple(
+        next(row["seconds"] for row in rows if row["part"] == "drag") for _ in range(2)
+    )
     assert not {"all", "interior fields"} & set(shares)

@@ -56,7 +56,12 @@ LAWS = ("sine", "cosine", "block", "uniform", "short", "pivoted", "linear", "rig
 def alike(material):
     """The keys of an isotropic material, written as an orthotropic one."""
     E, nu = material.E, material.nu
-    return {"E_along": E, "E_through": E, "G_along_through": E / (2 * (1 + nu)), "nu_along_through": nu}
+    return {
+        "E_along": E,
+        "E_through": E,
+        "G_along_through": E / (2 * (1 + nu)),
+        "nu_along_through": nu,
+    }
 
 
 def parts_of(brake):
@@ -91,15 +96,27 @@ def with_lining(brake, **changes):
 
 
 REFUSED = {
-    "too large a ratio": ({"nu_along_through": 1.8}, "nu_along_through = 1.8: must be greater than -1.73205 and less"),
+    "too large a ratio": (
+        {"nu_along_through": 1.8},
+        "nu_along_through = 1.8: must be greater than -1.73205 and less",
+    ),
     "too small a ratio": ({"nu_along_through": -1.7321}, "the root of E_along / E_through"),
     "no shear modulus": ({"G_along_through": None}, "G_along_through: must be a stress such as"),
     "negative": ({"G_along_through": -1.0}, "G_along_through = -1.0: must be greater than 0"),
-    "a ratio as a text": ({"nu_along_through": "0.3"}, "nu_along_through = '0.3': must be a number"),
-    "both kinds": ({"nu": 0.3}, "unknown key 'nu'; allowed: E_along, E_through, G_along_through, nu_along_through"),
+    "a ratio as a text": (
+        {"nu_along_through": "0.3"},
+        "nu_along_through = '0.3': must be a number",
+    ),
+    "both kinds": (
+        {"nu": 0.3},
+        "unknown key 'nu'; allowed: E_along, E_through, G_along_through, nu_along_through",
+    ),
     "a slip": ({"E_trough": 1e9}, r"unknown key 'E_trough' \(did you mean 'E_through'\?\)"),
     "one key across": ({"E_across": 1e9}, "G_along_across is missing: E_across, .* go together"),
-    "too large across": (ACROSS | {"nu_along_across": 1.0}, "nu_along_across = 1: must be .* the root of E_along / E_"),
+    "too large across": (
+        ACROSS | {"nu_along_across": 1.0},
+        "nu_along_across = 1: must be .* the root of E_along / E_",
+    ),
     "three that do not fit": (
         ACROSS | {"nu_along_across": 0.9, "nu_through_across": 0.4},
         "nu_through_across = 0.4: must be greater than -0.35147 and less than 0.14147, beside",
@@ -129,7 +146,9 @@ def test_a_file_with_units_is_read_written_and_described(tmp_path):
     (tmp_path / "brake.toml").write_text(text)
     brake = drumlin.read_brake(tmp_path / "brake.toml")
     assert brake.shoes[1].lining.material == Orthotropic(**LINING)
-    (tmp_path / "again.toml").write_text(brake_text(vary(brake, {"shoe[0].lining.material": LINING | ACROSS})))
+    (tmp_path / "again.toml").write_text(
+        brake_text(vary(brake, {"shoe[0].lining.material": LINING | ACROSS}))
+    )
     again = drumlin.read_brake(tmp_path / "again.toml")
     assert again.shoes[0].lining.material == Orthotropic(**LINING, **ACROSS)
     assert again.shoes[1] == brake.shoes[1]
@@ -144,10 +163,16 @@ ratio = st.floats(-1.5, 1.5)
 
 
 @given(positive, positive, positive, ratio, ratio, ratio)
-def test_a_material_is_taken_just_where_every_strain_has_a_positive_energy(a, t, c, nu_at, nu_ac, nu_tc):
+def test_a_material_is_taken_just_where_every_strain_has_a_positive_energy(
+    a, t, c, nu_at, nu_ac, nu_tc
+):
     shears = {"G_along_through": 1.0, "G_along_across": 1.0, "G_through_across": 1.0}
     compliance = np.array(
-        [[1 / a, -nu_at / a, -nu_ac / a], [-nu_at / a, 1 / t, -nu_tc / t], [-nu_ac / a, -nu_tc / t, 1 / c]]
+        [
+            [1 / a, -nu_at / a, -nu_ac / a],
+            [-nu_at / a, 1 / t, -nu_tc / t],
+            [-nu_ac / a, -nu_tc / t, 1 / c],
+        ]
     )
     unit = 1 / np.sqrt(np.diag(compliance))
     least = np.linalg.eigvalsh(unit[:, None] * compliance * unit)[0]
@@ -163,9 +188,13 @@ def test_a_material_is_taken_just_where_every_strain_has_a_positive_energy(a, t,
 
 
 @given(positive, positive, positive, st.floats(-0.99, 0.99))
-def test_the_matrix_is_symmetric_positive_definite_and_the_inverse_of_the_compliance(a, t, shear, part):
+def test_the_matrix_is_symmetric_positive_definite_and_the_inverse_of_the_compliance(
+    a, t, shear, part
+):
     nu = part * math.sqrt(a / t)
-    D = elasticity_matrix(Orthotropic(E_along=a, E_through=t, G_along_through=shear, nu_along_through=nu))
+    D = elasticity_matrix(
+        Orthotropic(E_along=a, E_through=t, G_along_through=shear, nu_along_through=nu)
+    )
     compliance = np.array([[1 / a, -nu / a, 0], [-nu / a, 1 / t, 0], [0, 0, 1 / shear]])
     assert np.array_equal(D, D.T) and np.linalg.eigvalsh(D)[0] > 0
     assert pytest.approx(np.eye(3), abs=1e-9) == D @ compliance
@@ -189,7 +218,9 @@ SAME = {
 
 
 @pytest.mark.parametrize("elements", [None, 10])
-@pytest.mark.parametrize("name", ["arcs", *(pytest.param(name, marks=pytest.mark.slow) for name in list(SAME)[1:])])
+@pytest.mark.parametrize(
+    "name", ["arcs", *(pytest.param(name, marks=pytest.mark.slow) for name in list(SAME)[1:])]
+)
 def test_an_isotropic_material_written_as_an_orthotropic_one_gives_the_same_answer(name, elements):
     brake = SAME[name]
     other = vary(brake, {key: alike(material) for key, material in parts_of(brake)})
@@ -207,21 +238,31 @@ def test_a_nearly_isotropic_material_gives_nearly_the_same_answer(elements):
     jump."""
     near = {key: {**alike(material), "G_along_through": 1.0 * material.G_along_through * (1 + 1e-7)}
             for key, material in parts_of(FLEXIBLE)}  # fmt: skip
-    one, other = (solve(brake, elements=elements).torque for brake in (FLEXIBLE, vary(FLEXIBLE, near)))
+    one, other = (
+        solve(brake, elements=elements).torque for brake in (FLEXIBLE, vary(FLEXIBLE, near))
+    )
     assert one != other and other == pytest.approx(one, rel=1e-6)
 
 
 def pad(thickness, material):
     """A pad on a guide that is square to the plane, rigid behind its lining, 500 N on 120 mm x 40
     mm."""
-    lining = {"start": 0.0, "end": 0.12, "width": 0.04, "thickness": thickness, "material": material}
+    lining = {
+        "start": 0.0,
+        "end": 0.12,
+        "width": 0.04,
+        "thickness": thickness,
+        "material": material,
+    }
     shoe = {
         "name": "pad",
         "guide": {"direction": -math.pi / 2},
         "lining": lining,
         "actuation": {"force": 500.0, "direction": -math.pi / 2, "point": {"x": 0.06, "y": 0.1}},
     }
-    return validated(FlatBrake, {"title": "pad", "friction": 0.0, "plane": {"sliding": "+x"}, "shoe": [shoe]})
+    return validated(
+        FlatBrake, {"title": "pad", "friction": 0.0, "plane": {"sliding": "+x"}, "shoe": [shoe]}
+    )
 
 
 def test_a_thin_bonded_lining_gives_way_by_its_uniaxial_strain():
@@ -236,7 +277,8 @@ def test_a_thin_bonded_lining_gives_way_by_its_uniaxial_strain():
 
 
 @pytest.mark.parametrize(
-    ("stiffer", "kind", "close"), [(4.0, "MeshQuad2", 2e-5), (0.25, "MeshQuad2", 2e-5), (3.0, "MeshTri2", 2e-4)]
+    ("stiffer", "kind", "close"),
+    [(4.0, "MeshQuad2", 2e-5), (0.25, "MeshQuad2", 2e-5), (3.0, "MeshTri2", 2e-4)],
 )
 def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, close):
     """u = A r^k + B r^-k, k = sqrt(E_around/E_radial), sigma_r = -p inside and 0 outside
@@ -244,7 +286,9 @@ def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, 
 
     The directions turn with the arc: a quarter ring on two planes of symmetry."""
     a, b, p, width = 0.1, 0.2, 1e6, 0.03
-    material = Orthotropic(E_along=stiffer * 1e9, E_through=1e9, G_along_through=4e8, nu_along_through=0.3)
+    material = Orthotropic(
+        E_along=stiffer * 1e9, E_through=1e9, G_along_through=4e8, nu_along_through=0.3
+    )
     D, k = elasticity_matrix(material), math.sqrt(stiffer)
     make = skfem.MeshQuad if kind == "MeshQuad2" else skfem.MeshTri
     grid = make.init_tensor(np.linspace(a, b, 13), np.linspace(0, math.pi / 2, 25))
@@ -261,12 +305,19 @@ def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, 
         push = skfem.LinearForm(lambda v, w, c=c: p * width * w.x[c] / np.hypot(*w.x) * v)
         f[:, c] = push.assemble(boundary)
     x, y = basis.doflocs
-    held = np.concatenate([2 * np.flatnonzero(np.abs(x) < 1e-12), 2 * np.flatnonzero(np.abs(y) < 1e-12) + 1])
+    held = np.concatenate(
+        [2 * np.flatnonzero(np.abs(x) < 1e-12), 2 * np.flatnonzero(np.abs(y) < 1e-12) + 1]
+    )
     free = np.setdiff1d(np.arange(2 * basis.N), held)
     u = np.zeros(2 * basis.N)
     u[free] = spsolve(K[free][:, free], f.ravel()[free])
     # sigma_r = D_22 u' + D_12 u/r of r^k and r^-k at both edges.
-    of = np.array([[(D[1, 1] * s * k + D[0, 1]) * radius ** (s * k - 1) for s in (1, -1)] for radius in (a, b)])
+    of = np.array(
+        [
+            [(D[1, 1] * s * k + D[0, 1]) * radius ** (s * k - 1) for s in (1, -1)]
+            for radius in (a, b)
+        ]
+    )
     A, B = np.linalg.solve(of, [-p, 0.0])
     radial = (u.reshape(-1, 2) * np.column_stack([x, y])).sum(axis=1) / np.hypot(x, y)
     exact = A * np.hypot(x, y) ** k + B * np.hypot(x, y) ** -k
@@ -292,7 +343,9 @@ def test_the_half_plane_modulus_is_that_of_its_waves():
 
 def test_columns_and_meshes_of_either_shape_agree():
     """Every kind of layer: linings, backing, bodies of arcs."""
-    brake = orthotropic(vary(FLEXIBLE, {"shoe.backing": {"thickness": 0.004, "material": {"E": 2e9, "nu": 0.3}}}), 5)
+    brake = orthotropic(
+        vary(FLEXIBLE, {"shoe.backing": {"thickness": 0.004, "material": {"E": 2e9, "nu": 0.3}}}), 5
+    )
     found = solve(brake)
     assert found.error["torque"] < 1e-4
     for options, close in (({"elements": 60}, 1e-4), ({"elements": 40, "kind": "tri2"}, 3e-4)):
@@ -322,14 +375,26 @@ def test_the_second_solver_finds_the_same_torque_of_one_shoe():
                     "name": "only",
                     "side": "internal",
                     "hinge": {"radius": 0.12, "angle": 0.0},
-                    "lining": {"start": 0.6, "end": 1.6, "thickness": 0.02, "width": 0.04, "material": LINING},
-                    "actuation": {"force": 2e3, "direction": math.pi / 2, "point": {"x": -0.1, "y": 0.0}},
+                    "lining": {
+                        "start": 0.6,
+                        "end": 1.6,
+                        "thickness": 0.02,
+                        "width": 0.04,
+                        "material": LINING,
+                    },
+                    "actuation": {
+                        "force": 2e3,
+                        "direction": math.pi / 2,
+                        "point": {"x": -0.1, "y": 0.0},
+                    },
                 }
             ],
         }
     )
     (true,), found = by_triangles(one).shoes, solve(one)
-    assert found.shoes[0].torque == pytest.approx(true.torque, rel=max(1e-6, 2 * found.error["torque"]))
+    assert found.shoes[0].torque == pytest.approx(
+        true.torque, rel=max(1e-6, 2 * found.error["torque"])
+    )
     soft = vary(one, {"shoe.lining.material": {"E": 3e8, "nu": 0.25}})
     assert abs(solve(soft).torque / found.torque - 1) > 1e-4
 
@@ -338,7 +403,9 @@ def test_the_second_solver_finds_the_same_torque_of_one_shoe():
 @given(st.integers(0, 10**6), st.floats(-3, 3), st.booleans())
 def test_a_brake_that_is_turned_or_mirrored_has_the_same_torque(seed, turn, mirrored):
     brake = orthotropic(random_kind(seed % 50), seed)
-    one, other = (solve(b, elements=6) for b in (brake, placed(brake, turn=turn, mirrored=mirrored)))
+    one, other = (
+        solve(b, elements=6) for b in (brake, placed(brake, turn=turn, mirrored=mirrored))
+    )
     forces = [sum(shoe.normal_force for shoe in found.shoes) for found in (one, other)]
     assert forces[1] == pytest.approx(forces[0], rel=1e-7)
     assert other.torque == pytest.approx(one.torque, rel=1e-7)
@@ -348,8 +415,14 @@ def test_a_brake_that_is_turned_or_mirrored_has_the_same_torque(seed, turn, mirr
 @given(st.integers(0, 10**6), st.floats(0.01, 100))
 def test_all_moduli_and_forces_by_one_factor_leave_the_shape_of_the_pressure(seed, factor):
     brake = orthotropic(random_brake(seed % 40, "arc"), seed)
-    changes = {f"{key}.{name}": factor * E for key, material in parts_of(brake) for name, E in material.moduli.items()}
-    changes |= {f"shoe[{i}].actuation.force": factor * s.actuation.force for i, s in enumerate(brake.shoes)}
+    changes = {
+        f"{key}.{name}": factor * E
+        for key, material in parts_of(brake)
+        for name, E in material.moduli.items()
+    }
+    changes |= {
+        f"shoe[{i}].actuation.force": factor * s.actuation.force for i, s in enumerate(brake.shoes)
+    }
     one, other = solve(brake, elements=6), solve(vary(brake, changes), elements=6)
     for a, b in zip(one.shoes, other.shoes, strict=True):
         assert b.pressure == pytest.approx(factor * a.pressure, abs=1e-8 * factor * a.peak_pressure)
@@ -374,15 +447,23 @@ def test_closed_form_laws_refuse_directions_in_a_line_and_take_isotropic_materia
 def test_foundation_solid_and_width_refuse_directions_in_a_line():
     only = "isotropic materials only"
     backing = vary(POST, {"shoe[1].backing.material": LINING})
-    with pytest.raises(BadInput, match=rf"backing\.material is orthotropic; the foundation model takes {only}"):
+    with pytest.raises(
+        BadInput, match=rf"backing\.material is orthotropic; the foundation model takes {only}"
+    ):
         pick("foundation", backing)
     rim = {"thickness": 0.02, "width": 0.05, "material": LINING}
     ring = vary(read_any(ROOT / "studies/laws/block.toml"), {"drum.ring": rim})
-    assert MODELS["short"].why_not(ring) == f"drum.ring.material is orthotropic; a closed-form law takes {only}"
-    with pytest.raises(BadInput, match=rf"lining\.material is orthotropic; the solid model takes {only}"):
+    assert (
+        MODELS["short"].why_not(ring)
+        == f"drum.ring.material is orthotropic; a closed-form law takes {only}"
+    )
+    with pytest.raises(
+        BadInput, match=rf"lining\.material is orthotropic; the solid model takes {only}"
+    ):
         pick("solid", with_lining(MAIN))
     with pytest.raises(
-        BadInput, match=rf"--finite-width: .*lining\.material is orthotropic; the correction takes {only}"
+        BadInput,
+        match=rf"--finite-width: .*lining\.material is orthotropic; the correction takes {only}",
     ):
         solve(with_lining(MAIN), finite_width=True)
     assert [model.name for model in applicable(with_lining(MAIN))] == ["fem"]
@@ -422,7 +503,9 @@ def test_stresses_are_those_of_the_layers_directions():
     """At the surface of a lining on a rigid shoe the radial stress is -p, on columns as on a mesh.
     Held along by the shoe the lining has the strain e through it and, since its surface moves
     inwards by t e, e t/R around."""
-    brake = with_lining(vary(MAIN, {"shoe.body": None, "friction": 0.0, "shoe.lining.thickness": 0.004}))
+    brake = with_lining(
+        vary(MAIN, {"shoe.body": None, "friction": 0.0, "shoe.lining.thickness": 0.004})
+    )
     for scene in (hp.scene(brake, LEVELS[2]), scene_of(brake, elements=60)):
         response = respond(scene, brake)
         found = fields(scene, brake, response, index=1)
@@ -443,11 +526,20 @@ def test_the_explorers_sliders_take_all_moduli_in_proportion():
     slider = next(knob for knob in knobs_of(brake) if knob.name == "lining")
     assert slider.start == pytest.approx(300.0)
     (softer,) = {shoe.lining.material for shoe in vary(brake, slider.changes(150.0)).shoes}
-    assert softer.moduli == pytest.approx({key: E / 2 for key, E in Orthotropic(**LINING).moduli.items()})
+    assert softer.moduli == pytest.approx(
+        {key: E / 2 for key, E in Orthotropic(**LINING).moduli.items()}
+    )
 
 
 def test_a_deck_for_calculix_has_the_nine_constants_and_the_layers_directions(tmp_path):
-    post = vary(POST, {"drum.ring": None, "shoe.backing.material": LINING | ACROSS, "shoe.lining.material": LINING})
+    post = vary(
+        POST,
+        {
+            "drum.ring": None,
+            "shoe.backing.material": LINING | ACROSS,
+            "shoe.lining.material": LINING,
+        },
+    )
     paths, _ = calculix.export(post, tmp_path, "post", elements=6)
     text = paths[0].read_text()
     lines = r"NAME=BACKING\n\*ELASTIC, TYPE=ENGINEERING CONSTANTS\n(.*),\n(.*)\n\*ORIENTATION, (.*)\n(.*)"
@@ -459,7 +551,9 @@ def test_a_deck_for_calculix_has_the_nine_constants_and_the_layers_directions(tm
     a = np.array([float(x) for x in constants[4].split(",")]).reshape(2, 3)
     shoe = post.shoes[0]
     axis = shoe.actuation.point.xy - shoe.pin.xy
-    assert abs(a[1, :2] @ axis) == pytest.approx(np.hypot(*axis)) and a[0] @ a[1] == pytest.approx(0, abs=1e-12)
+    assert abs(a[1, :2] @ axis) == pytest.approx(np.hypot(*axis)) and a[0] @ a[1] == pytest.approx(
+        0, abs=1e-12
+    )
     assert "*ORIENTATION, NAME=OLINING, SYSTEM=CYLINDRICAL\n0., 0., 0., 0., 0., 1.\n" in text
     assert "*SOLID SECTION, ELSET=LINING, MATERIAL=LINING, ORIENTATION=OLINING\n" in text
     assert "*MATERIAL, NAME=SHOE\n*ELASTIC\n" in text
@@ -480,7 +574,9 @@ def test_calculix_agrees():
 @pytest.mark.parametrize("name", ["arcs", "posts"])
 def test_getfem_agrees(name):
     arcs = vary(FLEXIBLE, {"shoe.lining.material": LINING, "shoe.body.material": SWAPPED})
-    brake = arcs if name == "arcs" else vary(POST, {"drum.ring": None, "shoe.backing.material": LINING})
+    brake = (
+        arcs if name == "arcs" else vary(POST, {"drum.ring": None, "shoe.backing.material": LINING})
+    )
     own, peer = solve(brake, elements=20), getfem.solve(brake, elements=20).response
     for a, b in zip(own.shoes, peer.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=1e-4 if name == "arcs" else 1e-3)
@@ -504,16 +600,22 @@ def nearly(material):
 @pytest.mark.parametrize("nu", [0.0, 0.45])
 def test_the_power_of_p_at_a_corner_tends_to_that_of_isotropic_materials(inward, nu):
     lining = nearly(Material(E=1.0, nu=nu))
-    assert orthotropic_corner_power(inward, lining) == pytest.approx(corner_power(inward, nu), abs=1e-4)
+    assert orthotropic_corner_power(inward, lining) == pytest.approx(
+        corner_power(inward, nu), abs=1e-4
+    )
     drum = Material(E=4.0, nu=0.3)
     found = orthotropic_corner_power(inward, lining, drum, 2.0)
     assert found == pytest.approx(corner_power(inward, nu, 2.0 / 4.0, 0.3), abs=1e-4)
-    assert orthotropic_corner_power(inward, lining, nearly(drum), 2.0) == pytest.approx(found, abs=1e-4)
+    assert orthotropic_corner_power(inward, lining, nearly(drum), 2.0) == pytest.approx(
+        found, abs=1e-4
+    )
 
 
 @pytest.mark.parametrize("stiffer", [1.0, pytest.param(3.0, marks=pytest.mark.slow)])
 def test_a_pressed_corner_has_the_power_of_p_of_its_material(stiffer):
-    """Nodes near the edge of a pad on a guide that friction drags into the pad, on columns that are graded to it."""
+    """Nodes near the edge of a pad on a guide that friction drags into the pad, on columns that are
+    graded to it.
+    """
     changes = {"shoe.lining.material.E_along": 3e8 * stiffer, "friction": 0.3}
     brake = vary(pad(0.02, LINING), changes)
     (found,) = respond(hp.scene(brake, LEVELS[5]), brake).shoes

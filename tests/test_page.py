@@ -29,7 +29,11 @@ def page(tmp_path):
     (tmp_path / "page.html").write_text(TEMPLATE)
 
     def made(**values):
-        given = {"name": "<x> & y", "error": 0.0123, "rows": [{"a": 2e-3, "b": "<w>"}, {"shoe": "all"}]}
+        given = {
+            "name": "<x> & y",
+            "error": 0.0123,
+            "rows": [{"a": 2e-3, "b": "<w>"}, {"shoe": "all"}],
+        }
         return fill(tmp_path / "page.html", tmp_path / "index.html", **(given | values)).read_text()
 
     return made
@@ -56,7 +60,9 @@ def test_a_column_that_no_row_fills_is_left_out(page):
 
 
 def test_what_is_not_given_is_an_error_and_leaves_no_page(page, tmp_path):
-    (tmp_path / "page.html").write_text(TEMPLATE.replace("{{ name }}{% endcall %}", "{{ nmae }}{% endcall %}"))
+    (tmp_path / "page.html").write_text(
+        TEMPLATE.replace("{{ name }}{% endcall %}", "{{ nmae }}{% endcall %}")
+    )
     with pytest.raises(jinja2.UndefinedError, match="nmae"):
         page()
     assert not (tmp_path / "index.html").exists()
@@ -64,8 +70,22 @@ def test_what_is_not_given_is_an_error_and_leaves_no_page(page, tmp_path):
 
 def test_a_large_number_has_no_exponent_and_keeps_its_digits():
     """In a column of torques some would have one and some not."""
-    given = (238918.3, ".5g"), (85245.2, ".5g"), (2318.0, ".3g"), (-119290.0, "+.4g"), (2e9, ".3g"), (3e-7, ".2g")
-    assert [formatted(*one) for one in given] == ["238920", "85245", "2320", "-119300", "2e+09", "3e-07"]
+    given = (
+        (238918.3, ".5g"),
+        (85245.2, ".5g"),
+        (2318.0, ".3g"),
+        (-119290.0, "+.4g"),
+        (2e9, ".3g"),
+        (3e-7, ".2g"),
+    )
+    assert [formatted(*one) for one in given] == [
+        "238920",
+        "85245",
+        "2320",
+        "-119300",
+        "2e+09",
+        "3e-07",
+    ]
     assert formatted(238918.3, ".1e") == "2.4e+05"
 
 
@@ -75,5 +95,7 @@ def test_every_percentage_is_written_alike():
         "18 %", "-1.2 %", "0.0 %", "0.5",
     ]  # fmt: skip
     sources = [*ROOT.glob("src/drumlin/**/*.py"), *ROOT.glob("studies/**/*.py")]
-    bare = {path.name for path in sources if re.search(r"\{[^{}\n]+:[-+,.0-9]*%\}", path.read_text())}
+    bare = {
+        path.name for path in sources if re.search(r"\{[^{}\n]+:[-+,.0-9]*%\}", path.read_text())
+    }
     assert not bare, "formatted(x, '.1%') writes it with its space"

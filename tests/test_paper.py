@@ -33,7 +33,10 @@ def test_it_has_its_parts_and_its_length(page, text):
 
 
 def test_every_source_that_is_named_is_listed_and_no_other(page, text):
-    named = {(found[0], found[2]) for found in re.findall(r"([A-Z]\w+)( and [A-Z]\w+)? \(?(\d{4})\)", text)}
+    named = {
+        (found[0], found[2])
+        for found in re.findall(r"([A-Z]\w+)( and [A-Z]\w+)? \(?(\d{4})\)", text)
+    }
     named.add(("Archard", "1953"))  # "Archard's law (1953)"
     listed = set(re.findall(r"<p>([A-Z]\w+), .*?\((\d{4})\)", page[page.index("</main>") :]))
     assert named == listed and len(listed) == 7
@@ -47,10 +50,16 @@ def test_its_numbers_are_those_of_the_kept_reports(text):
     made = rows("double_shoe/results.csv", rotation="counter-clockwise", model="sine")
     total = {row["case"]: row["torque_error"] for row in made if row["shoe"] == "all"}
     assert f"total torque is off by {percent(total['stiff shoes'], '+.1%')}" in text
-    assert f"With flexible shoes the total is off by {percent(total['flexible shoes'], '+.0%')}" in text
+    assert (
+        f"With flexible shoes the total is off by {percent(total['flexible shoes'], '+.0%')}"
+        in text
+    )
     law = rows("error_vs_runtime/results.csv", model="sine", status="converged")
     errors = sorted(float(row["torque_error"]) for row in law)
-    assert f"of the sine law is wrong by {percent(errors[0], '.1%')} to {percent(errors[-1], '.0%')}" in text
+    assert (
+        f"of the sine law is wrong by {percent(errors[0], '.1%')} to {percent(errors[-1], '.0%')}"
+        in text
+    )
     assert f"Over these {len(law)} brakes" in text
     best = rows("error_vs_runtime/recommended.csv", family="law")
     for words, quantity, target in (
@@ -60,13 +69,24 @@ def test_its_numbers_are_those_of_the_kept_reports(text):
     ):
         count = sum((row["quantity"], row["target"]) == (quantity, target) for row in best)
         assert words.format(count) in text
-    half = rows("error_vs_runtime/recommended.csv", brake="double_shoe/brake", quantity="p (L2)", target="0.005")[0]
-    assert f"{1e3 * float(half['seconds']):.0f} ms of finite elements know it to half a percent" in text
+    half = rows(
+        "error_vs_runtime/recommended.csv",
+        brake="double_shoe/brake",
+        quantity="p (L2)",
+        target="0.005",
+    )[0]
+    assert (
+        f"{1e3 * float(half['seconds']):.0f} ms of finite elements know it to half a percent"
+        in text
+    )
     flexible = rows("run_in/brakes.csv", brake="double_shoe/flexible", model="fem")[0]
     assert f"takes {float(flexible['pressure_life']):.2f} times that life: it never arrives" in text
     assert float(flexible["pressure_life"]) > 1
     post = {row["model"]: row for row in rows("post_brake/results.csv", case="fits", shoe="all")}
-    assert f"is off by {percent(post['sine']['torque_error'], '+.0%')} and that of the published" in text
+    assert (
+        f"is off by {percent(post['sine']['torque_error'], '+.0%')} and that of the published"
+        in text
+    )
     assert f"{percent(post['lifted']['torque_error'], '+.1%')} remain" in text
     solid = rows("plane_stress/errors.csv", case="T-section", shoe="leading")[0]
     assert f"off by {percent(solid['torque'], '+.1%')} only" in text
@@ -74,7 +94,9 @@ def test_its_numbers_are_those_of_the_kept_reports(text):
 
 def test_a_missing_report_is_said(monkeypatch, tmp_path):
     monkeypatch.setattr(study, "KEPT", tmp_path)
-    with pytest.raises(BadInput, match=r"double_shoe/results\.csv: the paper quotes it, and it is missing"):
+    with pytest.raises(
+        BadInput, match=r"double_shoe/results\.csv: the paper quotes it, and it is missing"
+    ):
         study.study()
 
 

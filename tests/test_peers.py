@@ -1,4 +1,6 @@
-"""CalculiX and GetFEM: the decks, what is read back and refused, the answers where the peers are installed."""
+"""CalculiX and GetFEM: the decks, what is read back and refused, the answers where the peers are
+installed.
+"""
 
 import shutil
 from contextlib import suppress
@@ -24,11 +26,21 @@ STUDIES = Path(__file__).parents[1] / "studies"
 MAIN = read_brake(STUDIES / "double_shoe" / "brake.toml")
 POST = vary(read_brake(STUDIES / "post_brake" / "brake.toml"), {"drum.ring": None})
 RIGID = vary(MAIN, {"shoe.body": None})
-BACKED = vary(MAIN, {"shoe.backing": {"thickness": 4e-3, "material": {"E": 1e10, "nu": 0.3}}, "shoe.body.width": 0.05})
+BACKED = vary(
+    MAIN,
+    {
+        "shoe.backing": {"thickness": 4e-3, "material": {"E": 1e10, "nu": 0.3}},
+        "shoe.body.width": 0.05,
+    },
+)
 CLEARANCE = vary(MAIN, {"shoe[0].lining.clearance": 1e-4, "rotation": "clockwise"})
 
-needs_calculix = pytest.mark.skipif(peers.missing("calculix") is not None, reason=peers.missing("calculix") or "")
-needs_getfem = pytest.mark.skipif(peers.missing("getfem") is not None, reason=peers.missing("getfem") or "")
+needs_calculix = pytest.mark.skipif(
+    peers.missing("calculix") is not None, reason=peers.missing("calculix") or ""
+)
+needs_getfem = pytest.mark.skipif(
+    peers.missing("getfem") is not None, reason=peers.missing("getfem") or ""
+)
 
 
 class Parsed:
@@ -46,8 +58,12 @@ class Parsed:
                 self.sections.append((words[0][1:], options, []))
             else:
                 self.sections[-1][2].append(words)
-        self.nodes = {int(row[0]): np.array([float(x) for x in row[1:3]]) for row in self.rows("NODE")}
-        self.elements = {int(r[0]): [int(x) for x in r[1:]] for r in self.rows("ELEMENT") if len(r) > 2}
+        self.nodes = {
+            int(row[0]): np.array([float(x) for x in row[1:3]]) for row in self.rows("NODE")
+        }
+        self.elements = {
+            int(r[0]): [int(x) for x in r[1:]] for r in self.rows("ELEMENT") if len(r) > 2
+        }
 
     def rows(self, keyword, **options):
         return [row for key, given, rows in self.sections if key == keyword and options.items() <= given.items()
@@ -67,12 +83,21 @@ def outward(ends):
 
 @pytest.mark.parametrize(
     ("brake", "kind"),
-    [(MAIN, "quad2"), (MAIN, "tri2"), (BACKED, "quad2"), (RIGID, "quad2"), (POST, "tri2"), (POST, "quad2")],
+    [
+        (MAIN, "quad2"),
+        (MAIN, "tri2"),
+        (BACKED, "quad2"),
+        (RIGID, "quad2"),
+        (POST, "tri2"),
+        (POST, "quad2"),
+    ],
     ids=["arc", "triangles", "backing", "rigid", "post-triangles", "post"],
 )
 @pytest.mark.parametrize("index", [0, 1])
 def test_deck_states_the_brake(brake, kind, index):
-    """Load, faces towards each other on the friction surface, hinge and rotation, all in mm, N, MPa."""
+    """Load, faces towards each other on the friction surface, hinge and rotation, all in mm, N,
+    MPa.
+    """
     setting = Setting(rotation=2e-3, thickness=0.02)
     loaded = loaded_shoes(brake, 12, kind)[index]
     shoe, text = loaded.shoe, deck(brake, loaded, setting)
@@ -105,7 +130,9 @@ def test_deck_states_the_brake(brake, kind, index):
         arm = parsed.nodes[int(node)] - pin
         moment += arm[0] * f[1] - arm[1] * f[0]
     size = setting.thickness
-    assert force == pytest.approx(size * shoe.actuation.vector, rel=1e-9, abs=1e-9 * abs(size * shoe.actuation.force))
+    assert force == pytest.approx(
+        size * shoe.actuation.vector, rel=1e-9, abs=1e-9 * abs(size * shoe.actuation.force)
+    )
     assert moment == pytest.approx(size * 1e3 * shoe.actuation.moment_about(shoe.hinge), rel=1e-9)
 
     for terms in [row for row in parsed.rows("EQUATION") if len(row) > 1]:
@@ -131,7 +158,9 @@ def test_deck_states_the_brake(brake, kind, index):
     (thickness,) = {float(row[0]) for row in parsed.rows("SOLID SECTION")}
     assert thickness == pytest.approx(0.02 * shoe.lining.width * 1e3)
     if brake is BACKED:  # wider than the lining: stiffer instead
-        assert float(parsed.rows("ELASTIC")[names.index("SHOE")][0]) == pytest.approx(2.1e5 * 50 / 40)
+        assert float(parsed.rows("ELASTIC")[names.index("SHOE")][0]) == pytest.approx(
+            2.1e5 * 50 / 40
+        )
 
 
 def test_decks_that_calculix_does_not_get():
@@ -140,13 +169,18 @@ def test_decks_that_calculix_does_not_get():
     open_ = vary(MAIN, {"shoe[0].lining.clearance": 1e-4})
     with pytest.raises(BadInput, match="clearance"):
         deck(open_, loaded_shoes(open_, 8)[0], Setting())
-    for change, said in (({"friction": 0.0}, "friction"), ({"drum.ring": {"bending_stiffness": 1e3}}, "ring")):
+    for change, said in (
+        ({"friction": 0.0}, "friction"),
+        ({"drum.ring": {"bending_stiffness": 1e3}}, "ring"),
+    ):
         with pytest.raises(BadInput, match=said):
             loaded_shoes(vary(MAIN, change))
 
 
 def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
-    """CalculiX's results for a uniform pressure that holds the shoe in balance, and that pressure [Pa]."""
+    """CalculiX's results for a uniform pressure that holds the shoe in balance, and that pressure
+    [Pa].
+    """
     shoe, R = loaded.shoe, brake.drum.radius
     theta = drum_angles(loaded)
     lining = (theta[:-2:2] >= shoe.lining.start - 1e-9) & (theta[2::2] <= shoe.lining.end + 1e-9)
@@ -154,7 +188,9 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
     psi = np.array([xi * (xi - 1) / 2, 1 - xi**2, xi * (xi + 1) / 2])
     slope = np.array([xi - 0.5, -2 * xi, xi + 0.5])
     nodal, torque = np.zeros((len(theta), 2)), 0.0
-    for k in np.flatnonzero(lining):  # traction -n + mu s e, times the width, per pascal, on the element's edge
+    for k in np.flatnonzero(
+        lining
+    ):  # traction -n + mu s e, times the width, per pascal, on the element's edge
         on = slice(2 * k, 2 * k + 3)
         nodes = R * np.array([np.cos(theta[on]), np.sin(theta[on])])
         x, ds = nodes @ psi, np.hypot(*(nodes @ slope)) * w * shoe.lining.width
@@ -164,7 +200,9 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
         torque += drag * np.hypot(*x) @ ds
     total = nodal.sum(axis=0)
     arm = shoe.hinge.xy
-    pressure = shoe.actuation.moment_about(shoe.hinge) / (arm[0] * total[1] - arm[1] * total[0] - torque)
+    pressure = shoe.actuation.moment_about(shoe.hinge) / (
+        arm[0] * total[1] - arm[1] * total[0] - torque
+    )
     pin = -(pressure * total + shoe.actuation.vector)
     size = setting.thickness
     nodal, pin = size * pressure * nodal, size * pin * changes.get("pin", 1.0)
@@ -201,7 +239,9 @@ def test_results_are_read_as_written(index):
     inside = (shoe.theta > shoe.theta[0] + edge) & (shoe.theta < shoe.theta[-1] - edge)
     assert shoe.pressure[inside] == pytest.approx(pressure, rel=1e-4)
     spec = MAIN.shoes[index].lining
-    assert shoe.torque == pytest.approx(0.3 * 0.04 * 0.15**2 * (spec.end - spec.start) * pressure, rel=1e-4)
+    assert shoe.torque == pytest.approx(
+        0.3 * 0.04 * 0.15**2 * (spec.end - spec.start) * pressure, rel=1e-4
+    )
     assert shoe.turn == pytest.approx(1e-4)
     assert shoe.self_energising == (MAIN.shoes[index].name == "left")
     assert max(balance.force, balance.moment) < 1e-5
@@ -209,7 +249,11 @@ def test_results_are_read_as_written(index):
 
 @pytest.mark.parametrize(
     ("changes", "said"),
-    [({"pin": 1.01}, "balance"), ({"touching": 1}, "contact points"), ({"time": "0.4E+00"}, "ended at 0.4")],
+    [
+        ({"pin": 1.01}, "balance"),
+        ({"touching": 1}, "contact points"),
+        ({"time": "0.4E+00"}, "ended at 0.4"),
+    ],
     ids=["unbalanced", "handful", "stopped"],
 )
 def test_states_that_are_none_are_refused(changes, said):
@@ -217,7 +261,12 @@ def test_states_that_are_none_are_refused(changes, said):
     dat, sta, output, _ = written(MAIN, loaded, setting, **changes)
     with pytest.raises(NoAnswer, match=said):
         calculix.check(loaded, calculix.read_state(dat, sta, output, MAIN, loaded, setting))
-    assert calculix.read_state(*written(MAIN, loaded, setting, shear=0.9)[:3], MAIN, loaded, setting).sticking == 1
+    assert (
+        calculix.read_state(
+            *written(MAIN, loaded, setting, shear=0.9)[:3], MAIN, loaded, setting
+        ).sticking
+        == 1
+    )
     with pytest.raises(NoAnswer, match="wrote no contact state"):
         calculix.read_state("", "", "", MAIN, loaded, setting)
 
@@ -228,7 +277,9 @@ def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
     def run(brake, loaded, setting, posed=None):
         turned.append(setting.rotation)
         shear = 1.0 if setting.rotation > limit else 0.5
-        return calculix.read_state(*written(brake, loaded, setting, shear=shear)[:3], brake, loaded, setting)
+        return calculix.read_state(
+            *written(brake, loaded, setting, shear=shear)[:3], brake, loaded, setting
+        )
 
     monkeypatch.setattr(calculix, "run", run)
     limit = 3e-3
@@ -263,7 +314,15 @@ def test_export_command(tmp_path):
 
     away = (STUDIES / "double_shoe" / "brake.toml").read_text().replace('"2 kN"', '"-2 kN"', 1)
     (tmp_path / "my brake.toml").write_text(away)
-    call = ["export", str(tmp_path / "my brake.toml"), "--output", str(tmp_path / "out"), "--elements", "8", "--to"]
+    call = [
+        "export",
+        str(tmp_path / "my brake.toml"),
+        "--output",
+        str(tmp_path / "out"),
+        "--elements",
+        "8",
+        "--to",
+    ]
     result = CliRunner().invoke(app, [*call, "calculix"])
     assert result.exit_code == 0
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
@@ -277,8 +336,13 @@ def test_export_command(tmp_path):
 @needs_getfem
 @pytest.mark.parametrize(("formulation", "close"), [("full slip", 2e-6), ("coulomb", 4e-5)])
 def test_getfem_agrees(formulation, close):
-    """The same condition on the same mesh; GetFEM decides contact in the weak sense, drumlin node by node."""
-    peer, own = peers.solve("getfem", MAIN, elements=40, formulation=formulation), solve(MAIN, elements=40)
+    """The same condition on the same mesh; GetFEM decides contact in the weak sense, drumlin node
+    by node.
+    """
+    peer, own = (
+        peers.solve("getfem", MAIN, elements=40, formulation=formulation),
+        solve(MAIN, elements=40),
+    )
     assert peer.response.torque == pytest.approx(own.torque, rel=close)
     for a, b in zip(peer.response.shoes, own.shoes, strict=True):
         assert pressure_distance(a, b) < 1e-3
@@ -288,11 +352,16 @@ def test_getfem_agrees(formulation, close):
 
 
 def agree(brake, elements=16, close=2e-4, balanced=1e-9, **options):
-    peer, own = peers.solve("getfem", brake, elements=elements, **options).response, solve(brake, elements=elements)
+    peer, own = (
+        peers.solve("getfem", brake, elements=elements, **options).response,
+        solve(brake, elements=elements),
+    )
     assert max(peer.balance.force, peer.balance.moment) < balanced
     for shoe, a, b in zip(brake.shoes, peer.shoes, own.shoes, strict=True):
         size = np.linalg.norm(b.hinge_reaction)
-        assert peer.effects[own.shoes.index(b)] == pytest.approx(own.effects[own.shoes.index(b)], rel=close)
+        assert peer.effects[own.shoes.index(b)] == pytest.approx(
+            own.effects[own.shoes.index(b)], rel=close
+        )
         assert a.hinge_reaction == pytest.approx(b.hinge_reaction, abs=close * size)
         assert pressure_distance(a, b, edge_of(brake)) < 0.02
         assert a.self_energising == b.self_energising
@@ -303,16 +372,24 @@ def agree(brake, elements=16, close=2e-4, balanced=1e-9, **options):
 
 @needs_getfem
 def test_getfem_takes_a_pivot_and_a_rough_abutment():
-    """The edge that is held moves by the free motions; what it is tested on leans with an abutment's friction."""
+    """The edge that is held moves by the free motions; what it is tested on leans with an
+    abutment's friction.
+    """
     agree(vary(read_any(STUDIES / "brakes" / "crane.toml"), {"shoe.body": None}), 10)
     agree(vary(read_any(STUDIES / "brakes" / "simplex_abutted.toml"), {"shoe.body": None}), 10)
 
 
 @needs_getfem
 def test_getfem_shares_a_cams_force_so_that_both_tips_go_alike():
-    """Where linings fit they go in proportion to the forces, which settle at once; else they are sought."""
+    """Where linings fit they go in proportion to the forces, which settle at once; else they are
+    sought.
+    """
     brake = read_any(STUDIES / "brakes" / "s_cam.toml")
-    wrong = {"shoe.body": None, "shoe[0].lining.clearance": 2e-5, "shoe[1].lining.misfit.taper": 2e-5}
+    wrong = {
+        "shoe.body": None,
+        "shoe[0].lining.clearance": 2e-5,
+        "shoe[1].lining.misfit.taper": 2e-5,
+    }
     for cam in (brake, vary(brake, wrong)):
         peer, own = agree(cam, 10)
         forces = [shoe.force for shoe in peer.shoes]
@@ -339,8 +416,9 @@ def test_getfem_takes_shoes_however_they_are_held(file):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_getfem_on_random_brakes_of_every_kind(kind):
-    """On a mesh that is fine enough for the ends of their contacts: on 16 elements the two place them apart. GetFEM's
-    steps go round in circles on some meshes; then on another."""
+    """On a mesh that is fine enough for the ends of their contacts: on 16 elements the two place
+    them apart. GetFEM's steps go round in circles on some meshes; then on another.
+    """
     for seed in range(2):
         for elements in (48, 40, 56, 64, 72):
             with suppress(NoAnswer):
@@ -365,8 +443,9 @@ def test_getfem_on_other_brakes():
 @needs_calculix
 @pytest.mark.slow
 def test_calculix_agrees():
-    """p within 2 % in L2, one lining thickness away from the ends; the torque of elements that bear no load across
-    their thickness on another mesh."""
+    """p within 2 % in L2, one lining thickness away from the ends; the torque of elements that bear
+    no load across their thickness on another mesh.
+    """
     peer, own = peers.solve("calculix", MAIN, elements=20), solve(MAIN, elements=80)
     assert peer.response.torque == pytest.approx(own.torque, rel=5e-4)
     for a, b in zip(peer.response.shoes, own.shoes, strict=True):
@@ -377,7 +456,9 @@ def test_calculix_agrees():
 
 
 def torques(brake, elements, setting=None):
-    """Relative distance of each shoe's torque by CalculiX from drumlin's on the same mesh, with the same penalty."""
+    """Relative distance of each shoe's torque by CalculiX from drumlin's on the same mesh, with the
+    same penalty.
+    """
     own = solve(brake, elements=elements, kind="quad2", penalty=(setting or Setting()).penalty)
     other = peers.solve("calculix", brake, elements=elements, setting=setting).response
     return np.array([a.torque / b.torque - 1 for a, b in zip(other.shoes, own.shoes, strict=True)])
@@ -397,7 +478,12 @@ def test_calculix_has_drumlins_torque_where_nothing_strains_across():
 @needs_calculix
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "changes", [{}, {"rotation": "clockwise", "friction": 0.1}, {"shoe.side": "external", "shoe.actuation.force": -2e3}]
+    "changes",
+    [
+        {},
+        {"rotation": "clockwise", "friction": 0.1},
+        {"shoe.side": "external", "shoe.actuation.force": -2e3},
+    ],
 )
 def test_calculix_comes_nearer_with_the_mesh(changes):
     """Of first order in the size of the elements, of higher order with nu = 0."""

@@ -35,15 +35,21 @@ def test_a_rigid_pad_with_a_thin_lining_answers_as_its_law(kind: str, sliding: s
     fem, rigid = drumlin.solve(brake), law(brake)
     assert fem.merits[0].braking_force == pytest.approx(rigid.merits[0].braking_force, rel=3e-3)
     a, b = fem.shoes[0], rigid.shoes[0]
-    assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 3e-3 * np.linalg.norm(b.hinge_reaction)
+    assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 3e-3 * np.linalg.norm(
+        b.hinge_reaction
+    )
     x = np.linspace(0.07, 0.17, 33)
     p, q = a.pressure_at(x), b.pressure_at(x)
     assert np.linalg.norm(p - q) < 5e-3 * np.linalg.norm(q)
     assert a.torque == 0.0
 
 
-@pytest.mark.parametrize(("tilt", "sliding", "helps"), [(0.0, "+x", 0), (0.0, "-x", 0), (0.2, "-x", 0), (0.2, "+x", 1)])
-def test_friction_on_a_guide_along_the_normal_neither_helps_nor_opposes(tilt: float, sliding: str, helps: int) -> None:
+@pytest.mark.parametrize(
+    ("tilt", "sliding", "helps"), [(0.0, "+x", 0), (0.0, "-x", 0), (0.2, "-x", 0), (0.2, "+x", 1)]
+)
+def test_friction_on_a_guide_along_the_normal_neither_helps_nor_opposes(
+    tilt: float, sliding: str, helps: int
+) -> None:
     """cos(90 deg) is 6e-17 and not 0: round-off is no self-energising."""
     for turned in (0.0, pi):  # the same guide
         brake = pad("guide", sliding, guide={"direction": tilt - pi / 2 + turned})
@@ -61,7 +67,8 @@ def test_what_a_pads_penalty_changes_is_its_braking_force() -> None:
 def test_a_guide_along_the_plane_is_refused() -> None:
     for direction in (0.0, pi):
         with pytest.raises(
-            BadInput, match=r"^shoe\[0\].guide.direction = \d+ deg: must lead to the plane, not along it"
+            BadInput,
+            match=r"^shoe\[0\].guide.direction = \d+ deg: must lead to the plane, not along it",
         ):
             pad("guide", guide={"direction": direction})
     pad("guide", guide={"direction": 1e-3})
@@ -70,7 +77,9 @@ def test_a_guide_along_the_plane_is_refused() -> None:
 def test_a_pad_that_its_force_lifts_is_said_of_the_plane() -> None:
     brake = vary(pad("hinge"), {"shoe.actuation.force": -1.0})
     said = ["shoe 'pad': no contact, the force does not turn it towards the plane"]
-    assert [[n for n in found.notes if "contact" in n] for found in (drumlin.solve(brake), law(brake))] == [said, said]
+    assert [
+        [n for n in found.notes if "contact" in n] for found in (drumlin.solve(brake), law(brake))
+    ] == [said, said]
 
 
 def test_a_grip_longer_than_its_body_is_said_as_it_is_held() -> None:
@@ -81,9 +90,11 @@ def test_a_grip_longer_than_its_body_is_said_as_it_is_held() -> None:
 
 
 def test_a_thin_lining_gives_way_as_a_bonded_layer() -> None:
-    """Under an even pressure a bonded layer in plane stress is squeezed by p t (1 - nu^2)/E, but for its free ends.
+    """Under an even pressure a bonded layer in plane stress is squeezed by p t (1 - nu^2)/E, but
+    for its free ends.
 
-    Those add a width of the order of the thickness, so that halving it halves what is missing."""
+    Those add a width of the order of the thickness, so that halving it halves what is missing.
+    """
     off = []
     for t in (0.001, 0.0005):
         brake = pad("guide", mu=0.0, lining=LINING | {"start": 0.06, "end": 0.18, "thickness": t})
@@ -95,11 +106,18 @@ def test_a_thin_lining_gives_way_as_a_bonded_layer() -> None:
     assert off[1] == pytest.approx(off[0] / 2, rel=0.1)
 
 
-@pytest.mark.parametrize(("mu", "exponent"), partly([(0.1, 0.887), (0.3, 0.7095), (0.5, 0.564)], {(0.3, 0.7095)}))
-def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(mu: float, exponent: float) -> None:
-    """p ~ r^(lambda - 1) where the plane runs onto a square edge of nu 0.3 (plane stress, sliding on a rigid plane).
+@pytest.mark.parametrize(
+    ("mu", "exponent"), partly([(0.1, 0.887), (0.3, 0.7095), (0.5, 0.564)], {(0.3, 0.7095)})
+)
+def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(
+    mu: float, exponent: float
+) -> None:
+    """p ~ r^(lambda - 1) where the plane runs onto a square edge of nu 0.3 (plane stress, sliding
+    on a rigid plane).
 
-    lambda solves the transcendental equation of a wedge of 90 deg, free on one side and sliding on the other."""
+    lambda solves the transcendental equation of a wedge of 90 deg, free on one side and sliding on
+    the other.
+    """
     material = {"E": 3e8, "nu": 0.3}
     lining = LINING | {"start": 0.06, "end": 0.18, "thickness": 0.02, "material": material}
     brake = pad("guide", mu=mu, lining=lining)
@@ -120,7 +138,12 @@ def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) ->
     data = brake.model_dump(by_alias=True)
     data["plane"] = {"sliding": "+x" if one == "-x" else "-x"}
     (shoe,) = data["shoe"]
-    for point in (shoe["hinge"], shoe["pivot"], (shoe["abutment"] or {}).get("point"), shoe["actuation"]["point"]):
+    for point in (
+        shoe["hinge"],
+        shoe["pivot"],
+        (shoe["abutment"] or {}).get("point"),
+        shoe["actuation"]["point"],
+    ):
         if point:
             point["x"] = -point["x"]
     for part in (shoe["abutment"], shoe["guide"], shoe["actuation"]):
@@ -141,14 +164,21 @@ def test_a_pad_answers_alike_wherever_it_stands() -> None:
         brake = pad(kind, "-x", body=BODY)
         data = brake.model_dump(by_alias=True)
         (shoe,) = data["shoe"]
-        for point in (shoe["hinge"], shoe["pivot"], (shoe["abutment"] or {}).get("point"), shoe["actuation"]["point"]):
+        for point in (
+            shoe["hinge"],
+            shoe["pivot"],
+            (shoe["abutment"] or {}).get("point"),
+            shoe["actuation"]["point"],
+        ):
             if point:
                 point["x"] += 1.3
         for part in (shoe["lining"], shoe["body"]):
             part["start"], part["end"] = part["start"] + 1.3, part["end"] + 1.3
         a, b = drumlin.solve(brake).shoes[0], drumlin.solve(validated(FlatBrake, data)).shoes[0]
         assert b.normal_force == pytest.approx(a.normal_force, rel=1e-6)
-        np.testing.assert_allclose(b.pressure_at(a.theta + 1.3), a.pressure, atol=1e-5 * a.peak_pressure)
+        np.testing.assert_allclose(
+            b.pressure_at(a.theta + 1.3), a.pressure, atol=1e-5 * a.peak_pressure
+        )
 
 
 def test_meshes_answer_as_columns_do() -> None:
@@ -175,42 +205,60 @@ def test_a_centred_pad_without_friction_bears_no_moment_and_is_answered() -> Non
     response = drumlin.solve(guided(0.01, 0.0, Material(E=3e8, nu=0.25)))
     assert max(response.balance.force, response.balance.moment) < 1e-9
     (shoe,) = response.shoes
-    np.testing.assert_allclose(shoe.pressure_at(0.12 - shoe.theta), shoe.pressure, atol=1e-6 * shoe.peak_pressure)
+    np.testing.assert_allclose(
+        shoe.pressure_at(0.12 - shoe.theta), shoe.pressure, atol=1e-6 * shoe.peak_pressure
+    )
 
 
 def test_the_end_face_by_which_a_hinge_holds_a_pad_lies_on_the_plane_as_it_is() -> None:
     brake = pad("hinge", body=BODY)
     (shoe,) = brake.shoes
-    near, far = (shoe.end_face(brake.size, loaded=loaded) - shoe.own_pin for loaded in (False, True))
-    assert near == pytest.approx([0.05, 0.011 - 0.06], rel=1e-12)  # half of the body behind the lining
+    near, far = (
+        shoe.end_face(brake.size, loaded=loaded) - shoe.own_pin for loaded in (False, True)
+    )
+    assert near == pytest.approx(
+        [0.05, 0.011 - 0.06], rel=1e-12
+    )  # half of the body behind the lining
     assert far == pytest.approx([0.19, 0.011 - 0.06], rel=1e-12)
 
 
-def test_pads_are_worn_on_guides_along_the_normal_of_the_plane(capsys: pytest.CaptureFixture[str]) -> None:
-    """Worn in they bear evenly: the braking force is mu times that of the force's part along the normal."""
+def test_pads_are_worn_on_guides_along_the_normal_of_the_plane(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Worn in they bear evenly: the braking force is mu times that of the force's part along the
+    normal.
+    """
     file = ROOT / "studies" / "brakes" / "rail_clamp.toml"
     brake = read_any(file)
     with pytest.raises(SystemExit) as end:
         app(["wear", str(file), "--guided", "--elements", "20", "--distance", "0.1"])
     assert end.value.code == 0
     down = sum(-shoe.actuation.vector[1] for shoe in brake.shoes)
-    assert f"worn in (law): braking force {brake.friction * down:.6g} N" in " ".join(capsys.readouterr().out.split())
+    assert f"worn in (law): braking force {brake.friction * down:.6g} N" in " ".join(
+        capsys.readouterr().out.split()
+    )
 
 
 def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
     """Its shape, a clearance on the plane, gives the pressure that wore it, a wrong pad's too."""
-    own = pad("hinge", body=BODY, lining=LINING | {"start": 0.06, "end": 0.18, "misfit": {"taper": 1e-6}})
+    own = pad(
+        "hinge", body=BODY, lining=LINING | {"start": 0.06, "end": 0.18, "misfit": {"taper": 1e-6}}
+    )
     made, rule = prepare(own, elements=20), WearLaw(COEFFICIENT)
     setup = fem_setup(made, own)
     last = run_in(setup, rule, distance=0.3 * unit_distance(setup, rule))[-1]
     (shoe,) = respond(made, worn(setup, last), penalty=math.inf).shoes
     (surface,) = setup.surfaces
-    np.testing.assert_allclose(shoe.pressure, surface.along(last.pressure), atol=1e-8 * shoe.peak_pressure)
+    np.testing.assert_allclose(
+        shoe.pressure, surface.along(last.pressure), atol=1e-8 * shoe.peak_pressure
+    )
 
 
 @pytest.mark.parametrize("sliding", ["+x", "-x"])
 def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: str) -> None:
-    """Pressed nodes stay on the plane, under the stress that p and friction make there; the plane pushes up."""
+    """Pressed nodes stay on the plane, under the stress that p and friction make there; the plane
+    pushes up.
+    """
     brake = placed(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4)
     made = scene_of(brake)
     response = respond(made, brake, penalty=math.inf)
@@ -226,4 +274,6 @@ def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: 
     assert np.abs(found.displacement[on, 1]).max() < 1e-3 * np.abs(found.displacement).max()
     np.testing.assert_allclose(found.push[on], np.column_stack([0 * p, p]), rtol=1e-12)
     np.testing.assert_allclose(found.stress[on, 1], -p, atol=0.05 * p.max())
-    np.testing.assert_allclose(found.stress[on, 2], -brake.friction * brake.spin * p, atol=0.05 * p.max())
+    np.testing.assert_allclose(
+        found.stress[on, 2], -brake.friction * brake.spin * p, atol=0.05 * p.max()
+    )

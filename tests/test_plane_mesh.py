@@ -1,4 +1,6 @@
-"""Pads on a plane with a mesh of the user's own: the parametric pad's answer, mirror images, and faults in one line."""
+"""Pads on a plane with a mesh of the user's own: the parametric pad's answer, mirror images, and
+faults in one line.
+"""
 
 import random
 from collections.abc import Callable
@@ -29,11 +31,15 @@ ELEMENTS = 16
 QUICK = {("hinge", True), ("abutment", False), ("guide", False)}
 
 
-def filed(brake: FlatBrake, path: Path, kind: str = "quad2", elements: int = ELEMENTS, **more: Any) -> FlatBrake:
+def filed(
+    brake: FlatBrake, path: Path, kind: str = "quad2", elements: int = ELEMENTS, **more: Any
+) -> FlatBrake:
     """The pad with its parametric mesh as a file."""
     division = divide(brake.shoes[0], brake.size, elements)
     write_mesh(path, shoe_mesh(brake.shoes[0], brake.size, division, kind), brake.shoes[0])
-    return vary(brake, {"shoe.mesh": str(path)} | {f"shoe.{key}": value for key, value in more.items()})
+    return vary(
+        brake, {"shoe.mesh": str(path)} | {f"shoe.{key}": value for key, value in more.items()}
+    )
 
 
 def test_every_format_gives_the_answer_of_the_mesh_that_was_written(tmp_path: Path) -> None:
@@ -47,8 +53,12 @@ def test_every_format_gives_the_answer_of_the_mesh_that_was_written(tmp_path: Pa
 
 
 @pytest.mark.parametrize(("kind", "elastic"), partly(product(KINDS, [True, False]), QUICK))
-def test_a_pad_of_every_holding_answers_as_the_parametric_one(kind: str, elastic: bool, tmp_path: Path) -> None:
-    """Whatever holds it holds the group hinge; triangles come to the same within the discretisation."""
+def test_a_pad_of_every_holding_answers_as_the_parametric_one(
+    kind: str, elastic: bool, tmp_path: Path
+) -> None:
+    """Whatever holds it holds the group hinge; triangles come to the same within the
+    discretisation.
+    """
     brake = pad(kind, "-x", **({"body": BODY} if elastic else {}))
     a, own = drumlin.solve(brake).shoes[0], filed(brake, tmp_path / "pad.msh", "tri2", 60)
     found = drumlin.solve(own)
@@ -78,7 +88,9 @@ def test_units_frames_and_mirror_images_change_nothing(tmp_path: Path) -> None:
     image = placed(shared, mirrored=True, shift=0.4)
     (c,), (d,) = drumlin.solve(shared).shoes, drumlin.solve(image).shoes
     np.testing.assert_allclose(c.pressure, a.pressure, atol=1e-7 * a.peak_pressure)
-    np.testing.assert_allclose(d.pressure_at(0.4 - a.theta), a.pressure, atol=1e-7 * a.peak_pressure)
+    np.testing.assert_allclose(
+        d.pressure_at(0.4 - a.theta), a.pressure, atol=1e-7 * a.peak_pressure
+    )
     second = image.shoes[0].model_copy(update={"name": "second"})
     both = shared.model_copy(update={"shoes": (shared.shoes[0], second)})
     bodies = prepare(both).bodies
@@ -99,7 +111,9 @@ def test_a_crowned_mesh_is_a_crowned_pad(tmp_path: Path) -> None:
     np.testing.assert_allclose(b.pressure, a.pressure, atol=2e-2 * a.peak_pressure)
 
 
-def test_a_brake_file_names_its_mesh_from_its_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_brake_file_names_its_mesh_from_its_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     own = vary(filed(pad("hinge", body=BODY), tmp_path / "pad.msh"), {"shoe.mesh": "pad.msh"})
     path = tmp_path / "pad.toml"
     path.write_text(brake_text(own))
@@ -108,7 +122,9 @@ def test_a_brake_file_names_its_mesh_from_its_folder(tmp_path: Path, capsys: pyt
         with pytest.raises(SystemExit) as end:
             app([words[0], str(path), *words[1:]])
         assert end.value.code == 0
-    assert f"{drumlin.solve(read_any(path)).merits[0].braking_force:.6g} N" in capsys.readouterr().out
+    assert (
+        f"{drumlin.solve(read_any(path)).merits[0].braking_force:.6g} N" in capsys.readouterr().out
+    )
     (tmp_path / "pad.msh").write_text("no mesh")
     with pytest.raises(BadInput, match=r"pad\.msh"):
         drumlin.solve(read_any(path))
@@ -151,8 +167,14 @@ def swapped(mesh: meshio.Mesh) -> None:
 
 
 FAULTS: dict[str, tuple[Callable[[meshio.Mesh], None], str]] = {
-    "off the plane": (raised, "the group contact lies up to 2 mm off the plane; must be within 1.2 mm of it"),
-    "under the plane": (below, "the lining's elements lie in the plane; must lie behind the group contact"),
+    "off the plane": (
+        raised,
+        "the group contact lies up to 2 mm off the plane; must be within 1.2 mm of it",
+    ),
+    "under the plane": (
+        below,
+        "the lining's elements lie in the plane; must lie behind the group contact",
+    ),
     "in the plane": (
         sunk,
         "lies up to 0.2 mm in the plane, over 0.1 of the lining's thickness of 1 mm; say mesh_inter",
@@ -190,8 +212,12 @@ def test_a_damaged_mesh_is_solved_or_refused_in_one_line(tmp_path: Path) -> None
     for i in range(60):
         lines, at, other = list(whole), rng.randrange(len(whole)), rng.randrange(len(whole))
         words = lines[at].split(" ")
-        words[rng.randrange(len(words))] = rng.choice(["-1", "0", "1e300", "nan", "99999", "7", "x", "0.125"])
-        lines[at : at + 1] = ([], [lines[at], lines[other]], [lines[other]], [" ".join(words)])[i % 4]
+        words[rng.randrange(len(words))] = rng.choice(
+            ["-1", "0", "1e300", "nan", "99999", "7", "x", "0.125"]
+        )
+        lines[at : at + 1] = ([], [lines[at], lines[other]], [lines[other]], [" ".join(words)])[
+            i % 4
+        ]
         path.write_text("\n".join(lines if i % 7 else lines[:at]))
         try:
             read_mesh(path, shoe, unit)
@@ -203,8 +229,12 @@ def test_a_damaged_mesh_is_solved_or_refused_in_one_line(tmp_path: Path) -> None
 
 
 def test_compare_takes_a_pad_with_misfit_and_a_mesh_of_its_own(tmp_path: Path) -> None:
-    """Errors of the laws, those of a lining that fits, against the finite elements of one that does not."""
-    own = vary(filed(pad("hinge", body=BODY), tmp_path / "pad.msh"), {"shoe.lining.misfit.taper": 2e-5})
+    """Errors of the laws, those of a lining that fits, against the finite elements of one that does
+    not.
+    """
+    own = vary(
+        filed(pad("hinge", body=BODY), tmp_path / "pad.msh"), {"shoe.lining.misfit.taper": 2e-5}
+    )
     found = compare(own)
     assert set(found.responses) == {"fem", "short", "linear"}
     errors = {row["model"]: row.get("torque_error") for row in found.rows if row["shoe"] == "all"}

@@ -1,4 +1,6 @@
-"""Pads that do not fit the plane: clearance and misfit against closed forms, their symmetries and refusals."""
+"""Pads that do not fit the plane: clearance and misfit against closed forms, their symmetries and
+refusals.
+"""
 
 import math
 from typing import Any
@@ -28,7 +30,9 @@ LENGTH, WIDTH, E = 0.12, 0.04, 3e8
 MISFIT = "shoe.lining.misfit"
 
 
-def centred(thickness: float, force: float = 500.0, nu: float = 0.0, mu: float = 0.0, **lining: Any) -> FlatBrake:
+def centred(
+    thickness: float, force: float = 500.0, nu: float = 0.0, mu: float = 0.0, **lining: Any
+) -> FlatBrake:
     """A rigid pad about x = 0 on a guide that is square to the plane, under a force in its middle."""
     material = {"E": E, "nu": nu}
     shoe = {
@@ -38,7 +42,9 @@ def centred(thickness: float, force: float = 500.0, nu: float = 0.0, mu: float =
                    "material": material} | lining,
         "actuation": {"force": force, "direction": -math.pi / 2, "point": {"x": 0.0, "y": 0.1}},
     }  # fmt: skip
-    return validated(FlatBrake, {"title": "t", "friction": mu, "plane": {"sliding": "+x"}, "shoe": [shoe]})
+    return validated(
+        FlatBrake, {"title": "t", "friction": mu, "plane": {"sliding": "+x"}, "shoe": [shoe]}
+    )
 
 
 def pressed(brake: FlatBrake) -> ShoeResponse:
@@ -47,17 +53,25 @@ def pressed(brake: FlatBrake) -> ShoeResponse:
 
 
 @given(st.floats(0.3, 1e6), st.booleans(), st.floats(-6e-3, 6e-3), st.floats(-6e-3, 6e-3))
-def test_the_gap_ends_on_the_faces_own_circle(radius: float, crowned: bool, x: float, y: float) -> None:
-    """Every point of the face is the radius away from the circle's centre, above a crowned face, below a hollow one."""
+def test_the_gap_ends_on_the_faces_own_circle(
+    radius: float, crowned: bool, x: float, y: float
+) -> None:
+    """Every point of the face is the radius away from the circle's centre, above a crowned face,
+    below a hollow one.
+    """
     r, along = radius if crowned else -radius, np.linspace(-0.06, 0.06, 41)
     gap = off_circle.crown_gap(r, Point(x=x, y=y), along)
     away = np.hypot(along - x, gap - (r + y))
     np.testing.assert_allclose(away, radius, rtol=1e-13)
-    assert off_circle.crown_gap(r, Point(x=0.0, y=0.0), along)[20] == 0.0  # it meets the plane in the lining's middle
+    assert (
+        off_circle.crown_gap(r, Point(x=0.0, y=0.0), along)[20] == 0.0
+    )  # it meets the plane in the lining's middle
 
 
 def test_a_crowned_pad_with_a_thin_lining_is_pressed_by_a_parabola() -> None:
-    """Springs side by side: p = (E/t)(c^2 - x^2)/(2 r), P = (2/3)(E/t) b c^3/r, but for what is off over about t."""
+    """Springs side by side: p = (E/t)(c^2 - x^2)/(2 r), P = (2/3)(E/t) b c^3/r, but for what is off
+    over about t.
+    """
     t, r, force = 5e-4, 50.0, 4000.0
     shoe = pressed(centred(t, force, misfit={"radius": r}))
     half = (1.5 * force * r * t / (WIDTH * E)) ** (1 / 3)
@@ -85,16 +99,22 @@ def test_a_crowned_pad_with_a_thick_lining_is_hertz() -> None:
 @pytest.mark.parametrize("sliding", ["+x", "-x"])
 def test_a_hollow_pad_rests_on_its_ends_and_closes_under_its_force(sliding: str) -> None:
     for force, arcs in ((20.0, 2), (2e4, 1)):
-        shoe = pressed(vary(centred(1e-3, force, misfit={"radius": -50.0}), {"plane.sliding": sliding}))
+        shoe = pressed(
+            vary(centred(1e-3, force, misfit={"radius": -50.0}), {"plane.sliding": sliding})
+        )
         assert len(shoe.contact_arcs) == arcs
         assert (shoe.contact_arcs[0][0], shoe.contact_arcs[-1][1]) == (-LENGTH / 2, LENGTH / 2)
 
 
 def test_a_tilted_rigid_pad_is_pressed_linearly() -> None:
-    """Springs side by side: p = P/(b L) - (E/t) taper x/L; the taper counts from the pin, the force's point here."""
+    """Springs side by side: p = P/(b L) - (E/t) taper x/L; the taper counts from the pin, the
+    force's point here.
+    """
     t, taper, force = 5e-4, 1e-6, 4800.0
     for sense in (1, -1):
-        brake = vary(centred(t, force, misfit={"taper": taper}), {"shoe.actuation.point.x": -sense * 1e-3})
+        brake = vary(
+            centred(t, force, misfit={"taper": taper}), {"shoe.actuation.point.x": -sense * 1e-3}
+        )
         shoe = pressed(brake)
         x = np.linspace(-0.9, 0.9, 21) * LENGTH / 2
         p = force / (WIDTH * LENGTH) - sense * E / t * taper * x / LENGTH
@@ -146,33 +166,56 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
 @given(st.floats(-2, 2), st.floats(0, 2), st.sampled_from(["hinge", "guide", "abutment"]))
 def test_a_wrong_pads_mirror_image_answers_alike(taper: float, crown: float, kind: str) -> None:
     brake = pad(kind, "-x", body=BODY)
-    misfit = {"taper": 1e-6 * taper, "radius": 0.12**2 / (8e-6 * (0.1 + crown)), "offset": {"x": 4e-3, "y": 1e-6}}
+    misfit = {
+        "taper": 1e-6 * taper,
+        "radius": 0.12**2 / (8e-6 * (0.1 + crown)),
+        "offset": {"x": 4e-3, "y": 1e-6},
+    }
     rows = [[0.06, 1e-6], [0.1, 0.0], [0.18, 2e-6]]
     brake = vary(brake, {MISFIT: misfit, "shoe.lining.clearance": rows})
     (a,) = drumlin.solve(brake, elements=20).shoes
     (b,) = drumlin.solve(placed(brake, mirrored=True), elements=20).shoes
     np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-7 * a.peak_pressure)
     (c,) = drumlin.solve(placed(brake, shift=0.7), elements=20).shoes
-    np.testing.assert_allclose(c.pressure_at(a.theta + 0.7), a.pressure, atol=1e-7 * a.peak_pressure)
+    np.testing.assert_allclose(
+        c.pressure_at(a.theta + 0.7), a.pressure, atol=1e-7 * a.peak_pressure
+    )
     (d,) = drumlin.solve(scaled(brake, 3.0, 2.0), elements=20).shoes
-    np.testing.assert_allclose(d.pressure_at(3 * a.theta), 2 * a.pressure, atol=1e-7 * d.peak_pressure)
+    np.testing.assert_allclose(
+        d.pressure_at(3 * a.theta), 2 * a.pressure, atol=1e-7 * d.peak_pressure
+    )
 
 
 @pytest.mark.parametrize(
     ("lining", "said"),
     [
-        ({"misfit": {"radius": 0.1}}, "misfit.radius = 100 mm: must be at least 300 mm either way, 2.5 times"),
+        (
+            {"misfit": {"radius": 0.1}},
+            "misfit.radius = 100 mm: must be at least 300 mm either way, 2.5 times",
+        ),
         ({"misfit": {"radius": 0.0}}, "misfit.radius = 0 mm: must be at least 300 mm"),
-        ({"misfit": {"taper": 0.01}}, "misfit.taper = 10 mm: must be at most 0.05 of the lining's length, 6 mm"),
-        ({"misfit": {"offset": {"x": 0.0, "y": -0.01}}}, "misfit.offset = 10 mm: must be at most 0.05"),
+        (
+            {"misfit": {"taper": 0.01}},
+            "misfit.taper = 10 mm: must be at most 0.05 of the lining's length, 6 mm",
+        ),
+        (
+            {"misfit": {"offset": {"x": 0.0, "y": -0.01}}},
+            "misfit.offset = 10 mm: must be at most 0.05",
+        ),
         (
             {"misfit": {"blocks": [[0.061, 1e-4]]}},
             "misfit.blocks at 61 mm: must begin on the lining, 60 mm to 180 mm, more",
         ),
         ({"misfit": 3}, "misfit = 3: must be a table with keys of radius, offset, taper, blocks"),
-        ({"misfit": {"coning": 1e-4}}, "unknown key 'coning'.*allowed: radius, offset, taper, blocks"),
+        (
+            {"misfit": {"coning": 1e-4}},
+            "unknown key 'coning'.*allowed: radius, offset, taper, blocks",
+        ),
         ({"clearance": [[0.1, 0.0]]}, "the table needs at least two rows, with growing places"),
-        ({"clearance": [[0.1, 0.0], [0.1, 0.0]]}, "the table needs growing places, not 0.1 after 0.1"),
+        (
+            {"clearance": [[0.1, 0.0], [0.1, 0.0]]},
+            "the table needs growing places, not 0.1 after 0.1",
+        ),
     ],
 )
 def test_what_is_no_small_misfit_is_refused_in_one_line(lining: dict[str, Any], said: str) -> None:
@@ -195,4 +238,6 @@ def test_a_wrong_pad_wears_to_the_law() -> None:
     brake = vary(pad("pivot", body=BODY), {MISFIT: {"radius": 100.0, "taper": 2e-5}})
     found, goal = drumlin.solve(brake, worn_in=True).shoes[0], law(brake).shoes[0]
     x = np.linspace(0.06, 0.18, 41)
-    np.testing.assert_allclose(found.pressure_at(x), goal.pressure_at(x), atol=2e-3 * goal.peak_pressure)
+    np.testing.assert_allclose(
+        found.pressure_at(x), goal.pressure_at(x), atol=2e-3 * goal.peak_pressure
+    )

@@ -1,4 +1,6 @@
-"""Solid pads on a plane: plane stress where they must agree, balances, mirror images, fields where they stand."""
+"""Solid pads on a plane: plane stress where they must agree, balances, mirror images, fields where
+they stand.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -30,14 +32,17 @@ def test_without_lateral_contraction_it_is_plane_stress(kind: str) -> None:
 
 
 def test_a_narrow_pad_is_plane_stress_and_a_wide_one_is_not() -> None:
-    """At a tenth of the lining's thickness; what is left is the mesh's, half of it on one of twice the elements."""
+    """At a tenth of the lining's thickness; what is left is the mesh's, half of it on one of twice
+    the elements.
+    """
     p, force = [], []
     for width, more in ((0.04, {}), (2e-4, {"across": 1})):
         lining = LINING | {"start": 0.06, "end": 0.18, "thickness": 2e-3, "width": width}
         brake = pad("hinge", lining=lining, body=BODY | {"width": width})
         brake = vary(brake, {"shoe.actuation.force": 1e4 * width})
         (a,), (b,) = (
-            drumlin.solve(brake, *of, elements=24, **more).shoes for of, more in ((["solid"], more), ([], {}))
+            drumlin.solve(brake, *of, elements=24, **more).shoes
+            for of, more in ((["solid"], more), ([], {}))
         )
         p.append(pressure_distance(a, b, 5e-3))
         force.append(abs(a.normal_force / b.normal_force - 1))
@@ -53,17 +58,24 @@ def test_solid_pads_balance_and_their_mirror_images_answer_alike() -> None:
     assert max(found.balance.force, found.balance.moment) < 1e-9
     other = drumlin.solve(placed(brake, mirrored=True, shift=0.3), "solid", elements=8)
     for a, b in zip(found.shoes, other.shoes, strict=True):
-        np.testing.assert_allclose(b.pressure_at(0.3 - a.theta), a.pressure, atol=1e-6 * a.peak_pressure)
+        np.testing.assert_allclose(
+            b.pressure_at(0.3 - a.theta), a.pressure, atol=1e-6 * a.peak_pressure
+        )
         assert a.surface is not None
         assert np.ptp(a.surface.pressure, axis=1).max() > 0.01 * a.peak_pressure
 
 
 def test_the_fields_stand_where_the_pad_does_and_meet_the_plane(tmp_path: Path) -> None:
-    brake, options = pad("hinge", body=BODY), dict[str, Any](elements=8, fields=tmp_path / "pad.vtu")
+    brake, options = (
+        pad("hinge", body=BODY),
+        dict[str, Any](elements=8, fields=tmp_path / "pad.vtu"),
+    )
     (shoe,) = drumlin.solve(brake, "solid", **options).shoes
     mesh = meshio.read(options["fields"])
     x, y, z = mesh.points.T
-    assert (x.min(), x.max(), y.min()) == pytest.approx((BODY["start"], BODY["end"], 0.0), abs=1e-12)
+    assert (x.min(), x.max(), y.min()) == pytest.approx(
+        (BODY["start"], BODY["end"], 0.0), abs=1e-12
+    )
     assert (y.max(), z.max()) == pytest.approx((0.021, 0.02))
     pressed = mesh.point_data["pressure [Pa]"] > 0
     moved = mesh.point_data["displacement [m]"]

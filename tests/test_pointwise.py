@@ -1,4 +1,6 @@
-"""The textbook penalty at quadrature points: right where it converges, and it says where it does not."""
+"""The textbook penalty at quadrature points: right where it converges, and it says where it does
+not.
+"""
 
 import math
 from pathlib import Path

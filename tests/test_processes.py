@@ -1,4 +1,6 @@
-"""The command line as a process: signals, streams, locales, foreign code in the current folder, missing packages."""
+"""The command line as a process: signals, streams, locales, foreign code in the current folder,
+missing packages.
+"""
 
 import os
 import resource
@@ -22,7 +24,13 @@ QUICK = ["--elements", "6"]
 def drumlin(*words, cwd, env=None, **more):
     env = {**os.environ, "PYTHONPATH": PATH, **(env or {})}
     return subprocess.run(
-        [*DRUMLIN, *map(str, words)], capture_output=True, text=True, cwd=cwd, env=env, check=False, **more
+        [*DRUMLIN, *map(str, words)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        env=env,
+        check=False,
+        **more,
     )
 
 
@@ -36,7 +44,11 @@ def one_line(done, status):
 def test_a_signal_leaves_no_temporary_file_and_no_child(tmp_path, number):
     command = [*DRUMLIN, "compare", BRAKE, "--output", "report", "--elements", "12"]
     process = subprocess.Popen(
-        command, cwd=tmp_path, env={**os.environ, "PYTHONPATH": PATH}, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL
+        command,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": PATH},
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
     )
     end = time.monotonic() + 60
     while not (tmp_path / "report" / "fields.vtu").exists():  # then the child that draws is at work
@@ -71,7 +83,8 @@ def test_names_reach_the_terminal_escaped(tmp_path):
     done = drumlin("view", "b.toml", "--output", "x\n\x1b[31m.png", *QUICK, cwd=tmp_path)
     assert done.returncode == 0 and done.stdout == "picture: x\\n\\x1b[31m.png\n"
     assert (
-        drumlin("solve", "b.toml", "--json", name, *QUICK, cwd=tmp_path).returncode == 0 and (tmp_path / name).exists()
+        drumlin("solve", "b.toml", "--json", name, *QUICK, cwd=tmp_path).returncode == 0
+        and (tmp_path / name).exists()
     )
 
 
@@ -82,7 +95,12 @@ def test_streams_that_are_closed_or_full(tmp_path):
                             preexec_fn=lambda: os.close(1))  # fmt: skip
     assert "standard output is closed" in one_line(closed, 3)
     silent = subprocess.run(
-        words, cwd=tmp_path, env=env, stdout=subprocess.PIPE, check=False, preexec_fn=lambda: os.close(2)
+        words,
+        cwd=tmp_path,
+        env=env,
+        stdout=subprocess.PIPE,
+        check=False,
+        preexec_fn=lambda: os.close(2),
     )
     assert silent.returncode == 0 and silent.stdout
     full = tmp_path / "full"
@@ -93,12 +111,20 @@ def test_streams_that_are_closed_or_full(tmp_path):
         pytest.skip("devices can only be made by root")
     with stream:
         done = subprocess.run(
-            words, cwd=tmp_path, env=env, stdout=stream, stderr=subprocess.PIPE, text=True, check=False
+            words,
+            cwd=tmp_path,
+            env=env,
+            stdout=stream,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
         )
     assert "standard output: cannot be written" in one_line(done, 3)
     read, write = os.pipe()
     os.close(read)
-    done = subprocess.run(words, cwd=tmp_path, env=env, stdout=write, stderr=subprocess.PIPE, text=True, check=False)
+    done = subprocess.run(
+        words, cwd=tmp_path, env=env, stdout=write, stderr=subprocess.PIPE, text=True, check=False
+    )
     os.close(write)
     assert done.returncode == 141 and not done.stderr
 
@@ -127,7 +153,9 @@ def test_a_disk_that_is_full_is_one_line_in_every_writer(tmp_path, case):
 
 def test_files_are_utf_8_in_the_locale_c(tmp_path):
     plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-    text = (STUDY / "brake.toml").read_text(encoding="utf-8").replace("internal double", "Öl λ 漢字")
+    text = (
+        (STUDY / "brake.toml").read_text(encoding="utf-8").replace("internal double", "Öl λ 漢字")
+    )
     (tmp_path / "b.toml").write_text(text, encoding="utf-8")
     words = ["solve", "b.toml", "--json", "r.json", "--pressure", "r.csv", *QUICK]
     done = drumlin(*words, cwd=tmp_path, env=plain)
@@ -155,11 +183,27 @@ def test_a_missing_package_is_one_line(tmp_path):
     (tmp_path / "packages" / "matplotlib").mkdir(parents=True)
     line = "raise ModuleNotFoundError('No module named matplotlib', name='matplotlib')"
     (tmp_path / "packages" / "matplotlib" / "__init__.py").write_text(line)
-    done = drumlin("view", BRAKE, cwd=tmp_path, env={"PYTHONPATH": os.pathsep.join([str(tmp_path / "packages"), PATH])})
+    done = drumlin(
+        "view",
+        BRAKE,
+        cwd=tmp_path,
+        env={"PYTHONPATH": os.pathsep.join([str(tmp_path / "packages"), PATH])},
+    )
     assert "needs the package 'matplotlib'" in one_line(done, 3)
 
 
-FOREIGN = ("pyvista", "vtk", "meshio", "matplotlib", "numpy", "random", "multiprocessing", "drumlin", "json", "typer")
+FOREIGN = (
+    "pyvista",
+    "vtk",
+    "meshio",
+    "matplotlib",
+    "numpy",
+    "random",
+    "multiprocessing",
+    "drumlin",
+    "json",
+    "typer",
+)
 
 
 def test_nothing_is_imported_from_the_current_folder(tmp_path):
@@ -170,8 +214,13 @@ def test_nothing_is_imported_from_the_current_folder(tmp_path):
     script.parent.mkdir()
     script.write_text("from drumlin.cli import main\nif __name__ == '__main__':\n    main()\n")
     (tmp_path / "b.toml").write_bytes((STUDY / "brake.toml").read_bytes())
-    (tmp_path / "s.toml").write_text('brake = "b.toml"\n[vary]\nfriction = [0.1, 0.2]\n[model.fem]\nelements = 6\n')
-    for words in (["compare", "b.toml", "--output", "report", *QUICK], ["sweep", "s.toml", "--jobs", "2"]):
+    (tmp_path / "s.toml").write_text(
+        'brake = "b.toml"\n[vary]\nfriction = [0.1, 0.2]\n[model.fem]\nelements = 6\n'
+    )
+    for words in (
+        ["compare", "b.toml", "--output", "report", *QUICK],
+        ["sweep", "s.toml", "--jobs", "2"],
+    ):
         done = subprocess.run(
             [sys.executable, script, *words],
             cwd=tmp_path,
@@ -207,7 +256,11 @@ def test_a_current_folder_that_is_gone(tmp_path):
     gone = tmp_path / "gone"
     python = f"{sys.executable} -c 'from drumlin.cli import main; main()'"
     command = f"mkdir -p {gone} && cd {gone} && rmdir {gone} && exec {python}"
-    for words, status in ((f"solve {BRAKE} --elements 6", 0), ("solve b.toml", 2), (f"view {BRAKE}", 2)):
+    for words, status in (
+        (f"solve {BRAKE} --elements 6", 0),
+        ("solve b.toml", 2),
+        (f"view {BRAKE}", 2),
+    ):
         done = subprocess.run(
             ["/bin/sh", "-c", f"{command} {words}"],
             env={**os.environ, "PYTHONPATH": PATH},

@@ -11,7 +11,9 @@ from judged_endings import BAD, GIVEN
 def test_each_promise_names_a_test_that_exists():
     for row in PROMISES:
         file, _, name = row["test"].partition("::")
-        path, said = (ROOT / "tests" / file, f"def {name}(") if file.endswith(".py") else (ROOT / file, name)
+        path, said = (
+            (ROOT / "tests" / file, f"def {name}(") if file.endswith(".py") else (ROOT / file, name)
+        )
         assert said in path.read_text(encoding="utf-8"), row
     assert len({row["promise"] for row in PROMISES}) == len(PROMISES) > 20
 

@@ -1,7 +1,8 @@
 """A hundred random brakes: each ends converged or refused with a reason.
 
-Up to mu = 0.6 the answer is the same whatever contact set it starts from. Far beyond, where friction may have taken
-the matrix its uniqueness, the answer is what the model takes; that is checked too, not that there is no other.
+Up to mu = 0.6 the answer is the same whatever contact set it starts from. Far beyond, where
+friction may have taken the matrix its uniqueness, the answer is what the model takes; that is
+checked too, not that there is no other.
 """
 
 import math
@@ -24,7 +25,9 @@ ROTATIONS = ("counter-clockwise", "clockwise")
 
 @st.composite
 def shoes(draw, R):
-    """A shoe for a drum of radius R as a brake file has it: lining rigid, backed or on an elastic arc."""
+    """A shoe for a drum of radius R as a brake file has it: lining rigid, backed or on an elastic
+    arc.
+    """
 
     def between(low, high):
         return draw(st.floats(low, high))
@@ -99,7 +102,13 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
             assert "\n" not in str(refusal)
             assert any(
                 why in str(refusal)
-                for why in ("self-locking", "to touch", "touching", "no equilibrium", "pressed in by")
+                for why in (
+                    "self-locking",
+                    "to touch",
+                    "touching",
+                    "no equilibrium",
+                    "pressed in by",
+                )
             )
             ends[type(refusal).__name__] += 1
             return
@@ -116,7 +125,8 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
         found = ShoeGroup(scene, brake, (0,), penalty).answer()
         w = (problem.q + problem.A @ found.p + problem.B @ found.y) / body.coupling.area
         gap_scale = (
-            np.abs(problem.q / body.coupling.area).max() + np.abs(problem.A @ found.p / body.coupling.area).max()
+            np.abs(problem.q / body.coupling.area).max()
+            + np.abs(problem.A @ found.p / body.coupling.area).max()
         )
         assert found.p.min() >= 0
         assert w.min() >= -1e-8 * gap_scale
@@ -132,5 +142,7 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
     assert sum(ends.values()) >= count
     assert ends["1 arcs"] >= count / 5
     if count == 100:
-        assert ends["2 arcs"] + ends["3 arcs"] >= 1 and ends["NoAnswer"] >= 1, ends  # both are among the hundred
+        assert ends["2 arcs"] + ends["3 arcs"] >= 1 and ends["NoAnswer"] >= 1, (
+            ends
+        )  # both are among the hundred
     assert 1 <= np.median(steps) <= 6  # a few need tens: one node after the other

@@ -5,7 +5,13 @@ import math
 import pytest
 
 import drumlin
-from drumlin.verification.random_corners import KINDS, SHORT_CONTACT, at_corner, at_tip, random_corner
+from drumlin.verification.random_corners import (
+    KINDS,
+    SHORT_CONTACT,
+    at_corner,
+    at_tip,
+    random_corner,
+)
 
 FIRST = 400_000
 
@@ -18,9 +24,15 @@ def test_a_seed_gives_a_brake_that_presses_as_its_kind_says(number):
     assert brake == random_corner(FIRST + number, kind)
     found = drumlin.solve(brake)
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
-    presses = {"corner": at_corner, "tip": at_tip, "table": lambda *pair: at_corner(*pair) or at_tip(*pair)}
+    presses = {
+        "corner": at_corner,
+        "tip": at_tip,
+        "table": lambda *pair: at_corner(*pair) or at_tip(*pair),
+    }
     assert any(presses[KINDS[kind].presses](*pair) for pair in pairs)
-    assert all(math.fsum(b - a for a, b in shoe.contact_arcs) < math.radians(12) for shoe in found.shoes)
+    assert all(
+        math.fsum(b - a for a, b in shoe.contact_arcs) < math.radians(12) for shoe in found.shoes
+    )
 
 
 def test_short_contacts_are_in_the_zones_that_other_brakes_leave_out():

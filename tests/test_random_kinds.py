@@ -1,4 +1,6 @@
-"""Random brakes of every way to hold and push shoes: what physics demands of laws and finite elements alike."""
+"""Random brakes of every way to hold and push shoes: what physics demands of laws and finite
+elements alike.
+"""
 
 import math
 import tempfile
@@ -42,10 +44,14 @@ def whole_balance(brake: Brake, found: Response) -> None:
     shoes = {shoe.name: (shoe, own) for shoe, own in zip(under.shoes, found.shoes, strict=True)}
     for link in brake.links:
         source, to = shoes[link.source][1], shoes[link.to][0]
-        assert source.hinge_reaction == pytest.approx(-to.actuation.vector, rel=1e-8, abs=1e-8 * to.actuation.force)
+        assert source.hinge_reaction == pytest.approx(
+            -to.actuation.vector, rel=1e-8, abs=1e-8 * to.actuation.force
+        )
         assert to.actuation.force == pytest.approx(np.linalg.norm(source.hinge_reaction), rel=1e-9)
     if brake.actuation is not None and brake.actuation.is_cam:
-        assert sum(own.force or 0.0 for own in found.shoes) == pytest.approx(brake.actuation.total, rel=1e-9)
+        assert sum(own.force or 0.0 for own in found.shoes) == pytest.approx(
+            brake.actuation.total, rel=1e-9
+        )
     for shoe, own in shoes.values():
         reaction = own.hinge_reaction
         if shoe.abutment is not None and own.contact_arcs:
@@ -68,7 +74,8 @@ def whole_balance(brake: Brake, found: Response) -> None:
             float(cross(foot, own.hinge_reaction)) + own.reaction_moment,
         ]
     size = max(np.linalg.norm(force) for force in forces)
-    # of p(theta) on the round drum, which the elements' edges follow; that at the nodes is judged by `judge`
+    # of p(theta) on the round drum, which the elements' edges follow; that at the nodes is judged
+    # by `judge`
     assert np.linalg.norm(np.sum(forces, axis=0)) < 1e-9 * size
     assert abs(sum(moments)) < 1e-9 * size * brake.size
 
@@ -82,11 +89,15 @@ def judge(seed: int, kind: str) -> None:
         whole_balance(brake, found)
 
 
-def same(a: Response, b: Response, *, size: float = 1.0, force: float = 1.0, rel: float = 1e-7) -> None:
+def same(
+    a: Response, b: Response, *, size: float = 1.0, force: float = 1.0, rel: float = 1e-7
+) -> None:
     assert b.effect == pytest.approx(size * a.effect, rel=rel)
     for x, y in zip(a.shoes, b.shoes, strict=True):
         assert y.normal_force == pytest.approx(force * x.normal_force, rel=rel)
-        assert np.linalg.norm(y.hinge_reaction) == pytest.approx(force * np.linalg.norm(x.hinge_reaction), rel=rel)
+        assert np.linalg.norm(y.hinge_reaction) == pytest.approx(
+            force * np.linalg.norm(x.hinge_reaction), rel=rel
+        )
         if x.force is not None:
             assert y.force == pytest.approx(force * x.force, rel=rel)
 
@@ -100,7 +111,9 @@ def fitting(brake: Brake) -> bool:
 
 
 def moved(seed: int, kind: str, turn: float, length: float, modulus: float) -> None:
-    """Turned, mirrored, shifted; larger and stiffer; under twice the forces; as a file with its units."""
+    """Turned, mirrored, shifted; larger and stiffer; under twice the forces; as a file with its
+    units.
+    """
     brake = random_kind(seed, kind)
     flat = isinstance(brake, FlatBrake)
     for solve in MODELS:
@@ -109,7 +122,12 @@ def moved(seed: int, kind: str, turn: float, length: float, modulus: float) -> N
             place: dict[str, Any] = {"shift": turn} if flat else {"turn": turn}
             same(a, solve(placed(brake, mirrored=mirrored, **place)))
         force = modulus * length**2
-        same(a, solve(scaled(brake, length, modulus)), size=force * (1 if flat else length), force=force)
+        same(
+            a,
+            solve(scaled(brake, length, modulus)),
+            size=force * (1 if flat else length),
+            force=force,
+        )
         (first, *others), fits = brake.shoes, solve is law or fitting(brake)
         twice = {"shoe.actuation.force": 2 * first.actuation.force} if fits and not others else {}
         if twice:
@@ -160,7 +178,9 @@ def both_ways(brake: Brake) -> list[Brake]:
 
 
 def rigid_limit(seed: int, kind: str) -> int:
-    """How many of both senses have an answer; without one by the law there is none by finite elements."""
+    """How many of both senses have an answer; without one by the law there is none by finite
+    elements.
+    """
     answers = 0
     for brake in both_ways(random_kind(seed, kind, rigid=True)):
         try:
@@ -214,7 +234,10 @@ def locked(seed: int, kind: str, most: float = 1.2) -> int:
             continue
         own = vary(brake, {"friction": 0.97 * end})
         found = limits(scene_of(own, elements=24), own, 2.0, 1e6)
-        assert min(limit.friction for limit in found.values()) == pytest.approx(end, rel=1e-2), (brake, end)
+        assert min(limit.friction for limit in found.values()) == pytest.approx(end, rel=1e-2), (
+            brake,
+            end,
+        )
         assert drumlin.solve(vary(brake, {"friction": 0.97 * end})).effect > 0
         with pytest.raises(NoAnswer):
             drumlin.solve(vary(brake, {"friction": 1.03 * end}))
@@ -232,5 +255,7 @@ def test_a_hinged_shoe_ends_where_the_law_does() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", LINKED)
 def test_finite_elements_end_where_the_law_does(kind: str) -> None:
-    """At self-locking, where a shoe tips, its foot leaves the abutment, or a cam would have to pull."""
+    """At self-locking, where a shoe tips, its foot leaves the abutment, or a cam would have to
+    pull.
+    """
     assert sum(locked(seed, kind) for seed in range(12)) >= 6

@@ -40,7 +40,9 @@ def test_law_against_elements():
     digits(peak, -100 * min(float(stiff[shoe]["peak_error"]) for shoe in ("right", "left")))
     total = next(row for row in sine if (row["case"], row["shoe"]) == ("flexible shoes", "all"))
     digits(flexible, -100 * float(total["torque_error"]))
-    spent = [float(row["seconds"]) for row in made if row["model"] == "fem" and row["shoe"] == "all"]
+    spent = [
+        float(row["seconds"]) for row in made if row["model"] == "fem" and row["shoe"] == "all"
+    ]
     assert len(spent) == 2
     for one in spent:
         digits(seconds, one)
@@ -55,7 +57,12 @@ def test_error_against_run_time():
     )
     digits(off, 100 * float(law["pressure_error"]))
     digits(law_ms, 1e3 * float(law["seconds"]))
-    least = rows("error_vs_runtime/recommended.csv", brake=brake, quantity="p (L2)", target=f"{known / 100:g}")[0]
+    least = rows(
+        "error_vs_runtime/recommended.csv",
+        brake=brake,
+        quantity="p (L2)",
+        target=f"{known / 100:g}",
+    )[0]
     digits(ms, 1e3 * float(least["seconds"]))
     assert float(least["error"]) <= known / 100
 
@@ -63,9 +70,12 @@ def test_error_against_run_time():
         """How many times as long a peer takes on the quickest of its meshes that know p as well."""
         made = rows(file, brake=brake, family=peer, status="converged")
         best = min(
-            (row for row in made if float(row["pressure_error"]) <= target), key=lambda row: float(row["seconds"])
+            (row for row in made if float(row["pressure_error"]) <= target),
+            key=lambda row: float(row["seconds"]),
         )
-        ours = rows("error_vs_runtime/recommended.csv", brake=brake, quantity="p (L2)", target=f"{target:g}")[0]
+        ours = rows(
+            "error_vs_runtime/recommended.csv", brake=brake, quantity="p (L2)", target=f"{target:g}"
+        )[0]
         (ours,) = rows(file, brake=brake, family=ours["family"], method=ours["method"])
         return float(best[key]) / float(ours[key])
 

@@ -12,17 +12,37 @@ def row_of(elements, error, seconds, family="graded mesh"):
 def test_luck_is_no_recommendation_and_ties_go_to_the_more_exact():
     lucky = [row_of(20, 1e-4, 1.0), row_of(40, 1e-2, 2.0), row_of(80, 1e-3, 4.0)]
     other = [row_of(20, 5e-4, 4.5, "even mesh")]
-    failed = [{"family": "even mesh", "kind": "tri1", "elements": 20, "seconds": 0.1, "status": "failed: x"}]
+    failed = [
+        {
+            "family": "even mesh",
+            "kind": "tri1",
+            "elements": 20,
+            "seconds": 0.1,
+            "status": "failed: x",
+        }
+    ]
     floors = {"torque_error": 1e-6}
     fit = enough(lucky + other + failed, "torque_error", 5e-3, floors)
-    assert [row["seconds"] for row in fit] == [4.5, 4.0]  # 20 elements were lucky; of two alike the more exact is first
+    assert [row["seconds"] for row in fit] == [
+        4.5,
+        4.0,
+    ]  # 20 elements were lucky; of two alike the more exact is first
     assert enough(lucky, "torque_error", 1e-7, floors) == []
     assert len(series(lucky + other)) == 2
 
 
 def test_what_to_use_is_a_matrix_of_brakes_and_targets():
-    """Three brakes: a law that is right, one that finite elements alone know, one whose reference knows too little."""
-    law = {"family": "law", "method": "sine", "model": "sine", "status": "converged", "seconds": 0.1, "ratio": 0.1}
+    """Three brakes: a law that is right, one that finite elements alone know, one whose reference
+    knows too little.
+    """
+    law = {
+        "family": "law",
+        "method": "sine",
+        "model": "sine",
+        "status": "converged",
+        "seconds": 0.1,
+        "ratio": 0.1,
+    }
     mesh = {"family": "graded mesh", "method": "quad2, 40 elements", "kind": "quad2", "elements": 40, "seconds": 2.0,
             "ratio": 2.0, "status": "converged", "torque_error": 1e-5, "pressure_error": 2e-3}  # fmt: skip
     rows = [
@@ -35,7 +55,9 @@ def test_what_to_use_is_a_matrix_of_brakes_and_targets():
     torque, pressure = matrices(best_rows(rows, floors))
     assert (torque.quantity, pressure.quantity) == ("torque", "p (L2)")
     assert torque.targets == TARGETS["torque_error"]
-    assert torque.by_law == [1, 1, 1, 0, 0] and pressure.by_law == [0] * len(TARGETS["pressure_error"])
+    assert torque.by_law == [1, 1, 1, 0, 0] and pressure.by_law == [0] * len(
+        TARGETS["pressure_error"]
+    )
     assert list(torque.lines) == ["right", "wrong", "vague"]
     assert [cell.sort for cell in torque.lines["right"]] == ["law"] * 3 + ["elastic"] * 2
     assert [cell.sort for cell in torque.lines["wrong"]] == ["elastic"] * 5
@@ -48,7 +70,9 @@ def test_what_to_use_is_a_matrix_of_brakes_and_targets():
 
 
 def test_peers_are_held_against_the_fastest_way_to_each_error():
-    """Ratios of the quickest rows on both sides; a row that is not quick, or on an even mesh, does not count."""
+    """Ratios of the quickest rows on both sides; a row that is not quick, or on an even mesh, does
+    not count.
+    """
 
     def made(family, error, ratio, **more):
         return {"brake": "one", "family": family, "method": "x", "kind": "quad2", "pressure_error": error,
@@ -63,9 +87,20 @@ def test_peers_are_held_against_the_fastest_way_to_each_error():
         made("CalculiX", 3e-3, 900.0, elements=56),
     ]  # fmt: skip
     ((brake, times, alike, even),) = against_peers(rows, {"one": {"pressure_error": 1e-6}})
-    assert brake == "one" and [(one.peer, one.target) for one in times] == [(p, x) for p in AIMS for x in AIMS[p]]
-    ratios = {(one.peer, one.target): one.best["ratio"] / one.own["ratio"] for one in times if one.best}
+    assert brake == "one" and [(one.peer, one.target) for one in times] == [
+        (p, x) for p in AIMS for x in AIMS[p]
+    ]
+    ratios = {
+        (one.peer, one.target): one.best["ratio"] / one.own["ratio"] for one in times if one.best
+    }
     assert ratios == {("GetFEM", 5e-3): 30.0, ("GetFEM", 1e-3): 40.0, ("CalculiX", 5e-3): 900.0}
-    assert {one.target: one.own["ratio"] for one in times if one.peer == "GetFEM"} == {5e-3: 1.0, 1e-3: 2.0, 1e-4: 4.0}
-    assert [(theirs["ratio"], mine["ratio"]) for theirs, mine in alike] == [(40.0, 8.0), (900.0, 8.0)]
+    assert {one.target: one.own["ratio"] for one in times if one.peer == "GetFEM"} == {
+        5e-3: 1.0,
+        1e-3: 2.0,
+        1e-4: 4.0,
+    }
+    assert [(theirs["ratio"], mine["ratio"]) for theirs, mine in alike] == [
+        (40.0, 8.0),
+        (900.0, 8.0),
+    ]
     assert (even[0]["ratio"], even[1]["ratio"]) == (1.0, 1.0)

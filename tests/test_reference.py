@@ -1,4 +1,6 @@
-"""Reference values against what is known otherwise, their file, and the check of somebody's p(theta)."""
+"""Reference values against what is known otherwise, their file, and the check of somebody's
+p(theta).
+"""
 
 import json
 import re
@@ -43,14 +45,18 @@ def quick(brake):
 
 @pytest.mark.slow
 def test_a_reference_agrees_with_a_coarser_one_and_with_another_discretisation(known, quick):
-    """The independent one has an error of some 1e-5 itself: from 45 to 90 elements it changes by 2e-5."""
+    """The independent one has an error of some 1e-5 itself: from 45 to 90 elements it changes by
+    2e-5.
+    """
     assert known.torque.value == pytest.approx(independent.torque("double_shoe/brake"), rel=2e-5)
     assert known.torque.relative < 1e-6
     assert quick.torque.value == pytest.approx(known.torque.value, rel=1e-5)
     for fine, coarse in zip(known.shoes, quick.shoes, strict=True):
         assert fine.distance < 1e-4 and fine.pressure_uncertainty < 5e-4
         off = np.abs(fine.pressure - coarse.pressure)[fine.inside].max() / fine.peak_pressure.value
-        assert off < 5 * coarse.pressure_uncertainty  # the uncertainty covers what a finer mesh changes
+        assert (
+            off < 5 * coarse.pressure_uncertainty
+        )  # the uncertainty covers what a finer mesh changes
         assert coarse.pressure_uncertainty < 5e-3
 
 
@@ -73,7 +79,8 @@ def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_say
         assert coarse.torque == pytest.approx(found.torque.value, rel=1e-3)
         for shoe, answer in zip(found.shoes, coarse.shoes, strict=True):
             assert answer.hinge_reaction == pytest.approx(
-                np.array(shoe.hinge_reaction.value), abs=5e-3 * np.linalg.norm(shoe.hinge_reaction.value)
+                np.array(shoe.hinge_reaction.value),
+                abs=5e-3 * np.linalg.norm(shoe.hinge_reaction.value),
             )
             own = next(s for s in brake.shoes if s.name == shoe.name)
             if own.held_by != "hinge" or brake.links or brake.actuation is not None:
@@ -157,7 +164,10 @@ def test_a_table_that_cannot_be_read_is_refused_in_one_line(text, brake, tmp_pat
 
 def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake, known, tmp_path):
     path = tmp_path / "p.csv"
-    path.write_text("shoe,theta [deg],p [MPa]\n" + "".join(f"{n},{a},1\n" for n in ("right", "left") for a in (0, 30)))
+    path.write_text(
+        "shoe,theta [deg],p [MPa]\n"
+        + "".join(f"{n},{a},1\n" for n in ("right", "left") for a in (0, 30))
+    )
     with pytest.raises(BadInput, match="must reach from"):
         check(brake, known, read_curves(path, brake))
     block = read_brake(ROOT / "studies" / "laws" / "block.toml")
@@ -173,7 +183,9 @@ def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake
     for key, value in others.items():  # their shoes bear the same names
         with pytest.raises(BadInput, match=re.escape(f"of another brake: {key} is not the same")):
             check(vary(brake, {key: value}), known, read_curves(path, brake))
-    titled = vary(brake, {"title": "mine", "drum.radius": "15 cm", "shoe[0].lining.thickness": "0.8 cm"})
+    titled = vary(
+        brake, {"title": "mine", "drum.radius": "15 cm", "shoe[0].lining.thickness": "0.8 cm"}
+    )
     assert check(titled, known, read_curves(path, brake))
     with pytest.raises(BadInput, match="mesh file"):
         responses(vary(brake, {"shoe[0].mesh": str(Path("s.msh"))}))
@@ -190,7 +202,9 @@ def test_pressures_that_solve_writes_are_read_by_check(brake, tmp_path):
 @pytest.mark.slow
 def test_commands(tmp_path):
     brake_file, path = STUDY.parent / "laws" / "short_block.toml", tmp_path / "p.csv"
-    made = CliRunner().invoke(app, ["solve", str(brake_file), "--elements", "80", "--pressure", str(path)])
+    made = CliRunner().invoke(
+        app, ["solve", str(brake_file), "--elements", "80", "--pressure", str(path)]
+    )
     assert made.exit_code == 0 and path.read_text().startswith("shoe,theta [deg],p [MPa]\n")
     done = CliRunner().invoke(app, ["check", str(brake_file), str(path)])
     assert done.exit_code == 0 and "laws_short_block.json" in done.output
@@ -198,8 +212,16 @@ def test_commands(tmp_path):
     strict = CliRunner().invoke(app, ["check", str(brake_file), str(path), "--tolerance", "1e-9"])
     assert strict.exit_code == 0 and "NOT within" in strict.output
     with pytest.raises(BadInput, match="--tolerance"):
-        CliRunner().invoke(app, ["check", str(brake_file), str(path), "--tolerance", "2"], catch_exceptions=False)
-    made = CliRunner().invoke(app, ["reference", str(brake_file), "--output", str(tmp_path / "r.json")])
+        CliRunner().invoke(
+            app, ["check", str(brake_file), str(path), "--tolerance", "2"], catch_exceptions=False
+        )
+    made = CliRunner().invoke(
+        app, ["reference", str(brake_file), "--output", str(tmp_path / "r.json")]
+    )
     assert made.exit_code == 0 and "uncertainty" in made.output
-    kept = read_reference(VALUES / "laws_short_block.json").torque  # what is stored is what the command gives
-    assert read_reference(tmp_path / "r.json").torque.value == pytest.approx(kept.value, abs=2 * kept.uncertainty)
+    kept = read_reference(
+        VALUES / "laws_short_block.json"
+    ).torque  # what is stored is what the command gives
+    assert read_reference(tmp_path / "r.json").torque.value == pytest.approx(
+        kept.value, abs=2 * kept.uncertainty
+    )

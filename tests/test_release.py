@@ -11,4 +11,6 @@ def test_the_version_is_the_same_everywhere():
     version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
     assert drumlin.__version__ == version
     assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
-    assert re.findall(r"drumlin-(.*)-py3-none-any\.whl", (ROOT / "README.md").read_text()) == [version]
+    assert re.findall(r"drumlin-(.*)-py3-none-any\.whl", (ROOT / "README.md").read_text()) == [
+        version
+    ]

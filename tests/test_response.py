@@ -1,4 +1,6 @@
-"""Resultants of a pressure, where it ends, and what a response says of it: against closed forms, without any model."""
+"""Resultants of a pressure, where it ends, and what a response says of it: against closed forms,
+without any model.
+"""
 
 import math
 from dataclasses import replace
@@ -68,7 +70,9 @@ def test_polynomials_are_integrated_and_evaluated_exactly(order):
         assert shoe.pressure_at(np.array([0.2 - 1e-9, 1.9 + 1e-9])).tolist() == [0, 0]
     kinked = np.abs(theta - 0.6)  # each piece has its own polynomial
     assert integrate(theta, kinked, order) == pytest.approx((0.4**2 + 1.3**2) / 2, rel=1e-14)
-    assert shoe_of(theta, kinked, order).pressure_at(np.array([0.59, 0.61])) == pytest.approx([0.01, 0.01])
+    assert shoe_of(theta, kinked, order).pressure_at(np.array([0.59, 0.61])) == pytest.approx(
+        [0.01, 0.01]
+    )
 
 
 def shoe_of(theta, pressure, order=2, **more):
@@ -81,9 +85,20 @@ def shoe_of(theta, pressure, order=2, **more):
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("drag", [0.3, -0.4])
 def test_an_even_pressure_on_an_arc(sign, drag):
-    """p R b over a < theta < b: -sign p R b (sin b - sin a, cos a - cos b) and drag times that turned by 90 deg."""
+    """p R b over a < theta < b: -sign p R b (sin b - sin a, cos a - cos b) and drag times that
+    turned by 90 deg.
+    """
     theta, p, R, width = polynomial(2, KNOTS), 3e5, 0.2, 0.05
-    found = resultant(DRUM, theta, np.full(len(theta), p), order=2, size=R, per_place=R * width, sign=sign, drag=drag)
+    found = resultant(
+        DRUM,
+        theta,
+        np.full(len(theta), p),
+        order=2,
+        size=R,
+        per_place=R * width,
+        sign=sign,
+        drag=drag,
+    )
     along = p * R * width * np.array([math.sin(1.9) - math.sin(0.2), math.cos(0.2) - math.cos(1.9)])
     assert found.normal == pytest.approx(-sign * along, rel=1e-9)
     assert found.friction == pytest.approx(drag * np.array([-along[1], along[0]]), rel=1e-9)
@@ -110,15 +125,27 @@ def test_angles_are_counted_from_the_middle_and_cross_products_by_the_sine(middl
 def test_arcs_reach_to_the_node_next_to_a_pressed_one(pressed, arcs):
     theta = np.arange(len(pressed)) * 0.5 + 1
     p = np.array([float(digit) for digit in pressed])
-    assert contact_arcs(theta, p, 1, located=False) == tuple((1 + 0.5 * a, 1 + 0.5 * b) for a, b in arcs)
+    assert contact_arcs(theta, p, 1, located=False) == tuple(
+        (1 + 0.5 * a, 1 + 0.5 * b) for a, b in arcs
+    )
 
 
 @pytest.mark.parametrize(
     ("order", "end", "found"),
-    [(1, 0.1, 0.1), (1, 0.4, 0.4), (2, 0.1, 0.1), (2, 0.3, 0.25), (1, -0.1, 0.0), (2, -0.1, 0.0), (2, 0.32, 0.32)],
+    [
+        (1, 0.1, 0.1),
+        (1, 0.4, 0.4),
+        (2, 0.1, 0.1),
+        (2, 0.3, 0.25),
+        (1, -0.1, 0.0),
+        (2, -0.1, 0.0),
+        (2, 0.32, 0.32),
+    ],
 )
 def test_the_end_of_a_contact_is_where_the_integral_of_its_square_root_begins(order, end, found):
-    """Nodal values whose integrals to 0.5 and to 1 are (theta - end)^1.5; an end beyond its step is taken to it."""
+    """Nodal values whose integrals to 0.5 and to 1 are (theta - end)^1.5; an end beyond its step is
+    taken to it.
+    """
     theta = np.linspace(0, 5, 10 * order + 1)
     F, G = 0.5**-1 * (0.5 - end) ** 1.5, 0.5**-1 * (1 - end) ** 1.5  # over the step
     if order == 1:
@@ -130,11 +157,16 @@ def test_the_end_of_a_contact_is_where_the_integral_of_its_square_root_begins(or
     assert min(p) >= 0
     pressure = np.array(p + [1.0] * (len(theta) - len(p)))
     assert contact_arcs(theta, pressure, order) == ((pytest.approx(found, abs=1e-12), 5.0),)
-    assert contact_arcs(-theta[::-1], pressure[::-1], order) == ((-5.0, pytest.approx(-found, abs=1e-12)),)
+    assert contact_arcs(-theta[::-1], pressure[::-1], order) == (
+        (-5.0, pytest.approx(-found, abs=1e-12)),
+    )
     two = slice(None, 2 * order + 1)
     assert contact_arcs(theta[two], pressure[two], order)[0][0] == pytest.approx(found, abs=1e-12)
     one = slice(None, order + 1)  # too short to tell
-    assert contact_arcs(theta[one], pressure[one], order)[0][0] == theta[np.flatnonzero(pressure > 0)[0] - 1]
+    assert (
+        contact_arcs(theta[one], pressure[one], order)[0][0]
+        == theta[np.flatnonzero(pressure > 0)[0] - 1]
+    )
 
 
 def test_an_end_next_to_which_nothing_more_is_pressed_stays_at_its_node():
@@ -163,8 +195,17 @@ def test_an_elastic_lining_by_growing_angles(brake):
         hinge_reaction=np.array([1.0, 2]), turn=0.5, located=False, lumped=Resultant(np.ones(2), np.ones(2), 1.0),
     )  # fmt: skip
     assert found.theta == pytest.approx(theta[::-1]) and found.pressure == pytest.approx(p[::-1])
-    assert (found.name, found.torque, found.normal_force, found.self_energising) == (shoe.name, 3.0, 4.0, False)
-    assert (found.peak_pressure, found.order, found.turn) == (7.0, 2, 0.5)  # without 8 mm / (2 150 mm) at the ends
+    assert (found.name, found.torque, found.normal_force, found.self_energising) == (
+        shoe.name,
+        3.0,
+        4.0,
+        False,
+    )
+    assert (found.peak_pressure, found.order, found.turn) == (
+        7.0,
+        2,
+        0.5,
+    )  # without 8 mm / (2 150 mm) at the ends
     assert found.contact_arcs == ((0.0, 1.0),) and found.lumped is not None
     other = pressed_shoe(shoe, 0.15, theta[::-1], p, order=2, torque=3.0, normal_force=4.0, self_energising=False,
                          hinge_reaction=np.zeros(2))  # fmt: skip
@@ -178,7 +219,9 @@ def test_an_elastic_lining_by_growing_angles(brake):
 
 def test_forces_and_moments_are_balanced_relative_to_the_largest(brake):
     forces = [np.array([3.0, 0]), np.array([0, 4.0]), np.array([-3.0, -3.0])]
-    assert relative_balance(forces, [2.0, -1.5]) == Balance(pytest.approx(1 / math.sqrt(18)), pytest.approx(0.25))
+    assert relative_balance(forces, [2.0, -1.5]) == Balance(
+        pytest.approx(1 / math.sqrt(18)), pytest.approx(0.25)
+    )
     assert relative_balance([np.zeros(2)], [0.0]) == relative_balance([], []) == Balance(0.0, 0.0)
     assert worst([Balance(1.0, 4.0), Balance(3.0, 2.0)]) == Balance(3.0, 4.0)
 
@@ -187,17 +230,26 @@ def test_a_shoe_is_balanced_by_the_integrals_of_its_pressure_or_by_what_is_lumpe
     spec, R = brake.shoes[0], brake.drum.radius
     theta = np.linspace(spec.lining.start, spec.lining.end, 41)
     p = 1e5 * (1 + theta**2)
-    contact = resultant(DRUM, theta, p, order=2, size=R, per_place=R * spec.lining.width, sign=1, drag=0.3)
+    contact = resultant(
+        DRUM, theta, p, order=2, size=R, per_place=R * spec.lining.width, sign=1, drag=0.3
+    )
     pin = -contact.force - spec.actuation.vector
     shoe = replace(shoe_of(theta, p), hinge_reaction=pin)
     found = contact_resultant(brake, 0, shoe)
-    assert found.force == pytest.approx(contact.force) and found.moment == pytest.approx(contact.moment)
+    assert found.force == pytest.approx(contact.force) and found.moment == pytest.approx(
+        contact.moment
+    )
     clockwise = contact_resultant(vary(brake, {"rotation": "clockwise"}), 0, shoe)
-    assert clockwise.normal == pytest.approx(contact.normal) and clockwise.moment == pytest.approx(-contact.moment)
+    assert clockwise.normal == pytest.approx(contact.normal) and clockwise.moment == pytest.approx(
+        -contact.moment
+    )
     balance = shoe_balance(brake, 0, shoe)
     assert balance.force < 1e-15
     hinge, push = spec.hinge.xy, spec.actuation
-    about = [contact.moment - hinge[0] * contact.force[1] + hinge[1] * contact.force[0], push.moment_about(spec.hinge)]
+    about = [
+        contact.moment - hinge[0] * contact.force[1] + hinge[1] * contact.force[0],
+        push.moment_about(spec.hinge),
+    ]
     assert balance.moment == pytest.approx(abs(sum(about)) / max(map(abs, about)))
     lumped = Resultant(np.array([5.0, 0]), np.array([0, 7.0]), 9.0)
     assert contact_resultant(brake, 0, replace(shoe, lumped=lumped)) is lumped
@@ -207,25 +259,38 @@ def test_a_shoe_is_balanced_by_the_integrals_of_its_pressure_or_by_what_is_lumpe
 def test_a_shoe_apart_and_responses_as_plain_data(brake):
     away = untouched(brake.shoes[0], np.array([1.0, 2.0]))
     lining = brake.shoes[0].lining
-    assert away.theta == pytest.approx([lining.start, lining.middle, lining.end]) and not away.pressure.any()
+    assert (
+        away.theta == pytest.approx([lining.start, lining.middle, lining.end])
+        and not away.pressure.any()
+    )
     assert (away.torque, away.normal_force, away.peak_pressure) == (0, 0, 0)
     assert away.contact_arcs == () and not away.self_energising and away.pivot_reaction is None
     on_pivot = vary(brake, {"shoe[0].pivot": {"x": 0.1, "y": 0.0}}).shoes[0]
     assert untouched(on_pivot, np.zeros(2)).pivot_reaction == pytest.approx([0, 0])
 
     bent = Deformation(*(np.array([float(i)]) for i in range(4)))
-    shoe = replace(shoe_of(np.array([0.0, 1, 2]), np.array([1.0, 2, 3])), deformation=bent, pivot_reaction=np.ones(2))
+    shoe = replace(
+        shoe_of(np.array([0.0, 1, 2]), np.array([1.0, 2, 3])),
+        deformation=bent,
+        pivot_reaction=np.ones(2),
+    )
     assert shoe.as_dict() == {
         "name": "shoe", "torque": 1.0, "normal_force": 1.0, "self_energising": True, "peak_pressure": 1.0,
         "hinge_reaction": [0, 0], "contact_arcs": [[0, 2]], "theta": [0, 1, 2], "pressure": [1, 2, 3],
         "pivot_reaction": [1, 1], "deformation": {"x": [0], "w": [1], "relative": [2], "z": [3]},
     }  # fmt: skip
     response = Response(
-        "fem", (shoe, away), Balance(1e-9, 2e-9), bearing_load=np.array([1.0, 2]), error={"torque": 1e-3}
+        "fem",
+        (shoe, away),
+        Balance(1e-9, 2e-9),
+        bearing_load=np.array([1.0, 2]),
+        error={"torque": 1e-3},
     )
     data = response.as_dict()
     assert response.torque == data["torque"] == 1.0
     assert data["balance"] == {"force": 1e-9, "moment": 2e-9} and data["error"] == {"torque": 1e-3}
-    assert [s["name"] for s in data["shoes"]] == ["shoe", "right"] and "deformation" not in data["shoes"][1]
+    assert [s["name"] for s in data["shoes"]] == ["shoe", "right"] and "deformation" not in data[
+        "shoes"
+    ][1]
     assert data["bearing_load"] == [1, 2] and data["converged"] is True and data["iterations"] == 0
     assert "bearing_load" not in replace(response, bearing_load=None).as_dict()

@@ -18,7 +18,12 @@ BRAKE = read_brake(STUDY / "brake.toml")
 
 
 def ringed(E=1.2e11, support="fixed", thickness=0.015, **changes):
-    ring = {"thickness": thickness, "width": 0.04, "material": {"E": E, "nu": 0.25}, "support": support}
+    ring = {
+        "thickness": thickness,
+        "width": 0.04,
+        "material": {"E": E, "nu": 0.25},
+        "support": support,
+    }
     return vary(BRAKE, {"drum.ring": ring, **changes})
 
 
@@ -62,9 +67,11 @@ def test_shoes_meet_through_a_free_ring_and_not_through_a_rigid_drum():
 
 
 def test_a_thin_free_ring_bends_as_theory_says():
-    """Diametral pair of forces on a thin ring: shortening F R^3/(EI) (pi/4 - 2/pi) = .148778 and .136620 widening.
+    """Diametral pair of forces on a thin ring: shortening F R^3/(EI) (pi/4 - 2/pi) = .148778 and
+    .136620 widening.
 
-    The pair is spread over short arcs of the friction surface; the linear response comes from the ring body alone.
+    The pair is spread over short arcs of the friction surface; the linear response comes from the
+    ring body alone.
     """
     R, width, E = 1.0, 0.04, 1.2e11
     deviations = []
@@ -76,7 +83,10 @@ def test_a_thin_free_ring_bends_as_theory_says():
                        "material": {"E": 1e9, "nu": 0.0}},
             "actuation": {"force": 1.0, "direction": 0.0, "point": {"x": 0.0, "y": 0.5}},
         }  # fmt: skip
-        left = {**shoe, "lining": {**shoe["lining"], "start": math.pi - 0.02, "end": math.pi + 0.02}}
+        left = {
+            **shoe,
+            "lining": {**shoe["lining"], "start": math.pi - 0.02, "end": math.pi + 0.02},
+        }
         left["actuation"] = {"force": 1.0, "direction": math.pi, "point": {"x": 0.0, "y": 0.5}}
         from drumlin.brake.file import brake_from
 
@@ -90,7 +100,10 @@ def test_a_thin_free_ring_bends_as_theory_says():
         ring, bodies = scene.ring, scene.bodies
         areas = [body.coupling.area for body in bodies]
         p = [np.full(len(a), 1.0 / a.sum()) for a in areas]  # one newton on each side
-        opening = [float(p[i] @ ring.pressed[i].T @ sum(ring.pressed[j] @ p[j] for j in (0, 1))) for i in (0, 1)]
+        opening = [
+            float(p[i] @ ring.pressed[i].T @ sum(ring.pressed[j] @ p[j] for j in (0, 1)))
+            for i in (0, 1)
+        ]
         EI = E * width * t**3 / 12
         # the mean radial displacement under each force, outwards
         expected = 0.5 * (math.pi / 4 - 2 / math.pi) * R**3 / EI
@@ -118,7 +131,9 @@ def test_a_scene_with_another_ring_is_refused():
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
-    """Recovered inside both bodies on their own meshes, the normal displacements agree where there is contact."""
+    """Recovered inside both bodies on their own meshes, the normal displacements agree where there
+    is contact.
+    """
     spec = ringed(support=support)
     scene = prepare(spec, elements=60)
     response = respond(scene, spec)
@@ -131,9 +146,14 @@ def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
         return angle, np.einsum("ij,ij->i", part.displacement[where], part.points[where]) / 0.150
 
     angle, mine = outwards(lining, touching)
-    theirs = np.interp(angle, *zip(*sorted(zip(*outwards(ring, surface), strict=True)), strict=True))
+    theirs = np.interp(
+        angle, *zip(*sorted(zip(*outwards(ring, surface), strict=True)), strict=True)
+    )
     compression = response.shoes[1].peak_pressure * 0.008 / 3e8
     assert np.abs(mine - theirs).max() < 2e-3 * compression
     if support == "free":  # the rim's mean motion is zero
         far = np.hypot(*ring.points.T) > 0.165 - 1e-9
-        assert np.abs(ring.displacement[far].mean(axis=0)).max() < 0.05 * np.abs(ring.displacement).max()
+        assert (
+            np.abs(ring.displacement[far].mean(axis=0)).max()
+            < 0.05 * np.abs(ring.displacement).max()
+        )

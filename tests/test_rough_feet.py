@@ -1,4 +1,6 @@
-"""Feet on rough abutments: what `solve` means, where `hold` ends elsewhere and says so, and where they lock."""
+"""Feet on rough abutments: what `solve` means, where `hold` ends elsewhere and says so, and where
+they lock.
+"""
 
 import json
 import math
@@ -56,9 +58,11 @@ def pad(folder: Path) -> FlatBrake:
 
 
 class Layer(NamedTuple):
-    """A rigid pad on springs, its rigid motion about the origin; a foot on springs, stiff beside those of the lining.
+    """A rigid pad on springs, its rigid motion about the origin; a foot on springs, stiff beside
+    those of the lining.
 
-    `motion` (3,): dx, dy [m], turn [rad]; `t` (n,), `foot`: forces of friction [N]; `slid` [m]: of the plane.
+    `motion` (3,): dx, dy [m], turn [rad]; `t` (n,), `foot`: forces of friction [N]; `slid` [m]: of
+    the plane.
     """
 
     motion: np.ndarray
@@ -73,10 +77,11 @@ STIFF = 1e3
 
 
 def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:
-    """The state under a share of the force, the plane slid by so much: Coulomb's law for each spring, by increments.
+    """The state under a share of the force, the plane slid by so much: Coulomb's law for each
+    spring, by increments.
 
-    Each spring is a normal and a shear spring in series with friction (return mapping). Three equilibria, by Newton's
-    method.
+    Each spring is a normal and a shear spring in series with friction (return mapping). Three
+    equilibria, by Newton's method.
     """
     shoe = brake.shoes[0]
     lining, face = shoe.lining, shoe.abutment
@@ -89,7 +94,8 @@ def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:
     shear = stiff / 2 / (1 + lining.material.nu)
     foot = STIFF * stiff * SPRINGS
     angle, (ax, ay) = face.direction, face.point.xy
-    # What each direction of each contact does on the motions (dx, dy, turn): rows of normals, then of tangents.
+    # What each direction of each contact does on the motions (dx, dy, turn): rows of normals, then
+    # of tangents.
     lining_n, lining_t = np.array([0 * x, 1 + 0 * x, x]).T, np.array([1 + 0 * x, 0 * x, 0 * x]).T
     foot_n, foot_t = (
         np.array([[c, s, ax * s - ay * c]])
@@ -112,13 +118,17 @@ def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:
             return Layer(motion, t[:-1], float(t[-1]), slid)
         on, sticks = (p > 0) * k_n, np.abs(tried) < mu * p
         dp = -on[:, None] * normals
-        dt = np.where(sticks[:, None], -k_t[:, None] * tangents, (np.sign(tried) * mu)[:, None] * dp)
+        dt = np.where(
+            sticks[:, None], -k_t[:, None] * tangents, (np.sign(tried) * mu)[:, None] * dp
+        )
         motion = motion - np.linalg.solve(normals.T @ dp + tangents.T @ dt, left)
     raise AssertionError("not converged")
 
 
 def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
-    """`hold`: the force at rest, then the plane slides. `solve`: the plane slides already as the force comes on."""
+    """`hold`: the force at rest, then the plane slides. `solve`: the plane slides already as the
+    force comes on.
+    """
     brake = pad(tmp_path)
     scene = prepare(brake, elements=40)
     end = full_slip_rotation(scene, brake)
@@ -136,7 +146,9 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
     for share in np.linspace(0, 1, 21)[1:]:
         at = moved(brake, at, share, brake.spin * share)  # a metre: all springs slip
     slid = brake.spin * at.t.sum()
-    assert respond(scene, brake).torque == pytest.approx(slid, rel=0.01)  # the springs leave out the lining's ends
+    assert respond(scene, brake).torque == pytest.approx(
+        slid, rel=0.01
+    )  # the springs leave out the lining's ends
     assert held > 1.1 * slid
 
 
@@ -149,7 +161,9 @@ def test_hold_says_where_it_ends_elsewhere(tmp_path: Path) -> None:
     assert f"by solve {respond(scene, brake).torque:.6g} N" in line
     assert "left the foot of shoe 'pad'" in line
     assert states[0].notes == ()
-    done = drumlin("hold", tmp_path / "pad.toml", "--steps", 4, "--elements", 20, "--json", tmp_path / "h.json")
+    done = drumlin(
+        "hold", tmp_path / "pad.toml", "--steps", 4, "--elements", 20, "--json", tmp_path / "h.json"
+    )
     assert done.returncode == 0, done.stderr
     assert line in " ".join(done.stdout.split())
     assert json.loads((tmp_path / "h.json").read_text())[-1]["notes"] == [line]
@@ -171,7 +185,9 @@ def rough_brakes(count: int) -> list[Brake]:
 
 @pytest.mark.parametrize("count", [6, pytest.param(60, marks=pytest.mark.slow)])
 def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int) -> None:
-    """By the stick-slip equations, in which a foot is a node that opens, sticks and slips as those of linings do."""
+    """By the stick-slip equations, in which a foot is a node that opens, sticks and slips as those
+    of linings do.
+    """
     for brake in rough_brakes(count):
         scene = prepare(brake, elements=ELEMENTS)
         for group in groups_of(scene, brake, PENALTY):
@@ -189,7 +205,9 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
 
 @pytest.mark.parametrize("seed", [115, 219, pytest.param(61, marks=pytest.mark.slow)])
 def test_a_little_force_on_a_crowned_pad_is_no_refusal(seed: int) -> None:
-    """Under a ten-thousandth of the force it bears on a node or two. Seeds 61 and 219 were refused at rest."""
+    """Under a ten-thousandth of the force it bears on a node or two. Seeds 61 and 219 were refused
+    at rest.
+    """
     (row,) = checks(seed)
     assert row.outcome in {"agrees", "said"}, row
 
@@ -213,7 +231,9 @@ def test_the_problem_of_a_rough_foot_is_not_there_before_its_friction_is_known()
 
 @pytest.mark.parametrize("count", [2, pytest.param(30, marks=pytest.mark.slow)])
 def test_the_limit_of_rough_feet_is_where_solves_at_growing_friction_end(count: int) -> None:
-    """With the foot's friction as the rigid shoe's 47 of 133 were wrong, by up to eight times, and so was the line."""
+    """With the foot's friction as the rigid shoe's 47 of 133 were wrong, by up to eight times, and
+    so was the line.
+    """
     for brake in rough_brakes(count):
         scene = prepare(brake, elements=ELEMENTS)
         lock = min(end.friction for end in limits(scene, brake, 2.5, PENALTY).values())
@@ -236,7 +256,9 @@ def vary_friction(brake: Brake, friction: float) -> Brake:
 
 @pytest.mark.slow
 def test_the_limit_of_thin_linings_is_that_of_the_law() -> None:
-    """The law has an answer up to there and none beyond, a foot that slides the other way on the way there or not."""
+    """The law has an answer up to there and none beyond, a foot that slides the other way on the
+    way there or not.
+    """
     seen = 0
     for seed in range(8):
         brake = random_kind(seed, "rough abutment", rigid=True)

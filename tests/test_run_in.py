@@ -15,7 +15,16 @@ from drumlin.laws import hinged, rigid
 from drumlin.response.norms import pressure_distance
 from drumlin.wear.archard import WearLaw, ripple, run_on
 from drumlin.wear.linings import fem_setup, foundation_setup, guided
-from drumlin.wear.run_in import COEFFICIENT, checks, distance, life, run_in, target, unit_distance, worn
+from drumlin.wear.run_in import (
+    COEFFICIENT,
+    checks,
+    distance,
+    life,
+    run_in,
+    target,
+    unit_distance,
+    worn,
+)
 
 LAW = WearLaw(COEFFICIENT)
 
@@ -66,16 +75,22 @@ def test_every_state_is_what_the_finite_elements_answer_for_the_worn_brake(scene
         response = respond(scene, worn(setup, state), penalty=math.inf)
         assert response.torque == pytest.approx(state.torque, rel=1e-9)
         for surface, shoe in zip(setup.surfaces, response.shoes, strict=True):
-            np.testing.assert_allclose(surface.along(state.pressure), shoe.pressure, atol=1e-7 * shoe.pressure.max())
+            np.testing.assert_allclose(
+                surface.along(state.pressure), shoe.pressure, atol=1e-7 * shoe.pressure.max()
+            )
 
 
 def test_half_the_step_gives_the_same_answer(setup, states):
     s = [state.s for state in states]
-    halved = run_on(setup.interfaces, LAW, sorted([*s[1:], *((a + b) / 2 for a, b in pairwise(s))]))[::2]
+    halved = run_on(
+        setup.interfaces, LAW, sorted([*s[1:], *((a + b) / 2 for a, b in pairwise(s))])
+    )[::2]
     area = np.concatenate([interface.area for interface in setup.interfaces])
     for a, b in zip(states, halved, strict=True):
         assert a.s == b.s
-        assert area @ (a.pressure - b.pressure) ** 2 < 1e-6 * (area @ b.pressure**2)  # the tolerance asked for
+        assert area @ (a.pressure - b.pressure) ** 2 < 1e-6 * (
+            area @ b.pressure**2
+        )  # the tolerance asked for
         assert a.torque == pytest.approx(b.torque, rel=1e-4)
 
 
@@ -115,7 +130,9 @@ def test_a_post_comes_to_the_sine_law_on_the_foundation_once_it_may_tilt():
     states = run_in(setup)
     holds(setup, states, hinged.sine(brake).torque)
     published = target(foundation_setup(brake, sections=180)).torque
-    assert published > 1.04 * hinged.sine(brake).torque  # its shoes turn without tilt: x cos(theta), not sin(phi)
+    assert (
+        published > 1.04 * hinged.sine(brake).torque
+    )  # its shoes turn without tilt: x cos(theta), not sin(phi)
 
 
 def test_shoes_that_meet_through_a_ring_wear_together():
@@ -131,7 +148,9 @@ def test_a_square_law_of_wear_tends_to_the_root_of_the_sine(setup):
     for surface in setup.surfaces:
         phi = setup.brake.shoes[surface.shoe].frame.phi(surface.angles)
         p = surface.along(goal.pressure)
-        np.testing.assert_allclose(p / p.max(), np.sqrt(np.sin(phi) / np.sin(phi)[p.argmax()]), rtol=1e-5)
+        np.testing.assert_allclose(
+            p / p.max(), np.sqrt(np.sin(phi) / np.sin(phi)[p.argmax()]), rtol=1e-5
+        )
     assert max(map(abs, distance(setup, states[-1], goal))) < 1e-3
 
 
@@ -139,10 +158,13 @@ def test_constant_torque_needs_the_force_that_the_worn_brake_needs(scene, brake,
     states = run_in(setup, torque=450.0)
     assert len(setup.interfaces) == 2  # both shoes share one force
     for state in states[:: len(states) // 3]:
-        force = {f"shoe[{i}].actuation.force": state.force * brake.shoes[i].actuation.force for i in (0, 1)}
-        assert respond(scene, vary(worn(setup, state), force), penalty=math.inf).torque == pytest.approx(
-            450.0, rel=1e-9
-        )
+        force = {
+            f"shoe[{i}].actuation.force": state.force * brake.shoes[i].actuation.force
+            for i in (0, 1)
+        }
+        assert respond(
+            scene, vary(worn(setup, state), force), penalty=math.inf
+        ).torque == pytest.approx(450.0, rel=1e-9)
 
 
 def test_a_reversal_undoes_the_law_until_the_lining_has_run_in_anew(scene, brake, setup, states):
@@ -156,20 +178,26 @@ def test_a_reversal_undoes_the_law_until_the_lining_has_run_in_anew(scene, brake
     assert distance(setup, before, target(setup)).pressure < 2e-3
     assert distance(other, after, target(other)).pressure > 0.3
     assert distance(other, run[-1], target(other)).pressure < 0.01
-    third = run_in(setup, backward=other, reverse=every / 3, distance=3.0 * (every / 3), tolerance=5e-3)
+    third = run_in(
+        setup, backward=other, reverse=every / 3, distance=3.0 * (every / 3), tolerance=5e-3
+    )
     assert sum(a.forward != b.forward for a, b in pairwise(third)) == 2  # none at the very end
     with pytest.raises(BadInput, match="distance must be given"):
         run_in(setup, backward=other, reverse=every)
 
 
-def test_the_part_of_life_does_not_depend_on_the_wear_coefficient_and_grows_with_the_force(brake, scene, setup, states):
+def test_the_part_of_life_does_not_depend_on_the_wear_coefficient_and_grows_with_the_force(
+    brake, scene, setup, states
+):
     mine = life(setup, states, target(setup), LAW)
     faster = WearLaw(7 * COEFFICIENT)
     again = life(setup, run_in(setup, faster), target(setup), faster)
     assert again.pressure == pytest.approx(mine.pressure, rel=1e-6)
     assert unit_distance(setup, faster) == pytest.approx(unit_distance(setup, LAW) / 7)
     heavy = fem_setup(scene, vary(brake, {"shoe.actuation.force": 4e3}))
-    assert life(heavy, run_in(heavy), target(heavy), LAW).pressure == pytest.approx(2 * mine.pressure, rel=2e-3)
+    assert life(heavy, run_in(heavy), target(heavy), LAW).pressure == pytest.approx(
+        2 * mine.pressure, rel=2e-3
+    )
     assert 0.1 < mine.pressure < 0.2 and 0.03 < mine.torque < 0.06
 
 

@@ -1,4 +1,6 @@
-"""Bodies with a T-section, and bodies known by their bending stiffness: data, closed forms, every model alike."""
+"""Bodies with a T-section, and bodies known by their bending stiffness: data, closed forms, every
+model alike.
+"""
 
 import math
 from typing import Any
@@ -32,8 +34,12 @@ SIZES = st.floats(1e-3, 0.1)
 
 
 @given(SIZES, SIZES, SIZES, SIZES)
-def test_area_neutral_axis_and_second_moment_of_a_t_section(t: float, b: float, h: float, w: float) -> None:
-    """Of a table t x b on a web h x w, counted from the web's outer face; by the sums of the rectangles' own."""
+def test_area_neutral_axis_and_second_moment_of_a_t_section(
+    t: float, b: float, h: float, w: float
+) -> None:
+    """Of a table t x b on a web h x w, counted from the web's outer face; by the sums of the
+    rectangles' own.
+    """
     material = Material(E=2e11, nu=0.25)
     found = bonded([Section(h, w, material), Section(t, b, material)])
     area = w * h + b * t
@@ -50,7 +56,13 @@ def bar(**body: Any) -> Brake:
     shoe = {
         "name": "bar",
         "hinge": {"x": 0.0, "y": 0.02},
-        "lining": {"start": 0.05, "end": 0.15, "width": 0.04, "thickness": 2e-3, "material": {"E": 1e3, "nu": 0.0}},
+        "lining": {
+            "start": 0.05,
+            "end": 0.15,
+            "width": 0.04,
+            "thickness": 2e-3,
+            "material": {"E": 1e3, "nu": 0.0},
+        },
         "body": {"start": 0.0, "end": 1.0} | body,
         "actuation": {"force": 1.0, "direction": -1.5, "point": {"x": 1.0, "y": 0.02}},
     }
@@ -67,9 +79,15 @@ def scenes(brake: Brake) -> list[Scene]:
     [
         ({"thickness": 0.02, "width": 0.04, "material": S}, 5600.0),
         ({"thickness": 0.02, "bending_stiffness": 5600.0}, 5600.0),
-        ({"thickness": 0.03, "bending_stiffness": 5600.0, "material": {"E": 7e10, "nu": 0.3}}, 5600.0),
+        (
+            {"thickness": 0.03, "bending_stiffness": 5600.0, "material": {"E": 7e10, "nu": 0.3}},
+            5600.0,
+        ),
         ({"thickness": 0.02, "bending_stiffness": 800.0, "material": S, "width": 0.04}, 800.0),
-        (WEB | {"table": TABLE}, 2233.7636363636366),  # E I, I = 5 20^3/12 + 100 5.227^2 + 40 3^3/12 + 120 6.273^2 ...
+        (
+            WEB | {"table": TABLE},
+            2233.7636363636366,
+        ),  # E I, I = 5 20^3/12 + 100 5.227^2 + 40 3^3/12 + 120 6.273^2 ...
     ],
 )
 def test_a_straight_body_bends_as_a_beam(body: dict[str, Any], EI: float) -> None:
@@ -88,13 +106,23 @@ def arc(**body: Any) -> Brake:
         "body": {"start": -math.pi / 2, "end": math.pi / 2} | body,
         "actuation": {"force": 1.0, "direction": 0.0, "point": {"x": 0.0, "y": 0.9}},
     }  # fmt: skip
-    data = {"title": "t", "rotation": "clockwise", "friction": 0.0, "drum": {"radius": 1.0}, "shoe": [shoe]}
+    data = {
+        "title": "t",
+        "rotation": "clockwise",
+        "friction": 0.0,
+        "drum": {"radius": 1.0},
+        "shoe": [shoe],
+    }
     return brake_from(data)
 
 
-@pytest.mark.parametrize("body", [{"thickness": 0.03, "bending_stiffness": 3e3}, WEB | {"table": TABLE}])
+@pytest.mark.parametrize(
+    "body", [{"thickness": 0.03, "bending_stiffness": 3e3}, WEB | {"table": TABLE}]
+)
 def test_a_curved_body_bends_as_an_arc(body: dict[str, Any]) -> None:
-    """A couple turns the end of a half circle by pi A_m/(E A (r A_m - A)), A_m = Int dA/r (Winkler's curved beam)."""
+    """A couple turns the end of a half circle by pi A_m/(E A (r A_m - A)), A_m = Int dA/r
+    (Winkler's curved beam).
+    """
     brake = arc(**body)
     plates = list(brake.shoes[0].body.plates.values())[::-1]  # type: ignore[union-attr]
     section = bonded(plates)
@@ -110,12 +138,16 @@ def test_a_curved_body_bends_as_an_arc(body: dict[str, Any]) -> None:
 
 
 def layered(kind: str, *, old: bool) -> Brake:
-    """A T-section over the lining's arc: as one, or as a backing of the table's size before a narrow body."""
+    """A T-section over the lining's arc: as one, or as a backing of the table's size before a
+    narrow body.
+    """
     over = {"start": -0.95, "end": 0.95}
     web = BODY | over | {"width": 0.005}
     table = {"thickness": 0.003}
     own = (
-        {"body": web, "backing": table | {"material": S}} if old else {"body": web | {"table": table | {"width": 0.04}}}
+        {"body": web, "backing": table | {"material": S}}
+        if old
+        else {"body": web | {"table": table | {"width": 0.04}}}
     )
     return brake_of(kind, 1, **own)
 
@@ -127,23 +159,36 @@ def test_a_t_section_is_what_its_layers_are(kind: str) -> None:
     a, b = new.shoes[0], old.shoes[0]
     np.testing.assert_allclose(a.pressure, b.pressure, atol=1e-9 * b.peak_pressure)
     assert new.torque == pytest.approx(old.torque, rel=1e-10)
-    rows = [np.diag(sketcher()(layered(kind, old=old)).bodies[0].closing_pressed) for old in (False, True)]
-    np.testing.assert_allclose(rows[0], rows[1], rtol=0.01)  # a sketch meshes a backing, and has a table in the bar
+    rows = [
+        np.diag(sketcher()(layered(kind, old=old)).bodies[0].closing_pressed)
+        for old in (False, True)
+    ]
+    np.testing.assert_allclose(
+        rows[0], rows[1], rtol=0.01
+    )  # a sketch meshes a backing, and has a table in the bar
 
 
 def test_the_second_solver_has_the_same_plates() -> None:
-    hinged = [vary(layered("pivot", old=old), {"shoe.pivot": None}).shoes[0] for old in (False, True)]
+    hinged = [
+        vary(layered("pivot", old=old), {"shoe.pivot": None}).shoes[0] for old in (False, True)
+    ]
     new, old = (outline(shoe, 0.11) for shoe in hinged)
     assert len(new.layers) == len(old.layers) == 3
     for one, other in zip(new.layers, old.layers, strict=True):
-        assert (one.start, one.end, one.elastic.width) == (other.start, other.end, other.elastic.width)
+        assert (one.start, one.end, one.elastic.width) == (
+            other.start,
+            other.end,
+            other.elastic.width,
+        )
         np.testing.assert_array_equal(one.elastic.elasticity, other.elastic.elasticity)
     np.testing.assert_array_equal(new.thickness, old.thickness)
 
 
 def test_the_plates_of_a_t_section_have_their_widths_in_solids(flexible: Brake) -> None:
     """Volumes of half a shoe, plate by plate, in closed form; the hinge holds the width of the web."""
-    brake = vary(flexible, {"shoe.body.table": {"thickness": 3e-3, "width": 0.04}, "shoe.body.width": 5e-3})
+    brake = vary(
+        flexible, {"shoe.body.table": {"thickness": 3e-3, "width": 0.04}, "shoe.body.width": 5e-3}
+    )
     shoe, R = brake.shoes[0], brake.size
     solid = solid_mesh(shoe, R, 8, 2)
     volumes = solid.basis.dx.sum(axis=1)
@@ -157,17 +202,25 @@ def test_the_plates_of_a_t_section_have_their_widths_in_solids(flexible: Brake) 
 
 
 def test_moduli_of_table_and_web_are_one(flexible: Brake) -> None:
-    brake = vary(flexible, {"shoe.body.table": {"thickness": 3e-3, "width": 0.04}, "shoe.body.width": 5e-3})
+    brake = vary(
+        flexible, {"shoe.body.table": {"thickness": 3e-3, "width": 0.04}, "shoe.body.width": 5e-3}
+    )
     E = 2.1e11
     found = sensitivity(prepare(brake, elements=20), brake)
-    torque = [drumlin.solve(vary(brake, {"shoe.body.material.E": E * k}), elements=20).torque for k in (1.001, 0.999)]
+    torque = [
+        drumlin.solve(vary(brake, {"shoe.body.material.E": E * k}), elements=20).torque
+        for k in (1.001, 0.999)
+    ]
     slope = (torque[0] - torque[1]) / 0.002
     assert set(found.shoes[0].moduli) == {"lining", "shoe"}
     assert sum(shoe.moduli["shoe"] for shoe in found.shoes) == pytest.approx(slope, rel=1e-3)
 
 
 def test_files_of_both_read_as_they_were_written(tmp_path: Any) -> None:
-    for brake in (layered("pivot", old=False), vary(arc(**WEB), {"shoe.body.bending_stiffness": 3e3})):
+    for brake in (
+        layered("pivot", old=False),
+        vary(arc(**WEB), {"shoe.body.bending_stiffness": 3e3}),
+    ):
         text = brake_text(brake)
         assert read_any(tmp_path / "b.toml", text) == brake
     only = arc(thickness=0.03, bending_stiffness=3e3)

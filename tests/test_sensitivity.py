@@ -1,4 +1,6 @@
-"""Sensitivities from the tangent: against differences of whole solves, and what scaling demands of them."""
+"""Sensitivities from the tangent: against differences of whole solves, and what scaling demands of
+them.
+"""
 
 import json
 import math
@@ -18,7 +20,14 @@ from drumlin.fem.sensitivity import against_differences, sensitivity
 from drumlin.fem.solve import solve
 from drumlin.verification.random_brake import random_brake
 
-RING = {"drum.ring": {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}, "support": "free"}}
+RING = {
+    "drum.ring": {
+        "thickness": 0.015,
+        "width": 0.04,
+        "material": {"E": 120e9, "nu": 0.25},
+        "support": "free",
+    }
+}
 
 
 @pytest.mark.parametrize(
@@ -35,13 +44,18 @@ def test_the_slope_over_friction_is_that_of_differences_where_no_set_changes(see
     scene = prepare(brake, elements=12)
     try:
         found = sensitivity(scene, brake)
-        around = [respond(scene, vary(brake, {"friction": friction + s})) for s in (-2e-5, -1e-5, 1e-5, 2e-5)]
+        around = [
+            respond(scene, vary(brake, {"friction": friction + s}))
+            for s in (-2e-5, -1e-5, 1e-5, 2e-5)
+        ]
     except DrumlinError:
         assume(False)
     touching = [response.shoes[0].pressure > 0 for response in around]
     assume(all((touching[0] == other).all() for other in touching))
     wide, narrow = ((around[-k].torque - around[k - 1].torque) / (2e-5 * (3 - k)) for k in (1, 2))
-    near = (4 * narrow - wide) / 3  # close to the pole of self-locking the first difference alone is not enough
+    near = (
+        4 * narrow - wide
+    ) / 3  # close to the pole of self-locking the first difference alone is not enough
     assert found.friction == pytest.approx(near, rel=1e-5, abs=1e-6 * found.torque)
 
 
@@ -51,29 +65,43 @@ def test_moduli_scaled_alike_change_nothing_and_forces_are_proportional(brake):
     moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
     assert found.ring is not None
     assert math.fsum([*moduli, found.ring]) == pytest.approx(0.0, abs=1e-10 * max(map(abs, moduli)))
-    forces = math.fsum(own.force * shoe.actuation.force for own, shoe in zip(found.shoes, brake.shoes, strict=True))
+    forces = math.fsum(
+        own.force * shoe.actuation.force for own, shoe in zip(found.shoes, brake.shoes, strict=True)
+    )
     assert forces == pytest.approx(found.torque, rel=1e-10)
 
 
 def test_a_pull_is_a_push_the_other_way(brake):
     shoe = brake.shoes[0].actuation
-    pull = {"shoe[0].actuation.force": -shoe.force, "shoe[0].actuation.direction": shoe.direction + math.pi}
-    a, b = (sensitivity(prepare(each, elements=8), each).shoes[0] for each in (brake, vary(brake, pull)))
+    pull = {
+        "shoe[0].actuation.force": -shoe.force,
+        "shoe[0].actuation.direction": shoe.direction + math.pi,
+    }
+    a, b = (
+        sensitivity(prepare(each, elements=8), each).shoes[0] for each in (brake, vary(brake, pull))
+    )
     assert b.force == pytest.approx(-a.force, rel=1e-9)
     assert b.held["hinge"] == pytest.approx(a.held["hinge"], rel=1e-7)
 
 
 @pytest.mark.parametrize("index", range(2))
 def test_an_uneven_clearance_acts_through_its_density(brake, index):
-    """A small bump in the clearance: its change of torque is the integral of the density times the bump."""
+    """A small bump in the clearance: its change of torque is the integral of the density times the
+    bump.
+    """
     scene = prepare(brake, elements=20)
     found = sensitivity(scene, brake)
     shoe, R = found.shoes[index], brake.drum.radius
     height = 1e-9
     theta = shoe.theta
-    bump = height * np.exp(-(((theta - theta.mean() - 0.3) / 0.2) ** 2))  # nearer to one end than to the other
+    bump = height * np.exp(
+        -(((theta - theta.mean() - 0.3) / 0.2) ** 2)
+    )  # nearer to one end than to the other
     table = [[float(a), float(g)] for a, g in zip(theta, bump, strict=True)]
-    change = respond(scene, vary(brake, {f"shoe[{index}].lining.clearance": table})).torque - found.torque
+    change = (
+        respond(scene, vary(brake, {f"shoe[{index}].lining.clearance": table})).torque
+        - found.torque
+    )
     expected = np.trapezoid(shoe.density * bump, theta) * R
     assert change == pytest.approx(expected, rel=5e-3)
     assert shoe.clearance == pytest.approx(np.trapezoid(shoe.density, theta) * R, rel=2e-2)

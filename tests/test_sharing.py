@@ -33,7 +33,9 @@ def test_rigid_shoes_with_thin_linings_share_as_by_the_law(make: Any, spin: int)
 
 
 def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
-    """Judged by each shoe alone under its share: another problem, whose tip is found by the work of a small change."""
+    """Judged by each shoe alone under its share: another problem, whose tip is found by the work of
+    a small change.
+    """
     brake = cam_brake(body=0.012, thickness=0.006)
     scene = prepare(brake, elements=40)
     both = respond(scene, brake)
@@ -48,24 +50,37 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
         tips.append(tip)
         shoe = respond(scene, alone).shoes[i]
         assert shoe.torque == pytest.approx(both.shoes[i].torque, rel=1e-8)
-        np.testing.assert_allclose(shoe.pressure, both.shoes[i].pressure, atol=1e-7 * shoe.peak_pressure)
+        np.testing.assert_allclose(
+            shoe.pressure, both.shoes[i].pressure, atol=1e-7 * shoe.peak_pressure
+        )
     assert tips[0] == pytest.approx(tips[1], rel=1e-8)
 
 
 def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
-    """Where the table of a T-section ends under the load the stress is singular. Against triangles, to 3e-6."""
-    brake = cam_brake(body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04})
+    """Where the table of a T-section ends under the load the stress is singular. Against triangles,
+    to 3e-6.
+    """
+    brake = cam_brake(
+        body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
+    )
     (true,) = triangles.sequence(brake, triangles.LEVELS[:1])
     found = respond(hp_scene(brake, LEVELS[1]), brake, penalty=math.inf)
     for a, b in zip(found.shoes, true, strict=True):
-        assert a.hinge_reaction == pytest.approx(b.hinge_reaction, abs=1e-5 * np.linalg.norm(b.hinge_reaction))
+        assert a.hinge_reaction == pytest.approx(
+            b.hinge_reaction, abs=1e-5 * np.linalg.norm(b.hinge_reaction)
+        )
 
 
 def test_the_tip_moves_as_the_energy_says() -> None:
-    """Without friction the work of the force is the elastic energy: tip = dW/dF, by central differences of W = F tip/2.
+    """Without friction the work of the force is the elastic energy: tip = dW/dF, by central
+    differences of W = F tip/2.
 
-    The brake is linear where the contact does not change with the force, as without gaps."""
-    brake = vary(cam_brake(body=0.012, thickness=0.006, mu=0.0), {"actuation": None, "shoe.actuation.force": 1000.0})
+    The brake is linear where the contact does not change with the force, as without gaps.
+    """
+    brake = vary(
+        cam_brake(body=0.012, thickness=0.006, mu=0.0),
+        {"actuation": None, "shoe.actuation.force": 1000.0},
+    )
     scene = prepare(brake, elements=30)
     (group, _) = groups_of(scene, brake, math.inf)
     found, own = group.answer(), group.pushed(group.brake.friction)[0]
@@ -76,7 +91,9 @@ def test_the_tip_moves_as_the_energy_says() -> None:
     from drumlin.fem.body import stiffness
     from drumlin.fem.elasticity import layers_of
 
-    energy = 0.5 * float(u.T.ravel() @ (stiffness(body.basis, layers_of(group.shoes[0])) @ u.T.ravel()))
+    energy = 0.5 * float(
+        u.T.ravel() @ (stiffness(body.basis, layers_of(group.shoes[0])) @ u.T.ravel())
+    )
     assert 0.5 * tip == pytest.approx(energy, rel=1e-6)
 
 
@@ -92,7 +109,9 @@ def test_every_shoe_and_the_whole_brake_balance(make: Any) -> None:
     response = drumlin.solve(brake)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     under = loaded(brake, response)
-    outside = [shoe.actuation.vector for shoe in under.shoes] + [shoe.hinge_reaction for shoe in response.shoes]
+    outside = [shoe.actuation.vector for shoe in under.shoes] + [
+        shoe.hinge_reaction for shoe in response.shoes
+    ]
     if brake.links:  # what the strut does to one it does to the other
         a, b = response.shoes
         assert a.hinge_reaction == pytest.approx(-under.shoes[1].actuation.vector, rel=1e-9)

@@ -18,9 +18,22 @@ from shared_forces import cam_brake, servo
 
 ELEMENTS = 8
 THICK = {"shoe.lining.thickness": 0.005}
-RING = {"drum.ring": {"thickness": 0.01, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": "free"}}
+RING = {
+    "drum.ring": {
+        "thickness": 0.01,
+        "width": 0.04,
+        "material": {"E": 1.2e11, "nu": 0.25},
+        "support": "free",
+    }
+}
 PADS = {"shoe.lining.thickness": 0.008}
-BODY_OF_PAD = {"thickness": 0.02, "width": 0.04, "start": 0.05, "end": 0.19, "material": {"E": 2.1e11, "nu": 0.3}}
+BODY_OF_PAD = {
+    "thickness": 0.02,
+    "width": 0.04,
+    "start": 0.05,
+    "end": 0.19,
+    "material": {"E": 2.1e11, "nu": 0.3},
+}
 BRAKES: dict[str, Callable[[], Brake]] = {
     "rough abutment": lambda: vary(brake_of("rough abutment", -1, body=BODY), THICK),
     "abutment, trailing": lambda: vary(brake_of("abutment", 1, body=BODY), THICK),
@@ -66,7 +79,9 @@ def turned(brake: Brake, i: int, key: str) -> Callable[[float], dict[str, Any]]:
 
 
 class Row(NamedTuple):
-    """A slope, exactly, and how the brake is changed for its difference: by steps of this size, over a unit."""
+    """A slope, exactly, and how the brake is changed for its difference: by steps of this size,
+    over a unit.
+    """
 
     what: str
     exact: float
@@ -87,26 +102,42 @@ def rows(brake: Brake, found: Sensitivity) -> list[Row]:
     table = [Row("friction", found.friction, lambda s: {"friction": mu + s}, 1e-4)]
     if found.drive is not None:
         assert brake.actuation is not None
-        table.append(Row("actuation", found.drive, scaled("actuation.force", brake.actuation.force or 0.0), 1e-3))
+        table.append(
+            Row(
+                "actuation",
+                found.drive,
+                scaled("actuation.force", brake.actuation.force or 0.0),
+                1e-3,
+            )
+        )
     if found.ring is not None:
         table.append(Row("ring", found.ring, scaled("drum.ring.material.E", 1.2e11), 1e-3))
     shoes: Any = brake.shoes
     for i, (shoe, own) in enumerate(zip(shoes, found.shoes, strict=True)):
         key, size, gap = f"shoe[{i}].", shoe.actuation.force, shoe.lining.clearance
         if own.force is not None:
-            table.append(Row(f"{key}force", own.force, scaled(f"{key}actuation.force", size), 1e-3, size))
+            table.append(
+                Row(f"{key}force", own.force, scaled(f"{key}actuation.force", size), 1e-3, size)
+            )
         E, stiff = (values_of(brake, f"{key}{part}.material.E")[0] for part in ("lining", "body"))
         table += [
             Row(f"{key}lining E", own.moduli["lining"], scaled(f"{key}lining.material.E", E), 1e-3),
             Row(f"{key}shoe E", own.moduli["shoe"], scaled(f"{key}body.material.E", stiff), 1e-3),
-            Row(f"{key}clearance", own.clearance, lambda s, k=key, g=gap: {f"{k}lining.clearance": g + s}, 1e-8),
+            Row(
+                f"{key}clearance",
+                own.clearance,
+                lambda s, k=key, g=gap: {f"{k}lining.clearance": g + s},
+                1e-8,
+            ),
         ]
         for what, value in own.held.items():
             if len(value) == 1:
                 table.append(Row(f"{key}{what}", float(value[0]), turned(brake, i, what), 2e-5))
                 continue
             for way in np.eye(2):
-                table.append(Row(f"{key}{what} place", float(value @ way), moved(brake, i, what, way), 2e-5))
+                table.append(
+                    Row(f"{key}{what} place", float(value @ way), moved(brake, i, what, way), 2e-5)
+                )
     return table
 
 
@@ -129,7 +160,9 @@ def test_the_slope_over_friction_is_that_of_differences(name: str) -> None:
     assert found.torque == pytest.approx(size, rel=1e-9)
     check(brake, rows(brake, found)[0], size)
     lines = as_text(found, brake)
-    assert all("\n" not in line and "law: none" not in line and " -0 " not in line for line in lines)
+    assert all(
+        "\n" not in line and "law: none" not in line and " -0 " not in line for line in lines
+    )
 
 
 @pytest.mark.slow

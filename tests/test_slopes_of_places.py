@@ -1,4 +1,6 @@
-"""Slopes along points with which a shoe's body moves, and over bending stiffnesses: against differences of solves."""
+"""Slopes along points with which a shoe's body moves, and over bending stiffnesses: against
+differences of solves.
+"""
 
 import json
 import math
@@ -39,7 +41,13 @@ POST = {
     "name": "post",
     "side": "external",
     "hinge": {"x": 0.16, "y": -0.13},
-    "lining": {"start": -0.5, "end": 0.45, "thickness": 0.01, "width": 0.04, "material": {"E": 5e8, "nu": 0.3}},
+    "lining": {
+        "start": -0.5,
+        "end": 0.45,
+        "thickness": 0.01,
+        "width": 0.04,
+        "material": {"E": 5e8, "nu": 0.3},
+    },
     "backing": {"thickness": 0.03, "material": {"E": 1e9, "nu": 0.3}},
     "body": {"shape": "beam", "thickness": 0.02, "width": 0.02, "material": {"E": 2e10, "nu": 0.3}},
 }
@@ -47,11 +55,30 @@ TOP = {
     "name": "top",
     "side": "external",
     "abutment": {"point": {"x": 0.16, "y": 0.13}, "direction": -0.3},
-    "lining": {"start": 1.2, "end": 2.0, "thickness": 0.01, "width": 0.04, "material": {"E": 5e8, "nu": 0.3}},
-    "body": {"thickness": 0.01, "width": 0.04, "start": 1.1, "end": 2.1, "material": {"E": 2e10, "nu": 0.3}},
+    "lining": {
+        "start": 1.2,
+        "end": 2.0,
+        "thickness": 0.01,
+        "width": 0.04,
+        "material": {"E": 5e8, "nu": 0.3},
+    },
+    "body": {
+        "thickness": 0.01,
+        "width": 0.04,
+        "start": 1.1,
+        "end": 2.1,
+        "material": {"E": 2e10, "nu": 0.3},
+    },
     "actuation": {"force": 1000.0, "direction": np.pi + 0.8, "point": {"x": -0.06, "y": 0.13}},
 }
-RING = {"drum.ring": {"thickness": 0.02, "width": 0.05, "material": {"E": 5e10, "nu": 0.3}, "support": "free"}}
+RING = {
+    "drum.ring": {
+        "thickness": 0.02,
+        "width": 0.05,
+        "material": {"E": 5e10, "nu": 0.3},
+        "support": "free",
+    }
+}
 
 
 def along(brake: Brake, i: int, key: str, way: int, s: float) -> Brake:
@@ -59,7 +86,9 @@ def along(brake: Brake, i: int, key: str, way: int, s: float) -> Brake:
     part: Any = brake.shoes[i]
     for name in key.split("."):
         part = getattr(part, name)
-    return vary(brake, {f"shoe[{i}].{key}": {"x": part.x + s * (way == 0), "y": part.y + s * (way == 1)}})
+    return vary(
+        brake, {f"shoe[{i}].{key}": {"x": part.x + s * (way == 0), "y": part.y + s * (way == 1)}}
+    )
 
 
 def on_mesh(brake: Brake) -> Any:
@@ -70,13 +99,16 @@ def on_columns(brake: Brake) -> Any:
     return hp.scene(brake, LEVELS[0])
 
 
-def central(brake: Brake, i: int, key: str, way: int, torque: Callable[[Brake], float], step: float) -> float:
+def central(
+    brake: Brake, i: int, key: str, way: int, torque: Callable[[Brake], float], step: float
+) -> float:
     h = step * brake.size
     up, down = (torque(along(brake, i, key, way, s)) for s in (h, -h))
     return (up - down) / (2 * h)
 
 
-# Seeds whose slope had the wrong sign, or was off by more than its size, while the body stayed in its place.
+# Seeds whose slope had the wrong sign, or was off by more than its size, while the body stayed in
+# its place.
 WRONG = [
     (partial(random_brake, 51, "post"), "hinge", 1),
     (partial(random_brake, 12, "post"), "hinge", 1),
@@ -90,7 +122,10 @@ WRONG = [
 @pytest.mark.parametrize("scene", [on_mesh, on_columns])
 @pytest.mark.parametrize(
     ("draw", "key", "way"),
-    [case if k % 2 == 0 else pytest.param(*case, marks=pytest.mark.slow) for k, case in enumerate(WRONG)],
+    [
+        case if k % 2 == 0 else pytest.param(*case, marks=pytest.mark.slow)
+        for k, case in enumerate(WRONG)
+    ],
 )
 def test_a_slope_along_a_point_is_that_of_solves_whose_body_moves_with_it(draw, key, way, scene):
     brake = draw()
@@ -125,7 +160,13 @@ def test_a_grip_on_an_elastic_ring_moves_the_contact_of_the_ring_too(elements, s
 @pytest.mark.slow
 @pytest.mark.parametrize("elements", [None, ELEMENTS])
 def test_a_strut_moves_the_loaded_end_of_the_post_that_it_pushes(elements):
-    data = {"title": "strut", "rotation": "clockwise", "friction": 0.3, "drum": {"radius": 0.1}, "shoe": [TOP, POST]}
+    data = {
+        "title": "strut",
+        "rotation": "clockwise",
+        "friction": 0.3,
+        "drum": {"radius": 0.1},
+        "shoe": [TOP, POST],
+    }
     brake = brake_from(data | {"link": [{"from": "top", "to": "post"}]})
     assert largest(brake, elements) < 1e-4
 
@@ -137,12 +178,20 @@ def test_posts_under_a_cam_share_its_force_anew_as_their_hinges_move(elements):
     lining = POST["lining"] | {"start": np.pi - 0.45, "end": np.pi + 0.5}
     left = POST | {"name": "left", "hinge": {"x": -0.16, "y": -0.13}, "lining": lining}
     left |= {"actuation": {"direction": 0.1, "point": {"x": -0.16, "y": 0.13}}}
-    data = {"title": "cam", "rotation": "clockwise", "friction": 0.3, "drum": {"radius": 0.1}, "shoe": [right, left]}
+    data = {
+        "title": "cam",
+        "rotation": "clockwise",
+        "friction": 0.3,
+        "drum": {"radius": 0.1},
+        "shoe": [right, left],
+    }
     assert largest(brake_from(data | {"actuation": {"force": 2000.0}}), elements) < 1e-4
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "draw"), [("post", random_brake), ("rough abutment", random_kind)])
+@pytest.mark.parametrize(
+    ("kind", "draw"), [("post", random_brake), ("rough abutment", random_kind)]
+)
 def test_a_mesh_in_the_shoes_frame_turns_with_its_pin(kind, draw, tmp_path):
     brake = draw(3, kind)
     shoe, path = brake.shoes[0], tmp_path / "shoe.msh"
@@ -150,14 +199,20 @@ def test_a_mesh_in_the_shoes_frame_turns_with_its_pin(kind, draw, tmp_path):
     mesh = meshio.read(path)
     mesh.points[:, :2] = shoe.own_points(mesh.points[:, :2])
     mesh.write(path, file_format="gmsh22", binary=False)
-    assert largest(vary(brake, {"shoe.mesh": str(path), "shoe.mesh_frame": "shoe"}), ELEMENTS) < 1e-4
+    assert (
+        largest(vary(brake, {"shoe.mesh": str(path), "shoe.mesh_frame": "shoe"}), ELEMENTS) < 1e-4
+    )
 
 
 def largest(brake: Brake, elements: int | None, key: str = "") -> float:
-    """The largest relative difference of slopes whose names begin so from differences over three steps."""
+    """The largest relative difference of slopes whose names begin so from differences over three
+    steps.
+    """
     divided = Divided(elements, consistency_slopes.Cache())
     base = divided.solved(brake)
-    table = [slope for slope in slopes_of(brake, divided.slopes(brake)) if slope.what.startswith(key)]
+    table = [
+        slope for slope in slopes_of(brake, divided.slopes(brake)) if slope.what.startswith(key)
+    ]
     apart = [difference(brake, slope, divided, base) for slope in table]
     assert len(table) > 1
     assert None not in apart
@@ -175,7 +230,9 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
     given = vary(brake, EI)
     plain, found = (sensitivity(scene(each), each) for each in (brake, given))
     # the section is the same, and plane stress feels the product of modulus and width alone
-    assert found.shoes[0].bending_stiffness == pytest.approx(plain.shoes[0].moduli["shoe"], rel=1e-9)
+    assert found.shoes[0].bending_stiffness == pytest.approx(
+        plain.shoes[0].moduli["shoe"], rel=1e-9
+    )
     assert found.ring_bending_stiffness == pytest.approx(plain.ring, rel=1e-9)
     assert "shoe" not in found.shoes[0].moduli
     assert found.ring is None
@@ -186,7 +243,9 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
             value = EI.get(key) or (body if "body" in key else ring).material.E
             other = vary(given, {key: value * (1 + s)})
             torque[key, s] = respond(scene(other), other).torque
-    near = [(torque[key, 1e-3] - torque[key, -1e-3]) / 2e-3 for key in (*EI, "shoe[0].body.material.E")]
+    near = [
+        (torque[key, 1e-3] - torque[key, -1e-3]) / 2e-3 for key in (*EI, "shoe[0].body.material.E")
+    ]
     assert near[0] == pytest.approx(found.shoes[0].bending_stiffness, rel=1e-4)
     assert near[1] == pytest.approx(found.ring_bending_stiffness, rel=1e-4)
     assert abs(near[2]) < 1e-6 * abs(near[0])  # the width makes up for the modulus
@@ -199,17 +258,33 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
 def test_the_command_writes_bending_stiffnesses_under_their_names(tmp_path, capsys):
     file = tmp_path / "s.json"
     with pytest.raises(SystemExit) as end:
-        cli.app(["sensitivity", str(ROOT / "studies/post_brake/brake.toml"), "--elements", "8", "--json", str(file)])
+        cli.app(
+            [
+                "sensitivity",
+                str(ROOT / "studies/post_brake/brake.toml"),
+                "--elements",
+                "8",
+                "--json",
+                str(file),
+            ]
+        )
     assert end.value.code == 0
     data, said = json.loads(file.read_text()), " ".join(capsys.readouterr().out.split())
     assert data["ring"] is None
-    assert f"bending_stiffness of the drum ring {data['ring_bending_stiffness'] / data['torque']:+.4g}" in said
+    assert (
+        f"bending_stiffness of the drum ring {data['ring_bending_stiffness'] / data['torque']:+.4g}"
+        in said
+    )
     for shoe in data["shoes"]:
         assert set(shoe["moduli"]) == {"lining", "backing"}
         assert f"bending_stiffness: shoe {shoe['bending_stiffness'] / data['torque']:+.4g}" in said
 
 
-BODIES = {"columns": on_columns, "mesh": on_mesh, "triangles": lambda brake: prepare(brake, elements=6, kind="tri2")}
+BODIES = {
+    "columns": on_columns,
+    "mesh": on_mesh,
+    "triangles": lambda brake: prepare(brake, elements=6, kind="tri2"),
+}
 
 
 def at_nodes(xy: np.ndarray) -> np.ndarray:
@@ -238,14 +313,18 @@ def some_layers(names: Iterable[str], *, directed: bool) -> dict[str, ElasticLay
     found = {}
     for k, name in enumerate(names):
         matrix = ORTHOTROPIC if directed else elasticity_matrix(Material(E=1.0, nu=0.2))
-        found[name] = ElasticLayer(1e9 * (k + 1) * matrix, 0.03, np.array([0.6, -0.8]) if k else None)
+        found[name] = ElasticLayer(
+            1e9 * (k + 1) * matrix, 0.03, np.array([0.6, -0.8]) if k else None
+        )
     return found
 
 
 @pytest.mark.parametrize("directed", [False, True], ids=["isotropic", "orthotropic"])
 @pytest.mark.parametrize("name", BODIES)
 def test_the_mutual_work_is_that_of_the_assembled_stiffness_and_so_is_its_change(name, directed):
-    """The change is that of the stiffness assembled anew with the nodes moved, by a central difference."""
+    """The change is that of the stiffness assembled anew with the nodes moved, by a central
+    difference.
+    """
     body = BODIES[name](random_brake(3, "post")).bodies[0]
     basis, size = body.basis, np.abs(body.basis.doflocs).max()
     u, v = np.random.default_rng(0).standard_normal((2, 2 * basis.N))
@@ -282,7 +361,9 @@ def test_the_mutual_work_changes_as_the_axis_of_straight_layers_turns(name):
 
 
 def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monkeypatch):
-    """Such a factorisation had an index limit, met with 270 000 nodes, and wrote on standard output."""
+    """Such a factorisation had an index limit, met with 270 000 nodes, and wrote on standard
+    output.
+    """
 
     def refuse(*_: Any, **__: Any) -> None:
         raise AssertionError("the whole stiffness of a body of columns is not put together")
@@ -293,7 +374,9 @@ def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monk
     monkeypatch.setattr("scipy.sparse.linalg.splu", refuse)
     found = sensitivity(scene, brake)
     moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
-    assert math.fsum([*moduli, found.ring or 0.0]) == pytest.approx(0.0, abs=1e-7 * max(map(abs, moduli)))
+    assert math.fsum([*moduli, found.ring or 0.0]) == pytest.approx(
+        0.0, abs=1e-7 * max(map(abs, moduli))
+    )
 
 
 @pytest.mark.parametrize("kind", ["arc", "post on ring", "linings on ring"])
@@ -303,7 +386,11 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
         if body is None:
             continue
         condensed = body.condensed
-        nodal = body.coupling.N.T @ rng.random((len(body.line.nodes), 2)) if hasattr(body, "coupling") else None
+        nodal = (
+            body.coupling.N.T @ rng.random((len(body.line.nodes), 2))
+            if hasattr(body, "coupling")
+            else None
+        )
         nodal = rng.standard_normal((2 * len(body.line.nodes), 2)) if nodal is None else nodal
         frame, loads = np.zeros((FRAME, 2)), rng.standard_normal((condensed.load_c.shape[1], 2))
         inside = condensed.inside()
@@ -323,6 +410,8 @@ def test_random_brakes_of_all_kinds_keep_their_slopes():
 
 @pytest.mark.slow
 def test_more_random_brakes_keep_their_slopes():
-    outcomes = [row.outcome for seed in range(1000, 1104) for row in consistency_slopes.checks(seed)]
+    outcomes = [
+        row.outcome for seed in range(1000, 1104) for row in consistency_slopes.checks(seed)
+    ]
     assert len(outcomes) > 280
     assert set(outcomes) == {"agrees"}

@@ -1,4 +1,6 @@
-"""The solid shoe against plane stress where they must agree, closed forms in three dimensions, balance."""
+"""The solid shoe against plane stress where they must agree, closed forms in three dimensions,
+balance.
+"""
 
 import json
 import resource
@@ -41,13 +43,17 @@ def one_width(brake, width):
 
 @pytest.mark.parametrize("width", [2e-3, 40e-3, 0.2])
 def test_without_lateral_contraction_it_is_plane_stress_at_any_width(flexible, width):
-    brake = vary(one_width(flexible, width), {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0})
+    brake = vary(
+        one_width(flexible, width), {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
+    )
     solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
         np.testing.assert_allclose(mine.hinge_reaction, other.hinge_reaction, rtol=1e-7)
-        np.testing.assert_allclose(mine.surface.pressure.T - mine.pressure, 0, atol=1e-8 * other.peak_pressure)
+        np.testing.assert_allclose(
+            mine.surface.pressure.T - mine.pressure, 0, atol=1e-8 * other.peak_pressure
+        )
 
 
 def test_a_post_of_one_width_is_plane_stress_too(root):
@@ -64,8 +70,16 @@ def test_a_post_of_one_width_is_plane_stress_too(root):
 
 
 def test_with_lateral_contraction_it_is_not(flexible):
-    solid, plane = (respond(make(flexible, elements=12), flexible) for make in (model.prepare, prepare))
-    assert 1e-4 < max(abs(relative(a.torque, b.torque)) for a, b in zip(solid.shoes, plane.shoes, strict=True)) < 0.05
+    solid, plane = (
+        respond(make(flexible, elements=12), flexible) for make in (model.prepare, prepare)
+    )
+    assert (
+        1e-4
+        < max(
+            abs(relative(a.torque, b.torque)) for a, b in zip(solid.shoes, plane.shoes, strict=True)
+        )
+        < 0.05
+    )
 
 
 KINDS = ("crane", "duplex", "duo_servo", "s_cam", "block_on_lever")
@@ -77,7 +91,9 @@ def of_kind(root, name):
 
 @pytest.mark.parametrize("name", KINDS)
 def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, name):
-    """Pivots, abutments, struts, a cam: the rigid line across the width stands for the point of the plane."""
+    """Pivots, abutments, struts, a cam: the rigid line across the width stands for the point of the
+    plane.
+    """
     given = of_kind(root, name)
     changes = {f"shoe.{part}.material.nu": 0.0 for part in ("lining", "body")}
     brake = vary(given, changes | {"shoe.body.width": given.shoes[0].lining.width})
@@ -110,7 +126,9 @@ def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "within"), [("brake", 1e-4), ("flexible", 1.3e-4)])
 def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(root, name, within):
-    """Between flexible shoes 1.17e-4 are left on this mesh, 1.02e-4 on one of 200 elements; 6e-5 at half the width."""
+    """Between flexible shoes 1.17e-4 are left on this mesh, 1.02e-4 on one of 200 elements; 6e-5 at
+    half the width.
+    """
     brake = read_brake(root / "studies" / "double_shoe" / f"{name}.toml")
     narrow = one_width(brake, brake.shoes[0].lining.thickness / 10)
     solid, plane = respond(model.prepare(narrow, elements=96, across=1), narrow), solve(narrow)
@@ -121,16 +139,25 @@ def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(root, name, wi
 
 
 def test_what_is_left_of_a_narrow_shoe_is_its_mesh(brake):
-    """Lining and shoe contract differently across the width, and a solid joins them over a layer of elements: what that
-    costs goes with their size, not with the width."""
+    """Lining and shoe contract differently across the width, and a solid joins them over a layer of
+    elements: what that costs goes with their size, not with the width.
+    """
 
     def off(elements, part):
         narrow = one_width(brake, brake.shoes[0].lining.thickness / part)
         both = (
             respond(make(narrow), narrow)
-            for make in (partial(model.prepare, elements=elements, across=1), partial(prepare, elements=elements))
+            for make in (
+                partial(model.prepare, elements=elements, across=1),
+                partial(prepare, elements=elements),
+            )
         )
-        return np.array([relative(a.torque, b.torque) for a, b in zip(*(each.shoes for each in both), strict=True)])
+        return np.array(
+            [
+                relative(a.torque, b.torque)
+                for a, b in zip(*(each.shoes for each in both), strict=True)
+            ]
+        )
 
     coarse, fine, narrower = off(24, 10), off(48, 10), off(24, 20)
     np.testing.assert_allclose(coarse, narrower, rtol=0.05)
@@ -143,11 +170,16 @@ def test_forces_and_moments_balance(flexible, rotation, friction):
     brake = vary(t_section(flexible), {"rotation": rotation, "friction": friction})
     response = model.solve(brake, elements=16)
     assert max(response.balance.force, response.balance.moment) < 1e-9
-    # Independently of the matrices: the integrals of the pressure over the exact arc, against pin and actuation.
+    # Independently of the matrices: the integrals of the pressure over the exact arc, against pin
+    # and actuation.
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        total = contact_resultant(brake, i, found).force + found.hinge_reaction + shoe.actuation.vector
+        total = (
+            contact_resultant(brake, i, found).force + found.hinge_reaction + shoe.actuation.vector
+        )
         assert np.linalg.norm(total) < 2e-4 * np.linalg.norm(shoe.actuation.vector)
-        assert found.torque == pytest.approx(abs(contact_resultant(brake, i, found).moment), rel=2e-5)
+        assert found.torque == pytest.approx(
+            abs(contact_resultant(brake, i, found).moment), rel=2e-5
+        )
 
 
 def test_the_pressure_along_the_arc_is_the_mean_of_the_surface(flexible):
@@ -175,7 +207,9 @@ def test_the_mirror_image_of_a_brake_is_solved_alike(flexible):
     brake = t_section(flexible)
     turned = vary(brake, {"rotation": "clockwise"})
     a, b = (model.solve(each, elements=10) for each in (brake, turned))
-    np.testing.assert_allclose(a.shoes[0].surface.pressure, b.shoes[1].surface.pressure[::-1], rtol=1e-8)
+    np.testing.assert_allclose(
+        a.shoes[0].surface.pressure, b.shoes[1].surface.pressure[::-1], rtol=1e-8
+    )
     np.testing.assert_allclose(a.shoes[0].torque, b.shoes[1].torque, rtol=1e-10)
 
 
@@ -245,7 +279,11 @@ def test_condensed_it_yields_as_the_whole_system_does(flexible):
     body = scene.bodies[0]
     n = 2 * len(body.line.nodes)
     random = np.random.default_rng(1)
-    nodal, load, frame = random.normal(size=(n, 2)), random.normal(size=(3, 2)), 1e-9 * random.normal(size=(3, 2))
+    nodal, load, frame = (
+        random.normal(size=(n, 2)),
+        random.normal(size=(3, 2)),
+        1e-9 * random.normal(size=(3, 2)),
+    )
     u = body.condensed.displacements(nodal, frame, load)
     at = (3 * body.line.nodes[:, None] + np.arange(2)).ravel()
     half = body.condensed.half
@@ -279,7 +317,9 @@ def test_what_it_does_not_cover_it_refuses(flexible, said):
     ],
 )
 def test_options_that_it_has_not(root, options, said):
-    done = drumlin("solve", root / "studies" / "double_shoe" / "flexible.toml", "--model", "solid", *options)
+    done = drumlin(
+        "solve", root / "studies" / "double_shoe" / "flexible.toml", "--model", "solid", *options
+    )
     assert done.returncode == 2 and said in done.stderr
 
 
@@ -295,14 +335,18 @@ def test_the_command_writes_the_surface(root, tmp_path):
     grid = meshio.read(made[1])
     p, points = grid.point_data["pressure [Pa]"], grid.points
     shoe = json.loads(made[0].read_text())["shoes"][0]
-    assert p.max() == pytest.approx(max(surface.max(), np.max(shoe["surface"]["pressure"])), rel=1e-9)
+    assert p.max() == pytest.approx(
+        max(surface.max(), np.max(shoe["surface"]["pressure"])), rel=1e-9
+    )
     on = p > 0
     np.testing.assert_allclose(np.hypot(*points[on, :2].T), 0.15, rtol=1e-12)
     assert points[:, 2].min() == 0 and points[:, 2].max() == pytest.approx(0.02)
 
 
 def test_the_fields_are_those_of_the_contact(flexible):
-    """The friction surface moves to the drum: the radial displacement where it is pressed is the penalty's own."""
+    """The friction surface moves to the drum: the radial displacement where it is pressed is the
+    penalty's own.
+    """
     from drumlin.fem.solid.fields import recover
 
     brake = t_section(flexible)
@@ -314,7 +358,9 @@ def test_the_fields_are_those_of_the_contact(flexible):
         on = found.pressure > 0
         moved = np.einsum("nc,nc->n", r, found.displacement[:, :2])
         assert on.sum() > 50
-        assert np.abs(found.displacement[found.points[:, 2] == 0, 2]).max() == 0  # nothing leaves the mid-plane
+        assert (
+            np.abs(found.displacement[found.points[:, 2] == 0, 2]).max() == 0
+        )  # nothing leaves the mid-plane
         # Weakly, not at every node: against what the shoe moves elsewhere.
         assert np.abs(moved[on]).mean() < 0.02 * np.abs(found.displacement).max()
         assert shoe.lining.material.E > 0 and (found.von_mises >= 0).all()
@@ -330,14 +376,19 @@ def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
     assert cold < 180  # 60 on a machine of its own
     start = time.process_time()
     second = respond(scene, vary(flexible, {"friction": 0.4}))
-    assert time.process_time() - start < 0.12 * cold  # 0.03 of it; followed on all nodes it was 0.15
+    assert (
+        time.process_time() - start < 0.12 * cold
+    )  # 0.03 of it; followed on all nodes it was 0.15
     assert second.torque > 1.2 * first.torque
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 6e6  # kB
 
 
-def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(flexible, monkeypatch):
-    """Where friction assists the pressure is a spike at the lining's end: node by node two meshes are far apart there,
-    not in their work."""
+def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
+    flexible, monkeypatch
+):
+    """Where friction assists the pressure is a spike at the lining's end: node by node two meshes
+    are far apart there, not in their work.
+    """
     from drumlin.contact import self_locking
 
     brake = t_section(flexible)
@@ -347,9 +398,13 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(fl
     sizes = settled_sizes(monkeypatch)
     found = respond(scene, brake)
     nodes = [len(body.line.nodes) for body in scene.bodies]
-    assert [sizes.count(count) for count in sorted(set(nodes))] == [len(nodes) / len(set(nodes))] * len(set(nodes))
+    assert [sizes.count(count) for count in sorted(set(nodes))] == [
+        len(nodes) / len(set(nodes))
+    ] * len(set(nodes))
     for mine, other in zip(found.shoes, wanted.shoes, strict=True):
-        np.testing.assert_allclose(mine.surface.pressure, other.surface.pressure, atol=1e-8 * other.peak_pressure)
+        np.testing.assert_allclose(
+            mine.surface.pressure, other.surface.pressure, atol=1e-8 * other.peak_pressure
+        )
 
 
 @pytest.mark.slow
@@ -373,11 +428,19 @@ def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch
     make = model.solid_body
     monkeypatch.setattr(model, "solid_body", lambda *of: made.append(of[2:4]) or make(*of))
     options = {"elements": 6, "across": 2}
-    sweep = {"brake": file, "model": {"solid": options, "sine": {}}, "vary": {"friction": [0.2, 0.25, 0.3]}}
+    sweep = {
+        "brake": file,
+        "model": {"solid": options, "sine": {}},
+        "vary": {"friction": [0.2, 0.25, 0.3]},
+    }
     rows = run(sweep_from(sweep).cases)
     assert made == [(6, 2)]
-    torques = [model.solve(vary(flexible, {"friction": mu}), **options).torque for mu in (0.2, 0.25, 0.3)]
-    assert [row["torque"] for row in rows[::2]] == torques and all(row["status"] == "solved" for row in rows)
+    torques = [
+        model.solve(vary(flexible, {"friction": mu}), **options).torque for mu in (0.2, 0.25, 0.3)
+    ]
+    assert [row["torque"] for row in rows[::2]] == torques and all(
+        row["status"] == "solved" for row in rows
+    )
 
 
 @pytest.mark.parametrize(
@@ -385,7 +448,10 @@ def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch
     [
         ({"elements": 500}, "model.solid: elements = 500"),
         ({"across": 0}, "model.solid: across = 0"),
-        ({"tolerance": 1e-3}, "model.solid: unknown key 'tolerance'; allowed: penalty, elements, across"),
+        (
+            {"tolerance": 1e-3},
+            "model.solid: unknown key 'tolerance'; allowed: penalty, elements, across",
+        ),
     ],
 )
 def test_options_that_a_sweep_of_solids_has_not(root, options, said):
@@ -401,13 +467,17 @@ def guided(brake, **more):
     for shoe in brake.model_dump(by_alias=True)["shoe"]:
         middle = (shoe["lining"]["start"] + shoe["lining"]["end"]) / 2
         force = {"force": 4e3, "direction": middle}
-        shoes.append(shoe | held | {"guide": {"direction": middle}, "actuation": shoe["actuation"] | force})
+        shoes.append(
+            shoe | held | {"guide": {"direction": middle}, "actuation": shoe["actuation"] | force}
+        )
     return vary(brake, {"shoe": shoes, **more})
 
 
 @pytest.mark.parametrize("width", [2e-3, 40e-3])
 def test_a_guided_shoe_without_lateral_contraction_is_plane_stress(flexible, width):
-    brake = guided(one_width(flexible, width), **{"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0})
+    brake = guided(
+        one_width(flexible, width), **{"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
+    )
     solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
@@ -429,4 +499,7 @@ def test_a_guided_solid_shoe_balances(flexible, friction):
 def test_a_pad_without_thickness_is_refused_in_a_line(root):
     done = drumlin("solve", root / "studies" / "laws" / "pad.toml", "--model", "solid")
     assert done.returncode == 2 and done.stderr.count("\n") == 1
-    assert "does not apply to this brake: shoe 'pad': its lining has no thickness and material to mesh" in done.stderr
+    assert (
+        "does not apply to this brake: shoe 'pad': its lining has no thickness and material to mesh"
+        in done.stderr
+    )

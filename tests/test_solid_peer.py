@@ -1,4 +1,6 @@
-"""Solid shoes as decks for CalculiX: what the decks say, and what CalculiX answers where it is installed."""
+"""Solid shoes as decks for CalculiX: what the decks say, and what CalculiX answers where it is
+installed.
+"""
 
 import numpy as np
 import pytest
@@ -12,7 +14,9 @@ from drumlin.peers.deck import Setting
 from drumlin.response.norms import pressure_distance, relative
 from sections import t_section
 
-needs_calculix = pytest.mark.skipif(peers.missing("calculix") is not None, reason=peers.missing("calculix") or "")
+needs_calculix = pytest.mark.skipif(
+    peers.missing("calculix") is not None, reason=peers.missing("calculix") or ""
+)
 
 
 def volume(points, nodes):
@@ -23,8 +27,9 @@ def volume(points, nodes):
 
 
 class Parsed:
-    """A deck as its keywords with their rows of words, its nodes (n, 3) by label, and its elements of 20 nodes, which
-    stand on two lines."""
+    """A deck as its keywords with their rows of words, its nodes (n, 3) by label, and its elements
+    of 20 nodes, which stand on two lines.
+    """
 
     def __init__(self, text):
         self.sections = []
@@ -34,7 +39,9 @@ class Parsed:
                 key, *words = (word.strip() for word in line[1:].split(","))
                 self.sections.append((key, dict(word.partition("=")[::2] for word in words), []))
             elif not line.startswith("**"):
-                self.sections[-1][2].append([word.strip() for word in line.split(",") if word.strip()])
+                self.sections[-1][2].append(
+                    [word.strip() for word in line.split(",") if word.strip()]
+                )
         rows = self.rows("NODE")
         self.points = np.full((max(int(row[0]) for row in rows) + 1, 3), np.nan)
         for label, *at in rows:
@@ -59,7 +66,12 @@ def posed(request, flexible):
     if request.param == "external":
         brake = vary(flexible, {"shoe.side": "external", "shoe.body": None})
     loaded, solid = solid_deck._posed(brake, 8, 2)[1]
-    return brake, loaded, solid, Parsed(solid_deck.deck(brake, loaded, solid, Setting(thickness=0.5)))
+    return (
+        brake,
+        loaded,
+        solid,
+        Parsed(solid_deck.deck(brake, loaded, solid, Setting(thickness=0.5))),
+    )
 
 
 def test_all_elements_have_a_positive_volume_and_the_faces_lie_on_the_drum(posed):
@@ -72,13 +84,30 @@ def test_all_elements_have_a_positive_volume_and_the_faces_lie_on_the_drum(posed
     assert len(lining) in {8 * 2, 8 * 3} and len(drum) == 8 + 4
     for label, face in lining + drum:
         corners = [elements[label][i] for i in solid_deck.FACES[int(face[1:]) - 1]]
-        np.testing.assert_allclose(np.hypot(*points[corners][:, :2].T), brake.drum.radius * 1e3, rtol=1e-9)
+        np.testing.assert_allclose(
+            np.hypot(*points[corners][:, :2].T), brake.drum.radius * 1e3, rtol=1e-9
+        )
 
 
 def test_middles_of_edges_lie_between_their_ends(posed):
-    """The order of the nodes: the middle of an edge is nearer to both its ends than they are to each other."""
+    """The order of the nodes: the middle of an edge is nearer to both its ends than they are to
+    each other.
+    """
     _, _, _, parsed = posed
-    around = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+    around = [
+        (0, 1),
+        (1, 2),
+        (2, 3),
+        (3, 0),
+        (4, 5),
+        (5, 6),
+        (6, 7),
+        (7, 4),
+        (0, 4),
+        (1, 5),
+        (2, 6),
+        (3, 7),
+    ]
     for nodes in parsed.elements.values():
         x = parsed.points[nodes]
         for k, (i, j) in enumerate(around):
@@ -97,7 +126,18 @@ def test_the_load_is_half_the_actuation(posed):
 
 def test_the_command_writes_the_decks(root, tmp_path):
     file = root / "studies" / "double_shoe" / "flexible.toml"
-    done = drumlin("export", file, "--to", "calculix", "--model", "solid", "--elements", 8, "--output", tmp_path)
+    done = drumlin(
+        "export",
+        file,
+        "--to",
+        "calculix",
+        "--model",
+        "solid",
+        "--elements",
+        8,
+        "--output",
+        tmp_path,
+    )
     assert done.returncode == 0, done.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         f"flexible_{name}_solid.inp" for name in ("left", "right")
@@ -110,7 +150,9 @@ def test_the_command_writes_the_decks(root, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("section", ["one width", "T-section"])
 def test_calculix_answers_alike(flexible, section):
-    """Torque within 1e-3, mean pressure within 2 % away from the edges, on the mesh that both share."""
+    """Torque within 1e-3, mean pressure within 2 % away from the edges, on the mesh that both
+    share.
+    """
     brake = t_section(flexible) if section == "T-section" else flexible
     mine = model.solve(brake, elements=24, across=3)
     other = solid_deck.solve(brake, elements=24, across=3).response
@@ -118,4 +160,6 @@ def test_calculix_answers_alike(flexible, section):
         assert abs(relative(b.torque, a.torque)) < 1e-3
         zone = brake.shoes[0].lining.thickness / brake.drum.radius / 2
         assert pressure_distance(b, a, zone) < 0.02
-        np.testing.assert_allclose(b.hinge_reaction, a.hinge_reaction, atol=2e-3 * np.linalg.norm(a.hinge_reaction))
+        np.testing.assert_allclose(
+            b.hinge_reaction, a.hinge_reaction, atol=2e-3 * np.linalg.norm(a.hinge_reaction)
+        )

@@ -1,4 +1,6 @@
-"""Knobs at their ends: the whole system as a judge, what it mended, and the study on its short setting."""
+"""Knobs at their ends: the whole system as a judge, what it mended, and the study on its short
+setting.
+"""
 
 import json
 import math
@@ -46,7 +48,11 @@ def refined_anyway(monkeypatch):
     imbalance = model._imbalance
 
     def worse(answers):
-        return imbalance(answers) if all(REFINED in answer.note for answer in answers.values()) else 1.0
+        return (
+            imbalance(answers)
+            if all(REFINED in answer.note for answer in answers.values())
+            else 1.0
+        )
 
     monkeypatch.setattr(model, "_imbalance", worse)
 
@@ -59,7 +65,9 @@ def test_the_designed_set_turns_every_knob_to_its_end():
     every = cases()
     assert len(every) >= 300
     assert len(set(every)) == len(every)
-    assert all(json.loads(json.dumps(asdict(case))) == asdict(case) for case in every)  # as a journal keeps them
+    assert all(
+        json.loads(json.dumps(asdict(case))) == asdict(case) for case in every
+    )  # as a journal keeps them
     for knob, low, high in (
         ("penalty", 1e-2, math.inf),
         ("friction", 0, 5),
@@ -88,7 +96,10 @@ def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_mo
         assert abs((K - L).toarray()).max() < 1e-13 * scale
         x, y = body.basis.doflocs.astype(np.longdouble)
         turn = np.column_stack([-y, x]).ravel()
-        assert np.abs(L @ turn).max() < 1e3 * np.finfo(np.longdouble).eps * float(scale) * np.abs(turn).max()
+        assert (
+            np.abs(L @ turn).max()
+            < 1e3 * np.finfo(np.longdouble).eps * float(scale) * np.abs(turn).max()
+        )
 
 
 @pytest.mark.parametrize("ring", [None, (1e-8, "free"), (400.0, "fixed"), (400.0, "free")])
@@ -123,13 +134,18 @@ def test_a_torque_near_self_locking_has_a_bad_condition():
 
 @pytest.mark.parametrize("assisted", [True, False])
 def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
-    """The digits that condensation loses, some 1e-16 over the ratio of bending to lining stiffness, come back."""
-    softer = [answer(Case(shoe=E, assisted=assisted, elements=20)) for E in (1e-5, 1e-6, 1e-7, 1e-8)]
+    """The digits that condensation loses, some 1e-16 over the ratio of bending to lining stiffness,
+    come back.
+    """
+    softer = [
+        answer(Case(shoe=E, assisted=assisted, elements=20)) for E in (1e-5, 1e-6, 1e-7, 1e-8)
+    ]
     for response in softer[1:]:
         assert REFINED in response.notes[0]
         assert max(response.balance.force, response.balance.moment) < 1e-8
     assert softer[3].torque == pytest.approx(softer[2].torque, rel=1e-6)
-    # A lining that is rigid against its shoe: the torque has a limit, to which it tends as the ratio.
+    # A lining that is rigid against its shoe: the torque has a limit, to which it tends as the
+    # ratio.
     first, second = softer[1].torque - softer[0].torque, softer[2].torque - softer[1].torque
     assert second == pytest.approx(first / 10, rel=0.1)
 
@@ -143,14 +159,23 @@ def test_a_refined_reaction_is_that_of_the_strains_where_those_have_their_digits
     refined = solve(brake, elements=12)
     assert any(REFINED in note for note in refined.notes)
     for shoe, other in zip(refined.shoes, strained.shoes, strict=True):
-        assert shoe.hinge_reaction == pytest.approx(other.hinge_reaction, abs=1e-10 * math.hypot(*other.hinge_reaction))
+        assert shoe.hinge_reaction == pytest.approx(
+            other.hinge_reaction, abs=1e-10 * math.hypot(*other.hinge_reaction)
+        )
         assert shoe.reaction_moment == pytest.approx(other.reaction_moment, rel=1e-8)
 
 
 def test_a_reaction_whose_strains_lose_their_digits_follows_from_the_pressure():
-    """The shoe bends so far beside what it strains at its pin that long double sees 6e-7 of the reaction wrong there,
-    and 2e-10 of p."""
-    knobs = {"friction": 0.407, "shoe": 1.87e-6, "thickness": 1.16e-4, "arc": 325.0, "clearance": 4.45e-8}
+    """The shoe bends so far beside what it strains at its pin that long double sees 6e-7 of the
+    reaction wrong there, and 2e-10 of p.
+    """
+    knobs = {
+        "friction": 0.407,
+        "shoe": 1.87e-6,
+        "thickness": 1.16e-4,
+        "arc": 325.0,
+        "clearance": 4.45e-8,
+    }
     case = Case(**knobs, penalty=5.8e8, force=72.4, lever=0.0229, nu=0.3634, elements=8)
     scene, brake, response = solved(case)
     assert worth(scene, brake, response, case.penalty)["digits"] > 8
@@ -164,7 +189,9 @@ def test_digits_that_no_arithmetic_keeps_are_refused_with_the_reason():
 
 def test_a_mesh_that_states_no_error_is_refused_where_digits_are_missing():
     """Refined, p is certain to 2e-5: on columns that would be a part of the stated error."""
-    with pytest.raises(NoAnswer, match=r"even refined its pressure is certain only to [1-9]\.\de-05"):
+    with pytest.raises(
+        NoAnswer, match=r"even refined its pressure is certain only to [1-9]\.\de-05"
+    ):
         answer(Case(shoe=1e-11, elements=16))
 
 
@@ -189,10 +216,15 @@ def test_triangles_agree_where_digits_were_lost(seed):
 
 @pytest.mark.slow
 def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
-    """A lining forty times as stiff as its shoe: p stays uncertain in the corners, the forces hardly at all."""
+    """A lining forty times as stiff as its shoe: p stays uncertain in the corners, the forces
+    hardly at all.
+    """
     refined_anyway(monkeypatch)  # it balances as the number of threads has it
     brake = random_brake(8326)
-    along, (true,) = islice(steps(brake, respond), 2), triangles.sequence(brake, triangles.LEVELS[:1])
+    along, (true,) = (
+        islice(steps(brake, respond), 2),
+        triangles.sequence(brake, triangles.LEVELS[:1]),
+    )
     found = adapt(brake, Tolerance(1e-6, 1e-6), respond, must=False, along=along).response
     (shoe,) = found.shoes
     assert any(REFINED in note for note in found.notes)
@@ -204,8 +236,13 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
 
 
 def test_wide_gaps_on_tiny_compressions_keep_their_digits():
-    """A force so small that the shoe touches at one node: its pressure is in proportion to the force, to round-off."""
-    torques = [answer(Case(clearance=1e-4, force=F, elements=16)).torque / F for F in (1e-9, 1e-7, 1e-5, 1e-3)]
+    """A force so small that the shoe touches at one node: its pressure is in proportion to the
+    force, to round-off.
+    """
+    torques = [
+        answer(Case(clearance=1e-4, force=F, elements=16)).torque / F
+        for F in (1e-9, 1e-7, 1e-5, 1e-3)
+    ]
     assert torques == pytest.approx([torques[0]] * 4, rel=1e-9)
 
 
@@ -229,7 +266,9 @@ def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix()
     A, _, B, C, _ = problem
     d = 1 / np.sqrt(np.diagonal(A))
     column, row = 1 / np.abs(d[:, None] * B).max(), 1 / np.abs(C * d).max()
-    matrix = np.block([[d[:, None] * A * d, d[:, None] * B * column], [row * C * d, np.zeros((1, 1))]])
+    matrix = np.block(
+        [[d[:, None] * A * d, d[:, None] * B * column], [row * C * d, np.zeros((1, 1))]]
+    )
     exact = np.linalg.cond(matrix, 1)
     assert condition(problem, everywhere(scene)) == pytest.approx(exact, rel=0.5)
 
@@ -247,7 +286,9 @@ def test_a_stiff_penalty_costs_nothing_and_a_soft_one_errs_in_proportion():
 
 def test_units_do_not_matter():
     """The same brake in m and N, and counted in mm and MPa as numbers."""
-    base, other = (answer(Case(elements=20, **knobs)) for knobs in ({}, {"size": 1e3, "pressure": 1e-6}))
+    base, other = (
+        answer(Case(elements=20, **knobs)) for knobs in ({}, {"size": 1e3, "pressure": 1e-6})
+    )
     assert other.torque == pytest.approx(1e3 * base.torque, rel=1e-10)
 
 
@@ -301,7 +342,14 @@ def test_random_brakes_are_answered_below_their_limit_alone(result):
 @pytest.mark.slow
 def test_the_page_holds_the_maps_the_worst_and_the_refusals(module, result, tmp_path):
     text = module.report(result, tmp_path).read_text()
-    for words in ("fewest digits", "Refusals", "mu_lock", "pointwise", "penalty costs nothing", "0 faults"):
+    for words in (
+        "fewest digits",
+        "Refusals",
+        "mu_lock",
+        "pointwise",
+        "penalty costs nothing",
+        "0 faults",
+    ):
         assert words in text
     assert (tmp_path / "cases.csv").exists()
     assert (tmp_path / "sweeps.svg").exists()

@@ -1,4 +1,6 @@
-"""Linings that stand off by far more than their force compresses them: no refusal that meshes do not share."""
+"""Linings that stand off by far more than their force compresses them: no refusal that meshes do
+not share.
+"""
 
 import numpy as np
 import pytest
@@ -28,7 +30,11 @@ ONE_SHOE = {
             "name": "first",
             "side": "internal",
             "abutment": {"point": {"x": -0.05267, "y": -0.10289}, "direction": 3.0527},
-            "actuation": {"force": 5.8126, "direction": 2.71376, "point": {"x": -0.01879, "y": 0.12995}},
+            "actuation": {
+                "force": 5.8126,
+                "direction": 2.71376,
+                "point": {"x": -0.01879, "y": 0.12995},
+            },
             "lining": {
                 "start": 2.17808,
                 "end": 3.58924,
@@ -40,12 +46,14 @@ ONE_SHOE = {
         }
     ],
 }
-"""A rigid shoe on an abutment, whose contact of 3 deg moves by 17 deg as friction grows from none."""
+"""A rigid shoe on an abutment, whose contact of 3 deg moves by 17 deg as friction grows from none.
+"""
 
 
 def test_a_contact_that_moves_from_wide_columns_to_narrow_ones_does_not_lock():
-    """Its force falls by a tenth over the second half of the friction; the sum of nodal pressures grows thirteenfold,
-    as more nodes press."""
+    """Its force falls by a tenth over the second half of the friction; the sum of nodal pressures
+    grows thirteenfold, as more nodes press.
+    """
     brake = brake_from(ONE_SHOE)
     assert solve(brake).torque == pytest.approx(solve(brake, elements=80).torque, rel=1e-3)
 
@@ -76,8 +84,9 @@ def test_a_rigid_plank_on_a_curve_stands_on_the_two_nodes_beside_its_load():
 
 
 def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
-    """One node each and a hinge each; the first one's pressure 1 pushes the second one the other way than its own load,
-    which is none, would have it."""
+    """One node each and a hinge each; the first one's pressure 1 pushes the second one the other
+    way than its own load, which is none, would have it.
+    """
     B = -np.eye(4, 2)[[0, 0, 1, 1]] * np.array([[1.0], [2.0], [1.0], [-1.0]])
     C = np.array([[-1.0, -2.0, 0.0, 0.0], [0.5, 1.0, -1.0, 1.0]])
     problem = Problem(1e-6 * np.eye(4), np.array([1.0, 3.0, 1.0, 1.0]), B, C, np.array([-1.0, 0.0]))
@@ -97,7 +106,9 @@ def test_true_self_locking_is_still_refused_with_its_limit(seed):
     assert said == pytest.approx(end, rel=5e-3)
 
 
-@pytest.mark.parametrize(("refusal", "evened"), [(NoAnswer("self-locking"), True), (LostDigits("lost digits"), False)])
+@pytest.mark.parametrize(
+    ("refusal", "evened"), [(NoAnswer("self-locking"), True), (LostDigits("lost digits"), False)]
+)
 def test_a_refusal_is_asked_for_once_more_where_another_division_may_answer(brake, refusal, evened):
     nodes = []
 
@@ -115,10 +126,14 @@ def test_a_refusal_is_asked_for_once_more_where_another_division_may_answer(brak
 
 
 def test_a_cam_that_would_have_to_pull_is_not_said_to_lock():
-    """The force of its second shoe falls to nothing below the friction: at 0.0307 on a mesh of 80 elements."""
+    """The force of its second shoe falls to nothing below the friction: at 0.0307 on a mesh of 80
+    elements.
+    """
     brake = standing_off(2361)
     assert solve(vary(brake, {"friction": 0.02}), elements=40).shoes[1].force > 0
-    with pytest.raises(NoAnswer, match=r"^shoe 'second': no equilibrium, what pushes it would have to pull$"):
+    with pytest.raises(
+        NoAnswer, match=r"^shoe 'second': no equilibrium, what pushes it would have to pull$"
+    ):
         solve(brake, elements=80)
 
 
@@ -148,6 +163,8 @@ def test_a_refusal_that_three_meshes_do_not_share_differs(monkeypatch):
 
     monkeypatch.setattr(consistency_refused, "solve", on_levels)
     (row,) = checks(4)
-    assert row.outcome == "differs" and "self-locking" in row.quantity and row.brake == drawn(4).title
+    assert (
+        row.outcome == "differs" and "self-locking" in row.quantity and row.brake == drawn(4).title
+    )
     monkeypatch.setattr(consistency_refused, "solve", nowhere)
     assert [row.outcome for row in checks(4)] == ["refused"]

@@ -23,7 +23,16 @@ from drumlin.response.response import NONE, Change, reaction_size
 from drumlin.response.resultants import cross, integrate
 from drumlin.verification import stated_true
 from drumlin.verification.random_brake import KINDS, random_brake
-from drumlin.verification.stated_true import QUANTITIES, Truth, by_columns, errors, limit, ratio, row, summary
+from drumlin.verification.stated_true import (
+    QUANTITIES,
+    Truth,
+    by_columns,
+    errors,
+    limit,
+    ratio,
+    row,
+    summary,
+)
 from drumlin.verification.triangles import Level, sequence
 
 LEVELS = (Level(3, 5, 1.4, 1.0), Level(4, 7, 1.2, 1.0))
@@ -45,7 +54,9 @@ def test_a_brake_of_each_kind_is_drawn_again_by_its_seed(kind):
 
 
 def test_the_kinds_follow_each_other_by_seed():
-    assert [random_brake(seed).title for seed in range(3)] == [f"random {kind} {i}" for i, kind in enumerate(KINDS)][:3]
+    assert [random_brake(seed).title for seed in range(3)] == [
+        f"random {kind} {i}" for i, kind in enumerate(KINDS)
+    ][:3]
 
 
 def test_what_a_response_states_is_held_against_the_truth(brake, truth):
@@ -58,11 +69,18 @@ def test_what_a_response_states_is_held_against_the_truth(brake, truth):
     torque = sum(shoe.torque for shoe in truth.shoes)
     assert off["torque"] == pytest.approx(abs(coarse.torque - torque) / torque)
     assert 1e-3 < off["pressure"] < 0.1
-    liar = row(brake, 1e-2, lambda brake, tolerance: replace(coarse, error=dict.fromkeys(QUANTITIES, 1e-9)), truth)
+    liar = row(
+        brake,
+        1e-2,
+        lambda brake, tolerance: replace(coarse, error=dict.fromkeys(QUANTITIES, 1e-9)),
+        truth,
+    )
     assert ratio(liar, "pressure") < 1e-5
     table = {one["quantity"]: one for one in summary([seen, liar])}
     assert table["pressure"]["above"] == pytest.approx(0.5 + 0.5 * (off["pressure"] > 1e-2))
-    assert table["pressure"]["judged"] == 2 and table["pressure"]["smallest"] == ratio(liar, "pressure")
+    assert table["pressure"]["judged"] == 2 and table["pressure"]["smallest"] == ratio(
+        liar, "pressure"
+    )
 
 
 def test_a_known_shift_of_the_pressure_is_the_error(brake, truth):
@@ -82,9 +100,13 @@ def test_what_fails_stays_in_the_table(brake, truth):
 
     rows = [row(brake, 1e-2, refuse, truth), row(brake, 1e-2, stumble, truth)]
     assert [one["outcome"] for one in rows] == ["not reached", "failed"]
-    rows.append(row(brake, 1e-2, lambda brake, tolerance: solve(brake, elements=12), None, "singular"))
+    rows.append(
+        row(brake, 1e-2, lambda brake, tolerance: solve(brake, elements=12), None, "singular")
+    )
     assert rows[-1]["outcome"] == "no truth" and rows[-1]["reason"] == "singular"
-    assert {(one["brakes"], one["reached"], one["judged"]) for one in summary(rows)} == {(2, 0.0, 0)}
+    assert {(one["brakes"], one["reached"], one["judged"]) for one in summary(rows)} == {
+        (2, 0.0, 0)
+    }
 
 
 def test_uncertainty_of_a_sequence():
@@ -92,8 +114,12 @@ def test_uncertainty_of_a_sequence():
     assert limit(100.0, 1.0) == pytest.approx(1 / 3)
     assert limit(1.0, 1.0) == 1.0
     assert limit(1.0, 0.0) == 0.0
-    assert math.isnan(ratio({"stated_torque": math.nan, "true_torque": 1.0, "unsure_torque": 0.0}, "torque"))
-    assert np.isinf(ratio({"stated_torque": 1e-3, "true_torque": 1e-6, "unsure_torque": 2e-6}, "torque"))
+    assert math.isnan(
+        ratio({"stated_torque": math.nan, "true_torque": 1.0, "unsure_torque": 0.0}, "torque")
+    )
+    assert np.isinf(
+        ratio({"stated_torque": 1e-3, "true_torque": 1e-6, "unsure_torque": 2e-6}, "torque")
+    )
 
 
 def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake):
@@ -129,7 +155,9 @@ def shifted(response, by):
 
 
 def test_forces_that_agree_by_chance_are_as_uncertain_as_the_columns_of_the_pressure(brake, level):
-    """Torques and reactions of two levels are the same though each column of p changes them, up and down in turn."""
+    """Torques and reactions of two levels are the same though each column of p changes them, up and
+    down in turn.
+    """
 
     def turns(shoe):
         column, inside = np.divmod(np.arange(len(shoe.theta)), shoe.order)
@@ -139,20 +167,29 @@ def test_forces_that_agree_by_chance_are_as_uncertain_as_the_columns_of_the_pres
     found = estimate(brake, before, level)
     for a, b, own in zip(before.shoes, level.shoes, found.shoes, strict=True):
         column = np.arange(len(b.theta)) // b.order
-        off = [integrate(b.theta, np.where(column == k, a.pressure - b.pressure, 0.0), b.order) for k in set(column)]
+        off = [
+            integrate(b.theta, np.where(column == k, a.pressure - b.pressure, 0.0), b.order)
+            for k in set(column)
+        ]
         least = FACTORS.cancelled * math.hypot(*off) / integrate(b.theta, b.pressure, b.order)
         assert own["torque"] == pytest.approx(least, rel=1e-3) and least > 1e-6
-        assert own["reaction"] == pytest.approx(least * b.normal_force / math.hypot(*b.hinge_reaction), rel=1e-3)
+        assert own["reaction"] == pytest.approx(
+            least * b.normal_force / math.hypot(*b.hinge_reaction), rel=1e-3
+        )
         parts.append(least * b.torque / level.torque)
     assert found.brake["torque"] == pytest.approx(sum(parts), rel=1e-3)
 
 
 def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(brake, level):
-    """As the mean of that and of the distance in L2; of p in columns without the peak it does not matter."""
+    """As the mean of that and of the distance in L2; of p in columns without the peak it does not
+    matter.
+    """
 
     def heights(shoe):
         column, inside = np.divmod(np.arange(len(shoe.theta)), shoe.order)
-        return np.array([shoe.pressure[column == k].max() for k in range(column[-1] + 1)])[column], inside
+        return np.array([shoe.pressure[column == k].max() for k in range(column[-1] + 1)])[
+            column
+        ], inside
 
     def high(shoe):
         highest, _ = heights(shoe)
@@ -185,23 +222,34 @@ def test_the_shortest_contact_of_a_shoe_counts(brake):
         along = [Step(made, before), Step(made, last)]
         return adapt(brake, Tolerance(0.5, 0.5), respond, must=False, along=along).response.error
 
-    assert error(found)["torque"] == pytest.approx(FACTORS.force * 1e-3 * one.torque / found.torque, rel=1e-3)
+    assert error(found)["torque"] == pytest.approx(
+        FACTORS.force * 1e-3 * one.torque / found.torque, rel=1e-3
+    )
     assert error(found)["pressure"] < 1e-3
     assert error(replace(found, shoes=(replace(one, contact_arcs=arcs), other)))["pressure"] >= 1
 
 
 def test_errors_of_two_shoes_torques_do_not_cancel(brake):
-    """One loses what the other gains, so that the brake's torque does not move at all: the next level may undo it."""
+    """One loses what the other gains, so that the brake's torque does not move at all: the next
+    level may undo it.
+    """
     last = solve(brake, elements=10)
-    gained = [replace(shoe, torque=shoe.torque + off) for shoe, off in zip(last.shoes, (5.0, -5.0), strict=True)]
+    gained = [
+        replace(shoe, torque=shoe.torque + off)
+        for shoe, off in zip(last.shoes, (5.0, -5.0), strict=True)
+    ]
     before = replace(last, shoes=tuple(gained))
     assert before.torque == pytest.approx(last.torque)
     for series in ([before, last], [last, before]):
-        assert estimate(brake, *series).brake["torque"] == pytest.approx(FACTORS.force * 10.0 / last.torque, rel=1e-4)
+        assert estimate(brake, *series).brake["torque"] == pytest.approx(
+            FACTORS.force * 10.0 / last.torque, rel=1e-4
+        )
 
 
 def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
-    """A post presses with its lining's end: p grows there without bound from level to level, beside the last node."""
+    """A post presses with its lining's end: p grows there without bound from level to level, beside
+    the last node.
+    """
     brake = random_brake(488)
     found = list(islice(steps(brake, respond), 3))
     peaks = [step.response.shoes[0].peak_pressure for step in found]
@@ -222,11 +270,15 @@ def test_the_penalty_changes_torque_and_pressure_as_a_response_says(brake, index
 
 @pytest.mark.parametrize("penalty", [30.0, 1.0, 0.1, 1e-3])
 def test_what_a_soft_contact_changes_is_stated(brake, penalty):
-    """Down to one a thousand times as soft as the lining, whose pressure hardly hangs on it any more."""
+    """Down to one a thousand times as soft as the lining, whose pressure hardly hangs on it any
+    more.
+    """
     level = scene(brake, COLUMNS[2])
     firm, soft = (respond(level, brake, penalty=each).shoes for each in (math.inf, penalty))
     for a, b in zip(soft, firm, strict=True):
-        reaction = float(np.hypot(*(a.hinge_reaction - b.hinge_reaction)) / np.hypot(*b.hinge_reaction))
+        reaction = float(
+            np.hypot(*(a.hinge_reaction - b.hinge_reaction)) / np.hypot(*b.hinge_reaction)
+        )
         true = pressure_distance(a, b), abs(a.torque / b.torque - 1), reaction
         if penalty == 30:
             np.testing.assert_allclose(a.softness[:3], true, rtol=0.1)
@@ -244,7 +296,9 @@ def test_what_a_soft_contact_changes_of_a_post_is_stated_too():
 
 
 def test_a_shoe_without_reaction_has_a_torque(brake):
-    """Its actuation aims along the resultant of the contact: the pin bears nothing, the torque is as certain."""
+    """Its actuation aims along the resultant of the contact: the pin bears nothing, the torque is
+    as certain.
+    """
     single = vary(brake.model_copy(update={"shoes": brake.shoes[:1]}), {"shoe.body": None})
     for _ in range(4):
         found = solve(single, penalty=math.inf)
@@ -265,7 +319,9 @@ def test_a_shoe_without_reaction_has_a_torque(brake):
 
 
 def test_columns_are_a_truth_that_triangles_share(brake, truth):
-    """They differ by no more than twice what both are unsure of; both see the error of a coarse answer."""
+    """They differ by no more than twice what both are unsure of; both see the error of a coarse
+    answer.
+    """
     finer = by_columns(brake, 1e-2)
     apart = errors(brake, finer.shoes, truth.shoes)
     for name in QUANTITIES:
@@ -291,13 +347,17 @@ def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
 
 
 def test_a_level_that_moves_away_again_is_no_truth(brake, monkeypatch):
-    """Of a post with a ring the finest columns lose digits, and p gets a spike where the lining is open; of a small
-    contact one level moves p as far as the one before, and the next ones bring it home."""
+    """Of a post with a ring the finest columns lose digits, and p gets a spike where the lining is
+    open; of a small contact one level moves p as far as the one before, and the next ones bring it
+    home.
+    """
 
     def straying(last):
         def some(brake, respond):
             for k, (made, found) in enumerate(steps(brake, respond)):
-                shoes = tuple(replace(shoe, pressure=1.1 ** (k - 2) * shoe.pressure) for shoe in found.shoes)
+                shoes = tuple(
+                    replace(shoe, pressure=1.1 ** (k - 2) * shoe.pressure) for shoe in found.shoes
+                )
                 yield Step(made, replace(found, shoes=shoes) if 3 <= k <= last else found)
 
         return some
@@ -322,7 +382,9 @@ def test_a_peak_at_an_end_of_the_lining_is_unbounded_and_so_is_its_error():
 
 @pytest.mark.parametrize("tip", [True, False])
 def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, tip):
-    """Where a table of clearances has a kink towards the drum p grows as under a wedge: as the logarithm of columns."""
+    """Where a table of clearances has a kink towards the drum p grows as under a wedge: as the
+    logarithm of columns.
+    """
     (shoe, *_), gap = brake.shoes, 1e-4
     middle, ends = shoe.lining.middle, (shoe.lining.start, shoe.lining.end)
     rows = ((ends[0], gap), (middle, 0.0 if tip else gap), (ends[1], gap))
@@ -331,16 +393,24 @@ def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, t
     if tip:
         assert fine.peak_pressure > 1.02 * rough.peak_pressure
         assert rough.error["peak"] == fine.error["peak"] == 1.0 and rough.error["pressure"] < 1e-2
-        with pytest.raises(NoAnswer, match=r"not reached on 3 .* p is unbounded at .* or a tip of the gap of '\w+'$"):
-            adapt(kinked, Tolerance(1e-6, 1e-6), respond, along=list(islice(steps(kinked, respond), 3)))
+        with pytest.raises(
+            NoAnswer,
+            match=r"not reached on 3 .* p is unbounded at .* or a tip of the gap of '\w+'$",
+        ):
+            adapt(
+                kinked,
+                Tolerance(1e-6, 1e-6),
+                respond,
+                along=list(islice(steps(kinked, respond), 3)),
+            )
     else:
         assert abs(fine.peak_pressure / rough.peak_pressure - 1) < rough.error["peak"] < 0.1
 
 
 @pytest.mark.parametrize(("part", "unknown"), [(0.6, 1.0), (0.4, 0.0)])
 def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, unknown):
-    """A lining that bears at its end, where p grows from level to level: it will be the largest there
-    once it is more than half of what is the largest now.
+    """A lining that bears at its end, where p grows from level to level: it will be the largest
+    there once it is more than half of what is the largest now.
     """
     brake = random_brake(4334, "arc")
     *_, last = islice(steps(brake, respond), 2)
@@ -367,7 +437,9 @@ def test_a_shoe_that_loses_its_contact_moves_the_torque_by_all_of_it(brake, leve
     one, other = level.shoes
     lifted = replace(other, torque=0.0, pressure=0.0 * other.pressure, contact_arcs=())
     stated = estimate(brake, level, replace(level, shoes=(one, lifted)))
-    assert stated.brake["torque"] == pytest.approx(FACTORS.force * other.torque / one.torque, rel=1e-9)
+    assert stated.brake["torque"] == pytest.approx(
+        FACTORS.force * other.torque / one.torque, rel=1e-9
+    )
 
 
 def test_p_near_its_peak_beside_a_tip_of_the_gap_leaves_the_peak_unknown(brake):

@@ -1,4 +1,6 @@
-"""Stick and slip from below: five friction states, directions, energy over a loop, tangents, the holding brake."""
+"""Stick and slip from below: five friction states, directions, energy over a loop, tangents, the
+holding brake.
+"""
 
 import math
 
@@ -24,7 +26,9 @@ SCENE = prepare(BRAKE, elements=30)
 
 
 def spring(push, shift, stiffness=100.0, penalty=0.0):
-    """One node on a normal and a tangential spring, pushed by -push against the drum that has moved by `shift`."""
+    """One node on a normal and a tangential spring, pushed by -push against the drum that has moved
+    by `shift`.
+    """
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     return Problem(
         A_wp=one / stiffness, A_wt=none, A_sp=none, A_st=-one / stiffness,
@@ -48,7 +52,9 @@ REST = History(np.zeros(1), np.zeros(1))
     ],
 )
 def test_friction_states_of_one_node_are_exact(mu, shift, state, t):
-    found = stick_slip.solve(spring(10.0, shift), mu if mu < math.inf else 1e300, REST, np.array([STICK]))
+    found = stick_slip.solve(
+        spring(10.0, shift), mu if mu < math.inf else 1e300, REST, np.array([STICK])
+    )
     assert found.p[0] == pytest.approx(10.0, rel=1e-14)
     assert found.t[0] == pytest.approx(t, rel=1e-12, abs=1e-12)
     if mu:
@@ -67,9 +73,13 @@ def test_a_tangential_penalty_is_an_elastic_slip():
 
 
 def test_a_closed_loop_dissipates_its_area():
-    """Forth and back beyond the limit: the dissipated energy is the loop's area, 4 mu p (shift - mu p/k)."""
+    """Forth and back beyond the limit: the dissipated energy is the loop's area, 4 mu p (shift - mu
+    p/k).
+    """
     mu, push, k, top = 0.5, 10.0, 100.0, 0.2
-    path = np.concatenate([np.linspace(0, top, 41), np.linspace(top, -top, 81), np.linspace(-top, top, 81)])
+    path = np.concatenate(
+        [np.linspace(0, top, 41), np.linspace(top, -top, 81), np.linspace(-top, top, 81)]
+    )
     history, state = REST, np.array([STICK])
     work = dissipated = 0.0
     previous, states = (0.0, 0.0), set()
@@ -86,7 +96,9 @@ def test_a_closed_loop_dissipates_its_area():
 
 
 def test_solving_twice_changes_nothing():
-    """History is an input: a second evaluation gives the same answer and leaves the history as it was."""
+    """History is an input: a second evaluation gives the same answer and leaves the history as it
+    was.
+    """
     history = History(np.array([1.0]), np.array([0.01]))
     a = stick_slip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
     b = stick_slip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
@@ -96,7 +108,9 @@ def test_solving_twice_changes_nothing():
 
 @given(st.integers(0, 500))
 def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_differences(seed):
-    """Open, stick and slip together: residuals vanish, and p, t move with the load as their linear equations say."""
+    """Open, stick and slip together: residuals vanish, and p, t move with the load as their linear
+    equations say.
+    """
     problem, lever = holding_problem(ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4))
     rng = np.random.default_rng(seed)
     rotation = 10 ** rng.uniform(-5.5, -3.5)
@@ -111,24 +125,39 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     slip = found.s - before.s - problem.Q @ (found.t - before.t)
     sticks = found.state == STICK
     assert np.abs(slip[sticks]).max(initial=0) < 1e-9 * np.abs(found.s).max()
-    assert (found.t * slip >= -1e-9 * np.abs(found.t).max() * np.abs(found.s).max()).all()  # friction dissipates
+    assert (
+        found.t * slip >= -1e-9 * np.abs(found.t).max() * np.abs(found.s).max()
+    ).all()  # friction dissipates
     step = 1e-6 * rotation
-    nearby = stick_slip.solve(moved._replace(q_s=moved.q_s + lever * step / 2000.0), mu, before, state)
-    if np.array_equal(nearby.state, found.state):  # linear within one set of states: twice the step, twice the change
-        again = stick_slip.solve(moved._replace(q_s=moved.q_s + 2 * lever * step / 2000.0), mu, before, state)
+    nearby = stick_slip.solve(
+        moved._replace(q_s=moved.q_s + lever * step / 2000.0), mu, before, state
+    )
+    if np.array_equal(
+        nearby.state, found.state
+    ):  # linear within one set of states: twice the step, twice the change
+        again = stick_slip.solve(
+            moved._replace(q_s=moved.q_s + 2 * lever * step / 2000.0), mu, before, state
+        )
         if np.array_equal(again.state, found.state):
             change = np.abs(found.t).max()
             assert again.t - nearby.t == pytest.approx(nearby.t - found.t, abs=1e-9 * change)
 
 
 def test_direction_of_friction_on_a_wedge():
-    """NAFEMS CGS-4: a wedge of tan a = .1 pushed up with mu = .3: F/G = (tan a + mu)/(1 - mu tan a) = .412371."""
+    """NAFEMS CGS-4: a wedge of tan a = .1 pushed up with mu = .3: F/G = (tan a + mu)/(1 - mu tan a)
+    = .412371.
+    """
     slope, mu = math.atan(0.1), 0.3
     x = np.linspace(0, 1, 5)
     line = ContactLine(
-        np.arange(5), np.array([x * math.cos(slope), x * math.sin(slope)]), x, np.array([[0, 2], [1, 3], [2, 4]])
+        np.arange(5),
+        np.array([x * math.cos(slope), x * math.sin(slope)]),
+        x,
+        np.array([[0, 2], [1, 3], [2, 4]]),
     )
-    down = np.array([math.sin(slope), -math.cos(slope)])  # outward normal of the block, into the wedge
+    down = np.array(
+        [math.sin(slope), -math.cos(slope)]
+    )  # outward normal of the block, into the wedge
     up = np.array([math.cos(slope), math.sin(slope)])  # the way the block moves
 
     def directions(points):
@@ -138,13 +167,18 @@ def test_direction_of_friction_on_a_wedge():
     coupling = couple(line, 1.0, directions)
     p = np.full(5, 7.0)
     on_block = (-coupling.N.T @ p + mu * coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
-    F, G = -on_block[0], on_block[1]  # the push balances the horizontal part, the weight the vertical one
+    F, G = (
+        -on_block[0],
+        on_block[1],
+    )  # the push balances the horizontal part, the weight the vertical one
     assert pytest.approx(0.412371, abs=5e-7) == F / G
 
 
 @pytest.mark.parametrize("turned", [0.0, 0.4, 1.1])
 def test_flat_patch_whole_and_inclined(turned):
-    """A strip pressed evenly on a plane at any inclination: even pressure to round-off, with its resultant."""
+    """A strip pressed evenly on a plane at any inclination: even pressure to round-off, with its
+    resultant.
+    """
     import skfem
 
     from drumlin.brake.elasticity import ElasticLayer
@@ -162,7 +196,10 @@ def test_flat_patch_whole_and_inclined(turned):
         np.array([c * x - s * y, s * x + c * y]) + np.array([[3.0], [1.0]]),
         mesh.t,
         _subdomains={"body": np.arange(mesh.nelements)},
-        _boundaries={"contact": np.flatnonzero(middle[1] < 1e-12), "support": np.flatnonzero(middle[1] > 1 - 1e-12)},
+        _boundaries={
+            "contact": np.flatnonzero(middle[1] < 1e-12),
+            "support": np.flatnonzero(middle[1] > 1 - 1e-12),
+        },
     )
     basis = scalar_basis(mesh)
     line = contact_line(basis, mesh.boundaries["contact"], math.atan2(1.0, 3.0))
@@ -171,12 +208,17 @@ def test_flat_patch_whole_and_inclined(turned):
     # nu = 0 and a rigid top: pressing by a distance strains the strip evenly
     K = stiffness(basis, {"body": ElasticLayer.of(Material(E=2e6, nu=0.0), 1.0)})
     condensed = condense(
-        K, ties := tie(basis, line.nodes, top, np.zeros(2)), np.zeros((ties.matrix.shape[1], 0)), 2 * len(line.nodes)
+        K,
+        ties := tie(basis, line.nodes, top, np.zeros(2)),
+        np.zeros((ties.matrix.shape[1], 0)),
+        2 * len(line.nodes),
     )
 
     def directions(points):
         shape = (2, *([1] * (points.ndim - 1)))
-        return normal.reshape(shape) * np.ones_like(points), np.array([c, s]).reshape(shape) * np.ones_like(points)
+        return normal.reshape(shape) * np.ones_like(points), np.array([c, s]).reshape(
+            shape
+        ) * np.ones_like(points)
 
     coupling = couple(line, 1.0, directions)
     Y = condensed.half(-coupling.N.T)
@@ -223,9 +265,13 @@ def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
     """Forth to full slip and back: over a closed cycle of the drum what goes in is dissipated."""
     end = full_slip_rotation(SCENE, BRAKE)
     there, back = np.linspace(0, 2 * end, 25), np.linspace(2 * end, -2 * end, 97)[1:]
-    states = hold(SCENE, BRAKE, np.concatenate([there, back, np.linspace(-2 * end, 2 * end, 97)[1:]]))
+    states = hold(
+        SCENE, BRAKE, np.concatenate([there, back, np.linspace(-2 * end, 2 * end, 97)[1:]])
+    )
     loop = states[24:]
-    rotation, torque = (np.array([getattr(state, name) for state in loop]) for name in ("rotation", "torque"))
+    rotation, torque = (
+        np.array([getattr(state, name) for state in loop]) for name in ("rotation", "torque")
+    )
     work = float(np.trapezoid(torque, rotation))
     dissipated = loop[-1].dissipated - loop[0].dissipated
     assert torque.min() < 0 < torque.max()
@@ -241,7 +287,12 @@ def test_refusals():
 
 
 def test_a_ring_takes_part_in_holding():
-    ring = {"thickness": 0.015, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}, "support": "fixed"}
+    ring = {
+        "thickness": 0.015,
+        "width": 0.04,
+        "material": {"E": 1.2e11, "nu": 0.25},
+        "support": "fixed",
+    }
     spec = vary(BRAKE, {"drum.ring": ring})
     scene = prepare(spec, elements=20)
     states = hold(scene, spec, np.linspace(0, full_slip_rotation(scene, spec), 4))
@@ -250,7 +301,9 @@ def test_a_ring_takes_part_in_holding():
 
 @pytest.mark.parametrize("way", [stick_slip._followed, stick_slip._closed])
 def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
-    """Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again before it falls."""
+    """Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again
+    before it falls.
+    """
     monkeypatch.setattr(stick_slip, "_newton", way)
     monkeypatch.setattr(stick_slip, "_followed", way)
     monkeypatch.setattr(stick_slip, "_closed", way)

@@ -1,4 +1,6 @@
-"""The stated error is held on both sides by solutions that are far finer: never too small, nor needlessly large."""
+"""The stated error is held on both sides by solutions that are far finer: never too small, nor
+needlessly large.
+"""
 
 import json
 import math
@@ -36,19 +38,26 @@ def test_stated_errors_are_large_enough_and_no_larger_than_they_were(rows, writt
 
 
 BELOW_HALF = {("post_on_free_ring", "1e-4", "reaction")}
-"""Stated errors that are known to be below half of the true ones, a fault that is open. The reaction of
-this post on a ring has the error 1.1 d on the fourth level, d its last step: errors of forces under rings
-fall slowly from the third level on."""
+"""Stated errors that are known to be below half of the true ones, a fault that is open. The
+reaction of this post on a ring has the error 1.1 d on the fourth level, d its last step: errors of
+forces under rings fall slowly from the third level on.
+"""
 
 
 def test_no_other_stated_error_is_below_half_of_the_true_one(rows):
-    small = {(one.name, one.asked, quantity): one.ratio(quantity) for one in rows for quantity in QUANTITIES}
+    small = {
+        (one.name, one.asked, quantity): one.ratio(quantity)
+        for one in rows
+        for quantity in QUANTITIES
+    }
     assert {key for key, value in small.items() if value < 0.5} == BELOW_HALF
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 @pytest.mark.parametrize("quantity", QUANTITIES)
-def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(rows, written, quantity, factor):
+def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(
+    rows, written, quantity, factor
+):
     said = complaints(scaled(rows, quantity, factor), written)
     assert said and all(line.startswith(quantity) for line in said)
 
@@ -59,24 +68,56 @@ def test_every_quantity_is_judged_by_truths_that_are_known_well_enough(rows):
 
 
 def test_every_kind_of_brake_has_a_stored_truth():
-    """Files and list agree; all ways to hold and push shoes, rings of both supports, soft, hard, short and partial."""
+    """Files and list agree; all ways to hold and push shoes, rings of both supports, soft, hard,
+    short and partial.
+    """
     assert [path.stem for path in truth_files(FOLDER)] == sorted(BRAKES)
     assert {drawn.kind for drawn in BRAKES.values()} >= {
-        *("arc", "backed", "rigid", "post", "post on ring", "arc on ring", "linings on ring", "misfit"),
-        *("out of round", "small contact", "extreme", "hinge", "abutment", "rough abutment", "pivot", "guide"),
-        *("cylinder", "cam", "strut", "pad on a hinge", "pad on a pivot", "pad on a guide", "pad on an abutment"),
+        *(
+            "arc",
+            "backed",
+            "rigid",
+            "post",
+            "post on ring",
+            "arc on ring",
+            "linings on ring",
+            "misfit",
+        ),
+        *(
+            "out of round",
+            "small contact",
+            "extreme",
+            "hinge",
+            "abutment",
+            "rough abutment",
+            "pivot",
+            "guide",
+        ),
+        *(
+            "cylinder",
+            "cam",
+            "strut",
+            "pad on a hinge",
+            "pad on a pivot",
+            "pad on a guide",
+            "pad on an abutment",
+        ),
         *("table", "grip", "chain"),
     }
 
 
 @pytest.mark.parametrize("name", ["hinge", pytest.param("pad_on_a_guide", marks=pytest.mark.slow)])
 def test_a_stored_truth_is_found_again_by_its_command(name):
-    """To within the uncertainties of both, which would not hold if the file were of another brake or other meshes."""
+    """To within the uncertainties of both, which would not hold if the file were of another brake
+    or other meshes.
+    """
     stored = read(FOLDER / f"{name}.json")
     again = make(name)
     assert stored.by == again.by
     for one, other in zip(stored.true.shoes, again.true.shoes, strict=True):
-        np.testing.assert_allclose(one.pressure, other.pressure, rtol=0, atol=1e-6 * other.pressure.max())
+        np.testing.assert_allclose(
+            one.pressure, other.pressure, rtol=0, atol=1e-6 * other.pressure.max()
+        )
         assert one.torque == pytest.approx(other.torque, rel=1e-9)
 
 
@@ -96,6 +137,10 @@ def test_finer_hp_elements_agree_with_triangles_where_both_have_an_answer():
 def test_files_hold_numbers_that_are_finite_and_brakes_in_si():
     for path in truth_files(FOLDER):
         data = json.loads(path.read_text(encoding="utf-8"))
-        assert all(math.isfinite(value) and value >= 0 for value in data["uncertainty"].values()), path.name
+        assert all(math.isfinite(value) and value >= 0 for value in data["uncertainty"].values()), (
+            path.name
+        )
         for shoe in data["shoes"]:
-            assert np.isfinite(shoe["pressure"]).all() and (np.diff(shoe["theta"]) > 0).all(), path.name
+            assert np.isfinite(shoe["pressure"]).all() and (np.diff(shoe["theta"]) > 0).all(), (
+                path.name
+            )

@@ -54,7 +54,10 @@ def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:
 @pytest.mark.slow
 def test_a_case_takes_solid_shoes_where_they_apply() -> None:
     paths = {path.stem: path for path in FILES}
-    for name, least in (("simplex_hinged", 1e-3), ("rail_clamp", 0.0)):  # a pivot: levers alone tell the force
+    for name, least in (
+        ("simplex_hinged", 1e-3),
+        ("rail_clamp", 0.0),
+    ):  # a pivot: levers alone tell the force
         found = case(name, read_any(paths[name]), 12, solid=True)
         (row,) = [row for row in others_of(found) if row["model"] == "solid"]
         assert least <= abs(row["new"]) < 0.05
@@ -74,7 +77,9 @@ def test_a_strut_is_no_actuation() -> None:
     assert not brake.surface.straight
     response = law(brake)
     force = 0.96 * 3e6 * math.pi * 0.02222**2 / 4
-    assert brake_factor(brake, response) == pytest.approx(response.torque / (force * 0.1397), rel=1e-12)
+    assert brake_factor(brake, response) == pytest.approx(
+        response.torque / (force * 0.1397), rel=1e-12
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,6 @@
-"""The study on its short setting: its headline numbers, its files, and the report without a renderer."""
+"""The study on its short setting: its headline numbers, its files, and the report without a
+renderer.
+"""
 
 import csv
 import json
@@ -23,7 +25,9 @@ def result(module):
 
 
 def test_headline_numbers(result):
-    """The published law against the independent discretisation; rotation does not matter by symmetry."""
+    """The published law against the independent discretisation; rotation does not matter by
+    symmetry.
+    """
     law = {
         (row["case"], row["rotation"]): row["torque_error"]
         for comparison in result.comparisons
@@ -35,7 +39,9 @@ def test_headline_numbers(result):
         expected = independent.SINE_LAW / independent.torque(f"double_shoe/{file}") - 1
         both = [law[case, "counter-clockwise"], law[case, "clockwise"]]
         assert both[0] == pytest.approx(both[1], abs=1e-8)
-        assert both[0] == pytest.approx(expected, abs=2e-4)  # of 40 elements and of the independent mesh
+        assert both[0] == pytest.approx(
+            expected, abs=2e-4
+        )  # of 40 elements and of the independent mesh
     for row in result.limit:
         assert abs(row["difference"]) < 3e-3
     assert sum(row["shoe"] != "all" for row in result.limit) == 4
@@ -51,7 +57,15 @@ def test_most_of_the_lining_is_in_contact_in_the_main_variant(result):
 def test_the_report_holds_every_number_and_the_files(module, result, tmp_path):
     page = module.report(result, tmp_path)
     text = page.read_text()
-    for word in ("Rigid limit", "Convergence", "observed order", "fields.vtu", "Simscape", "scikit-fem", "out"):
+    for word in (
+        "Rigid limit",
+        "Convergence",
+        "observed order",
+        "fields.vtu",
+        "Simscape",
+        "scikit-fem",
+        "out",
+    ):
         assert word in text
     with (tmp_path / "results.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -64,7 +78,9 @@ def test_the_report_holds_every_number_and_the_files(module, result, tmp_path):
     assert (tmp_path / "fields.png").stat().st_size > 20_000  # a white page has some 9 kB
 
 
-def test_without_off_screen_rendering_the_report_says_so_and_goes_on(module, result, tmp_path, monkeypatch):
+def test_without_off_screen_rendering_the_report_says_so_and_goes_on(
+    module, result, tmp_path, monkeypatch
+):
     monkeypatch.setattr(render.sys, "executable", "/bin/false")
     text = module.report(result, tmp_path).read_text()
     assert "off-screen rendering is not possible here" in text

@@ -1,4 +1,6 @@
-"""The misfit study on its short setting: what it found, that it goes on where it was stopped, and its report."""
+"""The misfit study on its short setting: what it found, that it goes on where it was stopped, and
+its report.
+"""
 
 import numpy as np
 import pytest
@@ -29,7 +31,9 @@ def result(module, journal):
 
 
 def by_another_mesh(larger):
-    """Change of the torque by linings ground to a radius that is larger by so much [m], to first order in the gap."""
+    """Change of the torque by linings ground to a radius that is larger by so much [m], to first
+    order in the gap.
+    """
     brake = read_brake(STUDY / "brake.toml")
     torques = []
     for i, shoe in enumerate(brake.shoes):
@@ -42,15 +46,21 @@ def test_some_hundredths_of_a_millimetre_change_the_torque_by_tens_of_per_cent(r
     off = {row["misfit"]: row["from_fit"] for row in result.single}
     assert off["fits"] == 0
     for words, larger in (("larger", 5e-5), ("smaller", -5e-5)):
-        assert off[f"linings 50 µm {words} in radius"] == pytest.approx(by_another_mesh(larger), abs=1e-3)
+        assert off[f"linings 50 µm {words} in radius"] == pytest.approx(
+            by_another_mesh(larger), abs=1e-3
+        )
     assert min(off.values()) > -0.2
     ratio = result.ratios["torque"]
-    assert ratio[2, 3] == pytest.approx(result.single[0]["from_law"], abs=1e-3)  # the middle of the map is the fit
+    assert ratio[2, 3] == pytest.approx(
+        result.single[0]["from_law"], abs=1e-3
+    )  # the middle of the map is the fit
     assert (np.diff(ratio[-1]) > 0).all() and (np.diff(ratio[:, -1]) > 0).all()
 
 
 def test_run_in_heals_every_misfit_but_not_the_drum(result, module):
-    assert result.healed["torque"][:, -1] == pytest.approx([row for row in law_torques(result, module)], rel=3e-3)
+    assert result.healed["torque"][:, -1] == pytest.approx(
+        [row for row in law_torques(result, module)], rel=3e-3
+    )
     first, last = (np.ptp(result.healed["torque"][:, k]) for k in (0, -1))
     assert last < 0.6 * first
     worn = {share.name: share.total.value for share in result.shares["worn in"]["torque"]}
@@ -70,7 +80,9 @@ def test_a_second_run_computes_no_case_again(result, module, journal, monkeypatc
     kept = len(journal)
     assert kept > 300
     monkeypatch.setattr(module, "healing", lambda *_, **__: pytest.fail("computed again"))
-    monkeypatch.setattr("drumlin.sweeps.cases.solved", lambda *_, **__: pytest.fail("computed again"))
+    monkeypatch.setattr(
+        "drumlin.sweeps.cases.solved", lambda *_, **__: pytest.fail("computed again")
+    )
     again = module.study(short=True, journal=journal)
     assert len(journal) == kept
     assert again.rows == result.rows
@@ -79,9 +91,14 @@ def test_a_second_run_computes_no_case_again(result, module, journal, monkeypatc
 
 def test_the_report_says_it_in_numbers(result, module, tmp_path):
     page = module.report(result, tmp_path).read_text()
-    assert "What the law's user has to assume" in page or "What the law&#39;s user has to assume" in page
+    assert (
+        "What the law's user has to assume" in page
+        or "What the law&#39;s user has to assume" in page
+    )
     assert page.count("data:image/svg+xml") == 6
     assert (tmp_path / "cases_new.csv").read_text().count("\n") == 1 + len(result.rows["new"])
     quantities = {(row["quantity"], row["state"]): row for row in spread_rows(result.drawn)}
-    new, worn, law = (quantities["torque [N m]", state]["relative"] for state in ("new", "worn in", "sine law"))
+    new, worn, law = (
+        quantities["torque [N m]", state]["relative"] for state in ("new", "worn in", "sine law")
+    )
     assert new > worn > law

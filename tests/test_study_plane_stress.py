@@ -20,7 +20,9 @@ def result(module):
     return module.study(short=True)
 
 
-def test_plane_stress_has_the_torque_of_a_t_section_within_two_per_cent_and_is_blind_across_the_width(result):
+def test_plane_stress_has_the_torque_of_a_t_section_within_two_per_cent_and_is_blind_across_the_width(
+    result,
+):
     leading = max(result.table, key=lambda row: row["solid_torque"])
     assert leading["friction"] == "assists"
     assert leading["torque"] == pytest.approx(0.0118, abs=2e-3)
@@ -65,10 +67,14 @@ def test_corrected_all_brakes_are_within_what_the_option_states(result):
 
 def test_the_ladder_prices_every_rung_against_both_truths(result):
     car, post = result.ladder.values()
-    assert {rung.method for rung in post} - {rung.method for rung in car} == {"foundation", "lifted"}
+    assert {rung.method for rung in post} - {rung.method for rung in car} == {
+        "foundation",
+        "lifted",
+    }
     for rungs in (car, post):
         plane, solid, law = (
-            [rung for rung in rungs if rung.method == way][-1] for way in ("plane stress", "solid", "sine")
+            [rung for rung in rungs if rung.method == way][-1]
+            for way in ("plane stress", "solid", "sine")
         )
         assert solid.torque < plane.torque < law.torque and plane.plane_torque < 0.2 * plane.torque
         assert law.seconds < plane.seconds < solid.seconds
@@ -76,7 +82,9 @@ def test_the_ladder_prices_every_rung_against_both_truths(result):
 
 def test_the_reader_is_told_which_brakes_plane_stress_prices():
     errors = {"torque": np.array([[0.3, 0.02], [0.04, 0.009], [0.03, -0.008]])}
-    chart = plane_stress.Map("some", ("width", "depth"), np.array([1.0, 2.0]), np.array([1.0, 4.0, 9.0]), errors)
+    chart = plane_stress.Map(
+        "some", ("width", "depth"), np.array([1.0, 2.0]), np.array([1.0, 4.0, 9.0]), errors
+    )
     assert chart.where_within(0.05) == "width from 2 on or depth from 4 on"
     assert chart.where_within(0.01) == "for no whole row or column of the map"
     assert chart.where_within(0.4) == "everywhere"
@@ -100,5 +108,14 @@ def test_the_report(module, result, tmp_path):
     text = page.read_text()
     assert "the worst shoe" in text and "E = S − D" in text
     made = {path.name for path in tmp_path.iterdir()}
-    assert {"map.png", "map.svg", "face.png", "curves.svg", "worn.svg", "solid.vtu", "maps.csv", "errors.csv"} <= made
+    assert {
+        "map.png",
+        "map.svg",
+        "face.png",
+        "curves.svg",
+        "worn.svg",
+        "solid.vtu",
+        "maps.csv",
+        "errors.csv",
+    } <= made
     assert "solid.png" in made or "no field picture" in text

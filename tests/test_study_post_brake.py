@@ -25,13 +25,19 @@ def result(module):
 def test_lifting_brings_the_foundation_model_to_the_finite_elements(result):
     rows = {row["lift"]: row for row in result.lifts}
     assert set(rows) == {"none (the paper)", "all", *foundation.LIFTS}
-    assert 0.25 < rows["none (the paper)"]["error"] < 0.45  # as printed it is off by a third: the word, not a digit
+    assert (
+        0.25 < rows["none (the paper)"]["error"] < 0.45
+    )  # as printed it is off by a third: the word, not a digit
     assert abs(rows["all"]["error"]) < 0.02
     assert max(abs(rows["all"][key]) for key in ("error_right", "error_left")) < 0.06
-    single = {name: rows["none (the paper)"]["error"] - rows[name]["error"] for name in foundation.LIFTS}
+    single = {
+        name: rows["none (the paper)"]["error"] - rows[name]["error"] for name in foundation.LIFTS
+    }
     assert max(single, key=single.get) == "own-pressure"
     law = result.comparison.responses["sine"].torque / result.comparison.responses["fem"].torque - 1
-    assert 0.1 < law < rows["none (the paper)"]["error"]  # the law is off, by less than the printed model
+    assert (
+        0.1 < law < rows["none (the paper)"]["error"]
+    )  # the law is off, by less than the printed model
 
 
 def test_where_the_assumptions_hold_the_models_agree_and_the_error_grows_as_they_are_left(result):
@@ -40,7 +46,8 @@ def test_where_the_assumptions_hold_the_models_agree_and_the_error_grows_as_they
     met = rows["all met"]
     assert max(abs(met["foundation"]), abs(met["tilt"]), abs(met["lifted"])) < 0.02
     printed = [
-        rows[case]["foundation"] for case in ("all met", "60 deg of arc", "80 deg of arc", "the brake of this study")
+        rows[case]["foundation"]
+        for case in ("all met", "60 deg of arc", "80 deg of arc", "the brake of this study")
     ]
     assert printed == sorted(printed)
     assert abs(rows["80 deg of arc"]["tilt"]) < 0.02
@@ -48,7 +55,9 @@ def test_where_the_assumptions_hold_the_models_agree_and_the_error_grows_as_they
 
 
 def test_a_worn_in_lining_brings_the_torque_back_to_nominal(result):
-    off = {(row["case"], row["model"], row["shoe"]): row["from_nominal"] for row in result.clearances}
+    off = {
+        (row["case"], row["model"], row["shoe"]): row["from_nominal"] for row in result.clearances
+    }
     assert len(off) == len(result.clearances) == 6 * 2 * 2
     for shoe in ("right", "left"):
         assert abs(off["worn in", "foundation, all lifted", shoe]) < 1e-4
@@ -70,7 +79,9 @@ def test_grids_are_of_second_order(result):
     rows = [row for row in result.grids if row["n"] in {180, 360}]
     assert len(rows) == 2
     for row in rows:
-        assert [row["torque_ratio"], row["N_ratio"], row["psi_ratio"]] == pytest.approx([4, 4, 4], abs=0.5)
+        assert [row["torque_ratio"], row["N_ratio"], row["psi_ratio"]] == pytest.approx(
+            [4, 4, 4], abs=0.5
+        )
     assert all(row["steps"] <= 12 for row in result.grids)
     assert {row["n"]: row["seconds"] for row in result.grids}[360] < 0.1
 
@@ -87,4 +98,6 @@ def test_the_report_holds_its_figures_and_its_numbers(module, result, tmp_path):
     S = [values[0] for values in data["merits"]["right"]["fem"]]
     assert sorted(S) == S
     assert len(S) == 4
-    assert all(math.isfinite(error) for one in data["maps"] for line in one["error"] for error in line)
+    assert all(
+        math.isfinite(error) for one in data["maps"] for line in one["error"] for error in line
+    )

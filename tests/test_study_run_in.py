@@ -62,15 +62,21 @@ def test_new_and_worn_in_are_told_apart(result):
         expected = independent.torque(f"double_shoe/{file}") / independent.SINE_LAW - 1
         assert row["new_torque"] == pytest.approx(expected, abs=2e-4)
     distance, part = independent_life(read_brake(STUDY / "brake.toml"))
-    assert stiff["new_pressure"] == pytest.approx(distance, rel=0.05)  # the singular ends are cut off by an element
-    assert stiff["pressure_life"] == pytest.approx(part, rel=0.03)  # of which implicit Euler's steps take 1.5 %
+    assert stiff["new_pressure"] == pytest.approx(
+        distance, rel=0.05
+    )  # the singular ends are cut off by an element
+    assert stiff["pressure_life"] == pytest.approx(
+        part, rel=0.03
+    )  # of which implicit Euler's steps take 1.5 %
     assert soft["pressure_life"] > 0.9
 
 
 def independent_life(brake, coefficient=1e-14, travel=2e5, within=0.01):
-    """Distance of p from the sine law when new, and the part of the life that it stays beyond 1 %; the worst lining's.
+    """Distance of p from the sine law when new, and the part of the life that it stays beyond 1 %;
+    the worst lining's.
 
-    By another discretisation; the life ends at 80 % of the lining's thickness, and the ends are cut off by 1/30.
+    By another discretisation; the life ends at 80 % of the lining's thickness, and the ends are cut
+    off by 1/30.
     """
     found = []
     for i, shoe in enumerate(brake.shoes):
@@ -80,7 +86,14 @@ def independent_life(brake, coefficient=1e-14, travel=2e5, within=0.01):
         law = np.sin(phi) * (p[-1] @ np.sin(phi)) / (np.sin(phi) @ np.sin(phi))
         far = np.linalg.norm((p - law)[:, inside], axis=1) / np.linalg.norm(law[inside])
         s = np.interp(-within, -far, np.linspace(0, travel, len(far)))
-        found.append((far[0], s, travel + (0.8 * shoe.lining.thickness - depth[-1].max()) / (coefficient * law.max())))
+        found.append(
+            (
+                far[0],
+                s,
+                travel
+                + (0.8 * shoe.lining.thickness - depth[-1].max()) / (coefficient * law.max()),
+            )
+        )
     new, settled, end = np.array(found).T
     return new.max(), settled.max() / end.min()
 
@@ -97,7 +110,9 @@ def test_the_report_holds_the_tables_and_the_film(module, result, tmp_path):
 
 
 def wear(*arguments):
-    done = CliRunner().invoke(app, ["wear", str(ROOT / "studies" / "double_shoe" / "brake.toml"), *arguments])
+    done = CliRunner().invoke(
+        app, ["wear", str(ROOT / "studies" / "double_shoe" / "brake.toml"), *arguments]
+    )
     if done.exception is not None and not isinstance(done.exception, SystemExit):
         raise done.exception
     return done.stdout
@@ -105,13 +120,24 @@ def wear(*arguments):
 
 def test_the_command_runs_a_brake_in_and_writes_all_states(tmp_path):
     out = wear("--elements", "30", "--json", str(tmp_path / "run.json"))
-    assert re.search(r"worn in \(law\): torque 435\.21\d N m", out)  # 2 kN times the published .2176081 m
+    assert re.search(
+        r"worn in \(law\): torque 435\.21\d N m", out
+    )  # 2 kN times the published .2176081 m
     data = json.loads((tmp_path / "run.json").read_text())
     first, last = data["states"][0], data["states"][-1]
     assert abs(last["torque_from_law"]) < 1e-3 and last["pressure_from_law"] < 1e-3
     assert first["worn_volume"] == 0 < last["worn_volume"]
     assert [len(p) for p in last["pressure"]] == [len(shoe["theta"]) for shoe in data["shoes"]]
-    out = wear("--elements", "10", "--distance", "3 km", "--coefficient", "2e-5 mm^3/(N m)", "--torque", "450 N m")
+    out = wear(
+        "--elements",
+        "10",
+        "--distance",
+        "3 km",
+        "--coefficient",
+        "2e-5 mm^3/(N m)",
+        "--torque",
+        "450 N m",
+    )
     row = next(line.split() for line in out.splitlines() if line.startswith("        3 "))
     assert float(row[0]) == 3 and float(row[2]) == 450
 
@@ -119,7 +145,10 @@ def test_the_command_runs_a_brake_in_and_writes_all_states(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["--coefficient", "3 kg"], r"--coefficient = '3 kg': must be a wear coefficient such as '1e-5 mm\^3/\(N m\)'"),
+        (
+            ["--coefficient", "3 kg"],
+            r"--coefficient = '3 kg': must be a wear coefficient such as '1e-5 mm\^3/\(N m\)'",
+        ),
         (["--distance", "-2"], "distance = .*: must be greater than 0"),
         (["--model", "sine"], "--model = 'sine': does not wear; allowed: fem, foundation"),
         (

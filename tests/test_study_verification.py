@@ -19,13 +19,18 @@ def test_orders_and_estimates(tmp_path):
         assert row["status"].startswith("converged")
         assert row["estimate"] <= row["tolerance"]
         assert row["true"] < 1.5 * row["tolerance"]
-    assert [row["seed"] for row in result.judged] == list(range(module.JUDGED, module.JUDGED + module.FEW))
+    assert [row["seed"] for row in result.judged] == list(
+        range(module.JUDGED, module.JUDGED + module.FEW)
+    )
     reached = [row for row in result.judged if row["outcome"] == "reached"]
     assert len(reached) >= 2 and all(row["true_pressure"] < 1e-2 for row in reached)
     assert all(row["reason"] for row in result.judged if row not in reached)
     text = module.report(result, tmp_path).read_text()
     assert "Observed orders" in text and "estimate over truth" in text
-    assert "true above stated" in text and (tmp_path / "stated_true.csv").read_text().count("\n") == module.FEW + 1
+    assert (
+        "true above stated" in text
+        and (tmp_path / "stated_true.csv").read_text().count("\n") == module.FEW + 1
+    )
     assert [row["tolerance"] for row in result.corners] == [5e-3, 1e-3, 1e-4]
     assert "Corners and tips" in text and (tmp_path / "corners.csv").is_file()
     assert "Benchmark ladder" in text and "failed: outside" not in text

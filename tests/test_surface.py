@@ -1,4 +1,6 @@
-"""What tells a brake on a drum from one on a plane: the surface says it, no code asks for the class of a brake."""
+"""What tells a brake on a drum from one on a plane: the surface says it, no code asks for the class
+of a brake.
+"""
 
 import ast
 import math
@@ -69,10 +71,14 @@ def test_the_reversed_brake_moves_the_other_way_and_back(brake: Brake) -> None:
 
 
 @pytest.mark.parametrize("surface", [DRUM, PLANE])
-def test_levers_are_the_moments_of_normal_and_tangent(surface: drumlin.brake.surface.FrictionSurface) -> None:
+def test_levers_are_the_moments_of_normal_and_tangent(
+    surface: drumlin.brake.surface.FrictionSurface,
+) -> None:
     q, size = np.array([-0.4, 0.2, 1.3]), 0.3
     x, y = np.array([q, 0 * q]) if surface.straight else size * np.array([np.cos(q), np.sin(q)])
-    for along, lever in zip((surface.outwards(q), surface.along(q)), surface.levers(q, size), strict=True):
+    for along, lever in zip(
+        (surface.outwards(q), surface.along(q)), surface.levers(q, size), strict=True
+    ):
         np.testing.assert_allclose(x * along[1] - y * along[0], lever, atol=1e-15)
 
 

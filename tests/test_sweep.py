@@ -1,4 +1,6 @@
-"""Sweeps: what a file means and what it may not say, bodies that are shared, rows that do not depend on who solves."""
+"""Sweeps: what a file means and what it may not say, bodies that are shared, rows that do not
+depend on who solves.
+"""
 
 import math
 import time
@@ -41,11 +43,16 @@ def test_the_examples_can_be_read(name):
 
 
 def test_grid_zip_and_models():
-    keys = {"friction": [0.2, 0.3], "shoe.actuation.force": {"from": "1 kN", "to": "4 kN", "count": 3, "scale": "log"}}
+    keys = {
+        "friction": [0.2, 0.3],
+        "shoe.actuation.force": {"from": "1 kN", "to": "4 kN", "count": 3, "scale": "log"},
+    }
     grid = sweep(keys, model={"sine": {}, "fem": {"elements": 20}}).cases
     assert len(grid) == 2 * 3 * 2 and [case.model for case in grid[:2]] == ["sine", "fem"]
     forces = [case.changes["shoe.actuation.force"] for case in grid[0:6:2]]
-    assert forces == pytest.approx([1000, 2000, 4000]) and {c.changes["friction"] for c in grid[:6]} == {0.2}
+    assert forces == pytest.approx([1000, 2000, 4000]) and {
+        c.changes["friction"] for c in grid[:6]
+    } == {0.2}
     assert refusal(keys, combine="zip") == (
         "combine = \"zip\": needs as many values of each key; there are {'friction': 2, 'shoe.actuation.force': 3}"
     )
@@ -57,15 +64,24 @@ LAWS = {
     "normal": ({"mean": 0.3, "deviation": "10 %"}, stats.norm(0.3, 0.03)),
     "uniform": ({"from": 0.2, "to": 0.5}, stats.uniform(0.2, 0.3)),
     "triangular": ({"from": 0.2, "mode": 0.25, "to": 0.5}, stats.triang(1 / 6, 0.2, 0.3)),
-    "lognormal": ({"deviation": 0.06}, stats.lognorm(math.sqrt(math.log(1.04)), scale=0.3 / math.sqrt(1.04))),
-    "truncated-normal": ({"deviation": 0.05, "from": 0.32, "to": 0.45}, stats.truncnorm(0.4, 3, 0.3, 0.05)),
+    "lognormal": (
+        {"deviation": 0.06},
+        stats.lognorm(math.sqrt(math.log(1.04)), scale=0.3 / math.sqrt(1.04)),
+    ),
+    "truncated-normal": (
+        {"deviation": 0.05, "from": 0.32, "to": 0.45},
+        stats.truncnorm(0.4, 3, 0.3, 0.05),
+    ),
 }
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_draws_follow_their_distribution(name):
     given, law = LAWS[name]
-    drawn = [c.changes["friction"] for c in sweep({"friction": {"distribution": name} | given}, cases=2000).cases]
+    drawn = [
+        c.changes["friction"]
+        for c in sweep({"friction": {"distribution": name} | given}, cases=2000).cases
+    ]
     assert stats.kstest(drawn, law.cdf).pvalue > 0.01
 
 
@@ -78,19 +94,27 @@ def test_quantiles_are_those_of_scipy(name):
     np.testing.assert_allclose(inverse(u), law.ppf(u), rtol=1e-13)
 
 
-@pytest.mark.parametrize("ends", [(-40, 40), (-math.inf, 1), (10, math.inf), (-11, -10), (50, 51), (-1e-9, 1e-9)])
+@pytest.mark.parametrize(
+    "ends", [(-40, 40), (-math.inf, 1), (10, math.inf), (-11, -10), (50, 51), (-1e-9, 1e-9)]
+)
 def test_a_normal_distribution_is_cut_in_its_tails_too(ends):
     u = np.linspace(1e-6, 1 - 1e-6, 101)
-    np.testing.assert_allclose(sweep_file._cut_normal(u, *ends), stats.truncnorm(*ends).ppf(u), rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(
+        sweep_file._cut_normal(u, *ends), stats.truncnorm(*ends).ppf(u), rtol=1e-9, atol=1e-15
+    )
 
 
 def test_draws_stay_when_keys_and_cases_are_added():
     spread = {"distribution": "normal", "deviation": "5 %"}
     few = sweep({"friction": spread}, cases=10).cases
-    more = sweep({"shoe.lining.thickness": spread | {"each_shoe": True}, "friction": spread}, cases=20).cases
+    more = sweep(
+        {"shoe.lining.thickness": spread | {"each_shoe": True}, "friction": spread}, cases=20
+    ).cases
     assert [c.changes["friction"] for c in few] == [c.changes["friction"] for c in more[:10]]
     assert {"shoe[0].lining.thickness", "shoe[1].lining.thickness"} < set(more[0].changes)
-    assert more[0].changes["shoe[0].lining.thickness"] != more[0].changes["shoe[1].lining.thickness"]
+    assert (
+        more[0].changes["shoe[0].lining.thickness"] != more[0].changes["shoe[1].lining.thickness"]
+    )
     other = sweep({"friction": spread}, cases=10, seed=2).cases
     assert not {c.changes["friction"] for c in few} & {c.changes["friction"] for c in other}
 
@@ -144,17 +168,31 @@ def test_values_that_fit_only_together_are_taken():
 
 
 def test_units_of_keys(brake):
-    keys = ("friction", "rotation", "shoe.lining.clearance", "shoe[1].body.material.E", "shoe.actuation.direction")
+    keys = (
+        "friction",
+        "rotation",
+        "shoe.lining.clearance",
+        "shoe[1].body.material.E",
+        "shoe.actuation.direction",
+    )
     assert [unit_of(brake, key) for key in keys] == ["", None, "m", "Pa", "rad"]
     post = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
-    assert unit_of(post, "drum.ring.bending_stiffness") == unit_of(post, "shoe.body.bending_stiffness") == "N m^2"
+    assert (
+        unit_of(post, "drum.ring.bending_stiffness")
+        == unit_of(post, "shoe.body.bending_stiffness")
+        == "N m^2"
+    )
 
 
 def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
     cases = [Case(brake, {"friction": mu}, "sine") for mu in (0.3, 0.9, -1.0)]
     good, locked, bad = run(cases)
     assert good["status"] == "solved" and good["torque"] > 0
-    assert "self-locking" in locked["status"] and "friction = -1" in bad["status"] and list(bad) == ["status"]
+    assert (
+        "self-locking" in locked["status"]
+        and "friction = -1" in bad["status"]
+        and list(bad) == ["status"]
+    )
     monkeypatch.setattr("drumlin.sweeps.cases.row_of", lambda *_: 1 / 0)
     assert solved(cases[0])["status"] == "failed: unexpected ZeroDivisionError: division by zero"
 
@@ -177,12 +215,20 @@ def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
 
 
 def test_shared_bodies_change_no_digit(brake, flexible):
-    """Each case by bodies that others made first, in whatever order, and by its own: the very same numbers."""
-    changes = [{"friction": mu, "shoe[0].lining.thickness": t} for mu in (0.0, 0.3) for t in (7e-3,)]
+    """Each case by bodies that others made first, in whatever order, and by its own: the very same
+    numbers.
+    """
+    changes = [
+        {"friction": mu, "shoe[0].lining.thickness": t} for mu in (0.0, 0.3) for t in (7e-3,)
+    ]
     ring = {"thickness": 0.01, "width": 0.04, "material": {"E": 1.2e11, "nu": 0.25}}
     changes += [{"drum.ring": ring}]
     changes += [{"rotation": "clockwise", "shoe.lining.clearance": 1e-4}]
-    cases = [Case(base, change, "fem", {"elements": 8}) for change in changes for base in (brake, flexible)]
+    cases = [
+        Case(base, change, "fem", {"elements": 8})
+        for change in changes
+        for base in (brake, flexible)
+    ]
     cache = Cache()
     shared = [solved(case, cache) for case in reversed(cases)][::-1]
     assert shared == [solved(case) for case in cases] == run(cases)
@@ -195,7 +241,13 @@ def test_room_for_bodies_is_kept_to():
     cache, made = Cache(room=10), []
     for key in (1, 2, 1, 3, 2, 1):
         assert cache.get(key, lambda key=key: made.append(key) or key, lambda _: 5) == key
-    assert made == [1, 2, 3, 2, 1]  # 1 was used after 2, so that 3 took the place of 2, and 2 then that of 1
+    assert made == [
+        1,
+        2,
+        3,
+        2,
+        1,
+    ]  # 1 was used after 2, so that 3 took the place of 2, and 2 then that of 1
     assert cache.get(9, lambda: 9, lambda _: 100) == 9
 
 
@@ -204,7 +256,13 @@ def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
     cases = [Case(brake, {"friction": mu}, "sine") for mu in np.linspace(0.1, 0.9, 41)]
     told = []
     with ThreadPoolExecutor(count) as executor, Journal(tmp_path / "journal") as journal:
-        rows = run(cases, executor=executor, workers=count, journal=journal, done=lambda *at: told.append(at))
+        rows = run(
+            cases,
+            executor=executor,
+            workers=count,
+            journal=journal,
+            done=lambda *at: told.append(at),
+        )
     assert rows == run(cases) and told == [(n, 41) for n in range(42)]
     with Journal(tmp_path / "journal") as journal:  # all are there, four more are asked for
         more = cases + [Case(brake, {"friction": mu}, "sine") for mu in (0.11, 0.12, 0.13, 0.11)]
@@ -214,13 +272,30 @@ def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
 
 
 def test_tables(brake, tmp_path):
-    cases = [Case(brake, {"shoe.lining.clearance": c, "friction": mu}, "sine") for c, mu in ((0.0, 0.3), (0.0, 0.9))]
+    cases = [
+        Case(brake, {"shoe.lining.clearance": c, "friction": mu}, "sine")
+        for c, mu in ((0.0, 0.3), (0.0, 0.9))
+    ]
     cases.append(
-        Case(brake, {"shoe.lining.clearance": [["-70 deg", "0 mm"], ["55 deg", "0 mm"]], "friction": 0.3}, "sine")
+        Case(
+            brake,
+            {"shoe.lining.clearance": [["-70 deg", "0 mm"], ["55 deg", "0 mm"]], "friction": 0.3},
+            "sine",
+        )
     )
     lines = table(cases, run(cases))
-    assert list(lines[0])[:6] == ["case", "shoe.lining.clearance [m]", "friction", "model", "status", "torque [N m]"]
-    assert "right.contact_end [rad]" in lines[0] and lines[0]["torque [N m]"] == lines[2]["torque [N m]"]
+    assert list(lines[0])[:6] == [
+        "case",
+        "shoe.lining.clearance [m]",
+        "friction",
+        "model",
+        "status",
+        "torque [N m]",
+    ]
+    assert (
+        "right.contact_end [rad]" in lines[0]
+        and lines[0]["torque [N m]"] == lines[2]["torque [N m]"]
+    )
     assert lines[0]["brake_factor"] == pytest.approx(lines[0]["torque [N m]"] / (2000 * 0.15))
     write_table(lines, tmp_path / "t.csv")
     text = (tmp_path / "t.csv").read_text().splitlines()
@@ -232,7 +307,9 @@ def test_tables(brake, tmp_path):
 
 
 def test_cases_that_share_bodies_cost_a_fraction_of_others():
-    """A thousand take some 20 s on two cores; here ratios of the process's own time, which is a fifth."""
+    """A thousand take some 20 s on two cores; here ratios of the process's own time, which is a
+    fifth.
+    """
 
     def spent(do):
         start = time.process_time()

@@ -1,4 +1,6 @@
-"""What passes and what lasts: which rows a sweep keeps, what it tries again, meshes by content, workers that die."""
+"""What passes and what lasts: which rows a sweep keeps, what it tries again, meshes by content,
+workers that die.
+"""
 
 import os
 import shutil
@@ -61,14 +63,23 @@ def caused(kind, cause):
         (BadInput("out of range"), 1, True),
     ],
 )
-def test_only_answers_and_refusals_of_the_case_itself_are_kept(brake, tmp_path, monkeypatch, error, tries, kept):
+def test_only_answers_and_refusals_of_the_case_itself_are_kept(
+    brake, tmp_path, monkeypatch, error, tries, kept
+):
     cases = [Case(brake, {"friction": mu}, "sine") for mu in (0.2, 0.3, 0.4)]
     with monkeypatch.context() as patched, Journal(tmp_path / "j", "a") as journal:
         tried = failing(patched, error, 9)
         told = []
         rows = run(cases, journal=journal, done=lambda *at: told.append(at))
-        assert tried.count(0.3) == tries and tried.count(0.2) == 1 and told == [(n, 3) for n in range(4)]
-        assert rows[1]["status"].startswith("failed: ") and rows[0]["status"] == rows[2]["status"] == "solved"
+        assert (
+            tried.count(0.3) == tries
+            and tried.count(0.2) == 1
+            and told == [(n, 3) for n in range(4)]
+        )
+        assert (
+            rows[1]["status"].startswith("failed: ")
+            and rows[0]["status"] == rows[2]["status"] == "solved"
+        )
     with Journal(tmp_path / "j", "a") as journal:
         assert len(journal) == 2 + kept
         again = run(cases, journal=journal)
@@ -87,7 +98,9 @@ def meshed(tmp_path):
     (tmp_path / "sweep" / "other").mkdir(parents=True)
     shutil.copy(STUDY / "brake.toml", tmp_path / "sweep" / "brake.toml")
     for place, name in (("", "left"), ("other", "right")):
-        shutil.copy(ROOT / "meshes" / f"double_shoe_{name}.msh", tmp_path / "sweep" / place / "mesh.msh")
+        shutil.copy(
+            ROOT / "meshes" / f"double_shoe_{name}.msh", tmp_path / "sweep" / place / "mesh.msh"
+        )
     path = tmp_path / "sweep" / "sweep.toml"
     path.write_text(MESHED)
     return path
@@ -139,7 +152,10 @@ def test_a_mesh_file_that_is_gone_is_no_answer_of_the_brake(meshed, tmp_path):
     with pytest.raises(BadInput, match=r"mesh = .*mesh\.msh'*: cannot be read"):
         read_sweep(meshed)
     with Journal(tmp_path / "j", "a") as journal:
-        assert "no such file" in run(made.cases[:1], journal=journal)[0]["status"] and len(journal) == 0
+        assert (
+            "no such file" in run(made.cases[:1], journal=journal)[0]["status"]
+            and len(journal) == 0
+        )
         mesh.write_bytes(data)
         assert run(made.cases[:1], journal=journal) == run(made.cases[:1])
 
@@ -184,7 +200,9 @@ def test_a_process_that_dies_takes_its_own_work_alone_and_threads_are_one(monkey
             pool.submit(os._exit, 3).result(60)
         ids |= {pool.submit(os.getpid).result(60) for _ in range(4)}
         assert len(ids) >= 2 and os.getpid() not in ids
-        assert {pool.submit(environment, "OPENBLAS_NUM_THREADS").result(60) for _ in range(3)} == {"1"}
+        assert {pool.submit(environment, "OPENBLAS_NUM_THREADS").result(60) for _ in range(3)} == {
+            "1"
+        }
     assert "OPENBLAS_NUM_THREADS" not in os.environ
 
 
@@ -193,7 +211,10 @@ def test_processes_that_die_as_they_start_are_one_line(monkeypatch):
         raise OSError(11, "Resource temporarily unavailable")
 
     monkeypatch.setattr("multiprocessing.context.SpawnProcess.start", never)
-    with workers.executor(2) as (pool, _), pytest.raises(NoAnswer, match="worker processes cannot be started"):
+    with (
+        workers.executor(2) as (pool, _),
+        pytest.raises(NoAnswer, match="worker processes cannot be started"),
+    ):
         pool.submit(os.getpid).result(60)
 
 
@@ -212,7 +233,10 @@ def test_a_process_that_dies_while_it_sends_its_answer_costs_that_answer_alone()
 
 @pytest.mark.parametrize("jobs", [0, -1, 10**20, 1001])
 def test_jobs_have_bounds(jobs):
-    with pytest.raises(BadInput, match=f"--jobs = {jobs}: must be from 1 to 1000"), workers.executor(jobs):
+    with (
+        pytest.raises(BadInput, match=f"--jobs = {jobs}: must be from 1 to 1000"),
+        workers.executor(jobs),
+    ):
         pass
 
 
@@ -242,6 +266,8 @@ class Old:
 
 
 def test_a_scheduler_of_an_older_dask_is_not_called_lost():
-    with pytest.raises(NoAnswer, match=rf"is of a Dask older than {workers.OLDEST_DASK} \(.*'n_workers'\)"):
+    with pytest.raises(
+        NoAnswer, match=rf"is of a Dask older than {workers.OLDEST_DASK} \(.*'n_workers'\)"
+    ):
         workers._ask(Old(), "tcp://127.0.0.1:1")
     assert f'"distributed>={workers.OLDEST_DASK}"' in (ROOT / "pyproject.toml").read_text()

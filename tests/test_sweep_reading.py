@@ -1,4 +1,6 @@
-"""How a sweep file is read: many values are judged by their extremes where that is enough, else with progress shown."""
+"""How a sweep file is read: many values are judged by their extremes where that is enough, else
+with progress shown.
+"""
 
 import io
 import random
@@ -93,7 +95,10 @@ def test_what_lies_between_two_numbers_of_one_sign_that_a_brake_takes_is_taken(s
     for key in keys:
         own = abs(values_of(brake, key)[0]) or 1e-4
         for sign in (-1.0, 1.0):
-            tried = [sign * own * 10 ** rng.uniform(-1.5, 1.5) for _ in range(4)] + [sign * own, sign * own * 1.001]
+            tried = [sign * own * 10 ** rng.uniform(-1.5, 1.5) for _ in range(4)] + [
+                sign * own,
+                sign * own * 1.001,
+            ]
             sound = [value for value in tried if taken(brake, key, value)]
             if sound:
                 low, high = min(sound), max(sound)
@@ -144,7 +149,10 @@ def test_a_number_that_is_bad_near_nothing_is_found_between_both_signs():
 def test_many_values_that_fit_only_together_are_taken_and_judged_once(judged):
     count = 400
     long = {"from": "60 deg", "to": "70 deg", "count": count}
-    keys = {"shoe[0].lining.end": long, "shoe[0].body.end": {"from": "71 deg", "to": "75 deg", "count": count}}
+    keys = {
+        "shoe[0].lining.end": long,
+        "shoe[0].body.end": {"from": "71 deg", "to": "75 deg", "count": count},
+    }
     assert len(sweep(keys, combine="zip").cases) == count
     assert len(judged) <= 4 * count + 1
     keys["shoe[0].body.end"]["from"] = "1 deg"

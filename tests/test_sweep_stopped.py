@@ -1,4 +1,6 @@
-"""Sweeps that are killed, and sweeps whose workers are: the table equals that of an undisturbed run byte for byte."""
+"""Sweeps that are killed, and sweeps whose workers are: the table equals that of an undisturbed run
+byte for byte.
+"""
 
 import importlib.util
 import json
@@ -55,7 +57,9 @@ def undisturbed(sweep_file):
     return path.read_bytes()
 
 
-def start(*arguments: object, program: str = MAIN, stderr: int | None = None) -> subprocess.Popen[str]:
+def start(
+    *arguments: object, program: str = MAIN, stderr: int | None = None
+) -> subprocess.Popen[str]:
     command = [sys.executable, "-c", program, "sweep", *map(str, arguments)]
     return subprocess.Popen(command, env=PYTHON, stdout=subprocess.PIPE, stderr=stderr, text=True)
 
@@ -84,13 +88,17 @@ def finished(output: Path, *how: object) -> list[str]:
 
 
 def killed_at(moments: list[int], sweep_file: Path, folder: Path, jobs: list[int]) -> bytes:
-    """The table of a sweep that was killed when its journal had so many rows; no case may be solved twice."""
+    """The table of a sweep that was killed when its journal had so many rows; no case may be solved
+    twice.
+    """
     output, journal = folder / "out.csv", folder / "out.csv.journal"
     for moment, number in zip(moments, jobs, strict=True):
         process = start(sweep_file, "--output", output, "--jobs", number)
         wait_for(moment, journal, process)
         process.kill()
-        process.communicate(timeout=LIMIT)  # ends when no process holds its output: the workers end, too
+        process.communicate(
+            timeout=LIMIT
+        )  # ends when no process holds its output: the workers end, too
         assert not output.exists()
     keys = finished(output, sweep_file, "--jobs", 2)
     assert len(keys) == len(set(keys)) == 300
@@ -107,7 +115,9 @@ def worker_of(process: subprocess.Popen[str]) -> int:
     threads = Path(f"/proc/{process.pid}/task").iterdir()
     children = [child for thread in threads for child in (thread / "children").read_text().split()]
     return next(
-        int(child) for child in children if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text(errors="replace")
+        int(child)
+        for child in children
+        if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text(errors="replace")
     )
 
 
@@ -125,7 +135,9 @@ def test_killed_worker_processes_cost_nothing(sweep_file, undisturbed, tmp_path)
     assert output.read_bytes() == undisturbed
 
 
-def test_one_and_two_jobs_and_a_damaged_journal_give_the_same_bytes(sweep_file, undisturbed, tmp_path):
+def test_one_and_two_jobs_and_a_damaged_journal_give_the_same_bytes(
+    sweep_file, undisturbed, tmp_path
+):
     output, journal = tmp_path / "out.csv", tmp_path / "out.csv.journal"
     finished(output, sweep_file, "--jobs", 1)
     assert output.read_bytes() == undisturbed
@@ -135,11 +147,15 @@ def test_one_and_two_jobs_and_a_damaged_journal_give_the_same_bytes(sweep_file, 
     journal.write_bytes(data)
     process = start(sweep_file, "--output", output, "--jobs", 2, stderr=subprocess.PIPE)
     _, noted = process.communicate(timeout=LIMIT)
-    assert process.returncode == 0 and "damaged lines are skipped" in noted and noted.count("\n") == 1
+    assert (
+        process.returncode == 0 and "damaged lines are skipped" in noted and noted.count("\n") == 1
+    )
     assert output.read_bytes() == undisturbed
 
 
-needs_dask = pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="needs drumlin[distributed]")
+needs_dask = pytest.mark.skipif(
+    importlib.util.find_spec("distributed") is None, reason="needs drumlin[distributed]"
+)
 
 
 class Cluster:
@@ -157,7 +173,9 @@ class Cluster:
         here = ("--scheduler-file", str(self.known), "--host", "127.0.0.1", "--no-dashboard")
         command = [sys.executable, "-m", f"distributed.cli.dask_{name}", *here, *more]
         with (self.folder / f"{name}{len(self.started)}.log").open("wb") as log:
-            self.started.append(subprocess.Popen(command, env=PYTHON, stdout=log, stderr=log, cwd=self.folder))
+            self.started.append(
+                subprocess.Popen(command, env=PYTHON, stdout=log, stderr=log, cwd=self.folder)
+            )
         return self.started[-1]
 
     def worker(self) -> subprocess.Popen[bytes]:
@@ -197,7 +215,9 @@ main()
 
 @needs_dask
 @pytest.mark.parametrize("fault", ["last worker killed", "scheduler stopped"])
-def test_a_lost_cluster_is_one_line_and_the_finished_cases_stay(sweep_file, undisturbed, tmp_path, cluster, fault):
+def test_a_lost_cluster_is_one_line_and_the_finished_cases_stay(
+    sweep_file, undisturbed, tmp_path, cluster, fault
+):
     output, journal = tmp_path / "out.csv", tmp_path / "out.csv.journal"
     worker = cluster.worker()
     how = [sweep_file, "--output", output, "--scheduler", cluster.address]
@@ -207,7 +227,9 @@ def test_a_lost_cluster_is_one_line_and_the_finished_cases_stay(sweep_file, undi
     of.send_signal(signal.SIGKILL if "killed" in fault else signal.SIGSTOP)
     _, said = process.communicate(timeout=LIMIT)
     *waiting, last = said.splitlines()
-    assert process.returncode == 3 and "finished cases are kept in" in last and cluster.address in last
+    assert (
+        process.returncode == 3 and "finished cases are kept in" in last and cluster.address in last
+    )
     assert all("waiting for workers since" in line for line in waiting)
     keys = finished(output, sweep_file, "--jobs", 1)
     assert len(keys) == len(set(keys)) == 300
@@ -251,7 +273,9 @@ NO_SCHEDULERS = {
 @needs_dask
 @pytest.mark.parametrize("kind", NO_SCHEDULERS)
 def test_what_is_no_scheduler_is_refused_in_one_line(sweep_file, tmp_path, kind):
-    """Within five seconds, those that Python and its libraries take to start, and those of a busy machine."""
+    """Within five seconds, those that Python and its libraries take to start, and those of a busy
+    machine.
+    """
     port, tried = NO_SCHEDULERS[kind]
     with port() as address:
         start_time = time.monotonic()
@@ -292,7 +316,9 @@ def test_a_scheduler_that_listens_a_little_later_is_found(cluster, tmp_path):
     threading.Thread(target=listen, daemon=True).start()
     cluster.worker()
     sweep = tmp_path / "s.toml"
-    sweep.write_text(f'brake = "{STUDY / "brake.toml"}"\n[model.sine]\n[vary]\nfriction = [0.1, 0.2]\n')
+    sweep.write_text(
+        f'brake = "{STUDY / "brake.toml"}"\n[model.sine]\n[vary]\nfriction = [0.1, 0.2]\n'
+    )
     how = [sweep, "--output", tmp_path / "out.csv", "--scheduler", address]
     process = start(*how, stderr=subprocess.PIPE)
     told, said = process.communicate(timeout=LIMIT)

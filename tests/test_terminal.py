@@ -1,4 +1,6 @@
-"""What the terminal says: the answer first, whole words and lines within 80 columns, refusals that help."""
+"""What the terminal says: the answer first, whole words and lines within 80 columns, refusals that
+help.
+"""
 
 import json
 import math
@@ -35,16 +37,34 @@ def test_the_answer_comes_first_as_a_table(brake):
     lines = drumlin("solve", BRAKE).stdout.splitlines()
     response = solve(brake)
     T = response.torque
-    assert lines[1] == f"torque {T:.6g} N m, brake factor {T / (2000 * 0.15):.4g} = T/(F R), F the mean actuation force"
-    assert lines[2].split() == ["shoe", "torque", "normal", "peak", "p", "at", "contact", "reaction", "T/(F", "R)"]
+    assert (
+        lines[1]
+        == f"torque {T:.6g} N m, brake factor {T / (2000 * 0.15):.4g} = T/(F R), F the mean actuation force"
+    )
+    assert lines[2].split() == [
+        "shoe",
+        "torque",
+        "normal",
+        "peak",
+        "p",
+        "at",
+        "contact",
+        "reaction",
+        "T/(F",
+        "R)",
+    ]
     for row, shoe in zip(lines[4:6], response.shoes, strict=True):
         name, torque, normal, peak, at, first, _, last, reaction, factor = row.split()
         assert name == shoe.name
         assert float(torque) == pytest.approx(shoe.torque, rel=1e-5)
         assert float(normal) == pytest.approx(shoe.normal_force, rel=1e-5)
         assert float(peak) * 1e6 == pytest.approx(shoe.peak_pressure, rel=1e-3)
-        assert shoe.pressure_at(math.radians(float(at))) == pytest.approx(shoe.peak_pressure, rel=0.02)
-        assert [float(first), float(last)] == pytest.approx(np.degrees(shoe.contact_arcs[0]), abs=0.051)
+        assert shoe.pressure_at(math.radians(float(at))) == pytest.approx(
+            shoe.peak_pressure, rel=0.02
+        )
+        assert [float(first), float(last)] == pytest.approx(
+            np.degrees(shoe.contact_arcs[0]), abs=0.051
+        )
         assert float(reaction) == pytest.approx(np.hypot(*shoe.hinge_reaction), rel=1e-5)
         assert float(factor) == pytest.approx(shoe.torque / 300, abs=6e-4)
     assert lines[6] == "peak p: the largest, half a lining's thickness at each end left out"
@@ -52,7 +72,9 @@ def test_the_answer_comes_first_as_a_table(brake):
 
 
 def test_the_rest_is_for_those_who_ask():
-    short, long = (words_of(drumlin("solve", BRAKE, *more).stdout.splitlines()) for more in ([], ["--verbose"]))
+    short, long = (
+        words_of(drumlin("solve", BRAKE, *more).stdout.splitlines()) for more in ([], ["--verbose"])
+    )
     for said in ("left out: ", "mechanical_advantage", "active-set steps", "penalty 1e+08"):
         assert said in long and said not in short
     assert long.startswith(short)
@@ -94,12 +116,20 @@ def test_where_the_pressure_peaks(root, brake):
     flat = read_any(root / "studies/laws/pad.toml")
     pad = solve(flat, "linear")
     assert peak_place(flat, 0, pad.shoes[0]) == Place(flat.shoes[0].lining.end, 0.0)
-    assert brake_factor(flat, pad) == pytest.approx(pad.merits[0].braking_force / flat.shoes[0].actuation.force)
-    clamp = read_any(root / "studies/brakes/rail_clamp.toml")  # its pressure has no bound at the end that runs on
+    assert brake_factor(flat, pad) == pytest.approx(
+        pad.merits[0].braking_force / flat.shoes[0].actuation.force
+    )
+    clamp = read_any(
+        root / "studies/brakes/rail_clamp.toml"
+    )  # its pressure has no bound at the end that runs on
     (shoe,) = solve(clamp, elements=40).shoes
     place = peak_place(clamp, 0, shoe)
     assert place.zone == 5e-3 and abs(place.at) < 75e-3 - 5e-3  # half of 10 mm
-    assert shoe.pressure_at(np.array(place.at)) == pytest.approx(shoe.peak_pressure, rel=1e-3) != shoe.pressure[0]
+    assert (
+        shoe.pressure_at(np.array(place.at))
+        == pytest.approx(shoe.peak_pressure, rel=1e-3)
+        != shoe.pressure[0]
+    )
     response = solve(brake, elements=40)
     for i, shoe in enumerate(response.shoes):
         place, zone = peak_place(brake, i, shoe), edge_zone(brake.shoes[i], brake.drum.radius)
@@ -112,7 +142,9 @@ def test_where_the_pressure_peaks(root, brake):
 
 def test_several_brakes_are_solved_in_one_call_and_one_failure_costs_no_other(tmp_path):
     locked = changed(tmp_path, "locked.toml", ("friction = 0.3", "friction = 0.9"))
-    done = drumlin("solve", BRAKE, STUDY / "flexible.toml", "--model", "sine", "--json", tmp_path / "r.json")
+    done = drumlin(
+        "solve", BRAKE, STUDY / "flexible.toml", "--model", "sine", "--json", tmp_path / "r.json"
+    )
     assert done.returncode == 0 and done.stdout.count("torque 435.216 N m") == 2
     alone = drumlin("solve", BRAKE, "--model", "sine").stdout
     assert done.stdout.startswith(alone + "\n")
@@ -127,19 +159,25 @@ def test_several_brakes_are_solved_in_one_call_and_one_failure_costs_no_other(tm
     done = drumlin("solve", BRAKE, tmp_path / "none.toml", "--model", "sine")
     assert done.returncode == 2 and not done.stdout and "none.toml" in done.stderr
     done = drumlin("solve", BRAKE, BRAKE, "--model", "sine", "--pressure", tmp_path / "p.csv")
-    assert done.returncode == 2 and "--pressure" in done.stderr and not (tmp_path / "p.csv").exists()
+    assert (
+        done.returncode == 2 and "--pressure" in done.stderr and not (tmp_path / "p.csv").exists()
+    )
 
 
 def test_no_more_is_worn_off_than_the_lining_has():
     words = ["wear", BRAKE, "--elements", 10, "--coefficient", "1e-4 mm^3/(N m)"]
     done = drumlin(*words, "--distance", "300 km")
     assert done.returncode == 3 and not done.stdout
-    gone = float(re.search(r"lining of 8 mm is worn through after ([\d.]+) km", done.stderr).group(1))
+    gone = float(
+        re.search(r"lining of 8 mm is worn through after ([\d.]+) km", done.stderr).group(1)
+    )
     assert drumlin(*words, "--distance", f"{0.99 * gone} km").returncode == 0
 
 
 def test_a_cam_brake_at_rest_holds_nothing_without_a_sign():
     """Round-off of either sign is left of its moment, by the mesh."""
     for elements in (10, 12):
-        lines = drumlin("hold", STUDY.parent / "brakes" / "s_cam.toml", "--elements", elements, "--steps", 1).stdout
+        lines = drumlin(
+            "hold", STUDY.parent / "brakes" / "s_cam.toml", "--elements", elements, "--steps", 1
+        ).stdout
         assert lines.splitlines()[1].split()[:2] == ["0.000000", "0.0000"]

@@ -9,7 +9,16 @@ from drumlin.brake.file import value_of, vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import sine
 from drumlin.sweeps import cases as sweep
-from drumlin.sweeps.tolerances import Tolerance, between, cases, draw, numbers, shares, spread, within
+from drumlin.sweeps.tolerances import (
+    Tolerance,
+    between,
+    cases,
+    draw,
+    numbers,
+    shares,
+    spread,
+    within,
+)
 
 TOLERANCES = (
     Tolerance("friction", within(0.006), {"friction": 1.0}),
@@ -21,7 +30,9 @@ TOLERANCES = (
 
 @pytest.mark.slow
 def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
-    """Small tolerances: S_i = (dT/dx_i s_i)^2 / sum; the law knows no modulus: 0. First and total agree."""
+    """Small tolerances: S_i = (dT/dx_i s_i)^2 / sum; the law knows no modulus: 0. First and total
+    agree.
+    """
     n = 128
     deviates = draw(TOLERANCES, n, seed=3)
     torque = numbers(sweep.run(cases(brake, TOLERANCES, deviates, "sine")), "torque").reshape(-1, n)
@@ -29,7 +40,8 @@ def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
     for i, tolerance in enumerate(TOLERANCES):
         step = 0.1 * tolerance.distribution.std() * np.eye(len(TOLERANCES))[i]
         high, low = (
-            sine(vary(brake, case.changes)).torque for case in cases(brake, TOLERANCES, np.array([step, -step]))
+            sine(vary(brake, case.changes)).torque
+            for case in cases(brake, TOLERANCES, np.array([step, -step]))
         )
         parts.append(5 * (high - low))  # per standard deviation
     exact = np.square(parts) / np.sum(np.square(parts))
@@ -51,7 +63,10 @@ def test_shares_of_a_product_with_interaction():
     deviates = draw(tolerances, 1024, seed=1)
     found = shares(tolerances, deviates[..., 0] * (1 + deviates[..., 1]), seed=2)
     for share, first, total in zip(found, (0.75, 0.0), (1.0, 0.25), strict=True):
-        assert share.first.value == pytest.approx(first, abs=0.05) and share.first.low <= share.first.high
+        assert (
+            share.first.value == pytest.approx(first, abs=0.05)
+            and share.first.low <= share.first.high
+        )
         assert share.total.value == pytest.approx(total, abs=0.05)
 
 
@@ -68,14 +83,24 @@ def test_draws_are_what_saltelli_asks_for():
 
 
 def test_deviates_add_up_on_the_keys_that_they_share(brake):
-    tolerances = [Tolerance("one", within(1), {"drum.angle": 1.0}), Tolerance("two", within(1), {"drum.angle": -2.0})]
+    tolerances = [
+        Tolerance("one", within(1), {"drum.angle": 1.0}),
+        Tolerance("two", within(1), {"drum.angle": -2.0}),
+    ]
     (case,) = cases(brake, tolerances, np.array([[0.5, 0.1]]), elements=40)
     assert case.changes == {"drum.angle": pytest.approx(0.3)} and case.options == {"elements": 40}
     assert value_of(brake, "shoe.lining.thickness") == pytest.approx(8e-3)
     with pytest.raises(BadInput, match="name each"):
-        clash = [Tolerance("all", within(1), {"shoe.width": 1.0}), Tolerance("one", within(1), {"shoe[0].width": 1.0})]
+        clash = [
+            Tolerance("all", within(1), {"shoe.width": 1.0}),
+            Tolerance("one", within(1), {"shoe[0].width": 1.0}),
+        ]
         cases(brake, clash, np.zeros((1, 2)))
-    for key, words in (("shoe.lining.tickness", "unknown key"), ("shoe.name", "right"), ("shoe.hinge.x", "name one")):
+    for key, words in (
+        ("shoe.lining.tickness", "unknown key"),
+        ("shoe.name", "right"),
+        ("shoe.hinge.x", "name one"),
+    ):
         with pytest.raises(BadInput, match=words):
             value_of(brake, key)
 
@@ -84,5 +109,7 @@ def test_shares_need_an_answer_of_every_case(brake):
     tolerances = [Tolerance("friction", between(0.2, 1.2), {"friction": 1.0})]
     rows = sweep.run(cases(brake, tolerances, draw(tolerances, 8, seed=1), "sine"))
     assert any(row["status"] == "solved" for row in rows)
-    with pytest.raises(NoAnswer, match=r"of 24 cases have no answer; the first: failed: .*self-locking"):
+    with pytest.raises(
+        NoAnswer, match=r"of 24 cases have no answer; the first: failed: .*self-locking"
+    ):
         numbers(rows, "torque")

@@ -1,4 +1,6 @@
-"""The second solver against closed forms, against itself, and beside the finite elements that it judges."""
+"""The second solver against closed forms, against itself, and beside the finite elements that it
+judges.
+"""
 
 import math
 from itertools import combinations
@@ -78,11 +80,15 @@ def test_shape_functions_are_lagranges_and_carry_all_polynomials(degree):
     for a in range(degree + 1):
         b = degree - a
         found = (nodes[:, 1] ** a * nodes[:, 2] ** b) @ value @ weights
-        assert found == pytest.approx(math.factorial(a) * math.factorial(b) / math.factorial(degree + 2), rel=1e-10)
+        assert found == pytest.approx(
+            math.factorial(a) * math.factorial(b) / math.factorial(degree + 2), rel=1e-10
+        )
 
 
 def test_ring_under_even_pressure_is_lames():
-    """Plane stress, outer rim held: u = A r + B/r with A (1 + nu) - B (1 - nu)/a^2 = -p (1 - nu^2)/E, A b + B/b = 0."""
+    """Plane stress, outer rim held: u = A r + B/r with A (1 + nu) - B (1 - nu)/a^2 = -p (1 -
+    nu^2)/E, A b + B/b = 0.
+    """
     a, b, E, nu, width, p = 0.1, 0.13, 2e11, 0.3, 0.04, 1e6
     layer = Layer(-math.inf, math.inf, ElasticLayer.of(Material(E=E, nu=nu), width))
 
@@ -90,7 +96,9 @@ def test_ring_under_even_pressure_is_lames():
         r = a + (b - a) * d
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
-    shape = Outline(place, [layer], np.array([b - a]), np.zeros(2), np.zeros((0, 2)), None, None, 0.0, 1, a)
+    shape = Outline(
+        place, [layer], np.array([b - a]), np.zeros(2), np.zeros((0, 2)), None, None, 0.0, 1, a
+    )
     mesh = start(np.linspace(0, 2 * math.pi, 25), [np.linspace(0, 1, 3)], [layer], 2 * math.pi)
     body = shaped(shape, mesh, 4)
     nodes, kept = body.nodes, body.surface
@@ -103,7 +111,9 @@ def test_ring_under_even_pressure_is_lames():
     held = np.repeat(nodes.at[:, 1] > 1 - 1e-12, 2)
     found = lagrange.condense(body.K, nodes, held, kept, loads.reshape(-1, 1))
     by_forces = found.of @ loads[kept].ravel()
-    assert by_forces == pytest.approx(found.loaded[:, 0], rel=1e-9, abs=1e-9 * np.abs(by_forces).max())
+    assert by_forces == pytest.approx(
+        found.loaded[:, 0], rel=1e-9, abs=1e-9 * np.abs(by_forces).max()
+    )
     A, B = np.linalg.solve([[1 + nu, -(1 - nu) / a**2], [b, 1 / b]], [-p * (1 - nu**2) / E, 0.0])
     radial = np.einsum("nc,nc->n", by_forces.reshape(-1, 2), nodes.xy[kept]) / a
     assert radial == pytest.approx(A * a + B / a, rel=1e-7)
@@ -114,7 +124,9 @@ def test_ring_under_even_pressure_is_lames():
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**30), st.floats(0.0, 0.3))
 def test_contact_sets_settle_on_the_one_that_fits(seed, skew):
-    """Against all contact sets tried, on problems whose A is positive definite, skewed as friction does."""
+    """Against all contact sets tried, on problems whose A is positive definite, skewed as friction
+    does.
+    """
     rng, n = np.random.default_rng(seed), 6
     X, Y = rng.normal(size=(n, n)), rng.normal(size=(n, n))
     A = X @ X.T + 0.3 * np.eye(n) + skew * (Y - Y.T)
@@ -136,7 +148,9 @@ def test_contact_sets_settle_on_the_one_that_fits(seed, skew):
 
 
 def pressed_circle(half):
-    """A thick lining on a rigid shoe, of a radius 3 % smaller than the drum's; half-width of Hertz's contact [rad]."""
+    """A thick lining on a rigid shoe, of a radius 3 % smaller than the drum's; half-width of
+    Hertz's contact [rad].
+    """
     R, r, E, width = 0.15, 0.1455, 3e8, 0.04
     force = math.pi / 4 * (half * R) ** 2 * E * (1 / r - 1 / R) * width
     return brake_from(
@@ -153,7 +167,9 @@ def pressed_circle(half):
 
 
 def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():
-    """A shoe that presses with its end; another answer, with the whole lining, has 3.5 times its torque."""
+    """A shoe that presses with its end; another answer, with the whole lining, has 3.5 times its
+    torque.
+    """
     brake = random_brake(5820)
     *_, (found,) = sequence(brake, SMALL[:1])
     assert found.torque == pytest.approx(solve(brake, tolerance=1e-3).torque, rel=1e-3)
@@ -162,7 +178,9 @@ def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():
 
 
 def test_a_small_contact_is_hertzs():
-    """p = p0 sqrt(1 - (x/a)^2), a^2 = 4 P'/(pi E (1/r - 1/R)) in plane stress against a rigid drum; a/t = 0.03."""
+    """p = p0 sqrt(1 - (x/a)^2), a^2 = 4 P'/(pi E (1/r - 1/R)) in plane stress against a rigid drum;
+    a/t = 0.03.
+    """
     brake = pressed_circle(math.radians(0.5))
     *_, (found,) = sequence(brake, SMALL)
     R, r, E = 0.15, 0.1455, 3e8
@@ -188,7 +206,9 @@ def test_moments_and_forces_of_a_solution_are_in_equilibrium(brake):
         force = (load * (-shoe.sign * e + drag * np.array([-e[1], e[0]]))).sum(axis=(1, 2))
         total = force + shoe.actuation.vector + found.hinge_reaction
         assert np.linalg.norm(total) < 1e-4 * np.linalg.norm(force)
-        assert found.torque == pytest.approx(mild.friction * mild.drum.radius * load.sum(), rel=1e-5)
+        assert found.torque == pytest.approx(
+            mild.friction * mild.drum.radius * load.sum(), rel=1e-5
+        )
         x, y = shoe.hinge.xy
         at_pin = drag * mild.drum.radius * load.sum() - (x * force[1] - y * force[0])
         assert at_pin == pytest.approx(-shoe.actuation.moment_about(shoe.hinge), rel=1e-4)
@@ -222,13 +242,20 @@ def test_the_finite_elements_agree(case, brake):
     for a, b in zip(mine.shoes, theirs, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=5e-5)
         assert pressure_error(a, b) < 3e-3
-        assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 1e-4 * np.linalg.norm(b.hinge_reaction)
+        assert np.linalg.norm(a.hinge_reaction - b.hinge_reaction) < 1e-4 * np.linalg.norm(
+            b.hinge_reaction
+        )
 
 
 def test_a_post_and_its_mirror_image_are_the_same(root):
-    two = vary(read_brake(root / "studies" / "post_brake" / "brake.toml"), {"drum.ring": None, "friction": 0.0})
+    two = vary(
+        read_brake(root / "studies" / "post_brake" / "brake.toml"),
+        {"drum.ring": None, "friction": 0.0},
+    )
     right, left = levels.solve(two, SMALL[0])
     assert left.normal_force == pytest.approx(right.normal_force, rel=1e-9)
     assert left.hinge_reaction == pytest.approx(right.hinge_reaction * [-1, 1], rel=1e-6)
     theirs = solve(two, tolerance=1e-2).shoes[0]
-    assert np.linalg.norm(theirs.hinge_reaction - right.hinge_reaction) < 2e-3 * np.linalg.norm(right.hinge_reaction)
+    assert np.linalg.norm(theirs.hinge_reaction - right.hinge_reaction) < 2e-3 * np.linalg.norm(
+        right.hinge_reaction
+    )

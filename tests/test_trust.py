@@ -25,7 +25,9 @@ def _pressing(pressure):
     """A response over 1 rad with these nodal pressures [Pa], linear between them."""
     theta = np.linspace(0, 1, len(pressure))
     arcs = ((0.0, 1.0),)
-    return ShoeResponse("s", 1.0, 1.0, False, 1.0, np.zeros(2), arcs, theta, np.array(pressure, float), order=1)
+    return ShoeResponse(
+        "s", 1.0, 1.0, False, 1.0, np.zeros(2), arcs, theta, np.array(pressure, float), order=1
+    )
 
 
 def test_a_distance_of_pressures_is_never_nan():
@@ -33,9 +35,12 @@ def test_a_distance_of_pressures_is_never_nan():
     assert pressure_distance(nothing, nothing) == 0
     assert pressure_distance(even, nothing) == math.inf
     assert pressure_distance(nothing, even) == pytest.approx(1)
-    # The spike lies in the zone that is left out: then the whole lining counts. Int (1 - spike)^2 over Int spike^2.
+    # The spike lies in the zone that is left out: then the whole lining counts. Int (1 - spike)^2
+    # over Int spike^2.
     h = 1e-3
-    assert pressure_distance(even, spike) == pytest.approx(math.sqrt((h / 3 + 1 - h) / (h / 3)), rel=1e-9)
+    assert pressure_distance(even, spike) == pytest.approx(
+        math.sqrt((h / 3 + 1 - h) / (h / 3)), rel=1e-9
+    )
 
 
 def test_an_answer_that_is_not_finite_is_none():
@@ -55,7 +60,9 @@ def test_a_contact_within_the_lining_s_end_has_a_peak_pressure():
 
 
 def corner(gap, force):
-    """The main brake whose right shoe presses at its lining's end alone, this far off .2 deg before; and mu N R."""
+    """The main brake whose right shoe presses at its lining's end alone, this far off .2 deg
+    before; and mu N R.
+    """
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     table = [["-70 deg", "1 mm"], ["54.8 deg", gap], ["55 deg", "0 mm"]]
     brake = vary(brake, {"shoe[0].lining.clearance": table, "shoe[0].actuation.force": force})
@@ -66,7 +73,9 @@ def corner(gap, force):
     return brake, brake.friction * float(normal) * R
 
 
-SHORT = pytest.mark.parametrize(("gap", "force", "length"), [("20 um", "5 N", 0.02), ("100 um", "50 N", 0.04)])
+SHORT = pytest.mark.parametrize(
+    ("gap", "force", "length"), [("20 um", "5 N", 0.02), ("100 um", "50 N", 0.04)]
+)
 
 
 @SHORT
@@ -100,14 +109,19 @@ def test_of_a_contact_too_short_to_be_seen_the_torque_is_known_and_the_pressure_
     error = response.shoes[0].error
     assert error["torque"] < 1e-3 and error["reaction"] < 1e-2
     assert min(error["pressure"], error["peak"]) >= 1
-    assert any("shoe 'right': its contact is 0.1 um long, too short to know its pressure" in n for n in response.notes)
+    assert any(
+        "shoe 'right': its contact is 0.1 um long, too short to know its pressure" in n
+        for n in response.notes
+    )
     with pytest.raises(NoAnswer, match="too short to know its pressure"):
         drumlin.solve(brake, tolerance=1e-2)
 
 
 def test_a_short_contact_in_the_middle_of_a_lining_is_not_said_to_be_at_its_end():
     crowned = {"shoe.lining.misfit": {"radius": "165 mm"}, "shoe.actuation.force": "1e-8 N"}
-    response = drumlin.solve(vary(drumlin.read_brake("studies/brakes/block_on_lever.toml"), crowned))
+    response = drumlin.solve(
+        vary(drumlin.read_brake("studies/brakes/block_on_lever.toml"), crowned)
+    )
     (warning,) = [note for note in response.notes if "warning" in note]
     assert "too short to know its pressure" in warning and "unbounded" not in warning
 
@@ -117,7 +131,9 @@ def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():
         shoe = _pressing([1.0, 1.0] + [inner] * 18 + [1.0, 1.0])
         assert edge_left_out(shoe.theta, shoe.pressure, 1, 0.1) == zone
     spiked, even = _pressing([1000] + [1e-3] * 1000), _pressing([999] + [1e-3] * 1000)
-    assert pressure_distance(even, spiked) == pytest.approx(1e-3, rel=1e-2)  # not that of the rest, 0
+    assert pressure_distance(even, spiked) == pytest.approx(
+        1e-3, rel=1e-2
+    )  # not that of the rest, 0
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -162,7 +178,9 @@ material = { E = "340 GPa", nu = 0.23 }
 
 
 def test_a_shoe_is_not_taken_as_rigid_where_that_cannot_be_judged(tmp_path):
-    """Its contact is a tenth of a degree long; taken as rigid it pressed by 47.5 N, in truth by 38.6 N."""
+    """Its contact is a tenth of a degree long; taken as rigid it pressed by 47.5 N, in truth by
+    38.6 N.
+    """
     file = tmp_path / "thin.toml"
     file.write_text(THIN)
     response = drumlin.solve(drumlin.read_brake(file), tolerance=1e-2)
@@ -195,24 +213,34 @@ WORN = (
 def test_running_in_says_no_number_that_is_not_finite(tmp_path, words):
     """What has no value, an energy balance for another exponent, is left out."""
     more = [] if "--elements" in words else ["--elements", "6"]
-    given = Input("wear", {"b.toml": brake_text("double_shoe/brake")}, ["wear", "b.toml", "--json", "r.json", *words])
+    given = Input(
+        "wear",
+        {"b.toml": brake_text("double_shoe/brake")},
+        ["wear", "b.toml", "--json", "r.json", *words],
+    )
     given.words.extend(more)
     end = in_process(given)
     assert end.status == 0 and "balance: volume" in end.out and fault_of(given, end) == ""
     assert ("energy" in end.out) == ("--exponent" not in words)
 
 
-@pytest.mark.parametrize(("start", "end"), [("100 deg", "250 deg"), ("200 deg", "300 deg"), ("150 deg", "200 deg")])
+@pytest.mark.parametrize(
+    ("start", "end"), [("100 deg", "250 deg"), ("200 deg", "300 deg"), ("150 deg", "200 deg")]
+)
 @pytest.mark.parametrize("rotation", ["clockwise", "counter-clockwise"])
 @pytest.mark.parametrize("direction", ["90 deg", "-90 deg"])
 def test_eta_is_its_own_formula_wherever_the_lining_lies(start, end, rotation, direction):
-    """eta = T/M = 1/(m - dD n), UWA notes eq. 6, also where the lining reaches beyond half a turn from the hinge."""
+    """eta = T/M = 1/(m - dD n), UWA notes eq. 6, also where the lining reaches beyond half a turn
+    from the hinge.
+    """
     changes = {"rotation": rotation, "shoe[0].actuation.direction": direction}
     changes |= {"shoe[0].lining.start": start, "shoe[0].lining.end": end}
     brake = vary(hinged(R=0.15, a=0.1, arc=(3.5, 5.2), moment=300.0, mu=0.08), changes)
     merit = drumlin.solve(brake, elements=20).merits[0]
     if merit.m is not None:
-        assert merit.mechanical_advantage == pytest.approx(1 / (merit.m - merit.double_delta * merit.n), rel=1e-5)
+        assert merit.mechanical_advantage == pytest.approx(
+            1 / (merit.m - merit.double_delta * merit.n), rel=1e-5
+        )
 
 
 def test_shoes_that_lie_in_each_other_are_said():
@@ -221,7 +249,9 @@ def test_shoes_that_lie_in_each_other_are_said():
     changes |= {"shoe[1].body.start": "35 deg", "shoe[1].body.end": "170 deg", "friction": 0.1}
     for model in ("fem", "cosine"):
         assert not any("lie in each other" in note for note in drumlin.solve(brake, model).notes)
-        found = [n for n in drumlin.solve(vary(brake, changes), model).notes if "lie in each other" in n]
+        found = [
+            n for n in drumlin.solve(vary(brake, changes), model).notes if "lie in each other" in n
+        ]
         assert len(found) == 1
         assert "'right' and 'left'" in found[0]
         assert "from 40 deg to 55 deg" in found[0]
@@ -240,58 +270,78 @@ def test_pads_are_warned_of_as_shoes_on_a_drum_are():
     for model in ("fem", "rigid"):
         assert not any("warning" in note for note in drumlin.solve(clamp, model).notes)
         found = [note for note in drumlin.solve(two, model).notes if "warning" in note]
-        assert [("'pad'" in note, "strained" in note) for note in found[:1]] == [(True, True)]  # its own first
+        assert [("'pad'" in note, "strained" in note) for note in found[:1]] == [
+            (True, True)
+        ]  # its own first
         assert "'pad' and 'other'" in found[-1] and "from 50 mm to 75 mm" in found[-1]
     bare = validated(
-        FlatBrake, data | {"shoe": [shoe | {"body": None, "lining": {**shoe["lining"], "material": None}}]}
+        FlatBrake,
+        data | {"shoe": [shoe | {"body": None, "lining": {**shoe["lining"], "material": None}}]},
     )
     assert drumlin.solve(bare, "rigid").notes == ()  # it has no modulus
 
 
 def test_a_pad_that_must_turn_too_far_to_touch_is_refused():
-    """A clearance c at x from the pin takes a turn of some c/x; small displacements hold up to 11.5 deg."""
+    """A clearance c at x from the pin takes a turn of some c/x; small displacements hold up to 11.5
+    deg.
+    """
     clamp, pad = read_any("studies/brakes/rail_clamp.toml"), read_any("studies/laws/pad.toml")
     lining = {"thickness": 0.01, "material": {"E": 1e9, "nu": 0.3}}
     hinged = vary(pad, {f"shoe.lining.{key}": value for key, value in lining.items()})
     for brake, x, far in ((hinged, 0.18, 1.0), (clamp, 0.22, 0.5)):
-        with pytest.raises(NoAnswer, match=f"turn by {math.degrees(far / x):.3g} deg to touch the plane; small"):
+        with pytest.raises(
+            NoAnswer, match=f"turn by {math.degrees(far / x):.3g} deg to touch the plane; small"
+        ):
             drumlin.solve(vary(brake, {"shoe.lining.clearance": far}))
         drumlin.solve(vary(brake, {"shoe.lining.clearance": 0.03}))
     with pytest.raises(NoAnswer, match="deg to touch the drum"):
-        drumlin.solve(vary(drumlin.read_brake("studies/brakes/crane.toml"), {"shoe.lining.clearance": "0.2 m"}))
+        drumlin.solve(
+            vary(
+                drumlin.read_brake("studies/brakes/crane.toml"), {"shoe.lining.clearance": "0.2 m"}
+            )
+        )
 
 
 @pytest.mark.parametrize(("slope", "refused"), [(0.1, False), (0.25, True), (0.5, True)])
 def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
-    """Its lining stands off in a wedge, which the lever's turn and the tilt about the pivot close together: at most
-    the 0.2 rad that small displacements hold."""
+    """Its lining stands off in a wedge, which the lever's turn and the tilt about the pivot close
+    together: at most the 0.2 rad that small displacements hold.
+    """
     clamp = read_any("studies/brakes/rail_clamp.toml")
     assert isinstance(clamp, FlatBrake) and all(shoe.held_by == "pivot" for shoe in clamp.shoes)
     wedge = {f"shoe[{i}].lining.clearance": [(s.lining.start, 0.001), (s.lining.end, 0.001 + slope * (s.lining.end -
              s.lining.start))] for i, s in enumerate(clamp.shoes)}  # fmt: skip
     if refused:
-        with pytest.raises(NoAnswer, match=f"turn by {math.degrees(slope):.3g} deg to touch the plane; small"):
+        with pytest.raises(
+            NoAnswer, match=f"turn by {math.degrees(slope):.3g} deg to touch the plane; small"
+        ):
             drumlin.solve(vary(clamp, wedge))
     else:
         drumlin.solve(vary(clamp, wedge))
 
 
 def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
-    """p/E: 5 % at the peak is beyond small strains; ten times the lining's thickness in the mean is no answer, a
-    higher peak may only be a corner's."""
+    """p/E: 5 % at the peak is beyond small strains; ten times the lining's thickness in the mean is
+    no answer, a higher peak may only be a corner's.
+    """
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     small, E = drumlin.solve(brake, elements=20), 300e6
     shoe = small.shoes[1]
     ((start, end),) = shoe.contact_arcs
-    strain = shoe.peak_pressure / E  # and the mean, not of the resultant: opposite sides do not relieve each other
+    strain = (
+        shoe.peak_pressure / E
+    )  # and the mean, not of the resultant: opposite sides do not relieve each other
     mean = np.trapezoid(shoe.pressure, shoe.theta) / (E * (end - start))
     assert not any("strained" in note for note in small.notes)
 
     def said(factor):
-        return drumlin.solve(vary(brake, {"shoe.actuation.force": 2000 * factor}), elements=20).notes
+        return drumlin.solve(
+            vary(brake, {"shoe.actuation.force": 2000 * factor}), elements=20
+        ).notes
 
     assert any(
-        note.startswith("warning: shoe 'left': the lining is strained by up to 6 %") for note in said(0.06 / strain)
+        note.startswith("warning: shoe 'left': the lining is strained by up to 6 %")
+        for note in said(0.06 / strain)
     )
     assert 9.5 * strain > 10.5 * mean
     most = f"the lining is strained by up to {100 * 9.5 * strain / mean:.2g} %"
@@ -316,13 +366,18 @@ def _meshed(tmp_path, change):
 def test_a_mesh_with_hinge_and_actuation_swapped_is_refused(tmp_path):
     def swapped(mesh):
         names = {"hinge": "actuation", "actuation": "hinge"}
-        return replace(mesh, _boundaries={names.get(name, name): where for name, where in mesh.boundaries.items()})
+        return replace(
+            mesh,
+            _boundaries={names.get(name, name): where for name, where in mesh.boundaries.items()},
+        )
 
     with pytest.raises(BadInput, match="swapped"):
         drumlin.solve(_meshed(tmp_path, swapped))
 
 
-@pytest.mark.parametrize(("depth", "outcome"), [(0.0, "fine"), (0.2e-3, "warning"), (1.0e-3, "refused")])
+@pytest.mark.parametrize(
+    ("depth", "outcome"), [(0.0, "fine"), (0.2e-3, "warning"), (1.0e-3, "refused")]
+)
 def test_a_mesh_that_lies_in_the_drum_is_said_and_then_refused(tmp_path, depth, outcome):
     """The lining is 8 mm thick: a hundredth of that is said, a tenth must be meant."""
 
@@ -352,7 +407,9 @@ def test_a_force_that_lifts_a_pad_is_borne_by_its_hinge():
     for model in ("linear", "short"):
         shoe = drumlin.solve(lifted, model).shoes[0]
         assert shoe.normal_force == 0
-        np.testing.assert_allclose(shoe.hinge_reaction, -lifted.shoes[0].actuation.vector, rtol=1e-14)
+        np.testing.assert_allclose(
+            shoe.hinge_reaction, -lifted.shoes[0].actuation.vector, rtol=1e-14
+        )
 
 
 def test_the_balance_of_the_printed_pressure_is_said_where_it_is_the_worse(brake):

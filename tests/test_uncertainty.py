@@ -9,9 +9,11 @@ from drumlin.verification.uncertainty import grid_convergence, validate
 
 
 def test_nasas_example():
-    """NASA's NPARC tutorial "Examining Spatial (Grid) Convergence": pressure recovery on 200, 100 and 50 cells.
+    """NASA's NPARC tutorial "Examining Spatial (Grid) Convergence": pressure recovery on 200, 100
+    and 50 cells.
 
-    Its program computes in single precision: its digits are those of the values as that rounds them.
+    Its program computes in single precision: its digits are those of the values as that rounds
+    them.
     """
     values = (0.97050, 0.96854, 0.96178)
     assert grid_convergence(*values).order == pytest.approx(1.786170, abs=1e-6)
@@ -49,4 +51,7 @@ def test_the_comparison_error_and_its_uncertainty():
     assert found.error == 3.0
     assert found.uncertainty == pytest.approx(1.3)
     assert found.model_error == pytest.approx((1.7, 4.3))
-    assert found.resolved and not validate(101.0, 100.0, numerical=0.3, inputs=1.2, of_data=0.4).resolved
+    assert (
+        found.resolved
+        and not validate(101.0, 100.0, numerical=0.3, inputs=1.2, of_data=0.4).resolved
+    )

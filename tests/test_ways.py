@@ -29,6 +29,11 @@ def test_a_difference_beyond_what_is_allowed_counts_unless_it_is_said():
     row = Check("holding", "hinge 1", "torque", 2e-3, 1e-3)
     said, refused = row._replace(said="held, it ends elsewhere"), row._replace(refused=True)
     near = row._replace(difference=5e-4)
-    assert [one.outcome for one in (row, said, refused, near)] == ["differs", "said", "refused", "agrees"]
+    assert [one.outcome for one in (row, said, refused, near)] == [
+        "differs",
+        "said",
+        "refused",
+        "agrees",
+    ]
     (count,) = counted([row, said, refused, near, near])
     assert count == ("holding", 4, 2, 1, 1, 1, 0.5)

@@ -1,4 +1,6 @@
-"""Wear as such: against closed forms on a Winkler lining, balances, and the checkerboard of explicit steps."""
+"""Wear as such: against closed forms on a Winkler lining, balances, and the checkerboard of
+explicit steps.
+"""
 
 import math
 from itertools import pairwise
@@ -25,7 +27,9 @@ from winkler_lining import FORCE, LAW, MU, RADIUS, UNIT, winkler
 
 
 def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
-    """In contact all along p = p_law + exp(-k K s) (p_0 - p_law): rigid motions and equilibrium do not change that."""
+    """In contact all along p = p_law + exp(-k K s) (p_0 - p_law): rigid motions and equilibrium do
+    not change that.
+    """
     interface, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
     states = run([interface], LAW, distance=6 * UNIT, tolerance=1e-3)
     assert (states[0].pressure > 0).all()
@@ -38,7 +42,11 @@ def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
         np.testing.assert_allclose(state.pressure, expected, atol=1e-3 * amplitude)
     # of second order: four times the steps, a sixteenth of the error
     errors = [
-        np.abs(run_on([interface], LAW, np.linspace(0, UNIT, n + 1)[1:])[-1].pressure - law - math.exp(-1) * off).max()
+        np.abs(
+            run_on([interface], LAW, np.linspace(0, UNIT, n + 1)[1:])[-1].pressure
+            - law
+            - math.exp(-1) * off
+        ).max()
         for n in (4, 16)
     ]
     assert errors[0] / errors[1] == pytest.approx(16, rel=0.25)
@@ -94,7 +102,9 @@ def test_a_held_torque_is_held_and_the_force_follows_from_moments():
     assert held[0].force != pytest.approx(1.3, rel=1e-2)
     for state in held:
         assert state.torque == pytest.approx(1.3 * free[-1].torque, rel=1e-10)
-        assert float(interface.problem.C[0] @ state.pressure) == pytest.approx(FORCE * state.force, rel=1e-9)
+        assert float(interface.problem.C[0] @ state.pressure) == pytest.approx(
+            FORCE * state.force, rel=1e-9
+        )
     assert held[-1].force == pytest.approx(1.3, rel=1e-6)
 
 
@@ -103,7 +113,9 @@ def test_the_ripple_sees_an_alternation_and_nothing_smooth():
     smooth = 1 + np.sin(3 * x)
     assert ripple(smooth) < 1e-6
     alternating = smooth + 0.01 * (-1.0) ** np.arange(101)
-    assert ripple(alternating) == pytest.approx(0.01 / np.sqrt(np.mean(smooth[5:-5] ** 2)), rel=0.02)
+    assert ripple(alternating) == pytest.approx(
+        0.01 / np.sqrt(np.mean(smooth[5:-5] ** 2)), rel=0.02
+    )
     every_second = np.where(np.arange(101) % 2, 2.0, 0.0)
     assert ripple(every_second) > 0.5
     assert math.isnan(ripple(np.zeros(20)))
@@ -145,7 +157,9 @@ def test_bad_input_is_named(law, options, word):
 
 @pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0, 3.0])
 def test_the_rate_and_its_slope(exponent):
-    """k p (p/p_ref)^(m - 1); under m = 1 rounded off where p is small, so that the slope stays finite."""
+    """k p (p/p_ref)^(m - 1); under m = 1 rounded off where p is small, so that the slope stays
+    finite.
+    """
     law, p = WearLaw(2e-13, exponent, 4e5), np.array([1e5, 4e5, 9e5])
     rate, slope = law.rate(p, 0.0)
     np.testing.assert_allclose(rate, 2e-13 * p * (p / 4e5) ** (exponent - 1), rtol=1e-14)
@@ -179,13 +193,22 @@ def test_every_number_of_a_state_between_two_is_interpolated():
 
 
 def test_rubs_together_are_block_by_block_and_wear_as_each_alone():
-    (one, _), (two, _) = (winkler(lambda phi, k=k: 2e-6 * np.cos(k * phi), elements=8) for k in (2, 3))
+    (one, _), (two, _) = (
+        winkler(lambda phi, k=k: 2e-6 * np.cos(k * phi), elements=8) for k in (2, 3)
+    )
     both = together([one, two])
     n = len(one.area)
-    for whole, parts in ((both.problem.A, (one.problem.A, two.problem.A)), (both.weight, (one.weight, two.weight))):
+    for whole, parts in (
+        (both.problem.A, (one.problem.A, two.problem.A)),
+        (both.weight, (one.weight, two.weight)),
+    ):
         assert (whole[:n, :n] == parts[0]).all() and (whole[n:, n:] == parts[1]).all()
         assert not whole[:n, n:].any() and not whole[n:, :n].any()
-    assert both.problem.B.shape == (2 * n, 2) and both.problem.C.shape == (2, 2 * n) and len(both.problem.h) == 2
+    assert (
+        both.problem.B.shape == (2 * n, 2)
+        and both.problem.C.shape == (2, 2 * n)
+        and len(both.problem.h) == 2
+    )
     steps = UNIT * np.array([0.2, 0.6])
     alone = [run_on([interface], LAW, steps)[-1] for interface in (one, two)]
     for state in (run_on([both], LAW, steps)[-1], run_on([one, two], LAW, steps)[-1]):
@@ -212,8 +235,12 @@ def test_steps_keep_their_tolerance_and_end_where_they_are_asked_to():
 
 
 def test_a_drum_that_turns_back_and_forth():
-    """Each way as far as it is told; at a turn the depth stays, and the pressure is that of the other way."""
-    (ahead, _), (back, _) = (winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8, mu=mu) for mu in (MU, -MU))
+    """Each way as far as it is told; at a turn the depth stays, and the pressure is that of the
+    other way.
+    """
+    (ahead, _), (back, _) = (
+        winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8, mu=mu) for mu in (MU, -MU)
+    )
     states = run([ahead], LAW, backward=[back], reverse=UNIT, distance=2.5 * UNIT, tolerance=1e-2)
     turns = [i for i, (a, b) in enumerate(pairwise(states)) if a.forward != b.forward]
     assert [states[i].s for i in turns] == pytest.approx([UNIT, 2 * UNIT], rel=1e-12)
@@ -231,9 +258,15 @@ def test_explicit_steps_add_up_what_they_wear():
     states = explicit([interface], LAW, 0.1 * UNIT, 3)
     assert [s.s for s in states] == pytest.approx([0, 0.1 * UNIT, 0.2 * UNIT, 0.3 * UNIT])
     for a, b in pairwise(states):
-        np.testing.assert_allclose(b.depth - a.depth, LAW.coefficient * 0.1 * UNIT * a.pressure, rtol=1e-9, atol=1e-20)
-        assert b.removed - a.removed == pytest.approx(float(interface.area @ (b.depth - a.depth)), rel=1e-9)
-        assert b.pressed - a.pressed == pytest.approx(0.1 * UNIT * float(interface.area @ a.pressure), rel=1e-9)
+        np.testing.assert_allclose(
+            b.depth - a.depth, LAW.coefficient * 0.1 * UNIT * a.pressure, rtol=1e-9, atol=1e-20
+        )
+        assert b.removed - a.removed == pytest.approx(
+            float(interface.area @ (b.depth - a.depth)), rel=1e-9
+        )
+        assert b.pressed - a.pressed == pytest.approx(
+            0.1 * UNIT * float(interface.area @ a.pressure), rel=1e-9
+        )
         assert b.work - a.work == pytest.approx(0.1 * UNIT * a.torque, rel=1e-9)
 
 
@@ -244,7 +277,11 @@ def test_what_never_settles_or_locks_is_given_up(monkeypatch):
         run([interface], LAW, tolerance=1e-4)
     C = -interface.problem.C
     with pytest.raises(NoAnswer, match="self-locking"):
-        run([interface._replace(problem=interface.problem._replace(C=C, h=-interface.problem.h))], LAW, distance=UNIT)
+        run(
+            [interface._replace(problem=interface.problem._replace(C=C, h=-interface.problem.h))],
+            LAW,
+            distance=UNIT,
+        )
 
 
 def test_margins_are_taken_off_on_both_sides():

@@ -17,7 +17,15 @@ from drumlin.verification import consistency_wear
 from drumlin.verification.random_kinds import random_kind
 from drumlin.wear.archard import WearLaw, run, run_on, steady
 from drumlin.wear.linings import fem_setup
-from drumlin.wear.run_in import COEFFICIENT, discrete_end, distance, report_lines, run_in, target, worn
+from drumlin.wear.run_in import (
+    COEFFICIENT,
+    discrete_end,
+    distance,
+    report_lines,
+    run_in,
+    target,
+    worn,
+)
 from drumlin.wear.worn_in import worn_in
 from winkler_lining import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler
 
@@ -43,9 +51,13 @@ def test_steps_are_not_blind_where_one_node_presses(bend: float, middle: float) 
 
 
 @pytest.mark.parametrize(("exponent", "within"), [(1.0, 1e-4), (0.6, 1e-4), (2.0, 2e-3)])
-def test_wear_ends_at_the_law_where_that_presses_a_part_only(exponent: float, within: float) -> None:
+def test_wear_ends_at_the_law_where_that_presses_a_part_only(
+    exponent: float, within: float
+) -> None:
     """About a hinge p ~ sin(phi)^(1/m), and nothing on a lining's part beyond phi = 0."""
-    interface, phi = winkler(lambda phi: 1e-6 * (1 + np.cos(3 * phi)), elements=24, arc=(-0.61, 2.0))
+    interface, phi = winkler(
+        lambda phi: 1e-6 * (1 + np.cos(3 * phi)), elements=24, arc=(-0.61, 2.0)
+    )
     wears = WearLaw(LAW.coefficient, exponent, 2e5)
     found = steady(interface, wears).contact
     # the law's moments of pressure and friction about the hinge, by quadrature
@@ -88,7 +100,10 @@ def test_worn_in_linings_bear_by_the_law_where_it_presses_a_part(
 
 @pytest.mark.parametrize(
     ("kind", "seed"),
-    partly([("table", 30042), ("cam", 30381), ("abutment", 60016), ("pad on an abutment", 60318)], [("table", 30042)]),
+    partly(
+        [("table", 30042), ("cam", 30381), ("abutment", 60016), ("pad on an abutment", 60318)],
+        [("table", 30042)],
+    ),
 )
 def test_worn_in_unloaded_linings_do_not_lie_in_the_drum(kind: str, seed: int) -> None:
     brake = drawn(kind, seed)
@@ -127,7 +142,9 @@ def test_wear_begins_where_the_answer_is_followed_from_no_friction() -> None:
     assert first.torque == pytest.approx(2820.99, rel=1e-5)
 
 
-@pytest.mark.parametrize(("kind", "seed"), partly([("abutment", 60016), ("cylinder", 60035)], [("abutment", 60016)]))
+@pytest.mark.parametrize(
+    ("kind", "seed"), partly([("abutment", 60016), ("cylinder", 60035)], [("abutment", 60016)])
+)
 def test_wear_without_a_distance_ends_where_its_mesh_ends_and_says_how_far_that_is_from_the_law(
     kind: str, seed: int
 ) -> None:
@@ -139,7 +156,9 @@ def test_wear_without_a_distance_ends_where_its_mesh_ends_and_says_how_far_that_
     assert 1e-3 < distance(setup, states[-1], goal).pressure < 1e-2
     assert states[-1].torque == pytest.approx(law(brake).torque, rel=1e-3)
     assert goal.torque == pytest.approx(law(brake).torque, rel=1e-9)
-    (line,) = [line for line in report_lines(setup, states, goal, ARCHARD) if "on this mesh" in line]
+    (line,) = [
+        line for line in report_lines(setup, states, goal, ARCHARD) if "on this mesh" in line
+    ]
     assert "more elements come nearer" in line
 
 
@@ -165,7 +184,10 @@ def test_a_held_torque_finds_the_feet_too() -> None:
     setup = fem_setup(scene, brake)
     states = run_in(setup, torque=200.0, distance=1e5)
     for state in states[:: len(states) // 2]:
-        force = {f"shoe[{i}].actuation.force": state.force * shoe.actuation.force for i, shoe in enumerate(brake.shoes)}
+        force = {
+            f"shoe[{i}].actuation.force": state.force * shoe.actuation.force
+            for i, shoe in enumerate(brake.shoes)
+        }
         alone = vary(brake.model_copy(update={"actuation": None}), force)
         loaded = worn(setup._replace(brake=alone), state)
         assert respond(scene, loaded).torque == pytest.approx(200.0, rel=1e-7)
@@ -175,7 +197,11 @@ def test_a_held_torque_finds_the_feet_too() -> None:
 def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
     rows = consistency_wear.checks(seed)
     assert {row.outcome for row in rows} <= {"agrees", "refused"}
-    assert {row.check for row in rows} >= {"wear's start = solve", "wear's end = worn in", "worn in = law"}
+    assert {row.check for row in rows} >= {
+        "wear's start = solve",
+        "wear's end = worn in",
+        "worn in = law",
+    }
 
 
 @pytest.mark.slow

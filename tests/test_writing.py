@@ -35,7 +35,11 @@ def test_tables_blocks_lobes_and_names(brake, tmp_path):
         {
             "title": 'µ "quoted"',
             "shoe[0].lining.clearance": [["-70 deg", "0 mm"], ["55 deg", "0.1 mm"]],
-            "shoe[1].lining.misfit": {"radius": 0.1499, "offset": {"x": 1e-5, "y": 0.0}, "blocks": [[2.5, 1e-5]]},
+            "shoe[1].lining.misfit": {
+                "radius": 0.1499,
+                "offset": {"x": 1e-5, "y": 0.0},
+                "blocks": [[2.5, 1e-5]],
+            },
             "drum.out_of_round": [{"order": 2, "amplitude": 2e-5, "phase": 0.1}],
         },
     )

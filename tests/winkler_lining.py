@@ -15,7 +15,9 @@ UNIT = 1 / (LAW.coefficient * K)
 
 
 def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
-    """A rigid shoe on a hinge at (PIN, 0) with a lining of springs K per area, actuation moment FORCE; and its phi."""
+    """A rigid shoe on a hinge at (PIN, 0) with a lining of springs K per area, actuation moment
+    FORCE; and its phi.
+    """
     phi = np.linspace(*arc, 2 * elements + 1)
     xy = RADIUS * np.array([np.cos(phi), np.sin(phi)])
     pieces = np.arange(0, 2 * elements, 2) + np.arange(3)[:, None]
@@ -30,6 +32,11 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
         h=np.array([FORCE]),  # the shoe presses as it turns clockwise
     )
     interface = WearInterface(
-        problem, np.zeros(len(phi)), coupling.M, np.ones(len(phi)), coupling.area, mu * coupling.lever
+        problem,
+        np.zeros(len(phi)),
+        coupling.M,
+        np.ones(len(phi)),
+        coupling.area,
+        mu * coupling.lever,
     )
     return interface, phi

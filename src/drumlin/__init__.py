@@ -1,4 +1,5 @@
-"""drumlin: shoe brakes by the pressure laws and by finite elements in frictional contact, side by side.
+"""drumlin: shoe brakes by the pressure laws and by finite elements in frictional contact, side by
+side.
 
     import drumlin
 
@@ -7,10 +8,12 @@
     print(response.torque, response.shoes[0].peak_pressure)
     response.plot()
 
-`solve` answers by one model, `compare` by all that apply, `sweep` for many cases; `vary` changes keys of a brake. What
-is wrong with the input raises BadInput, what has no answer NoAnswer, each with one plain line. Numbers are SI.
+`solve` answers by one model, `compare` by all that apply, `sweep` for many cases; `vary` changes
+keys of a brake. What is wrong with the input raises BadInput, what has no answer NoAnswer, each
+with one plain line. Numbers are SI.
 
-Importing drumlin loads nothing else and changes nothing in the process: what is named here is loaded when it is used.
+Importing drumlin loads nothing else and changes nothing in the process: what is named here is
+loaded when it is used.
 """
 
 from importlib import import_module

@@ -1,4 +1,6 @@
-"""Models side by side: outcomes, distances between responses, observed orders, and the table of all that."""
+"""Models side by side: outcomes, distances between responses, observed orders, and the table of all
+that.
+"""
 
 import csv
 import io
@@ -27,7 +29,9 @@ B = TypeVar("B", bound=Brake)
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a model made of a brake: its response, or why there is none; seconds: median of the repeats."""
+    """What a model made of a brake: its response, or why there is none; seconds: median of the
+    repeats.
+    """
 
     model: str
     response: Response | None
@@ -60,8 +64,9 @@ class Extrapolated(NamedTuple):
 def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Extrapolated:
     """The limit of a value as meshes are refined, by Richardson extrapolation.
 
-    Where the steps do not shrink with one sign, no limit is seen: the finest value stands, with the larger step as its
-    uncertainty. Its order is nan, or that of steps which shrink with changing sign.
+    Where the steps do not shrink with one sign, no limit is seen: the finest value stands, with the
+    larger step as its uncertainty. Its order is nan, or that of steps which shrink with changing
+    sign.
 
     Parameters
     ----------
@@ -131,7 +136,8 @@ COLUMNS = (
 def rows(
     brake: Brake, outcomes: Sequence[Outcome], reference: str = "fem", case: str | None = None
 ) -> list[dict[str, Any]]:
-    """One row a model and shoe, errors against the outcome called `reference`; failed models stay as rows.
+    """One row a model and shoe, errors against the outcome called `reference`; failed models stay
+    as rows.
 
     On a plane the braking force [N] stands in the place of the torque.
 
@@ -142,7 +148,14 @@ def rows(
     for outcome in outcomes:
         base = {"case": case or brake.title, "rotation": brake.sense, "model": outcome.model}
         if outcome.response is None:
-            table.append({**base, "shoe": "all", "seconds": outcome.seconds, "status": f"failed: {outcome.failure}"})
+            table.append(
+                {
+                    **base,
+                    "shoe": "all",
+                    "seconds": outcome.seconds,
+                    "status": f"failed: {outcome.failure}",
+                }
+            )
             continue
         response, judged = outcome.response, true is not None and outcome.model != reference
         for i, shoe in enumerate(response.shoes):
@@ -177,12 +190,16 @@ def rows(
 
 
 def edge_of(brake: Brake) -> float:
-    """The zones at a lining's ends in which no pressure is compared, in the coordinate of the brake's surface."""
+    """The zones at a lining's ends in which no pressure is compared, in the coordinate of the
+    brake's surface.
+    """
     return EDGE_ZONE * brake.unit
 
 
 def columns_of(brake: Brake) -> tuple[Column, ...]:
-    """The columns of a table of a brake: on a plane the braking force stands for the torque, lengths for angles."""
+    """The columns of a table of a brake: on a plane the braking force stands for the torque,
+    lengths for angles.
+    """
     surface = brake.surface
     if not surface.straight:
         return COLUMNS
@@ -196,7 +213,9 @@ def columns_of(brake: Brake) -> tuple[Column, ...]:
 
 
 def as_csv(table: Sequence[dict[str, Any]]) -> str:
-    """A table in SI units as CSV text; columns: every key that occurs. No text in it is a spreadsheet's formula."""
+    """A table in SI units as CSV text; columns: every key that occurs. No text in it is a
+    spreadsheet's formula.
+    """
     keys = list(dict.fromkeys(key for row in table for key in row))
     text = io.StringIO()
     writer = csv.DictWriter(text, keys, lineterminator="\n")
@@ -239,8 +258,8 @@ def compare(
 
     Returns
     -------
-    the comparison: `responses` by model, `rows` of a table with the errors against the finite elements (fractions);
-    a model that has no answer is a row that says why
+    the comparison: `responses` by model, `rows` of a table with the errors against the finite
+    elements (fractions); a model that has no answer is a row that says why
 
     Raises
     ------
@@ -248,7 +267,11 @@ def compare(
         for an option out of range
     """
     outcomes = [
-        run(model.name, partial(model.solve, brake, **(options if model.name == "fem" else {})), repeats)
+        run(
+            model.name,
+            partial(model.solve, brake, **(options if model.name == "fem" else {})),
+            repeats,
+        )
         for model in applicable(brake)
         if models is None or model.name in models
     ]
@@ -257,10 +280,11 @@ def compare(
 
 @dataclass(frozen=True)
 class Convergence:
-    """A brake on meshes that double: `elements` along the lining and the responses; order, limit, uncertainty.
+    """A brake on meshes that double: `elements` along the lining and the responses; order, limit,
+    uncertainty.
 
-    `torque` and, for each shoe, `pressure`: the L2 distance of the finest p from its limit, by extrapolation
-    of the distances between successive meshes, outside the edge zones.
+    `torque` and, for each shoe, `pressure`: the L2 distance of the finest p from its limit, by
+    extrapolation of the distances between successive meshes, outside the edge zones.
     """
 
     elements: tuple[int, ...]
@@ -273,7 +297,9 @@ class Convergence:
 
     def pressure_steps(self, shoe: int) -> list[float]:
         """Relative L2 distances of p between each mesh and the next finer one."""
-        return [pressure_distance(a.shoes[shoe], b.shoes[shoe]) for a, b in pairwise(self.responses)]
+        return [
+            pressure_distance(a.shoes[shoe], b.shoes[shoe]) for a, b in pairwise(self.responses)
+        ]
 
     def pressure(self, shoe: int) -> tuple[float, float]:
         """Observed order of p in L2 and the estimated error of the finest mesh."""
@@ -286,4 +312,6 @@ def converge(brake: Brake, elements: Sequence[int]) -> Convergence:
     """Solve a brake on several meshes, coarse to fine, with exact contact."""
     from drumlin.fem.solve import solve  # noqa: PLC0415  (finite elements load only where they are used)
 
-    return Convergence(tuple(elements), tuple(solve(brake, elements=n, penalty=math.inf) for n in elements))
+    return Convergence(
+        tuple(elements), tuple(solve(brake, elements=n, penalty=math.inf) for n in elements)
+    )

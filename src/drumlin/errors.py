@@ -1,4 +1,6 @@
-"""The ways in which drumlin ends without a number, each one plain line, and the line and status of any other fault."""
+"""The ways in which drumlin ends without a number, each one plain line, and the line and status of
+any other fault.
+"""
 
 import errno
 import sys
@@ -13,7 +15,9 @@ SHORT_OF = {
     for name in ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
     if (code := getattr(errno, name, None)) is not None
 }
-"""Errors of a system that is short of something (disk, memory, files, processes), of which no input is to blame."""
+"""Errors of a system that is short of something (disk, memory, files, processes), of which no input
+is to blame.
+"""
 
 
 class DrumlinError(Exception):
@@ -32,7 +36,9 @@ class BadInput(DrumlinError):
 
 
 class NoAnswer(DrumlinError):
-    """The input is right and the question has no answer: self-locking, no equilibrium, not converged."""
+    """The input is right and the question has no answer: self-locking, no equilibrium, not
+    converged.
+    """
 
     exit_status = 3
 
@@ -42,7 +48,9 @@ class LostDigits(NoAnswer):
 
 
 class Stopped(BaseException):
-    """A signal asks the process to end; what is being written is given up, and nothing may catch it on the way."""
+    """A signal asks the process to end; what is being written is given up, and nothing may catch it
+    on the way.
+    """
 
     def __init__(self, signal: int) -> None:
         super().__init__("stopped by a signal")
@@ -51,17 +59,24 @@ class Stopped(BaseException):
 
 def reason_of(error: BaseException) -> str:
     """What the system says of an error, without the name of the file."""
-    return (error.strerror if isinstance(error, OSError) else None) or str(error) or type(error).__name__
+    return (
+        (error.strerror if isinstance(error, OSError) else None)
+        or str(error)
+        or type(error).__name__
+    )
 
 
 def file_fault(path: object, doing: str, error: BaseException) -> DrumlinError:
-    """The fault of a file that cannot be read or written (`doing`): NoAnswer where the system is short of something."""
+    """The fault of a file that cannot be read or written (`doing`): NoAnswer where the system is
+    short of something.
+    """
     short = isinstance(error, OSError) and error.errno in SHORT_OF
     return (NoAnswer if short else BadInput)(f"{path}: cannot be {doing} ({reason_of(error)})")
 
 
 def line_and_status(error: BaseException) -> tuple[str, int]:
-    """What a process says of an exception that ends it, one line (empty: nothing), and its exit status.
+    """What a process says of an exception that ends it, one line (empty: nothing), and its exit
+    status.
 
     2 bad input, 3 no answer, 128 + its number for a signal; 1 is a fault of drumlin itself.
     """
@@ -88,12 +103,17 @@ def _line_and_status(error: BaseException) -> tuple[str, int]:
     else:
         place = traceback.extract_tb(error.__traceback__)[-1:]
         at = "".join(f" ({Path(frame.filename).name}:{frame.lineno})" for frame in place)
-        line, status = f"unexpected {type(error).__name__}: {error}{at}; a fault of drumlin, please report it", 1
+        line, status = (
+            f"unexpected {type(error).__name__}: {error}{at}; a fault of drumlin, please report it",
+            1,
+        )
     return "; ".join([line, *getattr(error, "__notes__", ())]), status
 
 
 def ended(run: Callable[[], int]) -> int:
-    """The exit status of `run`, or that of the exception that ends it, whose line goes to standard error."""
+    """The exit status of `run`, or that of the exception that ends it, whose line goes to standard
+    error.
+    """
     try:
         return run()
     except SystemExit as error:

@@ -87,7 +87,9 @@ def read_text(path: Path, most: int, what: str) -> str:
     try:
         return data.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
-        raise BadInput(f"{path}: is not {what}: no UTF-8 text ({error.reason} at byte {error.start})") from error
+        raise BadInput(
+            f"{path}: is not {what}: no UTF-8 text ({error.reason} at byte {error.start})"
+        ) from error
 
 
 # writing
@@ -111,7 +113,9 @@ def check_outputs(*paths: Path | None) -> None:
 def check_folder(path: Path) -> None:
     """Raise BadInput where `path` cannot be a folder, since a file stands there or above it."""
     try:
-        above = next(folder for folder in (path, *path.absolute().parents) if os.path.lexists(folder))
+        above = next(
+            folder for folder in (path, *path.absolute().parents) if os.path.lexists(folder)
+        )
         if not above.is_dir():
             raise BadInput(f"{path}: cannot be written (not a folder: {above})")
     except (OSError, ValueError, StopIteration) as error:
@@ -128,7 +132,9 @@ def _target(path: Path) -> tuple[Path, os.stat_result | None]:
     except (OSError, ValueError) as error:
         raise file_fault(path, "written", error) from error
     if ".toml" in {path.suffix.lower(), target.suffix.lower()}:
-        raise BadInput(f"{path}: must not be a .toml file: nothing is written over brake and sweep files")
+        raise BadInput(
+            f"{path}: must not be a .toml file: nothing is written over brake and sweep files"
+        )
     if found is not None:
         if stat.S_ISDIR(found.st_mode):
             raise BadInput(f"{path}: cannot be written (is a folder)")
@@ -143,9 +149,9 @@ def _target(path: Path) -> tuple[Path, os.stat_result | None]:
 def replacing(path: Path) -> Iterator[Path]:
     """A temporary path, with the suffix of `path`, that becomes `path` if the block ends well.
 
-    A regular file is replaced by a rename and keeps its permissions. A link stays, and its target is
-    replaced. What is written for a pipe or a device is sent to it in the end. Raises BadInput where
-    `check_outputs` does or the system does not allow it, NoAnswer where the disk is full.
+    A regular file is replaced by a rename and keeps its permissions. A link stays, and its target
+    is replaced. What is written for a pipe or a device is sent to it in the end. Raises BadInput
+    where `check_outputs` does or the system does not allow it, NoAnswer where the disk is full.
     """
     target, found = _target(path)
     suffix = path.suffix if len(path.suffix) <= LONGEST_SUFFIX else ""
@@ -205,7 +211,8 @@ def write_json(path: Path, data: object) -> None:
     write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
 
 
-# What a text begins with that a spreadsheet takes for a formula. Numbers and "-70 to 55.1" are none.
+# What a text begins with that a spreadsheet takes for a formula. Numbers and "-70 to 55.1" are
+# none.
 _FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")
 
 

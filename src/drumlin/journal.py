@@ -1,9 +1,10 @@
-"""Results kept as they come, so that a stopped run goes on: one line of JSON for each finished case.
+"""Results kept as they come, so that a stopped run goes on: one line of JSON for each finished
+case.
 
-Each line bears a checksum. A line that a kill tore is the last one and is dropped. A damaged line is
-skipped, and its case is computed anew; all other lines stand. (A database would lose more: in the
-write-ahead log of sqlite3 one flipped bit takes all later records with it, and that log does not
-work on network file systems.)
+Each line bears a checksum. A line that a kill tore is the last one and is dropped. A damaged line
+is skipped, and its case is computed anew; all other lines stand. (A database would lose more: in
+the write-ahead log of sqlite3 one flipped bit takes all later records with it, and that log does
+not work on network file systems.)
 
 A journal belongs to one state of the program: the journal of another state is kept aside. A file
 that is no journal stays as it is.
@@ -67,8 +68,8 @@ def key_of(case: Mapping[str, Any]) -> str:
 class Journal(AbstractContextManager["Journal"]):
     """Finished cases by their data, in a file; without a path in memory only.
 
-    `notes` are lines about the file that was found. Raises BadInput where another run holds the file,
-    where it cannot be written, or where it is no journal.
+    `notes` are lines about the file that was found. Raises BadInput where another run holds the
+    file, where it cannot be written, or where it is no journal.
     """
 
     def __init__(self, path: Path | None = None, stamp: str = "") -> None:
@@ -108,7 +109,9 @@ class Journal(AbstractContextManager["Journal"]):
             record = json.dumps({"key": key_of(case), "row": row}).encode()
             self._write(_sealed(record[1:], self._stamp))
 
-    def once(self, case: Mapping[str, Any], compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    def once(
+        self, case: Mapping[str, Any], compute: Callable[[], dict[str, Any]]
+    ) -> dict[str, Any]:
         """The kept result of a case, or else that of `compute`, which is kept."""
         if case not in self:
             self.add(case, compute())
@@ -149,7 +152,9 @@ class Journal(AbstractContextManager["Journal"]):
                 return
             damaged, end = int(head != self._head), len(head)
             # A line without its end was torn by a kill, or is longer than any that a journal has.
-            while (line := reader.readline(LARGEST_LINE)).endswith(b"\n") or len(line) == LARGEST_LINE:
+            while (line := reader.readline(LARGEST_LINE)).endswith(b"\n") or len(
+                line
+            ) == LARGEST_LINE:
                 end += len(line)
                 data = line[LEAD:-1]
                 if line == _sealed(data, self._stamp):
@@ -162,7 +167,9 @@ class Journal(AbstractContextManager["Journal"]):
         if head == self._head or self._rows:
             file.truncate(end)
             if damaged:
-                self.notes.append(f"{path}: {damaged} damaged lines are skipped; their cases are solved anew")
+                self.notes.append(
+                    f"{path}: {damaged} damaged lines are skipped; their cases are solved anew"
+                )
         elif re.fullmatch(re.escape(HEAD) + rb'[^"]*"\}\n', head):
             self._keep_aside(path)
         else:
@@ -170,11 +177,17 @@ class Journal(AbstractContextManager["Journal"]):
 
     def _keep_aside(self, path: Path) -> None:
         """Rename the file, which is another drumlin's journal, and begin a new one."""
-        aside = next(p for p in (path.with_name(f"{path.name}.{n}") for n in count(1)) if not os.path.lexists(p))
+        aside = next(
+            p
+            for p in (path.with_name(f"{path.name}.{n}") for n in count(1))
+            if not os.path.lexists(p)
+        )
         path.rename(aside)
         # Only now: until it is renamed no other run may take the file for its own.
         self.close()
-        self.notes.append(f"{path}: was of another drumlin and is kept as {aside.name}; every case is solved anew")
+        self.notes.append(
+            f"{path}: was of another drumlin and is kept as {aside.name}; every case is solved anew"
+        )
         self._open(path)
 
     def _write(self, data: bytes) -> None:

@@ -65,8 +65,13 @@ def _solid_why_not(brake: Brake) -> str | None:
     return model.why_not(brake)
 
 
-SHORT: Mapping[str, tuple[Any, Any]] = {"drum": (hinged, LAWS["short"]), "plane": (flat, flat.FLAT_SHORT)}
-"""The laws of the short shoe, by the word of the surface: the module with its functions, and the law."""
+SHORT: Mapping[str, tuple[Any, Any]] = {
+    "drum": (hinged, LAWS["short"]),
+    "plane": (flat, flat.FLAT_SHORT),
+}
+"""The laws of the short shoe, by the word of the surface: the module with its functions, and the
+law.
+"""
 
 
 def _short_why_not(brake: Brake) -> str | None:
@@ -84,7 +89,9 @@ def _hinged(name: str) -> Model:
     return _law(name, law.assumes, partial(hinged.why_not, law), partial(hinged.solve, law))
 
 
-def _law(name: str, assumes: str, why_not: Callable[[Brake], str | None], solve: Callable[..., Response]) -> Model:
+def _law(
+    name: str, assumes: str, why_not: Callable[[Brake], str | None], solve: Callable[..., Response]
+) -> Model:
     """The model of a closed-form law, which knows isotropic materials alone."""
 
     def isotropic_too(brake: Brake) -> str | None:
@@ -96,18 +103,37 @@ def _law(name: str, assumes: str, why_not: Callable[[Brake], str | None], solve:
 MODELS: Mapping[str, Model] = {
     model.name: model
     for model in (
-        Model("fem", "2D plane stress, unilateral contact, full-slip Coulomb friction", _fem_why_not, _fem),
+        Model(
+            "fem",
+            "2D plane stress, unilateral contact, full-slip Coulomb friction",
+            _fem_why_not,
+            _fem,
+        ),
         _hinged("sine"),
-        Model("foundation", "beam on springs against an elastic ring", _foundation_why_not, _foundation),
+        Model(
+            "foundation",
+            "beam on springs against an elastic ring",
+            _foundation_why_not,
+            _foundation,
+        ),
         _hinged("cosine"),
         _hinged("block"),
         _hinged("uniform"),
         _law("short", LAWS["short"].assumes, _short_why_not, _short),
         _law("pivoted", pivoted.ASSUMES, pivoted.why_not, partial(rigid.solve, name="pivoted")),
-        _law("linear", flat.LINEAR.assumes, partial(flat.why_not, flat.LINEAR), partial(rigid.solve, name="linear")),
+        _law(
+            "linear",
+            flat.LINEAR.assumes,
+            partial(flat.why_not, flat.LINEAR),
+            partial(rigid.solve, name="linear"),
+        ),
         _law("rigid", rigid.ASSUMES, naming.why_not, rigid.solve),
         Model(
-            "solid", "solid shoes of finite width, contact and friction as fem", _solid_why_not, _solid, by_name=True
+            "solid",
+            "solid shoes of finite width, contact and friction as fem",
+            _solid_why_not,
+            _solid,
+            by_name=True,
         ),
     )
 }
@@ -118,18 +144,18 @@ def solve(brake: Brake, model: str = "fem", **options: Any) -> Response:
 
     Parameters
     ----------
-    brake : as `read_brake` gives it
-    model : "fem", the finite elements, or a law: a name of MODELS
-    options : those of the model; of "fem": `tolerance` (relative error of p and torque), or `elements` along each
-        lining; `kind` of the elements; `penalty`, the contact stiffness as a multiple of E/t of the lining;
-        `worn_in`, for linings that are worn in; `finite_width`, for linings' moduli corrected for the widths of the
-        shoes. Of "solid": `elements`, `across` over half the lining's width,
-        `penalty`. Of "foundation": `sections`, `lift`
+    brake : as `read_brake` gives it model : "fem", the finite elements, or a law: a name of MODELS
+    options : those of the model; of "fem": `tolerance` (relative error of p and torque), or
+    `elements` along each
+        lining; `kind` of the elements; `penalty`, the contact stiffness as a multiple of E/t of the
+        lining; `worn_in`, for linings that are worn in; `finite_width`, for linings' moduli
+        corrected for the widths of the shoes. Of "solid": `elements`, `across` over half the
+        lining's width, `penalty`. Of "foundation": `sections`, `lift`
 
     Returns
     -------
-    the response: torque [N m], of each shoe p(theta) [Pa over rad], reactions [N], figures of merit, the load of the
-    drum's bearings [N]
+    the response: torque [N m], of each shoe p(theta) [Pa over rad], reactions [N], figures of
+    merit, the load of the drum's bearings [N]
 
     Raises
     ------
@@ -142,20 +168,31 @@ def solve(brake: Brake, model: str = "fem", **options: Any) -> Response:
 
 
 def pick(name: str, brake: Brake) -> Model:
-    """The model called `name`; raises BadInput where there is none, or where it does not apply to the brake."""
+    """The model called `name`; raises BadInput where there is none, or where it does not apply to
+    the brake.
+    """
     if name not in MODELS:
-        raise BadInput(f"--model = {name!r}: unknown model{nearest(name, MODELS)}; allowed: {', '.join(MODELS)}")
+        raise BadInput(
+            f"--model = {name!r}: unknown model{nearest(name, MODELS)}; allowed: {', '.join(MODELS)}"
+        )
     model = MODELS[name]
     reason = model.why_not(brake)
     if reason is not None:
-        apply = ", ".join(other.name for other in MODELS.values() if other.why_not(brake) is None) or "none"
-        raise BadInput(f"--model = {name!r}: does not apply to this brake: {reason}; allowed: {apply}")
+        apply = (
+            ", ".join(other.name for other in MODELS.values() if other.why_not(brake) is None)
+            or "none"
+        )
+        raise BadInput(
+            f"--model = {name!r}: does not apply to this brake: {reason}; allowed: {apply}"
+        )
     return model
 
 
 def applicable(brake: Brake) -> tuple[Model, ...]:
     """The models that apply to a brake and answer at once."""
-    return tuple(model for model in MODELS.values() if not model.by_name and model.why_not(brake) is None)
+    return tuple(
+        model for model in MODELS.values() if not model.by_name and model.why_not(brake) is None
+    )
 
 
 def refusals(brake: Brake) -> dict[str, str]:

@@ -1,6 +1,8 @@
-"""Finding, loading and running a study: studies/NAME/study.py with `study(short, say)` and `report(result, folder)`.
+"""Finding, loading and running a study: studies/NAME/study.py with `study(short, say)` and
+`report(result, folder)`.
 
-A study whose `study` takes a `journal`, too, keeps each finished case in it and goes on where it was stopped.
+A study whose `study` takes a `journal`, too, keeps each finished case in it and goes on where it
+was stopped.
 """
 
 import importlib
@@ -22,9 +24,14 @@ REPOSITORY = CARRIED if CARRIED.is_dir() else Path(__file__).resolve().parents[2
 
 
 def examples() -> dict[str, Path]:
-    """The example brake files by name: their own, after that of a folder whose main brake is brake.toml."""
+    """The example brake files by name: their own, after that of a folder whose main brake is
+    brake.toml.
+    """
     found: dict[str, Path] = {}
-    for path in [*sorted((REPOSITORY / "studies").glob("*/*.toml")), *sorted((REPOSITORY / "meshes").glob("*.toml"))]:
+    for path in [
+        *sorted((REPOSITORY / "studies").glob("*/*.toml")),
+        *sorted((REPOSITORY / "meshes").glob("*.toml")),
+    ]:
         if "[[shoe]]" in path.read_text(encoding="utf-8"):
             folder, name = path.parent.name, path.stem
             if (path.parent / "brake.toml").exists():
@@ -34,10 +41,14 @@ def examples() -> dict[str, Path]:
 
 
 def example(name: str) -> str:
-    """The text of an example brake file, with its mesh files by where they lie. Raises BadInput for an unknown name."""
+    """The text of an example brake file, with its mesh files by where they lie. Raises BadInput for
+    an unknown name.
+    """
     own = examples()
     if name not in own:
-        raise BadInput(f"NAME = {name!r}: no such example{nearest(name, own)}; allowed: {', '.join(own)}")
+        raise BadInput(
+            f"NAME = {name!r}: no such example{nearest(name, own)}; allowed: {', '.join(own)}"
+        )
     path = own[name]
 
     def placed(found: re.Match[str]) -> str:
@@ -50,8 +61,9 @@ def example(name: str) -> str:
 def load(name: str) -> tuple[ModuleType, Path]:
     """The module of a study and the folder that holds studies/.
 
-    A name is one of drumlin's own studies. Another's, which is code that is run, is loaded by its path only, such as
-    ./studies/NAME or studies/NAME/study.py. Raises BadInput, naming the studies that there are.
+    A name is one of drumlin's own studies. Another's, which is code that is run, is loaded by its
+    path only, such as ./studies/NAME or studies/NAME/study.py. Raises BadInput, naming the studies
+    that there are.
     """
     own = {path.parent.name: path for path in sorted((REPOSITORY / "studies").glob("*/study.py"))}
     file = own.get(name)
@@ -65,12 +77,16 @@ def load(name: str) -> tuple[ModuleType, Path]:
         )
     root = file.parents[2]
     if str(root) not in sys.path:
-        sys.path.insert(0, str(root))  # for the study's other files, and in the processes that it starts
+        sys.path.insert(
+            0, str(root)
+        )  # for the study's other files, and in the processes that it starts
     return importlib.import_module(f"studies.{file.parent.name}.study"), root
 
 
 def run(name: str, folder: Path | None, *, short: bool, say: Callable[[str], None]) -> Path:
-    """Run a study and write its report into `folder`, by default reports/NAME from here; returns the page."""
+    """Run a study and write its report into `folder`, by default reports/NAME from here; returns
+    the page.
+    """
     module, root = load(name)
     folder = folder or Path("reports") / module.__name__.split(".")[1]
     if "journal" not in inspect.signature(module.study).parameters:

@@ -8,7 +8,9 @@ from pathlib import PurePath
 
 LONGEST_LINE = 600  # characters of a line about a fault
 LONGEST_QUANTITY = 100  # characters of a number and its unit
-MOST_DIGITS = 400  # in a row: what lies beyond 1e308 is no quantity, and long ones take their square in time
+MOST_DIGITS = (
+    400  # in a row: what lies beyond 1e308 is no quantity, and long ones take their square in time
+)
 MOST_PARTS = 16  # of a key a.b.c: each key below it takes as many steps again
 
 _THOUSANDS = re.compile(r"e\+0[0-6]$")
@@ -19,7 +21,9 @@ _KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
 
 
 def one_line(text: str, most: int = LONGEST_LINE) -> str:
-    """The text in one line of printable characters, others escaped; beyond `most` characters without its middle."""
+    """The text in one line of printable characters, others escaped; beyond `most` characters
+    without its middle.
+    """
     if len(text) > most:
         text = f"{text[: most // 2]} ... {text[-most // 2 :]}"
     return text if text.isprintable() else "".join(map(_shown, text))
@@ -30,7 +34,9 @@ def _shown(character: str) -> str:
 
 
 def typed(words: Sequence[str]) -> str:
-    """A command line as a page shows it: of absolute paths, which tell of the machine, the names alone."""
+    """A command line as a page shows it: of absolute paths, which tell of the machine, the names
+    alone.
+    """
     return one_line(shlex.join(map(_without_folder, words)))
 
 
@@ -40,8 +46,9 @@ def _without_folder(word: str) -> str:
 
 
 def formatted(value: float, form: str) -> str:
-    """A number for people, as format() has it, with a space before %; what rounds to nothing has no sign, and a number
-    below ten millions no exponent where a general form ("g") is asked for."""
+    """A number for people, as format() has it, with a space before %; what rounds to nothing has no
+    sign, and a number below ten millions no exponent where a general form ("g") is asked for.
+    """
     text = format(value, form)
     if form.endswith("g") and _THOUSANDS.search(text):
         text = format(float(text), "+.0f" if text.startswith("+") else ".0f")
@@ -62,7 +69,9 @@ def check_digits(text: str) -> None:
 
 
 def check_toml(text: str) -> None:
-    """Raise ValueError for what would keep a TOML parser busy: numbers of many digits, keys of many parts."""
+    """Raise ValueError for what would keep a TOML parser busy: numbers of many digits, keys of many
+    parts.
+    """
     check_digits(text)
     for match in _KEY.finditer(text):
         key = match.group()

@@ -1,4 +1,6 @@
-"""Every kind of brake, each from a file of sizes like real ones: can its law be trusted, new and worn in?"""
+"""Every kind of brake, each from a file of sizes like real ones: can its law be trusted, new and
+worn in?
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -31,8 +33,9 @@ SHORT = ("simplex_abutted", "s_cam", "rail_clamp")
 
 
 class Result(NamedTuple):
-    """Each brake in both senses of motion, a row for each, rows of the other models, a sentence for each file; `cams`:
-    by file of an S-cam brake the brake factor that it wears to in closed form."""
+    """Each brake in both senses of motion, a row for each, rows of the other models, a sentence for
+    each file; `cams`: by file of an S-cam brake the brake factor that it wears to in closed form.
+    """
 
     cases: list[Case]
     rows: list[dict[str, Any]]
@@ -42,8 +45,9 @@ class Result(NamedTuple):
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """All files by law and finite elements; `short`: three of them, coarser worn-in linings, no solid shoes, no limits
-    of locking."""
+    """All files by law and finite elements; `short`: three of them, coarser worn-in linings, no
+    solid shoes, no limits of locking.
+    """
     cases: list[Case] = []
     rows: list[dict[str, Any]] = []
     verdicts, cams = {}, {}
@@ -78,7 +82,11 @@ def report(result: Result, folder: Path) -> Path:
             if found.file != file:
                 continue
             for i, shoe in enumerate(found.brake.shoes):
-                of = {"fem": found.new.shoes[i], "worn": found.worn.shoes[i], found.law.model: found.law.shoes[i]}
+                of = {
+                    "fem": found.new.shoes[i],
+                    "worn": found.worn.shoes[i],
+                    found.law.model: found.law.shoes[i],
+                }
                 panels.append((f"{shoe.name}, {found.brake.sense}", of))
         drawn_pressures = figures.pressures(panels, surface=brake.surface)
         for ending in ("svg", "png") if file == SHOWN else ("svg",):

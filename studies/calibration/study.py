@@ -1,4 +1,6 @@
-"""With which factors are stated errors at least the true ones? Fitted on random brakes, for the code to read."""
+"""With which factors are stated errors at least the true ones? Fitted on random brakes, for the
+code to read.
+"""
 
 import subprocess
 from collections.abc import Callable
@@ -30,8 +32,15 @@ from drumlin.verification.side_by_side import PROCESSES, Case, kept
 
 HERE = Path(__file__).parent
 FEW = 4  # brakes of the short setting
-COMPUTING = ("src/drumlin/fem", "src/drumlin/contact", "src/drumlin/response", "src/drumlin/verification")
-"""Folders whose last commit is the one that the factors belong to, without the file of the factors itself."""
+COMPUTING = (
+    "src/drumlin/fem",
+    "src/drumlin/contact",
+    "src/drumlin/response",
+    "src/drumlin/verification",
+)
+"""Folders whose last commit is the one that the factors belong to, without the file of the factors
+itself.
+"""
 
 
 class Result(NamedTuple):
@@ -43,9 +52,14 @@ class Result(NamedTuple):
 
 
 def study(
-    *, short: bool = False, say: Callable[[str], None] = lambda _: None, journal: Journal | None = None
+    *,
+    short: bool = False,
+    say: Callable[[str], None] = lambda _: None,
+    journal: Journal | None = None,
 ) -> Result:
-    """Observe all brakes, in two processes, and fit; `short`: few brakes, whose factors mean nothing."""
+    """Observe all brakes, in two processes, and fit; `short`: few brakes, whose factors mean
+    nothing.
+    """
     journal = journal or Journal()
     seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else BRAKES))
     cases = [{"seed": seed} for seed in seeds]
@@ -67,11 +81,15 @@ def levels_of(rows: list[dict[str, Any]]) -> list[Level]:
 
 
 def last_commit() -> tuple[str, str]:
-    """Hash and date of the last commit that changed what the factors hang on; empty texts outside a repository."""
+    """Hash and date of the last commit that changed what the factors hang on; empty texts outside a
+    repository.
+    """
     own = ":!src/drumlin/fem/hp/factors.json"
     command = ["git", "log", "-1", "--format=%h %cs", "--", *COMPUTING, own]
     try:
-        run = subprocess.run(command, cwd=HERE.parents[1], capture_output=True, text=True, check=True)
+        run = subprocess.run(
+            command, cwd=HERE.parents[1], capture_output=True, text=True, check=True
+        )
     except (OSError, subprocess.CalledProcessError):
         return "", ""
     commit, _, date = run.stdout.strip().partition(" ")

@@ -1,4 +1,6 @@
-"""How far is the sine law from the elastic truth? The double-shoe brake, stiff and flexible, both rotations."""
+"""How far is the sine law from the elastic truth? The double-shoe brake, stiff and flexible, both
+rotations.
+"""
 
 import time
 from collections.abc import Callable
@@ -33,7 +35,9 @@ class Result(NamedTuple):
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """Compare, take the limit of a rigid shoe, converge, and count the cost; `short`: coarser, fewer repeats."""
+    """Compare, take the limit of a rigid shoe, converge, and count the cost; `short`: coarser,
+    fewer repeats.
+    """
     start = time.perf_counter()
     elements, repeats = (40, 1) if short else (160, 5)
     comparisons = []
@@ -45,12 +49,21 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
             comparisons.append(compare(turning, case, repeats, ("fem", "sine"), elements=elements))
     brake = comparisons[0].brake
     say("limit of a rigid shoe")
-    limit = [row for rotation in ROTATIONS for row in rigid_limit(vary(brake, {"rotation": rotation}), elements)]
+    limit = [
+        row
+        for rotation in ROTATIONS
+        for row in rigid_limit(vary(brake, {"rotation": rotation}), elements)
+    ]
     say("convergence")
     convergence = converge(brake, (10, 20, 40) if short else (20, 40, 80, 160, 320))
     say("cost")
     return Result(
-        comparisons, limit, convergence, cost(brake, repeats=1 if short else 7), elements, time.perf_counter() - start
+        comparisons,
+        limit,
+        convergence,
+        cost(brake, repeats=1 if short else 7),
+        elements,
+        time.perf_counter() - start,
     )
 
 
@@ -69,19 +82,27 @@ def report(result: Result, folder: Path) -> Path:
     write_text(folder / "results.json", results_json(result.comparisons, **extra))
     draw(result, folder)
     main = result.comparisons[0]
-    not_drawn = draw_fields(main.brake, main.responses["fem"], folder, "fields", elements=result.elements)
+    not_drawn = draw_fields(
+        main.brake, main.responses["fem"], folder, "fields", elements=result.elements
+    )
     return fill(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         rows=rows,
         columns=COLUMNS,
-        missed={row["case"]: row["torque_error"] for row in rows if (row["model"], row["shoe"]) == ("sine", "all")},
+        missed={
+            row["case"]: row["torque_error"]
+            for row in rows
+            if (row["model"], row["shoe"]) == ("sine", "all")
+        },
         not_drawn=not_drawn,
         meshes=meshes,
         limit=limit,
         orders=[result.convergence.pressure(i) for i in range(2)],
-        residual=largest_residual([comparison.responses["fem"] for comparison in result.comparisons]),
+        residual=largest_residual(
+            [comparison.responses["fem"] for comparison in result.comparisons]
+        ),
         left_out=main.responses["fem"].left_out,
         brakes={f"studies/double_shoe/{name}": (HERE / name).read_text() for name in FILES},
     )
@@ -89,7 +110,10 @@ def report(result: Result, folder: Path) -> Path:
 
 def draw(result: Result, folder: Path) -> None:
     """The figures, all of them of kinds that reports share."""
-    stiff, flexible = ([p for c in result.comparisons if c.case == case for p in panels(c)] for case in FILES.values())
+    stiff, flexible = (
+        [p for c in result.comparisons if c.case == case for p in panels(c)]
+        for case in FILES.values()
+    )
     for ending in ("svg", "png"):
         figures.save(figures.pressures(stiff), folder / f"pressure.{ending}")
     figures.save(figures.pressures(flexible), folder / "pressure_flexible.svg")

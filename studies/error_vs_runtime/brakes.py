@@ -15,7 +15,9 @@ IRON, LAYER = {"E": 1.2e11, "nu": 0.25}, {"E": 1e10, "nu": 0.3}
 
 
 def covered() -> tuple[dict[str, Path], dict[str, str]]:
-    """The brake files of studies/ that finite elements cover, by name, and why each other one is left out."""
+    """The brake files of studies/ that finite elements cover, by name, and why each other one is
+    left out.
+    """
     found, refused = {}, {}
     for path in sorted(STUDIES.glob("*/*.toml")):
         name = f"{path.parent.name}/{path.stem}"
@@ -37,7 +39,14 @@ def covered() -> tuple[dict[str, Path], dict[str, str]]:
 
 def _ring(support: str, thickness: float = 0.015, E: float = 1.2e11) -> dict[str, Any]:
     material = {**IRON, "E": E}
-    return {"drum.ring": {"thickness": thickness, "width": 0.04, "material": material, "support": support}}
+    return {
+        "drum.ring": {
+            "thickness": thickness,
+            "width": 0.04,
+            "material": material,
+            "support": support,
+        }
+    }
 
 
 def _backing(thickness: float = 0.005, E: float = 1e10) -> dict[str, Any]:
@@ -65,15 +74,27 @@ def simplified(*, short: bool = False) -> dict[str, Brake]:
 def stiff_to_soft(*, short: bool = False) -> dict[str, Brake]:
     """Brakes on which predictions are held against the truth, without timing."""
     main = read_brake(MAIN)
-    shoes = {f"shoe E = {E:.0e} Pa": vary(main, {"shoe.body.material.E": E}) for E in (2.1e12, 2.1e13, 2.1e14, 2.1e15)}
+    shoes = {
+        f"shoe E = {E:.0e} Pa": vary(main, {"shoe.body.material.E": E})
+        for E in (2.1e12, 2.1e13, 2.1e14, 2.1e15)
+    }
     if short:
         return dict(list(shoes.items())[::2])
-    free = {f"free ring, E = {E:.0e} Pa": vary(main, _ring("free", 0.03, E)) for E in (1e9, 1.2e11, 2e12, 2e13, 2e14)}
-    fixed = {f"fixed ring, E = {E:.0e} Pa": vary(main, _ring("fixed", 0.015, E)) for E in (3e8, 1e9, 1e10, 1e13)}
+    free = {
+        f"free ring, E = {E:.0e} Pa": vary(main, _ring("free", 0.03, E))
+        for E in (1e9, 1.2e11, 2e12, 2e13, 2e14)
+    }
+    fixed = {
+        f"fixed ring, E = {E:.0e} Pa": vary(main, _ring("fixed", 0.015, E))
+        for E in (3e8, 1e9, 1e10, 1e13)
+    }
     layers = {f"backing E = {E:.0e} Pa": vary(main, _backing(0.003, E)) for E in (3e8, 3e9, 1e11)}
     rigid = {
         f"rigid shoe, backing E = {E:.0e} Pa": vary(main, {"shoe.body": None} | _backing(0.003, E))
         for E in (3e8, 3e9, 3e10)
     }
-    friction = {f"rigid shoe, mu = {mu:g}": vary(main, {"shoe.body": None, "friction": mu}) for mu in (0.02, 0.5)}
+    friction = {
+        f"rigid shoe, mu = {mu:g}": vary(main, {"shoe.body": None, "friction": mu})
+        for mu in (0.02, 0.5)
+    }
     return shoes | free | fixed | layers | rigid | friction

@@ -1,4 +1,6 @@
-"""Error over run time, a marker a solve, a colour a family of methods; what is left out: predicted over true change."""
+"""Error over run time, a marker a solve, a colour a family of methods; what is left out: predicted
+over true change.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -8,7 +10,19 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.report.figures import STYLE
-from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, GREY, INK, OCHRE, PALE, PURPLE, RED, SKY
+from drumlin.report.palette import (
+    BLUE,
+    BROWN,
+    FAINT,
+    GREEN,
+    GREY,
+    INK,
+    OCHRE,
+    PALE,
+    PURPLE,
+    RED,
+    SKY,
+)
 from drumlin.verification.work_precision import series
 
 COLORS = {
@@ -23,8 +37,19 @@ COLORS = {
     "GetFEM": PURPLE,
     "CalculiX": BROWN,
 }
-MARKERS = {"quad2": "s", "quad1": "D", "tri2": "^", "tri1": "v", "sine": "*", "cosine": "P", "uniform": "X"}
-PANELS = {"torque_error": "error of the torque [%]", "pressure_error": "error of p, L2, worst shoe [%]"}
+MARKERS = {
+    "quad2": "s",
+    "quad1": "D",
+    "tri2": "^",
+    "tri1": "v",
+    "sine": "*",
+    "cosine": "P",
+    "uniform": "X",
+}
+PANELS = {
+    "torque_error": "error of the torque [%]",
+    "pressure_error": "error of p, L2, worst shoe [%]",
+}
 LOOKS = {  # what is left out -> marker, colour
     "ring": ("o", BLUE),
     "coupling": ("D", PURPLE),
@@ -38,8 +63,12 @@ LEAST = 1e-6  # changes below it are of no interest
 CHANGES = (("shoes", "shoes' torques (sum of sizes)"), ("pressure", "pressure p (L2, worst shoe)"))
 
 
-def work_precision(title: str, rows: Sequence[Mapping[str, Any]], floors: Mapping[str, float]) -> Figure:
-    """Errors of torque and p over the seconds of a cold solve, log-log; the reference's floor is shaded."""
+def work_precision(
+    title: str, rows: Sequence[Mapping[str, Any]], floors: Mapping[str, float]
+) -> Figure:
+    """Errors of torque and p over the seconds of a cold solve, log-log; the reference's floor is
+    shaded.
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.6, 4.9), layout="constrained")
         grid = figure.subplots(1, 2)
@@ -49,7 +78,9 @@ def work_precision(title: str, rows: Sequence[Mapping[str, Any]], floors: Mappin
             axes.set_xlabel("run time of a cold solve [ms]")
         grid[0].set_title(title)
         handles: list[Any] = [
-            mpl.lines.Line2D([], [], color=COLORS[family], ls=_style(family, "") or "-", lw=3, label=family)
+            mpl.lines.Line2D(
+                [], [], color=COLORS[family], ls=_style(family, "") or "-", lw=3, label=family
+            )
             for family in _families(rows)
         ]
         marks = {series_.split(",")[0] for (_, series_) in series(rows)}
@@ -84,7 +115,12 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
     for (family, name), members in series(rows).items():
         seconds = np.array([row["seconds"] for row in members]) * 1e3
         error = np.maximum(np.array([row[key] for row in members]) * 100, smallest)
-        spread = np.array([[row["seconds"] - row["lower"], row["upper"] - row["seconds"]] for row in members]).T * 1e3
+        spread = (
+            np.array(
+                [[row["seconds"] - row["lower"], row["upper"] - row["seconds"]] for row in members]
+            ).T
+            * 1e3
+        )
         light = family in {"even mesh", "weak penalty"}
         axes.errorbar(
             seconds, error, xerr=spread, color=COLORS[family], marker=MARKERS.get(name.split(",")[0], "o"),
@@ -101,9 +137,11 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
 
 
 def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
-    """Predicted over true change of the shoes' torques and of p, log-log, a marker for each thing left out.
+    """Predicted over true change of the shoes' torques and of p, log-log, a marker for each thing
+    left out.
 
-    Line: equal; band: within a factor 2. rows: of `omission_table.omissions`. Changes below LEAST are not drawn.
+    Line: equal; band: within a factor 2. rows: of `omission_table.omissions`. Changes below LEAST
+    are not drawn.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 4.4), layout="constrained")
@@ -113,7 +151,8 @@ def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
                 points = [
                     (row[key], row[f"predicted_{key}"])
                     for row in rows
-                    if row["part"] == part and min(row.get(key) or 0.0, row.get(f"predicted_{key}") or 0.0) > LEAST
+                    if row["part"] == part
+                    and min(row.get(key) or 0.0, row.get(f"predicted_{key}") or 0.0) > LEAST
                 ]
                 if points:
                     x, y = zip(*points, strict=True)
@@ -123,11 +162,17 @@ def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
                     )  # fmt: skip
             ends = [100 * LEAST, 1000]
             axes.plot(ends, ends, color=INK, lw=1, zorder=1)
-            axes.fill_between(ends, [v / 2 for v in ends], [v * 2 for v in ends], color=BLUE, alpha=0.10, lw=0)
+            axes.fill_between(
+                ends, [v / 2 for v in ends], [v * 2 for v in ends], color=BLUE, alpha=0.10, lw=0
+            )
             axes.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
             axes.set_title(f"Change of the {title}")
             axes.set_xlabel("true change [%]")
         grid[0].set_ylabel("change predicted beforehand [%]")
-        handles = {h.get_label(): h for axes in grid for h in axes.get_lines() if h.get_marker() != "None"}
-        figure.legend(handles.values(), handles.keys(), loc="outside right center", title="left out")
+        handles = {
+            h.get_label(): h for axes in grid for h in axes.get_lines() if h.get_marker() != "None"
+        }
+        figure.legend(
+            handles.values(), handles.keys(), loc="outside right center", title="left out"
+        )
     return figure

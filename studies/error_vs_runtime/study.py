@@ -1,4 +1,6 @@
-"""Which model or mesh for the accuracy one needs, and what does it cost? Errors against run time on every brake."""
+"""Which model or mesh for the accuracy one needs, and what does it cost? Errors against run time on
+every brake.
+"""
 
 import time
 from collections.abc import Callable
@@ -21,8 +23,19 @@ from drumlin.report.figures import save
 from drumlin.report.page import fill, versions
 from drumlin.verification import triangles
 from drumlin.verification.methods import methods
-from drumlin.verification.omission_table import omissions, prediction_ratios, time_saved, worst_straight
-from drumlin.verification.recommendation import against_peers, best_rows, fastest_seconds, matrices, of_brake
+from drumlin.verification.omission_table import (
+    omissions,
+    prediction_ratios,
+    time_saved,
+    worst_straight,
+)
+from drumlin.verification.recommendation import (
+    against_peers,
+    best_rows,
+    fastest_seconds,
+    matrices,
+    of_brake,
+)
 from drumlin.verification.reference import (
     FINE,
     Refinement,
@@ -47,13 +60,16 @@ HERE = Path(__file__).parent
 UNIT_ELEMENTS = 20  # of the solve that is the unit of time
 SHORT = ("double_shoe/brake", "laws/shigley_16_2")
 WITH_PEERS = ("double_shoe/brake", "double_shoe/flexible")
-QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2])  # references of the short setting
+QUICK = Refinement(
+    2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2]
+)  # references of the short setting
 
 Row = dict[str, Any]
 
 
 class Result(NamedTuple):
-    """Everything that the report shows; `floors` and `references` by brake, `refused`: brakes left out and why.
+    """Everything that the report shows; `floors` and `references` by brake, `refused`: brakes left
+    out and why.
 
     `left_out`: rows of what leaving things out costs; `unit` [s]: of time.
     """
@@ -68,32 +84,50 @@ class Result(NamedTuple):
 
 
 def study(
-    *, short: bool = False, say: Callable[[str], None] = lambda _: None, journal: Journal | None = None
+    *,
+    short: bool = False,
+    say: Callable[[str], None] = lambda _: None,
+    journal: Journal | None = None,
 ) -> Result:
-    """Every method on every brake, each a case of the journal; `short`: two brakes, fewer sizes, coarser references."""
+    """Every method on every brake, each a case of the journal; `short`: two brakes, fewer sizes,
+    coarser references.
+    """
     start = time.perf_counter()
     journal = journal or Journal()
     paths, refused = covered()
     paths = {name: path for name, path in paths.items() if not short or name in SHORT}
-    paths = {name: paths[name] for name in sorted(paths, key=lambda name: name not in WITH_PEERS)}  # the longest first
+    paths = {
+        name: paths[name] for name in sorted(paths, key=lambda name: name not in WITH_PEERS)
+    }  # the longest first
     unit = partial(solve, read_brake(MAIN), elements=UNIT_ELEMENTS)
     unit()
     rows, floors, references = [], {}, {}
     for name, path in paths.items():
-        brake, trio = read_brake(path), cache(partial(responses, read_brake(path), QUICK if short else FINE))
+        brake, trio = (
+            read_brake(path),
+            cache(partial(responses, read_brake(path), QUICK if short else FINE)),
+        )
         say(f"{name}: reference")
-        known = journal.once({"brake": name, "reference": True}, partial(_reference, name, path, brake, trio))
+        known = journal.once(
+            {"brake": name, "reference": True}, partial(_reference, name, path, brake, trio)
+        )
         floors[name], references[name] = known["floor"], known["values"]
         peers = name in WITH_PEERS and not short
         for method in methods(brake, peers=peers, short=short):
             say(f"{name}: {method.family}, {method.name}")
-            row = journal.once({"brake": name, **method.case}, partial(_row, brake, method, trio, unit))
-            if peers and method.family == "columns, error stated":  # as a whole process, beside those of the peers
+            row = journal.once(
+                {"brake": name, **method.case}, partial(_row, brake, method, trio, unit)
+            )
+            if (
+                peers and method.family == "columns, error stated"
+            ):  # as a whole process, beside those of the peers
                 case = {"brake": name, "process": row["tolerance"]}
                 row = row | journal.once(case, partial(_process, path, row["tolerance"]))
             rows.append({"brake": name, **row})
     left = _left_out(journal, short, say)
-    return Result(rows, floors, references, refused, left, unit_seconds(rows), time.perf_counter() - start)
+    return Result(
+        rows, floors, references, refused, left, unit_seconds(rows), time.perf_counter() - start
+    )
 
 
 def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], Trio]) -> Row:
@@ -106,7 +140,9 @@ def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], Trio]) ->
 
 def _row(brake: Brake, method: Method, trio: Callable[[], Trio], unit: Callable[[], object]) -> Row:
     if method.family in PEER_FAMILIES:
-        return peer_row(brake, method, trio().value, unit, 1 if method.family == "CalculiX" else REPEATS)
+        return peer_row(
+            brake, method, trio().value, unit, 1 if method.family == "CalculiX" else REPEATS
+        )
     return measure(brake, method, trio().value, unit)
 
 
@@ -115,7 +151,9 @@ def _process(path: Path, tolerance: float) -> Row:
 
 
 def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list[Row]:
-    """What leaving things out costs, each brake one case: those of the table timed, those from stiff to soft not."""
+    """What leaving things out costs, each brake one case: those of the table timed, those from
+    stiff to soft not.
+    """
     cases = [(name, brake, 1 if short else 5) for name, brake in simplified(short=short).items()]
     cases += [(name, brake, 0) for name, brake in stiff_to_soft(short=short).items()]
     rows: list[Row] = []
@@ -124,7 +162,9 @@ def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list
         elements = 40 if short else ELEMENTS
         rows += journal.once(
             {"left out": name, "short": short},
-            lambda b=brake, n=name, e=elements, r=repeats: {"rows": omissions(b, n, elements=e, repeats=r)},  # type: ignore[misc]
+            lambda b=brake, n=name, e=elements, r=repeats: {
+                "rows": omissions(b, n, elements=e, repeats=r)
+            },  # type: ignore[misc]
         )["rows"]
     return rows
 
@@ -138,7 +178,9 @@ def report(result: Result, folder: Path) -> Path:
     write_text(folder / "left_out.csv", as_csv(left_out))
     stems = {name: name.replace("/", "_") for name in floors}
     for name, stem in stems.items():
-        picture = work_precision(result.references[name]["title"], of_brake(rows, name), floors[name])
+        picture = work_precision(
+            result.references[name]["title"], of_brake(rows, name), floors[name]
+        )
         for ending in ("png", "svg"):
             save(picture, folder / f"work_precision_{stem}.{ending}")
         write_values(result.references[name], folder / "values" / f"{stem}.json")
@@ -148,7 +190,11 @@ def report(result: Result, folder: Path) -> Path:
         HERE / "page.html",
         folder / "index.html",
         result=result,
-        laws=[row["torque_error"] for row in rows if row.get("model") == "sine" and row["status"] == "converged"],
+        laws=[
+            row["torque_error"]
+            for row in rows
+            if row.get("model") == "sine" and row["status"] == "converged"
+        ],
         times=times,
         matrices=matrices(best),
         figures={name: f"work_precision_{stem}.svg" for name, stem in stems.items()},
@@ -161,7 +207,9 @@ def report(result: Result, folder: Path) -> Path:
         ratios={key: prediction_ratios(left_out, key) for key in ("pressure", "shoes", "torque")},
         saved=time_saved(left_out, 0.2),
         straight=worst_straight(left_out),
-        values=[row for name, values in result.references.items() for row in summary_rows(values, name)],
+        values=[
+            row for name, values in result.references.items() for row in summary_rows(values, name)
+        ],
         spread=spread(rows),
         repeats=REPEATS,
         unit_elements=UNIT_ELEMENTS,

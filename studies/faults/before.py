@@ -1,7 +1,9 @@
-"""The inputs of the study given to an earlier drumlin: python studies/faults/before.py CHECKOUT > before.json.
+"""The inputs of the study given to an earlier drumlin: python studies/faults/before.py CHECKOUT >
+before.json.
 
-That drumlin runs as a program of its own, which loads it once and then forks for each input; it shares nothing with
-this one but the inputs and the judge. Journals are damaged that it wrote itself.
+That drumlin runs as a program of its own, which loads it once and then forks for each input; it
+shares nothing with this one but the inputs and the judge. Journals are damaged that it wrote
+itself.
 """
 
 import json
@@ -82,9 +84,19 @@ class Earlier:
     """An earlier drumlin that is given one input after the other."""
 
     def __init__(self, checkout: Path) -> None:
-        env = os.environ | {"PYTHONPATH": str(checkout / "src"), "OPENBLAS_NUM_THREADS": "1", "PYTHONUTF8": "1"}
+        env = os.environ | {
+            "PYTHONPATH": str(checkout / "src"),
+            "OPENBLAS_NUM_THREADS": "1",
+            "PYTHONUTF8": "1",
+        }
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", PROGRAM, REPOSITORY / "studies" / f"{faults.BRAKES[0]}.toml"],
+            [
+                sys.executable,
+                "-P",
+                "-c",
+                PROGRAM,
+                REPOSITORY / "studies" / f"{faults.BRAKES[0]}.toml",
+            ],
             env=env,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -97,22 +109,35 @@ class Earlier:
         with tempfile.TemporaryDirectory() as name, tempfile.TemporaryDirectory() as beside:
             endings.lay_out(given, Path(name))
             said = {stream: f"{beside}/{stream}" for stream in ("out", "err")}
-            self._process.stdin.write(json.dumps({"folder": name, "words": given.words, **said}) + "\n")
+            self._process.stdin.write(
+                json.dumps({"folder": name, "words": given.words, **said}) + "\n"
+            )
             self._process.stdin.flush()
             status, seconds = self._process.stdout.readline().split()
-            out, err = (Path(said[stream]).read_bytes().decode(errors="replace") for stream in ("out", "err"))
-            return endings.Ending(int(status), out, err, endings.written(Path(name), given), float(seconds))
+            out, err = (
+                Path(said[stream]).read_bytes().decode(errors="replace")
+                for stream in ("out", "err")
+            )
+            return endings.Ending(
+                int(status), out, err, endings.written(Path(name), given), float(seconds)
+            )
 
 
 def kind_of(fault: str, status: int) -> str:
     """The kind of fault that the judge's line says; a process that its limits ended had hung."""
-    return "hang" if status < 0 else next((kind for begins, kind in KINDS if begins in fault), "other")
+    return (
+        "hang" if status < 0 else next((kind for begins, kind in KINDS if begins in fault), "other")
+    )
 
 
 def main(checkout: Path, share: float = 1.0) -> dict[str, Any]:
-    """Faults of an earlier drumlin by generator and kind, on a share of the inputs of each generator."""
+    """Faults of an earlier drumlin by generator and kind, on a share of the inputs of each
+    generator.
+    """
     earlier = Earlier(checkout)
-    end = earlier.end(faults.Input("sweep", broken_sweeps.sound_files(), broken_sweeps.WORDS_OF_A_SWEEP))
+    end = earlier.end(
+        faults.Input("sweep", broken_sweeps.sound_files(), broken_sweeps.WORDS_OF_A_SWEEP)
+    )
     if end.status:
         sys.exit(end.err or end.out)
     table, kept = end.written[broken_sweeps.TABLE], end.written[broken_sweeps.JOURNAL]
@@ -131,7 +156,9 @@ def main(checkout: Path, share: float = 1.0) -> dict[str, Any]:
                 found[UNKNOWN if later else kind_of(fault, end.status)] += 1
         print(name, dict(found), file=sys.stderr, flush=True)  # noqa: T201  (goes on for half an hour)
         rows.append({"generator": name, "inputs": count, "faults": dict(found.most_common())})
-    commit = subprocess.run(["git", "-C", checkout, "describe", "--always"], capture_output=True, text=True, check=True)
+    commit = subprocess.run(
+        ["git", "-C", checkout, "describe", "--always"], capture_output=True, text=True, check=True
+    )
     return {"commit": commit.stdout.strip(), "rows": rows}
 
 

@@ -30,7 +30,9 @@ KILLS = 10  # of each of these sweeps
 
 
 class Result(NamedTuple):
-    """The verdicts on all inputs by generator, in this process and in others; the sweeps that were killed."""
+    """The verdicts on all inputs by generator, in this process and in others; the sweeps that were
+    killed.
+    """
 
     within: dict[str, list[trials.Verdict]]
     apart: dict[str, list[trials.Verdict]]
@@ -38,7 +40,10 @@ class Result(NamedTuple):
 
 
 def study(
-    *, short: bool = False, say: Callable[[str], None] = lambda _: None, journal: Journal | None = None
+    *,
+    short: bool = False,
+    say: Callable[[str], None] = lambda _: None,
+    journal: Journal | None = None,
 ) -> Result:
     """Try all inputs and kill all sweeps; `short`: five inputs of each generator and no kills."""
     journal = journal or Journal()
@@ -61,9 +66,16 @@ def report(result: Result, folder: Path) -> Path:
         folder / "index.html",
         within=within,
         apart=apart,
-        before=before | {"rows": [_before(row, result.within[row["generator"]]) for row in before["rows"]]},
+        before=before
+        | {"rows": [_before(row, result.within[row["generator"]]) for row in before["rows"]]},
         killed=kills.table(result.killed),
-        faults=[v.fault for of in (result.within, result.apart) for vs in of.values() for v in vs if v.fault]
+        faults=[
+            v.fault
+            for of in (result.within, result.apart)
+            for vs in of.values()
+            for v in vs
+            if v.fault
+        ]
         + [f"{row['way']}: {row['fault']}" for row in result.killed if row["fault"]],
         promises=promises.PROMISES,
         statuses=promises.STATUSES,

@@ -1,4 +1,6 @@
-"""Figures of the rigid-shoe laws: merit over friction, equivalent friction, torque over speed, pressures, drawings."""
+"""Figures of the rigid-shoe laws: merit over friction, equivalent friction, torque over speed,
+pressures, drawings.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -22,14 +24,18 @@ def drawing(brakes: Sequence[tuple[str, Brake]]) -> Figure:
     """Brakes side by side, each under its title."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.2 * len(brakes), 4.8), layout="constrained")
-        for axes, (title, brake) in zip(figure.subplots(1, len(brakes), squeeze=False).flat, brakes, strict=True):
+        for axes, (title, brake) in zip(
+            figure.subplots(1, len(brakes), squeeze=False).flat, brakes, strict=True
+        ):
             draw_brake(axes, brake)
             axes.set_title(title)
     return figure
 
 
 def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.02) -> Figure:
-    """eta and S of short shoes over mu: a line for each angle theta_m [rad] from the hinge, dD = +1 and -1."""
+    """eta and S of short shoes over mu: a line for each angle theta_m [rad] from the hinge, dD = +1
+    and -1.
+    """
     mu = np.linspace(1e-3, 1.2, 600)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 4.2), layout="constrained")
@@ -37,14 +43,20 @@ def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.0
         for angle, color in zip(angles, (BLUE, RED, GREEN, PURPLE), strict=False):
             for dD, style in ((1, "-"), (-1, "--")):
                 shoe = Layout(angle - arc, angle + arc, 1.0, a_over_r, dD)
-                label = rf"$\theta_\mathrm{{m}}$ = {math.degrees(angle):.0f}°, $\delta\Delta$ = {dD:+d}"
-                for axes, merit in zip(panels, (SHORT.mechanical_advantage, SHORT.sensitivity), strict=True):
+                label = (
+                    rf"$\theta_\mathrm{{m}}$ = {math.degrees(angle):.0f}°, $\delta\Delta$ = {dD:+d}"
+                )
+                for axes, merit in zip(
+                    panels, (SHORT.mechanical_advantage, SHORT.sensitivity), strict=True
+                ):
                     axes.plot(mu, merit(mu, shoe), style, color=color, lw=1.8, label=label)
                 mu_lock = float(SHORT.locking_friction(shoe))
                 if mu_lock < mu[-1]:
                     for axes in panels:
                         axes.axvline(mu_lock, color=color, lw=0.8, ls=":")
-        for axes, title in zip(panels, ("mechanical advantage η = T/M", "sensitivity S = (μ/η) dη/dμ"), strict=True):
+        for axes, title in zip(
+            panels, ("mechanical advantage η = T/M", "sensitivity S = (μ/η) dη/dμ"), strict=True
+        ):
             axes.set_title(title)
             axes.set_xlabel("friction coefficient μ")
             axes.set_ylim(0, HIGHEST)
@@ -60,9 +72,19 @@ def friction_over_arc() -> Figure:
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
         axes = figure.subplots()
         axes.plot(
-            np.degrees(2 * half), equivalent_friction(half), **look_of("cosine"), lw=1.8, label=r"$p = p_0\,\cos\theta$"
+            np.degrees(2 * half),
+            equivalent_friction(half),
+            **look_of("cosine"),
+            lw=1.8,
+            label=r"$p = p_0\,\cos\theta$",
         )
-        axes.plot(np.degrees(2 * half), half / np.sin(half), **look_of("uniform"), lw=1.8, label="uniform pressure")
+        axes.plot(
+            np.degrees(2 * half),
+            half / np.sin(half),
+            **look_of("uniform"),
+            lw=1.8,
+            label="uniform pressure",
+        )
         axes.set_xlabel(r"arc of the lining $2\theta_0$ [deg]")
         axes.set_ylabel(r"friction force $T/R$ over $\mu N$:  $\mu'/\mu$ [–]")
         axes.set_xlim(0, 180)
@@ -72,14 +94,18 @@ def friction_over_arc() -> Figure:
 
 
 def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float) -> Figure:
-    """Torque of the double-shoe block over the speed, through zero; dashed with another viscous coefficient."""
+    """Torque of the double-shoe block over the speed, through zero; dashed with another viscous
+    coefficient.
+    """
     omega = np.linspace(-4, 4, 801) * block.omega_threshold
     sticky = DoubleShoe(**{**vars(block), "mu_visc": viscous})
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
         axes = figure.subplots()
         for force, color in zip(forces, (GREY, GREEN, BLUE, RED), strict=False):
-            axes.plot(omega, block.torque(force, omega), color=color, lw=1.8, label=f"F = {force:g} N")
+            axes.plot(
+                omega, block.torque(force, omega), color=color, lw=1.8, label=f"F = {force:g} N"
+            )
             axes.plot(omega, sticky.torque(force, omega), "--", color=color, lw=1.2)
         for side in (-1, 1):
             axes.axvline(side * block.omega_threshold, color=FAINT, lw=0.8, ls=":")
@@ -90,7 +116,8 @@ def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float
 
 
 def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
-    """p over the angle for several laws on one axis, and their shapes over the place along the lining.
+    """p over the angle for several laws on one axis, and their shapes over the place along the
+    lining.
 
     `shoes`: {law: response of one shoe}; the law "linear" of a plane is drawn only as a shape.
     """

@@ -1,4 +1,6 @@
-"""Every rigid-shoe law on worked examples and on every kind of brake: what it assumes, gives, and where it fails."""
+"""Every rigid-shoe law on worked examples and on every kind of brake: what it assumes, gives, and
+where it fails.
+"""
 
 import json
 import math
@@ -7,7 +9,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from studies.laws.figures import drawing, friction_over_arc, pressures, short_shoe_merits, torque_over_speed
+from studies.laws.figures import (
+    drawing,
+    friction_over_arc,
+    pressures,
+    short_shoe_merits,
+    torque_over_speed,
+)
 
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
@@ -31,19 +39,27 @@ FILES = (
     "post_brake/brake.toml",
 )
 DRAWINGS = {
-    "short_shoes": [("short block on a lever", "laws/short_block.toml"), ("pad on a plane", "laws/pad.toml")],
+    "short_shoes": [
+        ("short block on a lever", "laws/short_block.toml"),
+        ("pad on a plane", "laws/pad.toml"),
+    ],
     "double_shoes": [
         ("internal double shoe", "double_shoe/brake.toml"),
         ("external double shoe", "laws/double_shoe_external.toml"),
     ],
-    "blocks": [("block on a lever", "laws/block.toml"), ("double block brake", "laws/double_block.toml")],
+    "blocks": [
+        ("block on a lever", "laws/block.toml"),
+        ("double block brake", "laws/double_block.toml"),
+    ],
     "pivoted": [("pivoted block", "laws/pivoted_block.toml")],
     "post_brake": [("post brake", "post_brake/brake.toml")],
 }
 
 
 class Result(NamedTuple):
-    """Rows of the worked examples, of every brake file by every law, and of a source's words; p of every law."""
+    """Rows of the worked examples, of every brake file by every law, and of a source's words; p of
+    every law.
+    """
 
     examples: list[dict[str, Any]]
     applies: list[dict[str, Any]]
@@ -52,10 +68,16 @@ class Result(NamedTuple):
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """Worked examples, every brake file by every law, the sources' words; `short` changes nothing, all is fast."""
+    """Worked examples, every brake file by every law, the sources' words; `short` changes nothing,
+    all is fast.
+    """
     say("worked examples")
     given = tomllib.loads((HERE / "examples.toml").read_text())["example"]
-    examples = [row for example in given for row in example_rows(example, HERE)] + simscape_rows() + friction_rows()
+    examples = (
+        [row for example in given for row in example_rows(example, HERE)]
+        + simscape_rows()
+        + friction_rows()
+    )
     say("brake files")
     applies = [row for file in FILES for row in law_rows(read_any(HERE.parent / file), file)]
     post_brake = read_any(HERE.parent / "post_brake/brake.toml")
@@ -66,10 +88,18 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures, CSV and JSON; returns the page."""
     write_text(folder / "results.csv", as_csv(result.examples + result.applies + result.words))
-    data = {"versions": versions(), "examples": result.examples, "files": result.applies, "words": result.words}
+    data = {
+        "versions": versions(),
+        "examples": result.examples,
+        "files": result.applies,
+        "words": result.words,
+    }
     write_text(folder / "results.json", json.dumps(data, indent=1) + "\n")
     for name, files in DRAWINGS.items():
-        save(drawing([(title, read_any(HERE.parent / file)) for title, file in files]), folder / f"{name}.svg")
+        save(
+            drawing([(title, read_any(HERE.parent / file)) for title, file in files]),
+            folder / f"{name}.svg",
+        )
     angles = [math.radians(angle) for angle in (60, 90, 120)]
     save(short_shoe_merits(angles, a_over_r=1.2), folder / "merits.svg")
     save(friction_over_arc(), folder / "friction.svg")

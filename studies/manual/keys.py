@@ -1,6 +1,16 @@
 """What each key of a brake file and of a sweep file means, in words, beside what its type says."""
 
-from drumlin.brake.components import Actuation, Backing, Beam, Body, Drum, DrumLining, Lobes, Misfit, Ring
+from drumlin.brake.components import (
+    Actuation,
+    Backing,
+    Beam,
+    Body,
+    Drum,
+    DrumLining,
+    Lobes,
+    Misfit,
+    Ring,
+)
 from drumlin.brake.components import Table as SectionTable
 from drumlin.brake.drive import Drive, Link
 from drumlin.brake.drum_brake import DrumBrake, DrumShoe
@@ -130,7 +140,10 @@ BRAKE: tuple[Table, ...] = (
 
 _DRAW = {"distribution": "its name", "each_shoe": "whether each shoe draws its own value"}
 _ENDS = {"from": "lower end", "to": "upper end"}
-_MEAN = {"mean": "by default the brake file's value", "deviation": "standard deviation, or in % of the mean"}
+_MEAN = {
+    "mean": "by default the brake file's value",
+    "deviation": "standard deviation, or in % of the mean",
+}
 
 SWEEP: tuple[Table, ...] = (
     ("The sweep", SweepFile, {

@@ -1,4 +1,6 @@
-"""The reference, read off the program: keys from classes, commands from the command line, names from docstrings."""
+"""The reference, read off the program: keys from classes, commands from the command line, names
+from docstrings.
+"""
 
 import ast
 import inspect
@@ -25,7 +27,12 @@ ROOT = Path(__file__).resolve().parents[2]
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in lines) + "\n"
+    return (
+        "\n".join(
+            "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in lines
+        )
+        + "\n"
+    )
 
 
 # keys of files
@@ -47,11 +54,15 @@ def _example(name: str) -> str:
 
 def _tables(tables: Sequence[keys.Table]) -> str:
     head = ("key", "value", "meaning")
-    return "\n".join(f"## {heading}\n\n{table(head, _rows(kind, words))}" for heading, kind, words in tables)
+    return "\n".join(
+        f"## {heading}\n\n{table(head, _rows(kind, words))}" for heading, kind, words in tables
+    )
 
 
 def _rows(kind: type[Part], meanings: dict[str, str]) -> list[tuple[str, str, str]]:
-    """A row for each key. Raises KeyError for a key without meaning, ValueError for a meaning without key."""
+    """A row for each key. Raises KeyError for a key without meaning, ValueError for a meaning
+    without key.
+    """
     fields = {field.alias or name: field for name, field in kind.model_fields.items()}
     if unknown := set(meanings) - set(fields):
         raise ValueError(f"{kind.__name__}: has no key {sorted(unknown)}")
@@ -60,7 +71,9 @@ def _rows(kind: type[Part], meanings: dict[str, str]) -> list[tuple[str, str, st
 
 def _value(field: FieldInfo) -> str:
     """What a key takes, and its default."""
-    annotation = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
+    annotation = (
+        Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
+    )
     said = _kind(annotation)
     said += "".join(f", {words}" for words in _limits(annotation))
     if field.is_required():
@@ -81,9 +94,16 @@ def _kind(annotation: Any) -> str:
     if rows:
         return rows
     if unit == "":
-        return "a number" if str not in _plain(annotation) else "a number, or a quantity with its unit"
+        return (
+            "a number" if str not in _plain(annotation) else "a number, or a quantity with its unit"
+        )
     plain = _plain(annotation)
-    for kind, said in ((bool, "`true` or `false`"), (int, "a whole number"), (str, "a text"), (Path, "a path")):
+    for kind, said in (
+        (bool, "`true` or `false`"),
+        (int, "a whole number"),
+        (str, "a text"),
+        (Path, "a path"),
+    ):
         if kind in plain:
             return said
     return "a list" if plain & {tuple, list} else "a table"
@@ -93,7 +113,9 @@ def _plain(annotation: Any) -> set[Any]:
     """The types that a type is made of."""
     if get_origin(annotation) is None:
         return {annotation}
-    return {get_origin(annotation)} | {kind for part in get_args(annotation) for kind in _plain(part)}
+    return {get_origin(annotation)} | {
+        kind for part in get_args(annotation) for kind in _plain(part)
+    }
 
 
 def _literals(annotation: Any) -> tuple[str, ...]:
@@ -113,7 +135,9 @@ def _limits(annotation: Any) -> Iterator[str]:
 def _marks(annotation: Any) -> tuple[Any, ...]:
     """What a type is annotated with, or each of its alternatives."""
     own = getattr(annotation, "__metadata__", ())
-    return own or tuple(mark for part in get_args(annotation) for mark in getattr(part, "__metadata__", ()))
+    return own or tuple(
+        mark for part in get_args(annotation) for mark in getattr(part, "__metadata__", ())
+    )
 
 
 # commands
@@ -171,7 +195,9 @@ def ladder() -> str:
     """The table of all rungs, to stand below the page's own words."""
     rows = [(case.family, case.shows, case.quantity, f"{case.expected:.6g}", f"{case.tolerance:.0e}", case.tier,
              case.source) for case in CASES]  # fmt: skip
-    return table(("case", "judges", "quantity", "known answer", "tolerance", "tier", "source"), rows)
+    return table(
+        ("case", "judges", "quantity", "known answer", "tolerance", "tier", "source"), rows
+    )
 
 
 # names
@@ -180,7 +206,11 @@ def ladder() -> str:
 def api() -> str:
     """The page of every public name: the door's with their sections, then every module's."""
     parts = ["## `import drumlin`\n"]
-    parts += [_entry(f"drumlin.{name}", getattr(drumlin, name)) for name in drumlin.__all__ if name[0] != "_"]
+    parts += [
+        _entry(f"drumlin.{name}", getattr(drumlin, name))
+        for name in drumlin.__all__
+        if name[0] != "_"
+    ]
     for module in public_modules():
         names = [_entry(f"{module}.{name}", value) for name, value in members(module)]
         if names:
@@ -190,7 +220,9 @@ def api() -> str:
 
 
 def public_modules() -> list[str]:
-    """Names of the modules whose names are there for others: all but the command line, tests of drumlin and reports."""
+    """Names of the modules whose names are there for others: all but the command line, tests of
+    drumlin and reports.
+    """
     aside = {"cli", "fuzzing", "verification", "peers", "report", "explore"}
     found = pkgutil.walk_packages(drumlin.__path__, "drumlin.")
     return sorted(info.name for info in found if info.name.split(".")[1] not in aside)
@@ -202,7 +234,9 @@ def members(module: str) -> list[tuple[str, Any]]:
     tree = ast.parse(inspect.getsource(made))
     kinds = (ast.FunctionDef, ast.ClassDef)
     return [
-        (node.name, getattr(made, node.name)) for node in tree.body if isinstance(node, kinds) and node.name[0] != "_"
+        (node.name, getattr(made, node.name))
+        for node in tree.body
+        if isinstance(node, kinds) and node.name[0] != "_"
     ]
 
 

@@ -1,7 +1,8 @@
-"""The manual: written pages, executed examples, and a reference that is read off the program, as a site to search.
+"""The manual: written pages, executed examples, and a reference that is read off the program, as a
+site to search.
 
-`study` writes the reference's pages as texts; `report` builds the site by Sphinx, which runs every example: a broken
-example, formula or link is an error.
+`study` writes the reference's pages as texts; `report` builds the site by Sphinx, which runs every
+example: a broken example, formula or link is an error.
 """
 
 import os
@@ -23,7 +24,9 @@ NOTEBOOKS = ROOT / "studies" / "notebooks"
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Mapping[str, str]:
-    """The pages that are read off the program, as texts by their names below pages/; `short` changes nothing."""
+    """The pages that are read off the program, as texts by their names below pages/; `short`
+    changes nothing.
+    """
     say("the reference")
     return {
         "reference/brake_file.md": listing.brake_file(),
@@ -46,30 +49,47 @@ def report(result: Mapping[str, str], folder: Path) -> Path:
         shutil.copytree(NOTEBOOKS, source / "notebooks")
         for name, text in result.items():
             page = source / name
-            page.write_text(page.read_text(encoding="utf-8") + text if page.exists() else text, encoding="utf-8")
+            page.write_text(
+                page.read_text(encoding="utf-8") + text if page.exists() else text, encoding="utf-8"
+            )
         site = Path(place) / "site"
         build(source, site)
         if folder.exists():
             shutil.rmtree(folder)
-        shutil.copytree(site, folder, ignore=shutil.ignore_patterns(".doctrees", ".buildinfo", "objects.inv"))
+        shutil.copytree(
+            site, folder, ignore=shutil.ignore_patterns(".doctrees", ".buildinfo", "objects.inv")
+        )
     return folder / "index.html"
 
 
 def build(source: Path, site: Path) -> None:
-    """Build the pages in `source` into `site`. Raises NoAnswer, with Sphinx's words, for anything that it warns of."""
+    """Build the pages in `source` into `site`. Raises NoAnswer, with Sphinx's words, for anything
+    that it warns of.
+    """
     options = ["-b", "html", "-W", "--keep-going", "-q", "-c", str(HERE)]
     command = [sys.executable, "-m", "sphinx", *options, str(source), str(site)]
     done = subprocess.run(command, env=_environment(), capture_output=True, text=True, check=False)
     if done.returncode:
         lines = re.sub(r"\x1b\[[\d;]*m", "", done.stderr).replace(str(source), "pages").splitlines()
-        faults = [line for line in lines if "rror: " in line] + [line for line in lines if "WARNING: " in line]
+        faults = [line for line in lines if "rror: " in line] + [
+            line for line in lines if "WARNING: " in line
+        ]
         said = " | ".join(faults or lines[-3:])
         raise NoAnswer(f"the manual is not built: {' '.join(said.split())}")
 
 
 def _environment() -> dict[str, str]:
-    """Examples run in the repository's folder, with this interpreter's command drumlin and its own drumlin."""
+    """Examples run in the repository's folder, with this interpreter's command drumlin and its own
+    drumlin.
+    """
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
-    python = os.pathsep.join(filter(None, [str(ROOT / "src"), str(ROOT), os.environ.get("PYTHONPATH", "")]))
+    python = os.pathsep.join(
+        filter(None, [str(ROOT / "src"), str(ROOT), os.environ.get("PYTHONPATH", "")])
+    )
     figures = "module://matplotlib_inline.backend_inline"  # whatever the command line has set
-    return os.environ | {"PATH": path, "PYTHONPATH": python, "MANUAL_ROOT": str(ROOT), "MPLBACKEND": figures}
+    return os.environ | {
+        "PATH": path,
+        "PYTHONPATH": python,
+        "MANUAL_ROOT": str(ROOT),
+        "MPLBACKEND": figures,
+    }

@@ -1,4 +1,6 @@
-"""Figures of misfit and tolerances: pressures, maps, one turn of the drum, distributions, shares of a variance."""
+"""Figures of misfit and tolerances: pressures, maps, one turn of the drum, distributions, shares of
+a variance.
+"""
 
 from collections.abc import Mapping, Sequence
 
@@ -15,12 +17,35 @@ from drumlin.sweeps.tolerances import Shares, spread
 from drumlin.verification.misfit_rows import QUANTITIES, STATES, Drawn
 
 NEW, WORN, LAW = BLUE, GREEN, RED
-LEVELS = (-40, -30, -20, -15, -10, -5, 0, 5, 10, 20, 30, 50, 75, 100, 150, 200, 300, 500, 700, 1000)  # of a map [%]
+LEVELS = (
+    -40,
+    -30,
+    -20,
+    -15,
+    -10,
+    -5,
+    0,
+    5,
+    10,
+    20,
+    30,
+    50,
+    75,
+    100,
+    150,
+    200,
+    300,
+    500,
+    700,
+    1000,
+)  # of a map [%]
 TINTS = {NEW: "#a9d3e5", WORN: "#b5dfc6"}
 
 
 def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
-    """p(theta) of mismatches [um], blue to red, and the law, a panel a shoe; cut at 2.2 times the peak of the fit."""
+    """p(theta) of mismatches [um], blue to red, and the law, a panel a shoe; cut at 2.2 times the
+    peak of the fit.
+    """
     highest = 2.2 * max(shoe.peak_pressure for shoe in family[0.0].shoes)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.4 * len(law.shoes), 3.7), layout="constrained")
@@ -39,7 +64,14 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
                 )
                 axes.set_ylim(0, highest * 1e-6)
                 mark_cut(axes, np.degrees(theta), p * 1e-6, color)
-            axes.plot(np.degrees(shoe.theta), shoe.pressure * 1e-6, color=LAW, lw=1.8, ls="--", label="sine law")
+            axes.plot(
+                np.degrees(shoe.theta),
+                shoe.pressure * 1e-6,
+                color=LAW,
+                lw=1.8,
+                ls="--",
+                label="sine law",
+            )
             axes.set_title(f"{'Leading' if shoe.self_energising else 'Trailing'} shoe")
             axes.set_xlabel("angle on the drum θ [deg]")
         grid[0].set_ylabel("pressure p [MPa]")
@@ -48,9 +80,11 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
 
 
 def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
-    """Torque and peak pressure over those of the law over mismatch and offset [m], contours in per cent.
+    """Torque and peak pressure over those of the law over mismatch and offset [m], contours in per
+    cent.
 
-    ratios: to the law's minus 1, rows of offsets, columns of mismatches; the law's value is a thick line.
+    ratios: to the law's minus 1, rows of offsets, columns of mismatches; the law's value is a thick
+    line.
     """
     x, y = (1e6 * side for side in sides)
     both = {"Torque": ratios["torque"], "Peak pressure": ratios["peak_pressure"]}
@@ -65,7 +99,9 @@ def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
             scale = mpl.colors.SymLogNorm(linthresh=20, linscale=1, vmin=-most, vmax=most)
             filled = axes.contourf(x, y, percent, levels=levels, cmap="RdBu_r", norm=scale)
             others = [level for level in lines if level]
-            drawn = axes.contour(x, y, percent, levels=others, colors="#46525e", linewidths=0.6, linestyles="solid")
+            drawn = axes.contour(
+                x, y, percent, levels=others, colors="#46525e", linewidths=0.6, linestyles="solid"
+            )
             for text in axes.clabel(drawn, fmt="%+.0f %%", fontsize=7.5):
                 text.set_path_effects([patheffects.withStroke(linewidth=2, foreground="white")])
             axes.contour(x, y, percent, levels=[0.0], colors=LAW, linewidths=2.6)
@@ -81,12 +117,16 @@ def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
 
 
 def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float) -> Figure:
-    """Torque over one turn of the drum, angles [rad], by state and name of the lobes, and the law's torque [N m]."""
+    """Torque over one turn of the drum, angles [rad], by state and name of the lobes, and the law's
+    torque [N m].
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.6 * len(states), 3.6), layout="constrained")
         grid = figure.subplots(1, len(states), squeeze=False, sharey=True)[0]
         for axes, (state, series) in zip(grid, states.items(), strict=True):
-            for (name, torque), color in zip(series.items(), (BLUE, OCHRE, PURPLE, GREEN), strict=False):
+            for (name, torque), color in zip(
+                series.items(), (BLUE, OCHRE, PURPLE, GREEN), strict=False
+            ):
                 axes.plot(
                     np.degrees(np.append(angles, 2 * np.pi)),
                     np.append(torque, torque[0]),
@@ -105,8 +145,9 @@ def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float
 
 
 def histograms(drawn: Drawn, nominal: Mapping[str, float]) -> Figure:
-    """Distributions of new and worn-in brakes, with the 5th, 50th and 95th percentile above them, and the law's value
-    of the nominal brake: a panel a quantity."""
+    """Distributions of new and worn-in brakes, with the 5th, 50th and 95th percentile above them,
+    and the law's value of the nominal brake: a panel a quantity.
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(4.6 * len(QUANTITIES), 3.9), layout="constrained")
         grid = figure.subplots(1, len(QUANTITIES), squeeze=False)[0]
@@ -116,7 +157,9 @@ def histograms(drawn: Drawn, nominal: Mapping[str, float]) -> Figure:
             bins = np.linspace(every.min(), np.quantile(every, 0.998), 36)
             counts = []
             for values, color, said in ((new, NEW, "new"), (worn, WORN, "worn in")):
-                count, *_ = axes.hist(values, bins, color=color, alpha=0.45, label=said, density=True)
+                count, *_ = axes.hist(
+                    values, bins, color=color, alpha=0.45, label=said, density=True
+                )
                 counts.append(float(count.max()))
             top = max(counts)
             for values, color, height in ((new, NEW, 1.08), (worn, WORN, 1.17)):
@@ -127,14 +170,18 @@ def histograms(drawn: Drawn, nominal: Mapping[str, float]) -> Figure:
             axes.set_xlabel(label)
             axes.set_yticks([])
             axes.set_ylim(0, 1.26 * top)
-        axes.plot([], [], "|-", color=FAINT, ms=10, mew=2, lw=2, label="5th, 50th and 95th percentile")
+        axes.plot(
+            [], [], "|-", color=FAINT, ms=10, mew=2, lw=2, label="5th, 50th and 95th percentile"
+        )
         grid[0].set_ylabel("density, linear from 0")
         key(figure, grid[-1])
     return figure
 
 
 def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
-    """Sobol indices, by state and quantity, as bars with confidence intervals, in the order of the first totals."""
+    """Sobol indices, by state and quantity, as bars with confidence intervals, in the order of the
+    first totals.
+    """
     panels = (
         ("Torque, new", found["new"]["torque"]),
         ("Torque, worn in", found["worn in"]["torque"]),
@@ -142,7 +189,9 @@ def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
     )
     with mpl.rc_context(STYLE):
         order = np.argsort([share.total.value for share in panels[0][1]])
-        figure = Figure(figsize=(1.9 + 4.4 * len(panels), 0.6 + 0.4 * len(order)), layout="constrained")
+        figure = Figure(
+            figsize=(1.9 + 4.4 * len(panels), 0.6 + 0.4 * len(order)), layout="constrained"
+        )
         grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
         at = np.arange(len(order))
         for axes, (title, several) in zip(grid, panels, strict=True):
@@ -150,23 +199,40 @@ def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
             for kind, shift, fill in (("total", 0.19, TINTS[color]), ("first", -0.19, color)):
                 index = [getattr(several[i], kind) for i in order]
                 value = np.array([one.value for one in index])
-                error = np.abs(np.array([[one.value - one.low, one.high - one.value] for one in index]).T)
+                error = np.abs(
+                    np.array([[one.value - one.low, one.high - one.value] for one in index]).T
+                )
                 name = "with its interactions (total)" if kind == "total" else "alone (first order)"
                 axes.barh(at + shift, np.maximum(value, 0), 0.36, color=fill, label=name)
-                axes.errorbar(value, at + shift, xerr=error, fmt="none", ecolor=INK, elinewidth=0.9, capsize=2)
+                axes.errorbar(
+                    value, at + shift, xerr=error, fmt="none", ecolor=INK, elinewidth=0.9, capsize=2
+                )
             axes.set_title(title)
             axes.set_xlabel("share of the variance [–]")
             axes.set_xlim(-0.06, None)
             axes.axvline(0, color=FAINT, lw=0.8)
             axes.set_yticks(at, [several[i].name for i in order])
             axes.grid(visible=False, axis="y")
-        axes.errorbar([], [], xerr=[], fmt="none", ecolor=INK, elinewidth=0.9, capsize=2, label="confidence interval")
+        axes.errorbar(
+            [],
+            [],
+            xerr=[],
+            fmt="none",
+            ecolor=INK,
+            elinewidth=0.9,
+            capsize=2,
+            label="confidence interval",
+        )
         key(figure, axes)
     return figure
 
 
-def narrowing(distances: Floats, healed: Mapping[str, Floats], nominal: Mapping[str, float]) -> Figure:
-    """Percentiles of torque and peak pressure (brakes, distances) over the sliding distance in units of 1/(k K)."""
+def narrowing(
+    distances: Floats, healed: Mapping[str, Floats], nominal: Mapping[str, float]
+) -> Figure:
+    """Percentiles of torque and peak pressure (brakes, distances) over the sliding distance in
+    units of 1/(k K).
+    """
     panels = (
         ("torque of the brake [N m]", healed["torque"], nominal["torque"]),
         ("peak pressure [MPa]", 1e-6 * healed["peak_pressure"], nominal["peak_pressure"]),
@@ -176,8 +242,24 @@ def narrowing(distances: Floats, healed: Mapping[str, Floats], nominal: Mapping[
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for axes, (label, values, law) in zip(grid, panels, strict=True):
             rows = np.array([spread(column).percentiles for column in values.T]).T
-            axes.fill_between(distances, rows[0], rows[4], color=WORN, alpha=0.15, lw=0, label="1st to 99th percentile")
-            axes.fill_between(distances, rows[1], rows[3], color=WORN, alpha=0.3, lw=0, label="5th to 95th percentile")
+            axes.fill_between(
+                distances,
+                rows[0],
+                rows[4],
+                color=WORN,
+                alpha=0.15,
+                lw=0,
+                label="1st to 99th percentile",
+            )
+            axes.fill_between(
+                distances,
+                rows[1],
+                rows[3],
+                color=WORN,
+                alpha=0.3,
+                lw=0,
+                label="5th to 95th percentile",
+            )
             axes.plot(distances, rows[2], color=WORN, lw=2, label="median")
             axes.axhline(law, color=LAW, lw=1.8, ls="--", label="sine law, nominal")
             axes.set_xscale("symlog", linthresh=1.0)

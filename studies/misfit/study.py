@@ -1,4 +1,6 @@
-"""What do misfit and manufacturing tolerances make of a brake's torque, and how does run-in heal it?"""
+"""What do misfit and manufacturing tolerances make of a brake's torque, and how does run-in heal
+it?
+"""
 
 import math
 import time
@@ -39,15 +41,29 @@ BRAKE = HERE.parent / "double_shoe" / "brake.toml"
 AMPLITUDE = 20e-6  # m, of the drums in the figure of one turn
 FAMILY = (-100.0, -50.0, -20.0, 0.0, 20.0, 50.0, 100.0)  # um, lining radius against drum radius
 SIDES = 150e-6, 100e-6  # m, the largest mismatch and offset of the map
-DISTANCES = (0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0)  # of run-in, in units of 1/(k K)
+DISTANCES = (
+    0.0,
+    0.1,
+    0.2,
+    0.5,
+    1.0,
+    2.0,
+    5.0,
+    10.0,
+    20.0,
+    50.0,
+    100.0,
+    200.0,
+)  # of run-in, in units of 1/(k K)
 HEALED = 0.02  # of the last value: percentiles that have come to rest
 SEED = 20
 
 
 @dataclass(frozen=True)
 class Setting:
-    """How fine and how many: elements along a lining (`fine`: of single brakes), draws (a power of 2), points of the
-    map, angles of a turn, brakes that are run in, processes (None: one a core)."""
+    """How fine and how many: elements along a lining (`fine`: of single brakes), draws (a power of
+    2), points of the map, angles of a turn, brakes that are run in, processes (None: one a core).
+    """
 
     elements: int
     fine: int
@@ -89,9 +105,14 @@ class Result:
 
 
 def study(
-    *, short: bool = False, say: Callable[[str], None] = lambda _: None, journal: Journal | None = None
+    *,
+    short: bool = False,
+    say: Callable[[str], None] = lambda _: None,
+    journal: Journal | None = None,
 ) -> Result:
-    """One misfit at a time, radius and offset, a turn of the drum, tolerances, run-in; `short`: coarser, fewer."""
+    """One misfit at a time, radius and offset, a turn of the drum, tolerances, run-in; `short`:
+    coarser, fewer.
+    """
     start = time.perf_counter()
     setting = SHORT if short else FULL
     journal = Journal() if journal is None else journal
@@ -104,7 +125,9 @@ def study(
     family = {dr: respond(scene, vary(brake, ground_to(brake, dr * 1e-6))) for dr in FAMILY}
     angles = np.linspace(0, 2 * math.pi, setting.angles, endpoint=False)
     turns = {
-        state: misfit_rows.turn_torques(stood, lambda turned: respond(scene, turned), AMPLITUDE, angles.tolist())
+        state: misfit_rows.turn_torques(
+            stood, lambda turned: respond(scene, turned), AMPLITUDE, angles.tolist()
+        )
         for state, stood in (("new", brake), ("worn in", worn_in(scene, brake)))
     }
     tolerances = assumed(brake)
@@ -117,12 +140,21 @@ def study(
                 done=lambda finished, of: say(f"{what}: {finished} of {of}"),
             )  # fmt: skip
 
-        sides = np.linspace(-SIDES[0], SIDES[0], setting.wide), np.linspace(-SIDES[1], SIDES[1], setting.high)
+        sides = (
+            np.linspace(-SIDES[0], SIDES[0], setting.wide),
+            np.linspace(-SIDES[1], SIDES[1], setting.high),
+        )
         grid = [ground_to(brake, dr) | set_off(brake, dc) for dc in sides[1] for dr in sides[0]]
-        found = solve("radius and offset", [Case(brake, changes, options={"elements": elements}) for changes in grid])
+        found = solve(
+            "radius and offset",
+            [Case(brake, changes, options={"elements": elements}) for changes in grid],
+        )
         rows = {
             "new": solve("new brakes", cases(brake, tolerances, deviates, elements=elements)),
-            "worn in": solve("worn-in brakes", cases(brake, tolerances, deviates, elements=elements, worn_in=True)),
+            "worn in": solve(
+                "worn-in brakes",
+                cases(brake, tolerances, deviates, elements=elements, worn_in=True),
+            ),
             "law": solve("sine law", cases(brake, tolerances, deviates[:2], "sine")),
         }
     lining = brake.shoes[0].lining
@@ -132,9 +164,13 @@ def study(
         say(f"run-in: {i} of {setting.healed}")
 
         def wear(case: Case = case) -> dict[str, Any]:
-            return healing(vary(brake, case.changes), [s * unit for s in DISTANCES], elements=elements)
+            return healing(
+                vary(brake, case.changes), [s * unit for s in DISTANCES], elements=elements
+            )
 
-        healing_rows.append(journal.once({"healing": dict(case.changes), "elements": elements}, wear))
+        healing_rows.append(
+            journal.once({"healing": dict(case.changes), "elements": elements}, wear)
+        )
     return Result(
         brake=brake,
         law=law,
@@ -149,11 +185,15 @@ def study(
         rows=rows,
         shares={
             state: {
-                name: shares(tolerances, numbers(rows[state], name).reshape(-1, n), seed=SEED) for name in QUANTITIES
+                name: shares(tolerances, numbers(rows[state], name).reshape(-1, n), seed=SEED)
+                for name in QUANTITIES
             }
             for state in STATES
         },
-        healed={name: np.array([row[name] for row in healing_rows]) for name in ("torque", "peak_pressure")},
+        healed={
+            name: np.array([row[name] for row in healing_rows])
+            for name in ("torque", "peak_pressure")
+        },
         unit=unit,
         seconds=time.perf_counter() - start,
     )
@@ -190,6 +230,8 @@ def report(result: Result, folder: Path) -> Path:
         healed_within=HEALED,
         spreads=spreads,
         ranked=ranked,
-        valleys={state: misfit_rows.peak_to_valley(series) for state, series in result.turns.items()},
+        valleys={
+            state: misfit_rows.peak_to_valley(series) for state, series in result.turns.items()
+        },
         amplitude=AMPLITUDE,
     )

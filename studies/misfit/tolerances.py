@@ -10,7 +10,9 @@ from drumlin.sweeps.tolerances import Tolerance, between, within
 
 
 def nominal(brake: Brake) -> Brake:
-    """The brake with the keys that tolerances move: the lining's own radius, and an oval of nothing."""
+    """The brake with the keys that tolerances move: the lining's own radius, and an oval of
+    nothing.
+    """
     oval = [{"order": 2, "amplitude": 0.0}]
     return vary(brake, {"shoe.lining.misfit.radius": brake.size, "drum.out_of_round": oval})
 
@@ -18,31 +20,50 @@ def nominal(brake: Brake) -> Brake:
 def assumed(brake: Brake) -> tuple[Tolerance, ...]:
     """The tolerances: limits are two standard deviations of a normal distribution cut there.
 
-    Drums and linings are turned and ground to some hundredths of a millimetre of their radius, pins and lines of
-    force are held to tenths, organic linings spread by some 10 % in friction and 20 % in stiffness.
+    Drums and linings are turned and ground to some hundredths of a millimetre of their radius, pins
+    and lines of force are held to tenths, organic linings spread by some 10 % in friction and 20 %
+    in stiffness.
     """
     leading = 0 if sine(brake).shoes[0].self_energising else 1
     found = [
         Tolerance("friction ±0.03", within(0.03), {"friction": 1.0}),
         Tolerance(
-            "lining's modulus ±20 %", within(0.2), {"shoe.lining.material.E": brake.shoes[0].lining.material.E_through}
+            "lining's modulus ±20 %",
+            within(0.2),
+            {"shoe.lining.material.E": brake.shoes[0].lining.material.E_through},
         ),
         Tolerance("lining's thickness ±0.2 mm", within(0.2e-3), {"shoe.lining.thickness": 1.0}),
-        Tolerance("drum's radius ±50 µm", within(50e-6), {key: -1.0 for key in ground_to(brake, 0.0)}),
+        Tolerance(
+            "drum's radius ±50 µm", within(50e-6), {key: -1.0 for key in ground_to(brake, 0.0)}
+        ),
     ]
     for name, i in (("leading", leading), ("trailing", 1 - leading)):
         own = f"shoe[{i}].lining.misfit"
         found += [
             Tolerance(f"lining's radius ±50 µm, {name}", within(50e-6), {f"{own}.radius": 1.0}),
-            Tolerance(f"centre of lining ±50 µm, {name}", within(50e-6), along_hinge(brake, i, "lining.misfit.offset")),
+            Tolerance(
+                f"centre of lining ±50 µm, {name}",
+                within(50e-6),
+                along_hinge(brake, i, "lining.misfit.offset"),
+            ),
             Tolerance(f"taper ±50 µm, {name}", within(50e-6), {f"{own}.taper": 1.0}),
         ]
-    pins = {key: slope for i in range(len(brake.shoes)) for key, slope in along_hinge(brake, i, "hinge").items()}
+    pins = {
+        key: slope
+        for i in range(len(brake.shoes))
+        for key, slope in along_hinge(brake, i, "hinge").items()
+    }
     return (
         *found,
         Tolerance("pins' distance ±0.2 mm", within(0.2e-3), pins),
-        Tolerance("force ±3 %", within(0.03), {"shoe.actuation.force": brake.shoes[0].actuation.force}),
+        Tolerance(
+            "force ±3 %", within(0.03), {"shoe.actuation.force": brake.shoes[0].actuation.force}
+        ),
         Tolerance("line of force ±0.5 mm", within(0.5e-3), {"shoe.actuation.point.y": 1.0}),
-        Tolerance("ovality of drum 0 to 30 µm", between(0.0, 30e-6), {"drum.out_of_round[0].amplitude": 1.0}),
+        Tolerance(
+            "ovality of drum 0 to 30 µm",
+            between(0.0, 30e-6),
+            {"drum.out_of_round[0].amplitude": 1.0},
+        ),
         Tolerance("where the oval drum stands", between(0.0, 2 * math.pi), {"drum.angle": 1.0}),
     )

@@ -19,7 +19,8 @@ Row = dict[str, Any]
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Mapping[str, Any]:
-    """The numbers that the prose quotes, errors as parts of one, times in seconds; `short` changes nothing.
+    """The numbers that the prose quotes, errors as parts of one, times in seconds; `short` changes
+    nothing.
 
     Raises BadInput where a kept report is missing.
     """
@@ -30,9 +31,14 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 def _rows(name: str) -> list[Row]:
     try:
         with (KEPT / name).open(encoding="utf-8") as file:
-            return [{key: _value(text) for key, text in row.items() if text != ""} for row in csv.DictReader(file)]
+            return [
+                {key: _value(text) for key, text in row.items() if text != ""}
+                for row in csv.DictReader(file)
+            ]
     except OSError as error:
-        raise BadInput(f"reports/reference/{name}: the paper quotes it, and it is missing") from error
+        raise BadInput(
+            f"reports/reference/{name}: the paper quotes it, and it is missing"
+        ) from error
 
 
 def _value(text: str) -> Any:
@@ -43,7 +49,9 @@ def _value(text: str) -> Any:
 
 
 def _double_shoe() -> Row:
-    made = [row for row in _rows("double_shoe/results.csv") if row["rotation"] == "counter-clockwise"]
+    made = [
+        row for row in _rows("double_shoe/results.csv") if row["rotation"] == "counter-clockwise"
+    ]
     sine = [row for row in made if row["model"] == "sine"]
     shoes = [row for row in sine if row["case"] == "stiff shoes" and row["shoe"] != "all"]
     total = {row["case"]: row["torque_error"] for row in sine if row["shoe"] == "all"}
@@ -60,7 +68,9 @@ def _run_time() -> Row:
     main = [row for row in rows if row["brake"] == MAIN]
     best = _rows("error_vs_runtime/recommended.csv")
     (half,) = [
-        row for row in best if (row["brake"], row["quantity"], row["target"]) == (MAIN, "p (L2)", HALF)
+        row
+        for row in best
+        if (row["brake"], row["quantity"], row["target"]) == (MAIN, "p (L2)", HALF)
     ]  # a row for each brake, quantity and target
     return {
         "brakes": len({row["brake"] for row in best}),
@@ -68,7 +78,10 @@ def _run_time() -> Row:
         "law_p": next(row["pressure_error"] for row in main if row.get("model") == "sine"),
         "half": half["seconds"],
         "by_law": {
-            name: sum((row["family"], row["quantity"], row["target"]) == ("law", quantity, target) for row in best)
+            name: sum(
+                (row["family"], row["quantity"], row["target"]) == ("law", quantity, target)
+                for row in best
+            )
             for name, quantity, target in LAW_ENOUGH
         },
         "peers": _peers(main),
@@ -76,7 +89,9 @@ def _run_time() -> Row:
 
 
 def _peers(rows: list[Row]) -> dict[str, list[float]]:
-    """How many times as long a peer takes, cold and for a further load case, on the mesh on which both know p."""
+    """How many times as long a peer takes, cold and for a further load case, on the mesh on which
+    both know p.
+    """
     found: dict[str, list[float]] = {}
     for family in PEER_FAMILIES:
         for kind in ("quad1", "quad2"):
@@ -101,7 +116,11 @@ def _quickest(rows: list[Row], family: str, kind: str) -> Row | None:
 
 def _others() -> Row:
     worn = {row["brake"]: row for row in _rows("run_in/brakes.csv") if row["model"] == "fem"}
-    fits = [row for row in _rows("post_brake/results.csv") if (row["case"], row["shoe"]) == ("fits", "all")]
+    fits = [
+        row
+        for row in _rows("post_brake/results.csv")
+        if (row["case"], row["shoe"]) == ("fits", "all")
+    ]
     post = {row["model"]: row for row in fits}
     solid = _rows("plane_stress/errors.csv")
     leading = next(row for row in solid if (row["case"], row["shoe"]) == ("T-section", "leading"))

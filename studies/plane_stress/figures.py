@@ -101,20 +101,32 @@ def curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
             axes.set_xlabel(name)
         for axes in panels[:: len(found) // 2]:
             axes.set_ylabel("error of plane stress, worst shoe [%]")
-        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=9)
+        figure.legend(
+            *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=9
+        )
     return figure
 
 
 def wear(worn: Worn) -> Figure:
-    """How uneven p is across the width, and how far its mean is from the sine law, over the sliding distance."""
+    """How uneven p is across the width, and how far its mean is from the sine law, over the sliding
+    distance.
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.6, 3.9), layout="constrained")
         axes = figure.subplots()
         x: Floats = np.asarray(worn.distance)
-        for shoe, uneven, law, color in zip(worn.last, worn.uneven, worn.from_law, (GREEN, RED), strict=False):
+        for shoe, uneven, law, color in zip(
+            worn.last, worn.uneven, worn.from_law, (GREEN, RED), strict=False
+        ):
             axes.semilogy(x, 100 * np.array(uneven), color=color, marker="o", ms=4,
                           label=f"{shoe.name}: off its mean across the width")  # fmt: skip
-            axes.semilogy(x, 100 * np.array(law), color=color, ls="--", label=f"{shoe.name}: mean off the sine law")
+            axes.semilogy(
+                x,
+                100 * np.array(law),
+                color=color,
+                ls="--",
+                label=f"{shoe.name}: mean off the sine law",
+            )
         axes.set_xscale("symlog", linthresh=0.1)
         axes.set_xlabel("sliding distance [1/(k K)]")
         axes.set_ylabel("pressure [%]")
@@ -136,21 +148,32 @@ COLORS = {"plane stress": BLUE, "plane stress, corrected": BROWN}
 
 
 def ladder(found: Mapping[str, Sequence[Rung]]) -> Figure:
-    """Error over processor time, a row for each brake: against the solid truth (full) and against that of plane stress
-    (hollow)."""
+    """Error over processor time, a row for each brake: against the solid truth (full) and against
+    that of plane stress (hollow).
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.5, 4.4 * len(found)), layout="constrained")
         grid = figure.subplots(len(found), 2, squeeze=False)
         for row, (brake, rungs) in zip(grid, found.items(), strict=True):
-            for axes, key, title in zip(row, ("pressure", "torque"), ("p (L2)", "torque"), strict=True):
+            for axes, key, title in zip(
+                row, ("pressure", "torque"), ("p (L2)", "torque"), strict=True
+            ):
                 for method, name in WAYS.items():
                     _way(axes, [rung for rung in rungs if rung.method == method], key, name)
                 axes.set_xlabel("processor time [ms]")
                 axes.set_title(f"{brake}: error of {title}, worst shoe [%]")
         grid[0, 0].plot([], [], "o-", color=FAINT, label="full: against the solid")
-        grid[0, 0].plot([], [], "o--", color=FAINT, mfc="white", label="hollow: against plane stress")
-        named = {text: line for axes in grid.flat for line, text in zip(*axes.get_legend_handles_labels(), strict=True)}
-        figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=5, fontsize=8.5)
+        grid[0, 0].plot(
+            [], [], "o--", color=FAINT, mfc="white", label="hollow: against plane stress"
+        )
+        named = {
+            text: line
+            for axes in grid.flat
+            for line, text in zip(*axes.get_legend_handles_labels(), strict=True)
+        }
+        figure.legend(
+            named.values(), named.keys(), loc="outside lower center", ncols=5, fontsize=8.5
+        )
     return figure
 
 
@@ -159,7 +182,12 @@ def _way(axes: Axes, own: Sequence[Rung], key: str, name: str) -> None:
         return
     method, x = own[0].method, [1e3 * rung.seconds for rung in own]
     color = COLORS.get(method) or color_of(method)
-    if method not in {"solid", "plane stress, corrected"}:  # whose answer is not meant to be that of plane stress
+    if method not in {
+        "solid",
+        "plane stress, corrected",
+    }:  # whose answer is not meant to be that of plane stress
         hollow = [100 * getattr(rung, f"plane_{key}") for rung in own]
         axes.loglog(x, hollow, "o--", color=color, lw=1.0, mfc="white")
-    axes.loglog(x, [100 * getattr(rung, key) for rung in own], "o-", color=color, lw=1.5, label=name)
+    axes.loglog(
+        x, [100 * getattr(rung, key) for rung in own], "o-", color=color, lw=1.5, label=name
+    )

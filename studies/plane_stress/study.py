@@ -1,4 +1,6 @@
-"""How far is plane stress from a solid shoe, with table and web, and which brakes may be priced by it?"""
+"""How far is plane stress from a solid shoe, with table and web, and which brakes may be priced by
+it?
+"""
 
 import time
 from collections.abc import Callable, Sequence
@@ -35,13 +37,29 @@ WEBS: Sequence[float] = (0.1, 0.2, 0.4, 0.7, 1.0)  # over the lining's width
 TABLES: Sequence[float] = (1.5, 2.0, 3.0, 5.0, 8.0)  # mm
 FRICTIONS: Sequence[float] = (0.1, 0.2, 0.3, 0.4, 0.5)
 POISSON: Sequence[float] = (0.0, 0.1, 0.25, 0.35, 0.45)
-DISTANCES: Sequence[float] = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 20.0, 40.0, 70.0, 100.0, 150.0, 200.0)  # 1/(k K)
+DISTANCES: Sequence[float] = (
+    0.0,
+    0.03,
+    0.1,
+    0.3,
+    1.0,
+    3.0,
+    10.0,
+    20.0,
+    40.0,
+    70.0,
+    100.0,
+    150.0,
+    200.0,
+)  # 1/(k K)
 
 
 @dataclass(frozen=True)
 class Setting:
-    """How fine and how many: elements along a lining in maps and in the brake itself, meshes that double, every how
-    many points of the maps; of the ladder its solid truth, meshes in the plane and of solids."""
+    """How fine and how many: elements along a lining in maps and in the brake itself, meshes that
+    double, every how many points of the maps; of the ladder its solid truth, meshes in the plane
+    and of solids.
+    """
 
     elements: int
     fine: int
@@ -81,8 +99,12 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     scene = solid.prepare(brake, elements=setting.fine)
     three = rows.solve(brake, setting.fine)
     say("meshes that double")
-    true = rows.certain(lambda n: respond(solid.prepare(brake, elements=n), brake).torque, setting.doubled)
-    plane = rows.certain(lambda n: respond(prepare(brake, elements=n), brake).torque, setting.doubled)
+    true = rows.certain(
+        lambda n: respond(solid.prepare(brake, elements=n), brake).torque, setting.doubled
+    )
+    plane = rows.certain(
+        lambda n: respond(prepare(brake, elements=n), brake).torque, setting.doubled
+    )
     t = brake.shoes[0].lining.thickness
     b = brake.shoes[0].lining.width
     n = setting.every
@@ -108,7 +130,8 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     ):
         say(name)
         found = [
-            (value, rows.rows(rows.solve(vary(brake, {key: unit * value}), setting.elements))) for value in values[::n]
+            (value, rows.rows(rows.solve(vary(brake, {key: unit * value}), setting.elements)))
+            for value in values[::n]
         ]
         curves[name] = found
     say("wear")
@@ -132,11 +155,17 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 
 def post() -> Brake:
-    """The mine winder's post brake on a rigid drum, its beam solid, as wide as gives it its bending stiffness."""
+    """The mine winder's post brake on a rigid drum, its beam solid, as wide as gives it its bending
+    stiffness.
+    """
     brake = read_brake(HERE.parent / "post_brake" / "brake.toml")
     body = brake.shoes[0].body
     assert isinstance(body, Beam) and body.section is not None
-    changes = {"drum.ring": None, "shoe.body.bending_stiffness": None, "shoe.body.width": body.section.width}
+    changes = {
+        "drum.ring": None,
+        "shoe.body.bending_stiffness": None,
+        "shoe.body.width": body.section.width,
+    }
     return vary(brake, changes)
 
 
@@ -150,16 +179,34 @@ def report(result: Result, folder: Path) -> Path:
         "ladder": figures.ladder(result.ladder),
     }
     for name, figure in made.items():
-        for ending in ("svg", "png") if name in {"map", "ladder"} else ("png",) if name == "face" else ("svg",):
+        for ending in (
+            ("svg", "png")
+            if name in {"map", "ladder"}
+            else ("png",)
+            if name == "face"
+            else ("svg",)
+        ):
             drawing.save(figure, folder / f"{name}.{ending}")
     brake, response = result.three.brake, result.three.solid
-    write_vtu(folder / "solid.vtu", [recover(result.scene, brake, response, i) for i in range(len(brake.shoes))])
+    write_vtu(
+        folder / "solid.vtu",
+        [recover(result.scene, brake, response, i) for i in range(len(brake.shoes))],
+    )
     not_drawn = render(folder / "solid.vtu", folder / "solid.png", brake.title)
     write_text(folder / "errors.csv", as_csv(result.table))
-    rungs = [{"brake": name} | rung._asdict() for name, ladder in result.ladder.items() for rung in ladder]
+    rungs = [
+        {"brake": name} | rung._asdict()
+        for name, ladder in result.ladder.items()
+        for rung in ladder
+    ]
     write_text(folder / "ladder.csv", as_csv(rungs))
     points = [
-        {"map": chart.name, "x": x, "y": y, **{key: float(values[j, i]) for key, values in chart.errors.items()}}
+        {
+            "map": chart.name,
+            "x": x,
+            "y": y,
+            **{key: float(values[j, i]) for key, values in chart.errors.items()},
+        }
         for chart in result.maps
         for j, y in enumerate(chart.y)
         for i, x in enumerate(chart.x)
@@ -171,7 +218,10 @@ def report(result: Result, folder: Path) -> Path:
         result=result,
         not_drawn=not_drawn,
         within=partial(_within, result.maps),
-        largest={key: max(float(np.abs(chart.errors[key]).max()) for chart in result.maps) for key in rows.QUANTITIES},
+        largest={
+            key: max(float(np.abs(chart.errors[key]).max()) for chart in result.maps)
+            for key in rows.QUANTITIES
+        },
         stated=(finite_width.TORQUE, finite_width.PRESSURE),
         shares=rows.shares(result.maps),
         sentence=rows.sentence(result.maps),

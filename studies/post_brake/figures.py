@@ -24,7 +24,9 @@ def beams(brake: Brake, found: Sequence[Mapping[str, Curve]]) -> Figure:
         (f"{shoe.name} post", {name: (x, r * 1e3) for name, (x, r) in models.items()})
         for shoe, models in zip(brake.shoes, found, strict=True)
     ]
-    return curves(panels, "along the beam from the hinge [m]", "relative deformation r [mm]", zero=True)
+    return curves(
+        panels, "along the beam from the hinge [m]", "relative deformation r [mm]", zero=True
+    )
 
 
 def clearance(offsets: Offsets) -> Figure:
@@ -33,11 +35,18 @@ def clearance(offsets: Offsets) -> Figure:
         (shoe, {name: _columns(values, 1e3, 1e2) for name, values in models.items()})
         for shoe, models in offsets.items()
     ]
-    return curves(panels, "radius of the lining − radius of the drum [mm]", "torque off nominal [%]", zero=True)
+    return curves(
+        panels,
+        "radius of the lining − radius of the drum [mm]",
+        "torque off nominal [%]",
+        zero=True,
+    )
 
 
 def merits(brake: Brake, found: Merits, key: str, label: str) -> Figure:
-    """One figure of merit of each shoe over the friction; angles in degrees from the hinge's foot normal."""
+    """One figure of merit of each shoe over the friction; angles in degrees from the hinge's foot
+    normal.
+    """
     panels = []
     for shoe in brake.shoes:
         middle = 0.5 * (shoe.lining.start + shoe.lining.end)
@@ -57,11 +66,18 @@ def _columns(values: Sequence[tuple[float, float]], x: float, y: float) -> Curve
 
 
 def curves(
-    panels: Sequence[tuple[str, Mapping[str, Curve]]], xlabel: str, ylabel: str, columns: int = 2, *, zero: bool = False
+    panels: Sequence[tuple[str, Mapping[str, Curve]]],
+    xlabel: str,
+    ylabel: str,
+    columns: int = 2,
+    *,
+    zero: bool = False,
 ) -> Figure:
-    """Panels (title, {model: (x, y)}) side by side, one scale for all; a model's curve has its own colour.
+    """Panels (title, {model: (x, y)}) side by side, one scale for all; a model's curve has its own
+    colour.
 
-    A model's name may go on after a space; the words behind it tell curves of one model apart, dashed.
+    A model's name may go on after a space; the words behind it tell curves of one model apart,
+    dashed.
     """
     with mpl.rc_context(STYLE):
         lines = -(-len(panels) // columns)
@@ -88,10 +104,14 @@ def curves(
 
 
 def rim(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
-    """Displacement around the rim in polar axes, inwards towards the centre: `own`, the paper's rim of each shoe, by
-    its name; `one`, the rim of all shoes, by model."""
+    """Displacement around the rim in polar axes, inwards towards the centre: `own`, the paper's rim
+    of each shoe, by its name; `one`, the rim of all shoes, by model.
+    """
     panels = (
-        ("as printed: each with its twin opposite", {f"foundation {name}": _mm(z) for name, z in own.items()}),
+        (
+            "as printed: each with its twin opposite",
+            {f"foundation {name}": _mm(z) for name, z in own.items()},
+        ),
         ("both shoes on one rim", {f"{model} both shoes": _mm(z) for model, z in one.items()}),
     )
     with mpl.rc_context(STYLE):
@@ -103,9 +123,17 @@ def rim(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
             axes.plot(turn, np.zeros(200), color=INK, lw=1, label="unloaded")
             for (name, (theta, z)), style in zip(models.items(), ("-", "--", ":"), strict=False):
                 model, _, rest = name.partition(" ")
-                axes.plot(theta, -z, lw=1.8, **(look_of(model) | {"ls": style}), label=f"{name_of(model)}, {rest}")
+                axes.plot(
+                    theta,
+                    -z,
+                    lw=1.8,
+                    **(look_of(model) | {"ls": style}),
+                    label=f"{name_of(model)}, {rest}",
+                )
             axes.set_ylim(-3 * largest, 1.3 * largest)
-            axes.set_yticks([-largest, 0, largest], [f"{-v:+.2g}" for v in (-largest, 0, largest)], fontsize=7)
+            axes.set_yticks(
+                [-largest, 0, largest], [f"{-v:+.2g}" for v in (-largest, 0, largest)], fontsize=7
+            )
             axes.set_title(f"{title} [mm]")
             axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.07), ncols=2)
     return figure
@@ -117,7 +145,8 @@ def _mm(curve: Curve) -> Curve:
 
 
 def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]) -> Figure:
-    """Maps of errors, one row each of `rows`; every cell is one pair of solutions, its number is the error in %.
+    """Maps of errors, one row each of `rows`; every cell is one pair of solutions, its number is
+    the error in %.
 
     `mark`: in each row, the place of the study's own brake.
     """
@@ -131,7 +160,15 @@ def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]
             for axes, one in zip(line, panels, strict=True):
                 region = np.digitize(np.abs(one.error), BOUNDS[1:-1])
                 shown = np.ma.masked_where(np.isnan(one.error), region)
-                axes.pcolormesh(_edges(one.x), _edges(one.y), shown, cmap=shades, norm=norm, edgecolor="white", lw=0.5)
+                axes.pcolormesh(
+                    _edges(one.x),
+                    _edges(one.y),
+                    shown,
+                    cmap=shades,
+                    norm=norm,
+                    edgecolor="white",
+                    lw=0.5,
+                )
                 for i, y in enumerate(one.y):
                     for j, x in enumerate(one.x):
                         color = "white" if region[i, j] == 0 else INK
@@ -147,8 +184,13 @@ def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]
         for axes in grid[-1]:
             axes.set_xlabel(r"beam: $k R^4/EI$ [–]")
         words = ("within 1 %", "within 5 %", "within 20 %", "beyond 20 %")
-        handles = [mpl.patches.Patch(color=shade, label=word) for shade, word in zip(GRADES, words, strict=True)]
-        own = mpl.lines.Line2D([], [], marker="s", ms=11, mfc="none", mec=INK, ls="", label="the study's own brake")
+        handles = [
+            mpl.patches.Patch(color=shade, label=word)
+            for shade, word in zip(GRADES, words, strict=True)
+        ]
+        own = mpl.lines.Line2D(
+            [], [], marker="s", ms=11, mfc="none", mec=INK, ls="", label="the study's own brake"
+        )
         figure.legend(handles=[*handles, own], loc="outside lower center", ncols=5)
     return figure
 

@@ -1,4 +1,6 @@
-"""A mine winder's post brake: sine law, elastic foundation and finite elements side by side, and where each holds."""
+"""A mine winder's post brake: sine law, elastic foundation and finite elements side by side, and
+where each holds.
+"""
 
 import math
 import time
@@ -76,7 +78,10 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     maps, place = post.error_maps(brake, 3 if short else 7, 12 if short else 30)
     say("grids")
     grids = post.grid_rows(brake, repeats)
-    beams, rims = post.beam_curves(scene, brake, responses), post.rim_curves(scene, brake, responses)
+    beams, rims = (
+        post.beam_curves(scene, brake, responses),
+        post.rim_curves(scene, brake, responses),
+    )
     return Result(
         comparison, lifts, clearances, merits, offsets, assumptions, maps, place, grids, beams, rims, elements,
         time.perf_counter() - start,
@@ -90,7 +95,10 @@ def report(result: Result, folder: Path) -> Path:
     draw(result, folder)
     not_drawn = draw_fields(brake, responses["fem"], folder, "fields", elements=result.elements)
     write_text(folder / "results.csv", as_csv(comparison.rows))
-    write_text(folder / "results.json", results_json([comparison], **numbers(result)).replace("NaN", "null"))
+    write_text(
+        folder / "results.json",
+        results_json([comparison], **numbers(result)).replace("NaN", "null"),
+    )
     error = {row["lift"]: row["error"] for row in result.lifts}
     return fill(
         HERE / "page.html",
@@ -134,7 +142,9 @@ def numbers(result: Result) -> dict[str, Any]:
         "grids": result.grids,
         "offsets": result.offsets,
         "merits": {
-            shoe: {model: [[mu, *merit] for mu, merit in values] for model, values in models.items()}
+            shoe: {
+                model: [[mu, *merit] for mu, merit in values] for model, values in models.items()
+            }
             for shoe, models in result.merits.items()
         },
         "maps": [
@@ -142,7 +152,9 @@ def numbers(result: Result) -> dict[str, Any]:
                 "title": one.title,
                 "x": one.x.tolist(),
                 "y": one.y.tolist(),
-                "error": [[None if math.isnan(v) else v for v in line] for line in one.error.tolist()],
+                "error": [
+                    [None if math.isnan(v) else v for v in line] for line in one.error.tolist()
+                ],
             }
             for row in result.maps
             for one in row

@@ -31,7 +31,9 @@ class Series(NamedTuple):
 
 
 def pressures(one: Run, curves: Sequence[float]) -> Figure:
-    """p(theta) over the sliding distance [1/(k K)]: curves at some, and all as a picture; a row a lining."""
+    """p(theta) over the sliding distance [1/(k K)]: curves at some, and all as a picture; a row a
+    lining.
+    """
     setup, states = one.setup, one.states
     with mpl.rc_context(STYLE):
         rows = len(setup.surfaces)
@@ -43,10 +45,19 @@ def pressures(one: Run, curves: Sequence[float]) -> Figure:
             theta = np.degrees(surface.angles)
             for s, shade in zip(curves, shades, strict=True):
                 p = surface.along(at(states, s * one.unit).pressure)
-                left.plot(theta, p * 1e-6, color=shade, lw=1.6, label=f"s k K = {s:g}" if s else "new")
+                left.plot(
+                    theta, p * 1e-6, color=shade, lw=1.6, label=f"s k K = {s:g}" if s else "new"
+                )
                 left.set_ylim(0, top * 1e-6)
                 mark_cut(left, theta, p * 1e-6, shade)
-            left.plot(theta, surface.along(one.goal.pressure) * 1e-6, color=LAW, lw=1.6, ls="--", label="law")
+            left.plot(
+                theta,
+                surface.along(one.goal.pressure) * 1e-6,
+                color=LAW,
+                lw=1.6,
+                ls="--",
+                label="law",
+            )
             left.set(xlim=(theta[0], theta[-1]), ylabel="pressure p [MPa]")
             left.set_title(f"{surface.name} shoe")
             _over_distance(right, one, surface, top)
@@ -75,12 +86,16 @@ def _over_distance(axes: Axes, one: Run, surface: Surface, top: float) -> None:
 
 def torques(runs: Sequence[Run]) -> Figure:
     """Torque off the law of each run over the distance."""
-    return lines([torque_off(one, one.name) for one in runs], "torque off the law [%]", law="law", band=0.1)
+    return lines(
+        [torque_off(one, one.name) for one in runs], "torque off the law [%]", law="law", band=0.1
+    )
 
 
 def torque_off(one: Run, label: str, color: str | None = None) -> Series:
     """Torque off the law [%] over the distance."""
-    return Series(label, one.distances(), [100 * (s.torque / one.goal.torque - 1) for s in one.states], color)
+    return Series(
+        label, one.distances(), [100 * (s.torque / one.goal.torque - 1) for s in one.states], color
+    )
 
 
 def held(one: Run) -> Figure:
@@ -94,11 +109,21 @@ def reversal(main: Run, turned: Reversals) -> Figure:
     """Torque and pressure of the main brake off its laws as the drum turns both ways."""
     one = replace(main, states=turned.states)
     far = Series("p off the law (L2) / 10", one.distances(), [10 * x for x in turned.far], LATE)
-    return lines([torque_off(one, "torque off the law", NEW), far], "distance from the law [%]", law="law", log=False)
+    return lines(
+        [torque_off(one, "torque off the law", NEW), far],
+        "distance from the law [%]",
+        law="law",
+        log=False,
+    )
 
 
 def lines(
-    series: Sequence[Series], ylabel: str, *, law: str | None = None, band: float = 0.0, log: bool = True
+    series: Sequence[Series],
+    ylabel: str,
+    *,
+    law: str | None = None,
+    band: float = 0.0,
+    log: bool = True,
 ) -> Figure:
     """Lines over the sliding distance; a line at 0 called `law`, with a band about it."""
     with mpl.rc_context(STYLE):
@@ -113,7 +138,11 @@ def lines(
             axes.plot(one.x, one.y, lw=1.6, color=one.color or shade, label=one.label)
         if log:
             axes.set_xscale("symlog", linthresh=0.01, linscale=0.3)
-            ticks = [0.0, *10.0 ** np.arange(-2, math.ceil(math.log10(max(max(one.x) for one in series))) + 1)]
+            ticks = [
+                0.0,
+                *10.0
+                ** np.arange(-2, math.ceil(math.log10(max(max(one.x) for one in series))) + 1),
+            ]
             axes.set_xticks(ticks, ["0", *(f"{tick:g}" for tick in ticks[1:])])
             axes.set_xlim(0, 1.1 * max(max(one.x) for one in series))
         axes.set_xlabel(f"{DISTANCE} (0: new)" if log else DISTANCE)
@@ -123,7 +152,9 @@ def lines(
 
 
 def profiles(one: Run, curves: Sequence[float]) -> Figure:
-    """Worn depth over the angle at some distances, and the arcs in contact over the distance; a column a lining."""
+    """Worn depth over the angle at some distances, and the arcs in contact over the distance; a
+    column a lining.
+    """
     setup, states, unit = one.setup, one.states, one.unit
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.2 * len(setup.surfaces), 5.6), layout="constrained")
@@ -139,7 +170,9 @@ def profiles(one: Run, curves: Sequence[float]) -> Figure:
             column[0].set_yscale("symlog", linthresh=1)
             column[0].set_title(f"{surface.name} shoe")
             touching = np.array([surface.along(at(states, s * unit).pressure) > 0 for s in levels])
-            column[1].contourf(theta, levels, touching, levels=[0.5, 1.5], colors=[BLUE], alpha=0.35)
+            column[1].contourf(
+                theta, levels, touching, levels=[0.5, 1.5], colors=[BLUE], alpha=0.35
+            )
             column[1].set_yscale("log")
             column[1].set_xlabel("angle on the drum θ [deg]")
         grid[0, 0].set_ylabel("worn depth [µm]")
@@ -149,7 +182,9 @@ def profiles(one: Run, curves: Sequence[float]) -> Figure:
 
 
 def checkerboard(surface: Surface, boards: Sequence[Board]) -> Figure:
-    """Nodal p(theta) over the most loaded third of one lining by several ways to step; titles carry the ripple."""
+    """Nodal p(theta) over the most loaded third of one lining by several ways to step; titles carry
+    the ripple.
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.6, 3.6), layout="constrained")
         grid = figure.subplots(1, len(boards), sharey=True, squeeze=False)[0]

@@ -22,9 +22,13 @@ from drumlin.wear.run_in import peak
 
 
 def film(one: Run, frames: Sequence[Frame], path: Path) -> Path:
-    """A GIF of the deformed shoes with their stress, the pressure on the drum and over theta, while they run in."""
+    """A GIF of the deformed shoes with their stress, the pressure on the drum and over theta, while
+    they run in.
+    """
     top = 1.15 * peak(one.setup, frames[0].state)
-    stress = float(np.percentile(np.concatenate([f.von_mises for f in frames[0].fields]), 99)) * 1e-6
+    stress = (
+        float(np.percentile(np.concatenate([f.von_mises for f in frames[0].fields]), 99)) * 1e-6
+    )
     move = max(float(np.abs(f.displacement).max()) for f in frames[0].fields)
     scale = float(f"{0.06 * one.setup.brake.size / move:.1g}")
     pictures = []
@@ -42,7 +46,9 @@ def film(one: Run, frames: Sequence[Frame], path: Path) -> Path:
     return path
 
 
-def _frame(one: Run, frames: Sequence[Frame], number: int, scales: tuple[float, float, float]) -> Figure:
+def _frame(
+    one: Run, frames: Sequence[Frame], number: int, scales: tuple[float, float, float]
+) -> Figure:
     setup, goal, unit = one.setup, one.goal, one.unit
     state, top = frames[number].state, scales[0]
     with mpl.rc_context(STYLE):
@@ -76,20 +82,39 @@ def _frame(one: Run, frames: Sequence[Frame], number: int, scales: tuple[float, 
 
 
 def _shoes(
-    axes: Axes, setup: WearSetup, frame: Frame, first: Sequence[float], scales: tuple[float, float, float]
+    axes: Axes,
+    setup: WearSetup,
+    frame: Frame,
+    first: Sequence[float],
+    scales: tuple[float, float, float],
 ) -> None:
-    """The shoes deformed, without the turn beyond `first` that takes up the wear: it would leave the picture."""
+    """The shoes deformed, without the turn beyond `first` that takes up the wear: it would leave
+    the picture.
+    """
     top, stress, scale = scales
     brake = setup.brake
     radius = brake.size
-    for fields, shoe, turn, start in zip(frame.fields, brake.shoes, frame.turns, first, strict=True):
+    for fields, shoe, turn, start in zip(
+        frame.fields, brake.shoes, frame.turns, first, strict=True
+    ):
         arm = fields.points - shoe.pin.xy
         followed = (turn - start) * np.column_stack([-arm[:, 1], arm[:, 0]])
         x, y = (fields.points + scale * (fields.displacement - followed)).T
         quads = fields.cells[:, :4] if fields.cell_type.startswith("quad") else None
-        corners = fields.cells[:, :3] if quads is None else np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        corners = (
+            fields.cells[:, :3]
+            if quads is None
+            else np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        )
         axes.tripcolor(
-            x * 1e3, y * 1e3, corners, fields.von_mises * 1e-6, shading="gouraud", cmap="viridis", vmin=0, vmax=stress
+            x * 1e3,
+            y * 1e3,
+            corners,
+            fields.von_mises * 1e-6,
+            shading="gouraud",
+            cmap="viridis",
+            vmin=0,
+            vmax=stress,
         )
     for surface in setup.surfaces:
         theta, p = surface.angles, np.minimum(surface.along(frame.state.pressure), top)

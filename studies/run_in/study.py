@@ -30,7 +30,10 @@ FLEXIBLE = ROOT / "studies" / "double_shoe" / "flexible.toml"
 SHORT = {"laws/block", "laws/pivoted_block", "double_shoe/brake"}  # the brakes of the short setting
 RATIOS = (1e-4, 1e-3, 1e-2, 1e-1)  # E of the lining over that of the shoe
 EXPONENTS = (0.5, 1.0, 1.5, 2.0, 3.0)  # of the pressure
-CURVES = {"stiff": (0.0, 0.3, 3.0, 10.0, 30.0), "flexible": (0.0, 3.0, 30.0, 100.0, 300.0)}  # in 1/(k K), as below
+CURVES = {
+    "stiff": (0.0, 0.3, 3.0, 10.0, 30.0),
+    "flexible": (0.0, 3.0, 30.0, 100.0, 300.0),
+}  # in 1/(k K), as below
 OPEN_CURVES = (0.003, 0.03, 0.2)  # of the whole run
 REVERSALS = (10.0, 50.0, 250.0)
 END, STEPS = 3.0, (0.05, 0.5)  # how far equal steps go, and their sizes
@@ -76,7 +79,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     soft = read_brake(FLEXIBLE)
     flexible = limits.settle("flexible shoes", fem_setup(prepare(soft, elements=elements), soft))
     say("linings from soft to stiff")
-    ratios = [limits.ratio_row(brake, ratio, elements) for ratio in (RATIOS[1::2] if short else RATIOS)]
+    ratios = [
+        limits.ratio_row(brake, ratio, elements) for ratio in (RATIOS[1::2] if short else RATIOS)
+    ]
     say("half the step, twice the way")
     halves = [limits.half_row(one) for one in (main, flexible)]
     say("exponents")
@@ -98,7 +103,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 
 def cases(*, short: bool) -> tuple[list[tuple[str, str, Brake]], list[str]]:
-    """Name, model and brake of everything that can be run in; the files that cannot, with the reason."""
+    """Name, model and brake of everything that can be run in; the files that cannot, with the
+    reason.
+    """
     found, skipped = list[tuple[str, str, Brake]](), list[str]()
     for path in sorted([*(ROOT / "studies").glob("*/*.toml"), *(ROOT / "meshes").glob("*.toml")]):
         name = f"{path.parent.name}/{path.stem}"
@@ -154,7 +161,9 @@ def draw(result: Result, least: Run, reversal: Reversals, folder: Path) -> None:
         for ending in ("svg", "png"):
             drawing.save(figures.pressures(one, CURVES[key]), folder / f"pressure_{key}.{ending}")
     marks = [float(f"{least.distances()[-1] * part:.1g}") for part in OPEN_CURVES]
-    far = [one for one in result.runs if abs(distance(one.setup, one.states[0], one.goal).torque) > FAR]
+    far = [
+        one for one in result.runs if abs(distance(one.setup, one.states[0], one.goal).torque) > FAR
+    ]
     made = {
         "profiles": figures.profiles(least, marks),
         "pressure_open": figures.pressures(least, [0.0, *marks]),

@@ -1,4 +1,6 @@
-"""Outcomes and digits over the knobs, digits over condition, soft penalties; limits of self-locking, torque to them."""
+"""Outcomes and digits over the knobs, digits over condition, soft penalties; limits of
+self-locking, torque to them.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -35,7 +37,9 @@ Row = Mapping[str, Any]
 
 
 def strips(rows: Sequence[Row], knobs: Sequence[str]) -> Figure:
-    """Every case of every sweep as a cell in the sweep's line, coloured by its outcome, the digits written in."""
+    """Every case of every sweep as a cell in the sweep's line, coloured by its outcome, the digits
+    written in.
+    """
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         longest = max(sum(row["knob"] == knob for row in rows) for knob in knobs)
         figure = Figure(figsize=(12.5, 0.36 * len(knobs) + 1.5), layout="constrained")
@@ -90,7 +94,9 @@ def grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, str]) -> Figur
 
 
 def condition(rows: Sequence[Row]) -> Figure:
-    """Digits of the torque against its condition, with the digits that this leaves to double precision."""
+    """Digits of the torque against its condition, with the digits that this leaves to double
+    precision.
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         axes = figure.subplots()
@@ -103,7 +109,9 @@ def condition(rows: Sequence[Row]) -> Figure:
                           color=color, mec="none", label=label)  # fmt: skip
         k = np.array([1.0, 1e16])
         left = -np.log10(k * np.finfo(float).eps)
-        axes.semilogx(k, left, color=INK, lw=1.2, label="what its condition leaves to double precision")
+        axes.semilogx(
+            k, left, color=INK, lw=1.2, label="what its condition leaves to double precision"
+        )
         axes.axhline(6, color=RED, lw=1, ls=":")
         axes.set_xlim(1, 1e15)
         axes.set_ylim(0, 16.5)
@@ -114,7 +122,9 @@ def condition(rows: Sequence[Row]) -> Figure:
 
 
 def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
-    """Relative change of the torque by a finite penalty over the penalty, with the line of slope -1."""
+    """Relative change of the torque by a finite penalty over the penalty, with the line of slope
+    -1.
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         axes = figure.subplots()
@@ -123,7 +133,9 @@ def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
             axes.loglog(penalty, change, marker=marker, ms=5, lw=1.3, color=color, label=name)
             middle = np.flatnonzero(penalty >= 1e3)[0]
             guide = penalty[middle - 1 : middle + 7]
-            axes.loglog(guide, 2.5 * change[middle] * penalty[middle] / guide, color=GREY, lw=1, ls="--")
+            axes.loglog(
+                guide, 2.5 * change[middle] * penalty[middle] / guide, color=GREY, lw=1, ls="--"
+            )
         axes.plot([], [], color=GREY, lw=1, ls="--", label="slope −1")
         axes.axhline(1e-5, color=RED, lw=1, ls=":")
         axes.axvline(1e6, color=GREY, lw=0.8, ls=":")
@@ -151,7 +163,8 @@ def limits(panels: Sequence[tuple[str, Mapping[str, Sequence[Row]]]], law: float
 
 
 def poles(rows: Sequence[Row]) -> Figure:
-    """Torque over friction with both limits, and torque times the distance from the limit over that distance.
+    """Torque over friction with both limits, and torque times the distance from the limit over that
+    distance.
 
     rows: `name`, `mu`, `torque` [N m], `mu_lock`, `law_mu`, `law_torque` [N m], `law`.
     """
@@ -166,7 +179,12 @@ def poles(rows: Sequence[Row]) -> Figure:
             right.loglog(1 - mu / end, T * (end - mu), color=color, lw=1.8, label=row["name"])
         row = rows[0]
         left.plot(
-            row["law_mu"], np.array(row["law_torque"]) * 1e-3, color=color_of("sine"), ls="--", lw=1.6, label="sine law"
+            row["law_mu"],
+            np.array(row["law_torque"]) * 1e-3,
+            color=color_of("sine"),
+            ls="--",
+            lw=1.6,
+            label="sine law",
         )
         left.axvline(row["law"], color=color_of("sine"), lw=1, ls=":")
         left.set_ylim(0, highest * 1e-3)

@@ -1,4 +1,6 @@
-"""Self-locking of the elastic brake: which limits, torques, random brakes and slopes the study computes."""
+"""Self-locking of the elastic brake: which limits, torques, random brakes and slopes the study
+computes.
+"""
 
 from collections.abc import Callable
 from functools import partial
@@ -26,7 +28,9 @@ Row = dict[str, Any]
 
 
 class Result(NamedTuple):
-    """Rows of each table: limits over stiffness, over the mesh, of a rigid shoe; torque; uniqueness; sensitivity."""
+    """Rows of each table: limits over stiffness, over the mesh, of a rigid shoe; torque;
+    uniqueness; sensitivity.
+    """
 
     shoe: list[Row]
     ring: list[Row]
@@ -37,7 +41,9 @@ class Result(NamedTuple):
     slopes: list[Row]
 
 
-def study(journal: Journal, *, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
+def study(
+    journal: Journal, *, short: bool = False, say: Callable[[str], None] = lambda _: None
+) -> Result:
     """Compute all rows, each kept in the journal as it comes; `short`: fewer and coarser."""
     elements = 16 if short else 40
     brake, every = read_brake(FILE), 4 if short else 1
@@ -45,7 +51,8 @@ def study(journal: Journal, *, short: bool = False, say: Callable[[str], None] =
     def locked(**case: Any) -> Row:
         changes = {key: case[key] for key in case if "." in key}
         return journal.once(
-            {"of": "limit", **case}, lambda: limit_row(vary(brake, changes), case.get("n", elements)) | case
+            {"of": "limit", **case},
+            lambda: limit_row(vary(brake, changes), case.get("n", elements)) | case,
         )
 
     say("limits of self-locking")
@@ -65,18 +72,23 @@ def study(journal: Journal, *, short: bool = False, say: Callable[[str], None] =
         locked(**{"shoe.body": None, "shoe.lining.thickness": 8e-3 / 2**k, "n": 2 * elements})
         for k in range(3 if short else 6)
     ]
-    mesh = [locked(**{"friction": 0.3, "n": n}) for n in ((10, 20, 40) if short else (20, 40, 80, 160))]
+    mesh = [
+        locked(**{"friction": 0.3, "n": n}) for n in ((10, 20, 40) if short else (20, 40, 80, 160))
+    ]
     say("torque up to the limit")
     drums = {"rigid drum": brake, "with a free ring": vary(brake, {"drum.ring": RING})}
     torque = [
         journal.once(
-            {"of": "torque", "ring": name != "rigid drum", "n": elements}, partial(torque_row, drum, name, elements)
+            {"of": "torque", "ring": name != "rigid drum", "n": elements},
+            partial(torque_row, drum, name, elements),
         )
         for name, drum in drums.items()
     ]
     say("uniqueness")
     unique = [
-        journal.once({"of": "unique", "seed": k, "way": way, "n": elements}, partial(uniqueness_row, k, way))
+        journal.once(
+            {"of": "unique", "seed": k, "way": way, "n": elements}, partial(uniqueness_row, k, way)
+        )
         for k in range(3 if short else 30)
         for way in WAYS
     ]
@@ -84,7 +96,9 @@ def study(journal: Journal, *, short: bool = False, say: Callable[[str], None] =
     slopes = []
     for name, (changes, penalty) in list(SLOPES.items())[: 1 if short else None]:
         compute = partial(slope_rows, vary(brake, changes), name, penalty)
-        slopes += journal.once({"of": "slopes", "name": name}, lambda compute=compute: {"rows": compute()})["rows"]  # type: ignore[misc]
+        slopes += journal.once(
+            {"of": "slopes", "name": name}, lambda compute=compute: {"rows": compute()}
+        )["rows"]  # type: ignore[misc]
     return Result(shoe, ring, rigid, mesh, torque, unique, slopes)
 
 

@@ -1,4 +1,6 @@
-"""Every knob turned to its end: right, or refused with the reason? The classical pointwise penalty beside it."""
+"""Every knob turned to its end: right, or refused with the reason? The classical pointwise penalty
+beside it.
+"""
 
 import math
 import statistics
@@ -19,14 +21,27 @@ from drumlin.report.page import fill
 from drumlin.verification import bad_input, consistency, self_locking
 from drumlin.verification.broken_files import Sound
 from drumlin.verification.extreme_cases import cases
-from drumlin.verification.outcomes import POINTWISE, counted, faults, penalty_rows, slope, softening, timings, worst
+from drumlin.verification.outcomes import (
+    POINTWISE,
+    counted,
+    faults,
+    penalty_rows,
+    slope,
+    softening,
+    timings,
+    worst,
+)
 from drumlin.verification.trial import ANSWERS, DIGITS, OUTCOMES, REFUSALS, RESIDUAL, trial
 
 HERE = Path(__file__).parent
 WORKERS = 2
 INPUTS = 5000  # bad ones
 GRIDS = {  # knob -> of x and y, with their labels
-    "shoe × friction": ("shoe", "friction", ("modulus of the shoe over that of the lining [-]", "friction μ [-]")),
+    "shoe × friction": (
+        "shoe",
+        "friction",
+        ("modulus of the shoe over that of the lining [-]", "friction μ [-]"),
+    ),
     "thickness × penalty": (
         "penalty",
         "thickness",
@@ -38,8 +53,9 @@ Row = dict[str, Any]
 
 
 class Result(NamedTuple):
-    """A row for each case; self-locking; comparisons of two ways to one quantity; what became of each bad input;
-    `seconds` of this run."""
+    """A row for each case; self-locking; comparisons of two ways to one quantity; what became of
+    each bad input; `seconds` of this run.
+    """
 
     rows: list[Row]
     locked: locking.Result
@@ -49,9 +65,14 @@ class Result(NamedTuple):
 
 
 def study(
-    *, short: bool = False, say: Callable[[str], None] = lambda _: None, journal: Journal | None = None
+    *,
+    short: bool = False,
+    say: Callable[[str], None] = lambda _: None,
+    journal: Journal | None = None,
 ) -> Result:
-    """Try every case of the designed set, two at a time; `short`: some 70 of them, here and one by one."""
+    """Try every case of the designed set, two at a time; `short`: some 70 of them, here and one by
+    one.
+    """
     start = time.perf_counter()
     journal = journal or Journal()
     keys = {case: {"case": repr(case)} for case in cases(short=short)}
@@ -70,11 +91,19 @@ def study(
     say("bad input")
     count, processes = (40, 0) if short else (INPUTS, WORKERS)
     verdicts = bad_input.judge_all(count, sound(), journal, say, processes)
-    return Result([journal[key] for key in keys.values()], locked, compared, verdicts, time.perf_counter() - start)
+    return Result(
+        [journal[key] for key in keys.values()],
+        locked,
+        compared,
+        verdicts,
+        time.perf_counter() - start,
+    )
 
 
 def sound() -> Sound:
-    """What is broken: the brake files of all studies, and the double-shoe brake, whose right shoe is meshed."""
+    """What is broken: the brake files of all studies, and the double-shoe brake, whose right shoe
+    is meshed.
+    """
     texts = [path.read_bytes() for path in sorted(HERE.parent.glob("*/*.toml"))]
     return Sound(tuple(text for text in texts if b"[[shoe]]" in text), locking.FILE.read_bytes())
 
@@ -84,7 +113,10 @@ def report(result: Result, folder: Path) -> Path:
     rows = result.rows
     compared = [row._asdict() | {"outcome": row.outcome} for row in result.compared]
     write_text(folder / "ways.csv", as_csv(compared))
-    write_text(folder / "cases.csv", as_csv([{k: v for k, v in row.items() if k != "knobs"} for row in rows]))
+    write_text(
+        folder / "cases.csv",
+        as_csv([{k: v for k, v in row.items() if k != "knobs"} for row in rows]),
+    )
     known = [row for row in rows if row.get("digits") is not None]
     softened = softening(rows)
     swept = softened if softened and all(len(values) >= 4 for values in softened.values()) else {}
@@ -111,14 +143,23 @@ def report(result: Result, folder: Path) -> Path:
         pointwise_names=POINTWISE,
         pointwise=counted(rows, "pointwise", POINTWISE),
         penalties=penalty_rows(rows) if swept else [],
-        stiff=max((change for values in swept.values() for a, change in values if a >= 1e6), default=None),
+        stiff=max(
+            (change for values in swept.values() for a, change in values if a >= 1e6), default=None
+        ),
         slopes=[slope(values) for values in swept.values()],
         timings=timings(rows),
         locked=locked,
         law=locked.mesh[0]["law"],
-        stiffest=[max(of, key=lambda row: row["factor"]) for of in locking.by_thickness(locked.shoe).values()],
-        rigid=[row | {"per_thickness": row["difference"] / row["t_over_R"]} for row in locked.rigid],
-        own_ring=next(row for row in locked.ring if row["support"] == "free" and row["factor"] == 1),
+        stiffest=[
+            max(of, key=lambda row: row["factor"])
+            for of in locking.by_thickness(locked.shoe).values()
+        ],
+        rigid=[
+            row | {"per_thickness": row["difference"] / row["t_over_R"]} for row in locked.rigid
+        ],
+        own_ring=next(
+            row for row in locked.ring if row["support"] == "free" and row["factor"] == 1
+        ),
         poles={row["name"]: self_locking.pole(row) for row in locked.torque},
         agreeing=[row for row in table if not row["disagreeing"]],
         disagreeing=[row for row in table if row["disagreeing"]],
@@ -126,24 +167,38 @@ def report(result: Result, folder: Path) -> Path:
         ways_counted=[count._asdict() for count in consistency.counted(result.compared)],
         ways_differing=[row for row in compared if row["outcome"] == "differs"],
         kinds=bad_input.count_kinds(result.verdicts),
-        input_faults=[verdict for verdict in result.verdicts if verdict.outcome in bad_input.FAULTS],
+        input_faults=[
+            verdict for verdict in result.verdicts if verdict.outcome in bad_input.FAULTS
+        ],
         longest=bad_input.LONGEST,
         refusal_lines=bad_input.refusal_lines(result.verdicts),
     )
 
 
-def draw(result: Result, known: list[Row], swept: dict[str, list[tuple[float, float]]], folder: Path) -> None:
+def draw(
+    result: Result, known: list[Row], swept: dict[str, list[tuple[float, float]]], folder: Path
+) -> None:
     """The figures; `swept`: the softening by a finite penalty, empty where too few were tried."""
     rows, locked = result.rows, result.locked
-    knobs = [knob for knob in dict.fromkeys(row["knob"] for row in rows) if " × " not in knob and knob != "hypercube"]
+    knobs = [
+        knob
+        for knob in dict.fromkeys(row["knob"] for row in rows)
+        if " × " not in knob and knob != "hypercube"
+    ]
     save(figures.strips(rows, knobs), folder / "sweeps.svg")
     for knob, (x, y, labels) in GRIDS.items():
-        save(figures.grids([row for row in rows if row["knob"] == knob], x, y, labels), folder / _file(knob))
+        save(
+            figures.grids([row for row in rows if row["knob"] == knob], x, y, labels),
+            folder / _file(knob),
+        )
     save(figures.condition(known), folder / "condition.svg")
     if swept:
         save(figures.softening(swept), folder / "penalty.svg")
     shoes = {f"lining {t * 1e3:g} mm": of for t, of in locking.by_thickness(locked.shoe).items()}
-    rings = {f"{support} rim": [r for r in locked.ring if r["support"] == support] for support in ("free", "fixed")}
+    rings = {
+        f"{support} rim": [r for r in locked.ring if r["support"] == support]
+        for support in ("free", "fixed")
+    }
     panels = [("shoe", shoes), ("drum ring", rings)]
     save(figures.limits(panels, locked.mesh[0]["law"]), folder / "locking.svg")
     save(figures.poles(locked.torque), folder / "locking_torque.svg")

@@ -19,7 +19,13 @@ def throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
         figure = Figure(figsize=(9.6, 3.4), layout="constrained")
         for axes, (name, those) in zip(figure.subplots(1, 2), measured.items(), strict=True):
             for place, one in enumerate(those):
-                axes.bar(place, one.rate, color=COLORS[one.by], width=0.62, label=one.by if one.workers == 1 else None)
+                axes.bar(
+                    place,
+                    one.rate,
+                    color=COLORS[one.by],
+                    width=0.62,
+                    label=one.by if one.workers == 1 else None,
+                )
                 axes.annotate(
                     f"{one.rate:.3g}",
                     (place, one.rate),
@@ -47,7 +53,12 @@ def torque(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
             drawn = torques(those[0].rows)
             axes.hist(drawn, bins="auto", color=color, alpha=0.75)
             for percent in (2.5, 50, 97.5):
-                axes.axvline(np.percentile(drawn, percent), color=INK, lw=1, ls="-" if percent == 50 else "--")
+                axes.axvline(
+                    np.percentile(drawn, percent),
+                    color=INK,
+                    lw=1,
+                    ls="-" if percent == 50 else "--",
+                )
             axes.set_title(f"{name.partition(':')[0]}, {len(drawn)} cases")
             axes.set_xlabel("torque [N m]")
             axes.set_ylabel("cases")

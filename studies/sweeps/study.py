@@ -1,4 +1,6 @@
-"""What sweeps cost: cases a second by processes and by Dask workers, new bodies against shared ones, and kill -9."""
+"""What sweeps cost: cases a second by processes and by Dask workers, new bodies against shared
+ones, and kill -9.
+"""
 
 import importlib.util
 import json
@@ -52,7 +54,9 @@ class Result:
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """Measure the throughput of both sweeps by all workers, judge coarser meshes, kill a run; `short`: few cases."""
+    """Measure the throughput of both sweeps by all workers, judge coarser meshes, kill a run;
+    `short`: few cases.
+    """
     start = time.perf_counter()
     with_dask = not short and importlib.util.find_spec("distributed") is not None
     ways = [processes, dask, dask_keeping] if with_dask else [processes]
@@ -66,12 +70,25 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
                 measured[name].append(way(sweep.cases[: counts[name]], workers))
     same = all(one.rows == those[0].rows for those in measured.values() for one in those)
     say("coarser meshes")
-    meshes = coarser(sweeps[OWN].cases[: 1 if short else 12], (20, 40, None) if short else (20, 40, 80, None), FINE)
+    meshes = coarser(
+        sweeps[OWN].cases[: 1 if short else 12],
+        (20, 40, None) if short else (20, 40, 80, None),
+        FINE,
+    )
     cases = sweeps[SHARED].cases[: 100 if short else 1000]
     with tempfile.TemporaryDirectory() as folder:
         kills, rows = killed(cases, Path(folder) / "journal", 1 if short else 5, seed=1, say=say)
     expected = run(cases) if short else measured[SHARED][0].rows
-    return Result(measured, same, meshes, kills, len(cases), rows == expected, sweeps, time.perf_counter() - start)
+    return Result(
+        measured,
+        same,
+        meshes,
+        kills,
+        len(cases),
+        rows == expected,
+        sweeps,
+        time.perf_counter() - start,
+    )
 
 
 def report(result: Result, folder: Path) -> Path:
@@ -81,15 +98,23 @@ def report(result: Result, folder: Path) -> Path:
     for name, those in result.measured.items():
         cases = result.sweeps[name].cases[: those[0].cases]
         write_table(table(cases, those[0].rows), folder / f"{name.partition(':')[0]}.csv")
-    rows = [{"sweep": name} | row for name, those in result.measured.items() for row in rates(those)]
-    write_text(folder / "results.json", json.dumps({"throughput": rows, "meshes": result.meshes}, indent=1) + "\n")
+    rows = [
+        {"sweep": name} | row for name, those in result.measured.items() for row in rates(those)
+    ]
+    write_text(
+        folder / "results.json",
+        json.dumps({"throughput": rows, "meshes": result.meshes}, indent=1) + "\n",
+    )
     return fill(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         best=max(result.measured[SHARED], key=lambda one: (one.by == "processes", one.workers)),
         rates=rows,
-        torques=[{"sweep": name} | torque_spread(those[0].rows) for name, those in result.measured.items()],
+        torques=[
+            {"sweep": name} | torque_spread(those[0].rows)
+            for name, those in result.measured.items()
+        ],
         kills=[{"run": i + 1} | kill._asdict() for i, kill in enumerate(result.kills)],
         with_dask=any(one.by != "processes" for those in result.measured.values() for one in those),
         keep=" and ".join(f"{name}={value}" for name, value in KEEP.items()),

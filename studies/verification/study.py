@@ -1,4 +1,6 @@
-"""How fast do the finite elements converge, can their stated error be believed, and what is right beyond doubt?"""
+"""How fast do the finite elements converge, can their stated error be believed, and what is right
+beyond doubt?
+"""
 
 import math
 import time
@@ -34,16 +36,18 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 JUDGED, BRAKES, FEW = 600_000, 500, 3
-"""First seed of the random brakes that are judged, their number, and that of the short setting. No factor of the
-estimate, level or rule was found on them."""
+"""First seed of the random brakes that are judged, their number, and that of the short setting. No
+factor of the estimate, level or rule was found on them.
+"""
 CORNERS = 40
 """Brakes that press with a corner or under a tip: four of each kind."""
 TENTH, THIRD = 10, 3  # of the seeds: with triangles as truth, to the last tolerance too
 
 
 class Result(NamedTuple):
-    """Errors over meshes of every kind, stated against true errors, random brakes, those that press with corners or
-    under tips, and cases with known answers."""
+    """Errors over meshes of every kind, stated against true errors, random brakes, those that press
+    with corners or under tips, and cases with known answers.
+    """
 
     orders: list[dict[str, Any]]
     levels: list[dict[str, Any]]
@@ -56,7 +60,10 @@ class Result(NamedTuple):
 
 
 def study(
-    *, short: bool = False, say: Callable[[str], None] = lambda _: None, journal: Journal | None = None
+    *,
+    short: bool = False,
+    say: Callable[[str], None] = lambda _: None,
+    journal: Journal | None = None,
 ) -> Result:
     """Errors of p (L2) and of the torque against a far finer mesh; `short`: coarser all over."""
     start = time.perf_counter()
@@ -69,7 +76,9 @@ def study(
         say(f"{case}: reference")
         reference = solve(brake, elements=fine, penalty=math.inf)
         # another kind of mesh as a second opinion: below their distance nothing is claimed
-        floor[case] = distance(solve(brake, elements=other, kind="tri2", penalty=math.inf), reference)
+        floor[case] = distance(
+            solve(brake, elements=other, kind="tri2", penalty=math.inf), reference
+        )
         for kind in KINDS:
             say(f"{case}: {kind}")
             orders += order_rows(brake, case, kind, sizes, reference)
@@ -79,16 +88,25 @@ def study(
     say("columns, level by level")
     levels = level_rows(read_brake(BRAKE))
     processes = 0 if short else PROCESSES
-    cases = [{"seed": seed, "tolerances": _tolerances(seed, short=short)} for seed in _seeds(JUDGED, BRAKES, short)]
+    cases = [
+        {"seed": seed, "tolerances": _tolerances(seed, short=short)}
+        for seed in _seeds(JUDGED, BRAKES, short)
+    ]
     say("random brakes")
-    judged = [one for found in kept(cases, _judged, journal, say, processes) for one in found["rows"]]
+    judged = [
+        one for found in kept(cases, _judged, journal, say, processes) for one in found["rows"]
+    ]
     count = 1 if short else CORNERS
     cases = [{"corner": corner_rows.FIRST_CORNER + k} for k in range(count)]
     say("random corners and tips")
-    corners = [one for found in kept(cases, _cornered, journal, say, processes) for one in found["rows"]]
+    corners = [
+        one for found in kept(cases, _cornered, journal, say, processes) for one in found["rows"]
+    ]
     say("benchmark ladder")
     known = [ladder.row(case) for case in ladder.CASES]
-    return Result(orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start)
+    return Result(
+        orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start
+    )
 
 
 def _seeds(first: int, count: int, short: bool) -> range:
@@ -104,7 +122,9 @@ def _cornered(case: Case) -> dict[str, Any]:
 
 
 def _drawn(seed: int) -> Brake:
-    """A hinged brake of any shape, or, of odd seeds, one of any way to hold and push shoes on a drum."""
+    """A hinged brake of any shape, or, of odd seeds, one of any way to hold and push shoes on a
+    drum.
+    """
     ways = [way for way in KINDS_OF_HOLDING if not way.startswith("pad")]
     brake = random_kind(seed, ways[seed // 2 % len(ways)]) if seed % 2 else random_brake(seed)
     return brake
@@ -120,17 +140,25 @@ def _judged(case: Case) -> dict[str, Any]:
     except NoAnswer as error:
         failure = str(error)
     base = {"seed": seed, "truth": "triangles" if triangular else "columns"}
-    return {"rows": [base | row(brake, tolerance, solve, true, failure) for tolerance in tolerances]}
+    return {
+        "rows": [base | row(brake, tolerance, solve, true, failure) for tolerance in tolerances]
+    }
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures and CSV; returns the page."""
     for i, case in enumerate(CASES):
         series = {
-            kind: [(r["elements"], r["pressure"]) for r in result.orders if (r["case"], r["kind"]) == (case, kind)]
+            kind: [
+                (r["elements"], r["pressure"])
+                for r in result.orders
+                if (r["case"], r["kind"]) == (case, kind)
+            ]
             for kind in KINDS
         }
-        figures.save(figures.convergence(series, "error of p in L2"), folder / f"orders_{i + 1}.svg")
+        figures.save(
+            figures.convergence(series, "error of p in L2"), folder / f"orders_{i + 1}.svg"
+        )
     figures.save(cloud(result.judged), folder / "stated_true.svg")
     write_text(folder / "stated_true.csv", as_csv(result.judged))
     write_text(folder / "corners.csv", as_csv(result.corners))

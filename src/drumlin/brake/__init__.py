@@ -1,7 +1,8 @@
-"""The brake as frozen, validated data: what drums and shoes are made of, quantities with units, its file.
+"""The brake as frozen, validated data: what drums and shoes are made of, quantities with units, its
+file.
 
-A `Brake` runs on a surface, a drum or a plane, see `drumlin.brake.surface`; `read_any` reads it from a TOML file.
-Imports nothing of drumlin but arrays, errors, texts and files.
+A `Brake` runs on a surface, a drum or a plane, see `drumlin.brake.surface`; `read_any` reads it
+from a TOML file. Imports nothing of drumlin but arrays, errors, texts and files.
 """
 
 import warnings
@@ -21,5 +22,9 @@ def __getattr__(name: str) -> Any:
     old = {"AnyBrake": Brake, "FlatBrake": plane_brake.FlatBrake, "FlatShoe": plane_brake.FlatShoe}
     if name not in old:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    warnings.warn(f"drumlin.brake.{name}: use Brake or Shoe, whatever they run on", DeprecationWarning, stacklevel=2)
+    warnings.warn(
+        f"drumlin.brake.{name}: use Brake or Shoe, whatever they run on",
+        DeprecationWarning,
+        stacklevel=2,
+    )
     return old[name]

@@ -1,7 +1,9 @@
-"""The straight shoe beam's own coordinates: x along its axis from the hinge, y towards the drum's centre.
+"""The straight shoe beam's own coordinates: x along its axis from the hinge, y towards the drum's
+centre.
 
-The angle theta of a beam counts from the beam's normal through the drum's centre O, positive towards the
-loaded end, so that a point of the friction surface has x = x_O + R sin(theta), y = D - R cos(theta).
+The angle theta of a beam counts from the beam's normal through the drum's centre O, positive
+towards the loaded end, so that a point of the friction surface has x = x_O + R sin(theta), y = D -
+R cos(theta).
 """
 
 import math
@@ -13,10 +15,12 @@ from drumlin.arrays import Floats
 
 
 class Axis(NamedTuple):
-    """A beam's axis: its `hinge` (2,) [m], unit vectors `along` it and `towards` the drum's centre (2,).
+    """A beam's axis: its `hinge` (2,) [m], unit vectors `along` it and `towards` the drum's centre
+    (2,).
 
-    `length` L from hinge to loaded end, `foot` x_O of the perpendicular from O, `distance` D of O, all [m];
-    `sense` +1 where x grows with the brake's angle, -1 where it falls; `origin`: the brake's angle of the foot.
+    `length` L from hinge to loaded end, `foot` x_O of the perpendicular from O, `distance` D of O,
+    all [m]; `sense` +1 where x grows with the brake's angle, -1 where it falls; `origin`: the
+    brake's angle of the foot.
     """
 
     hinge: Floats
@@ -43,7 +47,9 @@ class Axis(NamedTuple):
 
 
 def axis_of(hinge: Floats, end: Floats) -> Axis:
-    """The axis from `hinge` (2,) to `end` (2,) [m]; the two must differ, and O must not lie on their line."""
+    """The axis from `hinge` (2,) to `end` (2,) [m]; the two must differ, and O must not lie on
+    their line.
+    """
     length = math.dist(hinge, end)
     along = (end - hinge) / length
     left = np.array([-along[1], along[0]])

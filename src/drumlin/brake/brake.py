@@ -1,8 +1,8 @@
 """A brake and its shoes, as all of drumlin sees them, whatever surface they run on.
 
 Conventions: all numbers are SI (m, N, Pa, rad). On a drum the centre O is the origin and angles run
-counter-clockwise from +x. On a plane the sliding surface is y = 0, the body lies below it, the shoes
-above. `drumlin.brake.surface` says what differs.
+counter-clockwise from +x. On a plane the sliding surface is y = 0, the body lies below it, the
+shoes above. `drumlin.brake.surface` says what differs.
 """
 
 import math
@@ -23,10 +23,12 @@ from drumlin.errors import BadInput
 
 
 class Frame(NamedTuple):
-    """A shoe's own frame: a coordinate phi that counts from the pin (`Held.pin`) towards the lining.
+    """A shoe's own frame: a coordinate phi that counts from the pin (`Held.pin`) towards the
+    lining.
 
-    q = origin + sense * unit * phi, with q the coordinate of the surface; see `drumlin.brake.surface`.
-    In it a shoe and its mirror image are the same thing. On a drum phi is a polar angle at O.
+    q = origin + sense * unit * phi, with q the coordinate of the surface; see
+    `drumlin.brake.surface`. In it a shoe and its mirror image are the same thing. On a drum phi is
+    a polar angle at O.
     """
 
     origin: float
@@ -46,7 +48,9 @@ class Frame(NamedTuple):
         return self.origin + self.sense * self.unit * np.asarray(phi)
 
     def distance(self, theta: Floats) -> Floats:
-        """How far places theta are from that of the pin, towards the lining, in the surface's coordinate."""
+        """How far places theta are from that of the pin, towards the lining, in the surface's
+        coordinate.
+        """
         return self.sense * (np.asarray(theta) - self.origin)
 
     def to_brake(self, vectors: Floats) -> Floats:
@@ -61,7 +65,9 @@ class Frame(NamedTuple):
 
 
 class Shoe(Meshed):
-    """One shoe with its lining, held by a hinge or otherwise (`Held`); without `body` the shoe is rigid."""
+    """One shoe with its lining, held by a hinge or otherwise (`Held`); without `body` the shoe is
+    rigid.
+    """
 
     surface: ClassVar[FrictionSurface]
 
@@ -133,7 +139,9 @@ class Shoe(Meshed):
 
     @abstractmethod
     def phi_of(self, xy: Floats, size: float) -> Floats:
-        """phi of points (2, ...) [m] of its frame: the nearest to the lining's middle where there are several."""
+        """phi of points (2, ...) [m] of its frame: the nearest to the lining's middle where there
+        are several.
+        """
 
     @abstractmethod
     def place_of(self, point: Point) -> float:
@@ -150,30 +158,40 @@ class Shoe(Meshed):
 
     @abstractmethod
     def misfit_gap(self, theta: Floats, size: float) -> Floats:
-        """Gap [m] of a lining of its own radius, moved by its offset, at the places theta, same shape."""
+        """Gap [m] of a lining of its own radius, moved by its offset, at the places theta, same
+        shape.
+        """
 
     def end_face(self, size: float, *, loaded: bool = False) -> Floats:
-        """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds an arc, or of that
-        which the actuation pushes."""
+        """The middle (2,) [m], in its frame, of the end face by which a hinge or an abutment holds
+        an arc, or of that which the actuation pushes.
+        """
         assert isinstance(self.body, Bar)
         phi = (max if loaded else min)(self.frame.phis((self.body.start, self.body.end)), key=abs)
         return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), size)
 
     @property
     def gripped(self) -> bool:
-        """Whether what holds the shoe grips the back of an elastic body, not an end face: the force acts on it then."""
-        return self.held_by in {"pivot", "guide"} or (isinstance(self.body, Bar) and self.body.grip is not None)
+        """Whether what holds the shoe grips the back of an elastic body, not an end face: the force
+        acts on it then.
+        """
+        return self.held_by in {"pivot", "guide"} or (
+            isinstance(self.body, Bar) and self.body.grip is not None
+        )
 
     def grip(self, size: float) -> tuple[float, float] | None:
         """The part (phi_1, phi_2) of the body's back that is held (see `Bar`).
 
-        None where what holds the shoe holds an end face of its body, or all of the back of a rigid one.
+        None where what holds the shoe holds an end face of its body, or all of the back of a rigid
+        one.
         """
         if not isinstance(self.body, Bar) or self.mesh is not None or not self.gripped:
             return None
         start, end = self.arc
         place = self.lining.middle if self.pivot is None else self.place_of(self.pivot)
-        half = min(0.5 * (self.body.grip or self.body.thickness) / self.back(size), 0.3 * (end - start))
+        half = min(
+            0.5 * (self.body.grip or self.body.thickness) / self.back(size), 0.3 * (end - start)
+        )
         at = float(np.clip(self.frame.phi(np.array(place)), start + 1.5 * half, end - 1.5 * half))
         return at - half, at + half
 
@@ -203,7 +221,9 @@ class Brake(Part):
 
     @staticmethod
     def shape_of(data: object) -> "type[Brake]":
-        """The class that reads data as a brake file has them: with "plane" that of a brake on a plane."""
+        """The class that reads data as a brake file has them: with "plane" that of a brake on a
+        plane.
+        """
         shapes = {shape.surface.word: shape for shape in Brake.__subclasses__()}
         return shapes[PLANE.word if isinstance(data, Mapping) and PLANE.word in data else DRUM.word]
 
@@ -222,11 +242,15 @@ class Brake(Part):
     @property
     @abstractmethod
     def size(self) -> float:
-        """The length [m] by which others are measured: the drum's radius, or the length of the first lining."""
+        """The length [m] by which others are measured: the drum's radius, or the length of the
+        first lining.
+        """
 
     @property
     def scale_factor(self) -> float:
-        """Length of the surface per unit of its coordinate, and effect per friction force: R [m], or 1 on a plane."""
+        """Length of the surface per unit of its coordinate, and effect per friction force: R [m],
+        or 1 on a plane.
+        """
         return 1.0 if self.surface.straight else self.size
 
     @property
@@ -255,8 +279,9 @@ class Brake(Part):
 
     @abstractmethod
     def bare(self) -> Self:
-        """The brake without title, direction, size of the friction (but for 0), and what the surface is off its
-        circle: without what its bodies do not depend on, but for the shoes."""
+        """The brake without title, direction, size of the friction (but for 0), and what the
+        surface is off its circle: without what its bodies do not depend on, but for the shoes.
+        """
 
     def without_ring(self) -> Self:
         """The brake on a rigid surface."""
@@ -272,7 +297,9 @@ class Brake(Part):
         return ()
 
     def surface_off(self, theta: Floats) -> Floats | None:
-        """How far [m] the surface lies outside its circle at the places theta, same shape; None where nowhere."""
+        """How far [m] the surface lies outside its circle at the places theta, same shape; None
+        where nowhere.
+        """
         return None
 
     @property
@@ -297,7 +324,9 @@ class Brake(Part):
 
     @property
     def shares(self) -> str | None:
-        """That a cam or a strut shares a force among its shoes, in words; None where each shoe has its own."""
+        """That a cam or a strut shares a force among its shoes, in words; None where each shoe has
+        its own.
+        """
         return shares(self.actuation, self.links)
 
     def unmeshable(self) -> str | None:
@@ -314,8 +343,14 @@ class Brake(Part):
             raise BadInput(f"fem does not apply to this brake: {reason}")
 
     def unhinged(self) -> str | None:
-        """The first thing that is not plain hinges under forces of their own, in words of a refusal; None if all is."""
-        moving = (f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}" for shoe in self.shoes if shoe.held_by != "hinge")
+        """The first thing that is not plain hinges under forces of their own, in words of a
+        refusal; None if all is.
+        """
+        moving = (
+            f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}"
+            for shoe in self.shoes
+            if shoe.held_by != "hinge"
+        )
         return self.shares or next(moving, None)
 
     def check_hinged(self, what: str) -> None:

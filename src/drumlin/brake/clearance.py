@@ -1,10 +1,12 @@
-"""Misfit as clearance: lining circle against drum circle, taper, steps between blocks, a drum that is not round.
+"""Misfit as clearance: lining circle against drum circle, taper, steps between blocks, a drum that
+is not round.
 
-Every misfit is a gap along the drum's radius, or the normal of the plane, positive = open, that adds to the lining's
-`clearance`. So it acts in each model that has a clearance (finite elements, foundation) and shares their condensed
-bodies; the laws are those of a lining that fits. In plane stress a misfit across the width (coning, bell-mouthing) does
-not exist. The slope of the surfaces is left out: normals stay those of the drum's circle, which for lobes of order n
-and amplitude a leaves out at most n a/(mu R) of the torque.
+Every misfit is a gap along the drum's radius, or the normal of the plane, positive = open, that
+adds to the lining's `clearance`. So it acts in each model that has a clearance (finite elements,
+foundation) and shares their condensed bodies; the laws are those of a lining that fits. In plane
+stress a misfit across the width (coning, bell-mouthing) does not exist. The slope of the surfaces
+is left out: normals stay those of the drum's circle, which for lobes of order n and amplitude a
+leaves out at most n a/(mu R) of the torque.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,18 +20,24 @@ from drumlin.brake.components import Lining
 from drumlin.brake.file import vary
 
 ROUND = 1e-9
-"""Fraction of the largest change of slope in a clearance table. A smaller change is round-off, no tip of the gap."""
+"""Fraction of the largest change of slope in a clearance table. A smaller change is round-off, no
+tip of the gap.
+"""
 T = TypeVar("T")
 
 
 def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
-    """Gap [m] of a shoe's unloaded lining from the surface as it stands, at the places theta, same shape."""
+    """Gap [m] of a shoe's unloaded lining from the surface as it stands, at the places theta, same
+    shape.
+    """
     lining, misfit = shoe.lining, shoe.lining.misfit
     total = lining.clearance_at(theta)
     if misfit.radius is not None or misfit.offset.radius > 0:
         total = total + shoe.misfit_gap(theta, brake.size)
     if misfit.taper:
-        total = total + misfit.taper * (shoe.frame.sense * (theta - lining.middle)) / (lining.end - lining.start)
+        total = total + misfit.taper * (shoe.frame.sense * (theta - lining.middle)) / (
+            lining.end - lining.start
+        )
     if misfit.blocks:
         total = total + block_gap(lining, theta)
     off = brake.surface_off(theta)
@@ -37,7 +45,8 @@ def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
 
 
 def block_gap(lining: Lining, theta: Floats) -> Floats:
-    """How far the blocks of a lining stand back [m] at theta, same shape: level, with rounded steps of the arc `step`.
+    """How far the blocks of a lining stand back [m] at theta, same shape: level, with rounded steps
+    of the arc `step`.
 
     A step of height h has the smallest radius (R step)^2/(6 h).
     """
@@ -84,12 +93,15 @@ def slope_changes(lining: Lining) -> Floats:
 
 
 def thermal_growth(R: float, expansion: float, warming: float) -> float:
-    """Growth of a drum's radius [m] by its mean warming [K], expansion [1/K]: the amplitude of lobes of order 0."""
+    """Growth of a drum's radius [m] by its mean warming [K], expansion [1/K]: the amplitude of
+    lobes of order 0.
+    """
     return expansion * warming * R
 
 
 def one_turn(brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float]) -> list[T]:
-    """The responses as the drum stands at each of the angles [rad], with steady forces and without inertia.
+    """The responses as the drum stands at each of the angles [rad], with steady forces and without
+    inertia.
 
     solve: any model, such as `respond` on one scene: the bodies stay. Raises what it raises.
     """
@@ -97,18 +109,26 @@ def one_turn(brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float])
 
 
 def ground_to(brake: Brake, mismatch: float) -> dict[str, float]:
-    """Changes (of `vary`): every lining ground to a radius that is greater than the drum's by the mismatch [m]."""
-    return {f"shoe[{i}].lining.misfit.radius": brake.size + mismatch for i in range(len(brake.shoes))}
+    """Changes (of `vary`): every lining ground to a radius that is greater than the drum's by the
+    mismatch [m].
+    """
+    return {
+        f"shoe[{i}].lining.misfit.radius": brake.size + mismatch for i in range(len(brake.shoes))
+    }
 
 
 def set_off(brake: Brake, size: float) -> dict[str, float]:
-    """Changes: every lining's circle moved by `size` [m] along the radius of its hinge, away from the drum's centre."""
+    """Changes: every lining's circle moved by `size` [m] along the radius of its hinge, away from
+    the drum's centre.
+    """
     slopes = [along_hinge(brake, i, "lining.misfit.offset") for i in range(len(brake.shoes))]
     return {key: size * slope for part in slopes for key, slope in part.items()}
 
 
 def along_hinge(brake: Brake, index: int, key: str) -> dict[str, float]:
-    """How the point `key` of shoe `index` moves along the radius of its hinge: what 1 m adds to its coordinates."""
+    """How the point `key` of shoe `index` moves along the radius of its hinge: what 1 m adds to its
+    coordinates.
+    """
     hinge = brake.shoes[index].pin
     return {
         f"shoe[{index}].{key}.x": hinge.x / hinge.radius,

@@ -1,4 +1,6 @@
-"""What drums and shoes are made of: ring, drum, lining, backing, bodies, actuation. Every number is SI."""
+"""What drums and shoes are made of: ring, drum, lining, backing, bodies, actuation. Every number is
+SI.
+"""
 
 import math
 from abc import abstractmethod
@@ -34,12 +36,18 @@ from drumlin.brake.fields import (
 )
 from drumlin.brake.units import SMALLEST, deg, mm
 
-Friction = Annotated[float, Field(ge=0, le=1e6, strict=True), AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0)]
+Friction = Annotated[
+    float,
+    Field(ge=0, le=1e6, strict=True),
+    AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0),
+]
 """A friction coefficient; one below SMALLEST is none, as with every quantity."""
 
 
 class Section(NamedTuple):
-    """A rectangular section: thickness in the brake's plane and width across it [m], and its material."""
+    """A rectangular section: thickness in the brake's plane and width across it [m], and its
+    material.
+    """
 
     thickness: float
     width: float
@@ -52,8 +60,9 @@ class Section(NamedTuple):
 
 
 class Bonded(NamedTuple):
-    """Plates that bend as one: `depth` of the neutral axis from the first one's outer face [m], EI [N m^2], EA [N],
-    GA [N]."""
+    """Plates that bend as one: `depth` of the neutral axis from the first one's outer face [m], EI
+    [N m^2], EA [N], GA [N].
+    """
 
     depth: float
     EI: float
@@ -65,20 +74,27 @@ def bonded(plates: Sequence[Section]) -> Bonded:
     """The stiffnesses of plates that lie on each other in this order."""
     t = np.array([plate.thickness for plate in plates])
     EA = np.array([plate.material.E_along * plate.width * plate.thickness for plate in plates])
-    GA = np.array([plate.material.G_along_through * plate.width * plate.thickness for plate in plates])
+    GA = np.array(
+        [plate.material.G_along_through * plate.width * plate.thickness for plate in plates]
+    )
     own = np.array([plate.bending_stiffness for plate in plates])
     middle = np.cumsum(t) - t / 2
     depth = float(EA @ middle / EA.sum())
-    return Bonded(depth, float((own + EA * (middle - depth) ** 2).sum()), float(EA.sum()), float(GA.sum()))
+    return Bonded(
+        depth, float((own + EA * (middle - depth) ** 2).sum()), float(EA.sum()), float(GA.sum())
+    )
 
 
 STEEL = Material(E=210e9, nu=0.3)
-"""The material of what is known by its bending stiffness alone: then its width follows, and plane stress feels only
-the product of both."""
+"""The material of what is known by its bending stiffness alone: then its width follows, and plane
+stress feels only the product of both.
+"""
 
 
 def _section(part: "Ring | Beam | Bar", EI: float | None) -> Section | None:
-    """The section of a ring, beam or arc; its width is such that it bends with `EI` where that is given."""
+    """The section of a ring, beam or arc; its width is such that it bends with `EI` where that is
+    given.
+    """
     if part.thickness is None:
         return None
     if EI is None:
@@ -99,8 +115,8 @@ def _check_section(part: "Ring | Beam") -> None:
 class Ring(Part):
     """The elastic rim of the drum, behind its friction surface as seen from the shoe.
 
-    Its section, or its `bending_stiffness` EI [N m^2] alone, or both: then the section bends with this EI. With
-    thickness and bending stiffness it can be meshed.
+    Its section, or its `bending_stiffness` EI [N m^2] alone, or both: then the section bends with
+    this EI. With thickness and bending stiffness it can be meshed.
     """
 
     thickness: Thickness | None = None
@@ -116,7 +132,9 @@ class Ring(Part):
 
     @property
     def section(self) -> Section | None:
-        """The section, of a width that gives the bending stiffness; None where the file has only that."""
+        """The section, of a width that gives the bending stiffness; None where the file has only
+        that.
+        """
         return _section(self, self.bending_stiffness)
 
     @property
@@ -127,7 +145,8 @@ class Ring(Part):
 
 
 class Lobes(Part):
-    """One harmonic of a drum's surface off its circle: outwards by amplitude cos(order (theta - phase)) [m].
+    """One harmonic of a drum's surface off its circle: outwards by amplitude cos(order (theta -
+    phase)) [m].
 
     Order 0 is growth (a hot drum), 1 run-out, 2 ovality.
     """
@@ -140,7 +159,8 @@ class Lobes(Part):
 class Drum(Part):
     """The drum: friction radius R [m]; without `ring` it is rigid.
 
-    `out_of_round`: what its surface is off the circle, as it stands when turned to `angle` = 0 [rad].
+    `out_of_round`: what its surface is off the circle, as it stands when turned to `angle` = 0
+    [rad].
     """
 
     radius: Thickness
@@ -149,25 +169,32 @@ class Drum(Part):
     angle: Angle = 0.0
 
 
-StiffnessAlong = Annotated[float | Rows, number_or_table("distance", "m", "bending stiffness", "N m^2")]
+StiffnessAlong = Annotated[
+    float | Rows, number_or_table("distance", "m", "bending stiffness", "N m^2")
+]
 OffsetAlong = Annotated[float | Rows, number_or_table("distance", "m", "offset", "m")]
 Clearance = Annotated[float | Rows, number_or_table("angle", "rad", "clearance", "m")]
 
 
 LARGEST_MISFIT = 0.05
-"""Of the drum's radius, or a pad's length; beyond it normals along the drum's radii are no longer a model."""
+"""Of the drum's radius, or a pad's length; beyond it normals along the drum's radii are no longer a
+model.
+"""
 STEP = math.radians(1.0)  # rad
-"""Arc of the rounded step from one block's height to the next. A sharp edge, and the corner of a straight chamfer,
-carry a pressure without bound, and no mesh would settle."""
+"""Arc of the rounded step from one block's height to the next. A sharp edge, and the corner of a
+straight chamfer, carry a pressure without bound, and no mesh would settle.
+"""
 
 
 class Misfit(Part):
-    """How a lining's surface is off the drum's circle, besides its clearance; `drumlin.misfit` says by how much.
+    """How a lining's surface is off the drum's circle, besides its clearance; `drumlin.misfit` says
+    by how much.
 
-    `radius` [m] of the lining's own circle, by default the drum's: the circle meets the drum's in the lining's
-    middle, and is moved from there by `offset` [m]. `taper` [m]: how much farther the lining stands back at its
-    end away from the hinge than at its end near it. `blocks`: rows (angle, depth) [rad, m]: from each angle on
-    the lining stands back by this depth, before the first by none.
+    `radius` [m] of the lining's own circle, by default the drum's: the circle meets the drum's in
+    the lining's middle, and is moved from there by `offset` [m]. `taper` [m]: how much farther the
+    lining stands back at its end away from the hinge than at its end near it. `blocks`: rows
+    (angle, depth) [rad, m]: from each angle on the lining stands back by this depth, before the
+    first by none.
     """
 
     radius: Thickness | None = None
@@ -176,15 +203,25 @@ class Misfit(Part):
     blocks: Annotated[Rows, table("angle", "rad", "depth", "m")] = ()
 
     def check(
-        self, key: str, ends: tuple[float, float], step: float, text: Callable[[float], str], most: float, allowed: str
+        self,
+        key: str,
+        ends: tuple[float, float],
+        step: float,
+        text: Callable[[float], str],
+        most: float,
+        allowed: str,
     ) -> None:
         """Raise ValueError where it is larger than `most` [m], or its blocks are not on the lining.
 
-        ends: places where the lining begins and ends; step: length of a rounded step between blocks, of the same kind;
-        text: a place in words; allowed: `most` in words.
+        ends: places where the lining begins and ends; step: length of a rounded step between
+        blocks, of the same kind; text: a place in words; allowed: `most` in words.
         """
         deepest = max((abs(depth) for _, depth in self.blocks), default=0.0)
-        for name, size in (("offset", self.offset.radius), ("taper", self.taper), ("blocks", deepest)):
+        for name, size in (
+            ("offset", self.offset.radius),
+            ("taper", self.taper),
+            ("blocks", deepest),
+        ):
             if abs(size) > most:
                 raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
         edges = [ends[0], *(place for place, _ in self.blocks), ends[1]]
@@ -199,7 +236,8 @@ class Misfit(Part):
 class Lining(Part):
     """The friction lining, as all of drumlin sees it, from place `start` to `end` on the surface.
 
-    `step`: length of the rounded step from one block's height to the next, in the surface's coordinate.
+    `step`: length of the rounded step from one block's height to the next, in the surface's
+    coordinate.
     """
 
     # Both shapes of file have these fields, each in its own order.
@@ -267,7 +305,8 @@ class DrumLining(Lining):
 class Backing(Part):
     """A layer between lining and shoe body, over the lining's arc and width (the wooden block).
 
-    Meshed behind a straight beam it is the block that fills the space up to the beam, whatever its thickness.
+    Meshed behind a straight beam it is the block that fills the space up to the beam, whatever its
+    thickness.
     """
 
     thickness: Thickness
@@ -275,7 +314,9 @@ class Backing(Part):
 
 
 class Table(Part):
-    """The plate of a T-section, between the lining and the web: `thickness` in the brake's plane, `width` across it."""
+    """The plate of a T-section, between the lining and the web: `thickness` in the brake's plane,
+    `width` across it.
+    """
 
     thickness: Thickness
     width: Thickness
@@ -284,10 +325,11 @@ class Table(Part):
 class Bar(Part):
     """A body of constant section behind lining and backing.
 
-    `thickness`, `width`: of its rectangle; with a `table` of the T-section's web. `bending_stiffness` EI [N m^2]: in
-    place of width and material, or besides them; then the width is such that the body bends with it.
-    `grip` [m]: the length of its back that a pivot or a guide holds, by default its thickness; with a hinge, that which
-    is bolted to the lever. Without it a hinge holds the end face, as an abutment does.
+    `thickness`, `width`: of its rectangle; with a `table` of the T-section's web.
+    `bending_stiffness` EI [N m^2]: in place of width and material, or besides them; then the width
+    is such that the body bends with it. `grip` [m]: the length of its back that a pivot or a guide
+    holds, by default its thickness; with a hinge, that which is bolted to the lever. Without it a
+    hinge holds the end face, as an abutment does.
     """
 
     thickness: Thickness
@@ -309,10 +351,14 @@ class Bar(Part):
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
-        if (self.width is None or self.material is None) and (self.bending_stiffness is None or self.width):
+        if (self.width is None or self.material is None) and (
+            self.bending_stiffness is None or self.width
+        ):
             raise ValueError("needs width and material, or bending_stiffness, or all three")
         if self.table is not None and self.bending_stiffness is not None:
-            raise ValueError("table: bending_stiffness is that of the whole body; leave one of them out")
+            raise ValueError(
+                "table: bending_stiffness is that of the whole body; leave one of them out"
+            )
         if self.table is not None and self.width is not None and self.table.width < self.width:
             raise ValueError(
                 f"table.width = {mm(self.table.width)}: must be at least width = {mm(self.width)}, the web's"
@@ -321,11 +367,16 @@ class Bar(Part):
 
     @property
     def plates(self) -> dict[str, Section]:
-        """The plates of its section by the names of their groups, from the friction surface inwards: "table" if it has
-        one, and "shoe", its rectangle or web."""
+        """The plates of its section by the names of their groups, from the friction surface
+        inwards: "table" if it has one, and "shoe", its rectangle or web.
+        """
         own = _section(self, self.bending_stiffness)
         assert own is not None  # checked at the door
-        table = {} if self.table is None else {"table": Section(self.table.thickness, self.table.width, own.material)}
+        table = (
+            {}
+            if self.table is None
+            else {"table": Section(self.table.thickness, self.table.width, own.material)}
+        )
         return table | {"shoe": own}
 
     @property
@@ -343,12 +394,13 @@ class Body(Bar):
 
 
 class Beam(Part):
-    """The elastic shoe as a straight beam: its axis runs from the hinge to the point of the actuation.
+    """The elastic shoe as a straight beam: its axis runs from the hinge to the point of the
+    actuation.
 
-    Its section, or its `bending_stiffness` EI [N m^2], one value or a table over the distance from the hinge, or
-    both: then the section bends with this EI. With thickness and one bending stiffness it can be meshed. `offset` [m]:
-    where the neutral axis is weakly curved, a table over the distance from the hinge of how far it lies behind the
-    straight line, away from the drum.
+    Its section, or its `bending_stiffness` EI [N m^2], one value or a table over the distance from
+    the hinge, or both: then the section bends with this EI. With thickness and one bending
+    stiffness it can be meshed. `offset` [m]: where the neutral axis is weakly curved, a table over
+    the distance from the hinge of how far it lies behind the straight line, away from the drum.
     """
 
     shape: Literal["beam"]
@@ -362,15 +414,22 @@ class Beam(Part):
     def _whole(self) -> Self:
         _check_section(self)
         EI = self.bending_stiffness
-        if EI is not None and min([value for _, value in EI] if isinstance(EI, tuple) else [EI]) <= 0:
+        if (
+            EI is not None
+            and min([value for _, value in EI] if isinstance(EI, tuple) else [EI]) <= 0
+        ):
             raise ValueError("bending_stiffness: must be greater than 0")
         if float(value_at(self.offset, np.zeros(1))[0]) != 0:
-            raise ValueError('offset: must be a table that starts with 0 at the hinge, such as [["0 m", "0 mm"], ...]')
+            raise ValueError(
+                'offset: must be a table that starts with 0 at the hinge, such as [["0 m", "0 mm"], ...]'
+            )
         return self
 
     @property
     def section(self) -> Section | None:
-        """The section, of a width that gives the bending stiffness; None where that varies or stands alone."""
+        """The section, of a width that gives the bending stiffness; None where that varies or
+        stands alone.
+        """
         EI = self.bending_stiffness
         return None if isinstance(EI, tuple) else _section(self, EI)
 
@@ -399,13 +458,19 @@ class Beam(Part):
 
 
 def _shape(data: object) -> str:
-    return str(data.get("shape", "arc")) if isinstance(data, Mapping) else getattr(data, "shape", "arc")
+    return (
+        str(data.get("shape", "arc"))
+        if isinstance(data, Mapping)
+        else getattr(data, "shape", "arc")
+    )
 
 
 AnyBody = Annotated[
     Annotated[Body, Tag("arc")] | Annotated[Beam, Tag("beam")],
     Discriminator(
-        _shape, custom_error_type="shape", custom_error_message='shape: must be "arc" (the default) or "beam"'
+        _shape,
+        custom_error_type="shape",
+        custom_error_message='shape: must be "arc" (the default) or "beam"',
     ),
 ]
 

@@ -41,7 +41,9 @@ from drumlin.brake.units import deg, mm
 
 
 class DrumShoe(Shoe):
-    """One shoe with its lining, held by a hinge or otherwise (`Held`); without `body` the shoe is rigid."""
+    """One shoe with its lining, held by a hinge or otherwise (`Held`); without `body` the shoe is
+    rigid.
+    """
 
     surface = DRUM
     side: Literal["internal", "external"]
@@ -51,7 +53,9 @@ class DrumShoe(Shoe):
 
     @cached_property
     def frame(self) -> Frame:
-        """The shoe's own frame; its origin is chosen so that phi of the lining's middle is in [0, pi]."""
+        """The shoe's own frame; its origin is chosen so that phi of the lining's middle is in [0,
+        pi].
+        """
         middle = 0.5 * (self.lining.start + self.lining.end)
         offset = math.remainder(middle - self.pin.angle, 2 * math.pi)
         sense = 1 if offset >= 0 else -1
@@ -71,16 +75,22 @@ class DrumShoe(Shoe):
         return np.asarray(self.frame.to_brake(xy.T).T)
 
     def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
-        """Points (2, ...) [m] of its frame, at a depth [m] behind the friction surface and angles phi [rad]."""
+        """Points (2, ...) [m] of its frame, at a depth [m] behind the friction surface and angles
+        phi [rad].
+        """
         r = size - self.sign * depth
         return np.array([r * np.cos(phi), r * np.sin(phi)])
 
     def off(self, xy: Floats, size: float) -> Floats:
-        """How far points (2, ...) [m] of its frame lie off the friction surface [m], positive = open."""
+        """How far points (2, ...) [m] of its frame lie off the friction surface [m], positive =
+        open.
+        """
         return self.sign * (size - np.hypot(*xy))
 
     def phi_of(self, xy: Floats, size: float) -> Floats:
-        """Angles [rad] of points (2, ...) [m] of its frame, within half a turn of the lining's middle."""
+        """Angles [rad] of points (2, ...) [m] of its frame, within half a turn of the lining's
+        middle.
+        """
         return angle_near(0.5 * sum(self.arc), xy)
 
     def place_of(self, point: Point) -> float:
@@ -97,7 +107,9 @@ class DrumShoe(Shoe):
         return self.lining.middle + (self.sign < 0) * math.pi
 
     def misfit_gap(self, theta: Floats, size: float) -> Floats:
-        """Gap [m] of a lining of its own radius, moved by its offset, at the angles theta [rad], same shape."""
+        """Gap [m] of a lining of its own radius, moved by its offset, at the angles theta [rad],
+        same shape.
+        """
         misfit = self.lining.misfit
         return circle_gap(size, misfit.radius, misfit.offset, self.lining.middle, self.sign, theta)
 
@@ -141,7 +153,12 @@ class DrumBrake(Brake):
         drum = self.drum.model_copy(update={"out_of_round": (), "angle": 0.0})
         friction = float(self.friction > 0)
         return self.model_copy(
-            update={"title": "-", "rotation": self.directions[0], "friction": friction, "drum": drum}
+            update={
+                "title": "-",
+                "rotation": self.directions[0],
+                "friction": friction,
+                "drum": drum,
+            }
         )
 
     def without_ring(self) -> Self:
@@ -164,7 +181,12 @@ class DrumBrake(Brake):
     @model_validator(mode="after")
     def _geometry(self, info: ValidationInfo) -> Self:
         check_names([shoe.name for shoe in self.shoes])
-        shoes = driven(self.shoes, self.actuation, self.links, file=bool((info.context or {}).get("unit_required")))
+        shoes = driven(
+            self.shoes,
+            self.actuation,
+            self.links,
+            file=bool((info.context or {}).get("unit_required")),
+        )
         _check_thickness("drum.ring", self.drum.ring, self.drum.radius)
         _check_round(self.drum)
         for i, shoe in enumerate(shoes):
@@ -174,24 +196,35 @@ class DrumBrake(Brake):
 
 
 def _check_round(drum: Drum) -> None:
-    off, most = sum(abs(lobes.amplitude) for lobes in drum.out_of_round), LARGEST_MISFIT * drum.radius
+    off, most = (
+        sum(abs(lobes.amplitude) for lobes in drum.out_of_round),
+        LARGEST_MISFIT * drum.radius,
+    )
     if off > most:
-        raise ValueError(f"drum.out_of_round = {mm(off)} in all: must be at most {LARGEST_MISFIT:g} R = {mm(most)}")
+        raise ValueError(
+            f"drum.out_of_round = {mm(off)} in all: must be at most {LARGEST_MISFIT:g} R = {mm(most)}"
+        )
 
 
 def _check_misfit(key: str, lining: DrumLining, radius: float) -> None:
-    """Raise ValueError for a misfit that is no small one of a drum of this radius [m], or blocks not on the lining."""
+    """Raise ValueError for a misfit that is no small one of a drum of this radius [m], or blocks
+    not on the lining.
+    """
     misfit, most = lining.misfit, LARGEST_MISFIT * radius
     allowed = f"{LARGEST_MISFIT:g} R = {mm(most)}"
     if misfit.radius is not None and abs(misfit.radius - radius) > most:
-        raise ValueError(f"{key}.radius = {mm(misfit.radius)}: must be within {allowed} of drum.radius = {mm(radius)}")
+        raise ValueError(
+            f"{key}.radius = {mm(misfit.radius)}: must be within {allowed} of drum.radius = {mm(radius)}"
+        )
     misfit.check(key, (lining.start, lining.end), lining.step, deg, most, allowed)
 
 
 THINNEST = 1e-9  # of the drum's radius: a thinner layer has no elements that arithmetic can tell from nothing
 
 
-def _check_thickness(key: str, part: "DrumLining | Backing | Body | Beam | Ring | Table | None", radius: float) -> None:
+def _check_thickness(
+    key: str, part: "DrumLining | Backing | Body | Beam | Ring | Table | None", radius: float
+) -> None:
     thickness = None if part is None else part.thickness
     if thickness is not None and thickness < THINNEST * radius:
         raise ValueError(
@@ -206,7 +239,9 @@ def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
     for name, part in parts.items():
         _check_thickness(f"{key}.{name}", part, radius)
     if shoe.hinge is not None and shoe.hinge.radius < 1e-9 * radius:
-        raise ValueError(f"{key}.hinge = (0, 0): must not be the drum's centre, about which the shoe would only slide")
+        raise ValueError(
+            f"{key}.hinge = (0, 0): must not be the drum's centre, about which the shoe would only slide"
+        )
     check_grip(key, shoe)
     _check_support(key, shoe, radius)
     if shoe.sign > 0 and shoe.depth >= radius:
@@ -236,7 +271,9 @@ def check_grip(key: str, shoe: Held) -> None:
     """Raise ValueError for a grip of the back of a body that an abutment holds by its end face."""
     body = getattr(shoe, "body", None)
     if shoe.abutment is not None and isinstance(body, Bar) and body.grip is not None:
-        raise ValueError(f"{key}.body.grip = {mm(body.grip)}: an abutment holds the body's end face; leave it out")
+        raise ValueError(
+            f"{key}.body.grip = {mm(body.grip)}: an abutment holds the body's end face; leave it out"
+        )
 
 
 def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
@@ -244,7 +281,9 @@ def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
     if shoe.sign > 0 or shoe.held_by != "hinge":
         raise ValueError(f"{said}: only for an external shoe that turns about its hinge")
     if math.dist(shoe.actuation.point.xy, shoe.pin.xy) < 1e-6 * radius:
-        raise ValueError(f"{said}: the actuation's point is the beam's loaded end and must not be the hinge")
+        raise ValueError(
+            f"{said}: the actuation's point is the beam's loaded end and must not be the hinge"
+        )
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     if axis.distance <= radius:
         raise ValueError(
@@ -273,7 +312,11 @@ def _check_support(key: str, shoe: DrumShoe, radius: float) -> None:
         return
     shown = f"{key}.pivot = ({mm(shoe.pivot.x)}, {mm(shoe.pivot.y)})"
     if shoe.pivot.radius < 1e-9 * radius:
-        raise ValueError(f"{shown}: must not be the drum's centre, about which the shoe would only slide")
+        raise ValueError(
+            f"{shown}: must not be the drum's centre, about which the shoe would only slide"
+        )
     if math.dist(shoe.pivot.xy, shoe.pin.xy) < 1e-9 * radius:
-        raise ValueError(f"{shown}: must not be the hinge; leave it out for a shoe that turns about its hinge")
+        raise ValueError(
+            f"{shown}: must not be the hinge; leave it out for a shoe that turns about its hinge"
+        )
     check_motions(key, shoe, slice(0, 2))

@@ -39,7 +39,11 @@ def elasticity_matrix(material: AnyMaterial) -> Floats:
     share = 1 - nu**2 * through / along
     coupled = nu * through / share
     return np.array(
-        [[along / share, coupled, 0.0], [coupled, through / share, 0.0], [0.0, 0.0, material.G_along_through]]
+        [
+            [along / share, coupled, 0.0],
+            [coupled, through / share, 0.0],
+            [0.0, 0.0, material.G_along_through],
+        ]
     )
 
 
@@ -88,7 +92,9 @@ def stiffer_along_and_through(elasticity: Any) -> Any:
     """D_11 and D_22 (..., 2) of elasticity matrices (..., 3, 3), less D_12 + 2 D_33; zero of
     isotropic ones."""
     isotropic = elasticity[..., 0, 1] + 2 * elasticity[..., 2, 2]
-    found = np.stack([elasticity[..., 0, 0] - isotropic, elasticity[..., 1, 1] - isotropic], axis=-1)
+    found = np.stack(
+        [elasticity[..., 0, 0] - isotropic, elasticity[..., 1, 1] - isotropic], axis=-1
+    )
     return np.where(np.abs(found) > ISOTROPIC_WITHIN * np.abs(isotropic)[..., None], found, 0.0)
 
 

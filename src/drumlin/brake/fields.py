@@ -30,7 +30,9 @@ from drumlin.texts import nearest
 def _si(value: object, si: str, info: ValidationInfo, key: str = "") -> float:
     """`value` in SI, where the context of the validation says whether it must carry its unit."""
     try:
-        return to_si(value, si, unit_required=bool(info.context and info.context.get("unit_required")))
+        return to_si(
+            value, si, unit_required=bool(info.context and info.context.get("unit_required"))
+        )
     except ValueError as error:
         raise ValueError(f"{key} = {value!r} {error}" if key else str(error)) from error
 
@@ -52,14 +54,18 @@ def _one_line(text: str) -> str:
 def _name(text: str) -> str:
     """Files are named after it, and lines in figures; "all" is the whole brake."""
     if not re.fullmatch(r"\w([\w .+()-]*[\w+)])?", text) or text == "all":
-        raise ValueError("must be letters, digits, spaces and . _ + - ( ), a letter or digit at both ends; not 'all'")
+        raise ValueError(
+            "must be letters, digits, spaces and . _ + - ( ), a letter or digit at both ends; not 'all'"
+        )
     return text
 
 
 def check_names(names: Sequence[str]) -> None:
     """Raises ValueError where files of two shoes would have the same name."""
     if len({name.replace(" ", "_").casefold() for name in names}) < len(names):
-        raise ValueError(f"shoe.name = {list(names)}: names must differ, not in case or spaces alone")
+        raise ValueError(
+            f"shoe.name = {list(names)}: names must differ, not in case or spaces alone"
+        )
 
 
 Length = Annotated[float, _quantity("m")]
@@ -76,7 +82,9 @@ Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_name)]
 class Part(BaseModel):
     """A piece of a brake: frozen, and with no key that it does not know."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -85,7 +93,9 @@ class Part(BaseModel):
         if isinstance(data, Mapping):
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
-                    raise ValueError(f"unknown key {key!r}{nearest(str(key), allowed)}; allowed: {', '.join(allowed)}")
+                    raise ValueError(
+                        f"unknown key {key!r}{nearest(str(key), allowed)}; allowed: {', '.join(allowed)}"
+                    )
         elif not isinstance(data, Part):
             raise ValueError(f"must be a table with keys of {', '.join(allowed)}")
         return data
@@ -167,14 +177,32 @@ class Orthotropic(Part):
     @model_validator(mode="after")
     def _positive_definite(self) -> Self:
         """Refuses constants under which some strain would have no positive energy."""
-        _check_ratio("nu_along_through", self.nu_along_through, self.E_along, self.E_through, ("along", "through"))
+        _check_ratio(
+            "nu_along_through",
+            self.nu_along_through,
+            self.E_along,
+            self.E_through,
+            ("along", "through"),
+        )
         missing = [key for key in ACROSS if getattr(self, key) is None]
         if len(missing) == len(ACROSS):
             return self
         if missing:
-            raise ValueError(f"{missing[0]} is missing: {', '.join(ACROSS)} go together; give all of them or none")
-        assert self.E_across is not None and self.nu_along_across is not None and self.nu_through_across is not None
-        _check_ratio("nu_along_across", self.nu_along_across, self.E_along, self.E_across, ("along", "across"))
+            raise ValueError(
+                f"{missing[0]} is missing: {', '.join(ACROSS)} go together; give all of them or none"
+            )
+        assert (
+            self.E_across is not None
+            and self.nu_along_across is not None
+            and self.nu_through_across is not None
+        )
+        _check_ratio(
+            "nu_along_across",
+            self.nu_along_across,
+            self.E_along,
+            self.E_across,
+            ("along", "across"),
+        )
         low, high = self._nu_through_across_allowed(self.E_across, self.nu_along_across)
         if not low < self.nu_through_across < high:
             raise ValueError(
@@ -183,7 +211,9 @@ class Orthotropic(Part):
             )
         return self
 
-    def _nu_through_across_allowed(self, E_across: float, nu_along_across: float) -> tuple[float, float]:
+    def _nu_through_across_allowed(
+        self, E_across: float, nu_along_across: float
+    ) -> tuple[float, float]:
         """Between what nu_through_across must lie.
 
         With every compliance over the root of the product of its diagonal entries, the determinant
@@ -281,8 +311,12 @@ Rows = tuple[tuple[float, float], ...]
 
 
 def number_or_table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
-    """One value, or a table of (place, value) with straight lines between; for the words of a refusal: names."""
-    return BeforeValidator(partial(_number_or_rows, si=si, place=place, name=name, row=(place_si, si)))
+    """One value, or a table of (place, value) with straight lines between; for the words of a
+    refusal: names.
+    """
+    return BeforeValidator(
+        partial(_number_or_rows, si=si, place=place, name=name, row=(place_si, si))
+    )
 
 
 def table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
@@ -302,7 +336,13 @@ def _number_or_rows(
 
 
 def _rows(
-    value: object, info: ValidationInfo, *, place: str, name: str, row: tuple[str, str], kinds: str = "rows"
+    value: object,
+    info: ValidationInfo,
+    *,
+    place: str,
+    name: str,
+    row: tuple[str, str],
+    kinds: str = "rows",
 ) -> Rows:
     items: Sequence[Any] = value if isinstance(value, list | tuple) else [value]
     rows: list[tuple[float, float]] = []
@@ -312,7 +352,9 @@ def _rows(
         rows.append((_si(item[0], row[0], info, place), _si(item[1], row[1], info, name)))
     for k in range(1, len(rows)):
         if rows[k][0] <= rows[k - 1][0]:
-            raise ValueError(f"the table needs growing {place}s, not {items[k][0]!r} after {items[k - 1][0]!r}")
+            raise ValueError(
+                f"the table needs growing {place}s, not {items[k][0]!r} after {items[k - 1][0]!r}"
+            )
     return tuple(rows)
 
 
@@ -329,16 +371,26 @@ def row_units_in(annotation: Any) -> tuple[str, str]:
 
 
 def _told(annotation: Any, key: str, pure: Any = None) -> Any:
-    """What the reader of a field's type is told by a key; `pure` of a number without reader, None of the rest."""
+    """What the reader of a field's type is told by a key; `pure` of a number without reader, None
+    of the rest.
+    """
     kind, *marks = (
-        (annotation.__origin__, *annotation.__metadata__) if get_origin(annotation) is Annotated else [annotation]
+        (annotation.__origin__, *annotation.__metadata__)
+        if get_origin(annotation) is Annotated
+        else [annotation]
     )
     for mark in marks:
-        if isinstance(mark, BeforeValidator) and isinstance(mark.func, partial) and key in mark.func.keywords:
+        if (
+            isinstance(mark, BeforeValidator)
+            and isinstance(mark.func, partial)
+            and key in mark.func.keywords
+        ):
             return mark.func.keywords[key]
     if kind is float:
         return pure
-    return next((found for part in get_args(kind) if (found := _told(part, key, pure)) is not None), None)
+    return next(
+        (found for part in get_args(kind) if (found := _told(part, key, pure)) is not None), None
+    )
 
 
 def rows_of(places: Floats, values: Floats) -> Rows:

@@ -1,4 +1,6 @@
-"""Brake files: TOML with a unit on every quantity, read and refused in one line; and brakes with keys changed."""
+"""Brake files: TOML with a unit on every quantity, read and refused in one line; and brakes with
+keys changed.
+"""
 
 import math
 import tomllib
@@ -30,7 +32,9 @@ ALLOWED = {
     "bool_type": "must be true or false",
     "bool_parsing": "must be true or false",
 }
-"""What is allowed, by pydantic's kinds of faults that it says in words of Python; the others it says well."""
+"""What is allowed, by pydantic's kinds of faults that it says in words of Python; the others it
+says well.
+"""
 
 
 KINDS = {"arc", "beam", "isotropic", "orthotropic", "float", "str"}
@@ -63,11 +67,14 @@ def _line(error: ValidationError, data: Any) -> str:
 P = TypeVar("P", bound=Part)
 
 
-def validated(kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> P:
-    """A part from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
+def validated(
+    kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
+) -> P:
+    """A part from nested data as a brake file has it; numbers without unit are SI unless
+    `unit_required`.
 
-    `base`: folder that relative mesh paths start from. Raises BadInput with one line that names the key, the value and
-    what is allowed.
+    `base`: folder that relative mesh paths start from. Raises BadInput with one line that names the
+    key, the value and what is allowed.
     """
     try:
         return kind.model_validate(data, context={"unit_required": unit_required, "base": base})
@@ -75,8 +82,11 @@ def validated(kind: type[P], data: Mapping[str, Any], *, unit_required: bool = F
         raise BadInput(_line(error, data)) from error
 
 
-def brake_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> Brake:
-    """A brake from nested data as a brake file has it; numbers without unit are SI unless `unit_required`.
+def brake_from(
+    data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
+) -> Brake:
+    """A brake from nested data as a brake file has it; numbers without unit are SI unless
+    `unit_required`.
 
     `base`: folder that relative mesh paths start from. Raises BadInput with one line.
     """
@@ -103,7 +113,8 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def read_brake(path: Path, text: str | None = None) -> Brake:
-    """The brake described by the TOML file `path`, every quantity with its unit; `text`: what it holds, if known.
+    """The brake described by the TOML file `path`, every quantity with its unit; `text`: what it
+    holds, if known.
 
     Raises BadInput with one line that names the key, the value and what is allowed.
     """
@@ -119,8 +130,8 @@ def vary(brake: P, changes: Mapping[str, Any]) -> P:
 
     Parameters
     ----------
-    brake : as `read_brake` gives it
-    changes : new values by key. A key is written as in the file's error lines, "shoe[0].lining.thickness";
+    brake : as `read_brake` gives it changes : new values by key. A key is written as in the file's
+    error lines, "shoe[0].lining.thickness";
         "shoe.lining.thickness" changes every shoe. Values: SI numbers, or texts with units
 
     Returns
@@ -145,21 +156,27 @@ def unit_of(brake: Part, key: str) -> str | None:
     """
     parts, name = _parts(brake, key)
     field = type(parts[0]).model_fields[name]
-    return unit_in(Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation)
+    return unit_in(
+        Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
+    )
 
 
 def is_interval(brake: Part, key: str) -> bool:
-    """Whether the numbers of one sign that a key can have, all else equal, are an interval: any between two of them.
+    """Whether the numbers of one sign that a key can have, all else equal, are an interval: any
+    between two of them.
 
-    True of lengths, forces, moduli and pure numbers: each limit on them is one from above or from below. Not known of
-    angles and of coordinates of points, which single values may be forbidden to, as a force through the hinge.
+    True of lengths, forces, moduli and pure numbers: each limit on them is one from above or from
+    below. Not known of angles and of coordinates of points, which single values may be forbidden
+    to, as a force through the hinge.
     """
     unit = unit_of(brake, key)
     return unit not in {None, "rad"} and not isinstance(_parts(brake, key)[0][0], Point)
 
 
 def values_of(brake: Part, key: str) -> list[Any]:
-    """The values of a key, written as for `vary`: one, or that of each shoe. Raises BadInput as `unit_of` does."""
+    """The values of a key, written as for `vary`: one, or that of each shoe. Raises BadInput as
+    `unit_of` does.
+    """
     parts, name = _parts(brake, key)
     return [getattr(part, name) for part in parts]
 
@@ -173,7 +190,12 @@ def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
             found = found[int(step) : int(step) + 1]
             continue
         below = [getattr(part, _name(part, step, key)) for part in found]
-        found = [part for item in below for part in (item if isinstance(item, tuple) else [item]) if part is not None]
+        found = [
+            part
+            for item in below
+            for part in (item if isinstance(item, tuple) else [item])
+            if part is not None
+        ]
         if not all(isinstance(part, Part) for part in found):
             raise BadInput(f"{key}: {step!r} has nothing to be set in")
     if not found:
@@ -190,7 +212,9 @@ def _name(part: Part, key: str, whole: str) -> str:
 
 
 def value_of(brake: Part, key: str) -> float:
-    """The number [SI] of a key, written as for `vary`; raises BadInput where it is none, or shoes differ in it."""
+    """The number [SI] of a key, written as for `vary`; raises BadInput where it is none, or shoes
+    differ in it.
+    """
     values = values_of(brake, key)
     if not all(isinstance(value, int | float) for value in values):
         raise BadInput(f"{key}: must be a key of the brake with a number, not {values[0]!r}")
@@ -200,20 +224,30 @@ def value_of(brake: Part, key: str) -> float:
 
 
 def differing(one: Part, other: Part) -> str | None:
-    """The first key in which two brakes differ by more than round-off, their titles apart; None of equal ones."""
+    """The first key in which two brakes differ by more than round-off, their titles apart; None of
+    equal ones.
+    """
     return _differing(one.model_dump(by_alias=True), other.model_dump(by_alias=True), "")
 
 
 def _differing(one: Any, other: Any, key: str) -> str | None:
     if isinstance(one, dict) and isinstance(other, dict):
-        pairs = [(f"{key}.{name}" if key else name, one.get(name), other.get(name)) for name in {**one, **other}]
-    elif isinstance(one, list | tuple) and isinstance(other, list | tuple) and len(one) == len(other):
+        pairs = [
+            (f"{key}.{name}" if key else name, one.get(name), other.get(name))
+            for name in {**one, **other}
+        ]
+    elif (
+        isinstance(one, list | tuple) and isinstance(other, list | tuple) and len(one) == len(other)
+    ):
         pairs = [(f"{key}[{i}]", a, b) for i, (a, b) in enumerate(zip(one, other, strict=True))]
     elif isinstance(one, float) and isinstance(other, float):
         return None if math.isclose(one, other, rel_tol=1e-12, abs_tol=1e-15) else key
     else:
         return None if one == other else key
-    return next((found for name, a, b in pairs if name != "title" and (found := _differing(a, b, name))), None)
+    return next(
+        (found for name, a, b in pairs if name != "title" and (found := _differing(a, b, name))),
+        None,
+    )
 
 
 def _steps(key: str) -> list[str]:

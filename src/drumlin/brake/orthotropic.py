@@ -20,4 +20,6 @@ def orthotropic_parts(brake: Brake) -> Iterator[str]:
 def isotropic_only(brake: Brake, model: str) -> str | None:
     """Why a `model` that takes isotropic materials alone does not apply; None where it does."""
     part = next(orthotropic_parts(brake), None)
-    return None if part is None else f"{part} is orthotropic; {model} takes isotropic materials only"
+    return (
+        None if part is None else f"{part} is orthotropic; {model} takes isotropic materials only"
+    )

@@ -1,7 +1,9 @@
-"""The brake on a plane, the data of a brake file with [plane]: shoes that press on a body which slides straight on.
+"""The brake on a plane, the data of a brake file with [plane]: shoes that press on a body which
+slides straight on.
 
 Conventions: the sliding surface is y = 0, the body lies below it, the shoes above; a lining reaches
-from x = start to x = end. It is the same kind of data as a drum brake, with lengths in place of angles.
+from x = start to x = end. It is the same kind of data as a drum brake, with lengths in place of
+angles.
 """
 
 import math
@@ -47,8 +49,9 @@ class Plane(Part):
 class FlatMisfit(Misfit):
     """How a pad's face is off the plane, besides its clearance.
 
-    `radius` [m] of a face that is ground to a circle, which meets the plane in the lining's middle: positive of a
-    crowned face, negative of a hollow one. `blocks`: rows (x, depth) [m]; the rest as of a lining on a drum.
+    `radius` [m] of a face that is ground to a circle, which meets the plane in the lining's middle:
+    positive of a crowned face, negative of a hollow one. `blocks`: rows (x, depth) [m]; the rest as
+    of a lining on a drum.
     """
 
     radius: Length | None = None
@@ -58,8 +61,9 @@ class FlatMisfit(Misfit):
 class FlatLining(Lining):
     """The friction lining on the plane, from x = `start` to x = `end` [m], `width` [m] across.
 
-    `thickness` [m] and `material` are what finite elements need; `clearance` [m]: how far it stands off the plane, one
-    value, or a table of (x, clearance) with straight lines between; `misfit` comes on top.
+    `thickness` [m] and `material` are what finite elements need; `clearance` [m]: how far it stands
+    off the plane, one value, or a table of (x, clearance) with straight lines between; `misfit`
+    comes on top.
     """
 
     start: Length
@@ -75,7 +79,10 @@ class FlatLining(Lining):
         long, radius = self.end - self.start, self.misfit.radius
         if long <= 0:
             raise ValueError(f"end = {mm(self.end)} must be greater than start = {mm(self.start)}")
-        most, least = LARGEST_MISFIT * long, long / (8 * LARGEST_MISFIT)  # of a circle that is off by so much at most
+        most, least = (
+            LARGEST_MISFIT * long,
+            long / (8 * LARGEST_MISFIT),
+        )  # of a circle that is off by so much at most
         if radius is not None and abs(radius) < least:
             raise ValueError(
                 f"misfit.radius = {mm(radius)}: must be at least {mm(least)} either way, "
@@ -131,7 +138,13 @@ class FlatShoe(Shoe):
     @model_validator(mode="after")
     def _on_body(self) -> Self:
         slack = 1e-9 * (self.lining.end - self.lining.start)
-        if self.body and not self.body.start - slack <= self.lining.start < self.lining.end <= self.body.end + slack:
+        if (
+            self.body
+            and not self.body.start - slack
+            <= self.lining.start
+            < self.lining.end
+            <= self.body.end + slack
+        ):
             raise ValueError(
                 f"lining = {mm(self.lining.start)} to {mm(self.lining.end)}: must lie within the body, "
                 f"{mm(self.body.start)} to {mm(self.body.end)}"
@@ -156,7 +169,9 @@ class FlatShoe(Shoe):
 
     @cached_property
     def frame(self) -> FlatFrame:
-        """The shoe's own frame; its sense is chosen so that the lining's middle is at a distance >= 0."""
+        """The shoe's own frame; its sense is chosen so that the lining's middle is at a distance >=
+        0.
+        """
         return FlatFrame(self.pin.x, 1 if self.lining.middle >= self.pin.x else -1, self.size)
 
     @property
@@ -198,8 +213,12 @@ class FlatShoe(Shoe):
         return -math.pi / 2
 
     def misfit_gap(self, theta: Floats, size: float) -> Floats:
-        """Gap [m] of a face ground to a circle, moved by its offset, at the places x [m], same shape."""
-        return crown_gap(self.lining.misfit.radius, self.lining.misfit.offset, theta - self.lining.middle)
+        """Gap [m] of a face ground to a circle, moved by its offset, at the places x [m], same
+        shape.
+        """
+        return crown_gap(
+            self.lining.misfit.radius, self.lining.misfit.offset, theta - self.lining.middle
+        )
 
 
 class FlatBrake(Brake):
@@ -228,17 +247,26 @@ class FlatBrake(Brake):
 
     def reversed(self) -> Self:
         """The brake whose body slides the other way."""
-        return self.model_copy(update={"plane": self.plane.model_copy(update={"sliding": self.other_direction})})
+        return self.model_copy(
+            update={"plane": self.plane.model_copy(update={"sliding": self.other_direction})}
+        )
 
     def bare(self) -> Self:
         """The brake without what its bodies do not depend on, but for the shoes."""
         friction = float(self.friction > 0)
-        return self.model_copy(update={"title": "-", "friction": friction, "plane": Plane(sliding="+x")})
+        return self.model_copy(
+            update={"title": "-", "friction": friction, "plane": Plane(sliding="+x")}
+        )
 
     @model_validator(mode="after")
     def _whole(self, info: ValidationInfo) -> Self:
         check_names([shoe.name for shoe in self.shoes])
-        shoes = driven(self.shoes, self.actuation, self.links, file=bool((info.context or {}).get("unit_required")))
+        shoes = driven(
+            self.shoes,
+            self.actuation,
+            self.links,
+            file=bool((info.context or {}).get("unit_required")),
+        )
         size = shoes[0].lining.end - shoes[0].lining.start
         shoes = tuple(shoe.of_size(size) for shoe in shoes)
         for i, shoe in enumerate(shoes):
@@ -250,7 +278,9 @@ class FlatBrake(Brake):
         return self.model_copy(update={"shoes": shoes})
 
 
-def any_from(data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None) -> Brake:
+def any_from(
+    data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
+) -> Brake:
     """As `brake_from`, with [plane] a brake on a plane."""
     return validated(Brake.shape_of(data), data, unit_required=unit_required, base=base)
 
@@ -270,7 +300,8 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
     Raises
     ------
     BadInput
-        for a file that cannot be read or is no brake: one line that names the key, the value and what is allowed
+        for a file that cannot be read or is no brake: one line that names the key, the value and
+        what is allowed
     """
     path = Path(path)
     data = read_toml(path) if text is None else toml_data(text, path)
@@ -281,7 +312,9 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
 
 
 def read_drum(path: Path, what: str, text: str | None = None) -> Brake:
-    """The brake on a drum of a TOML file, for `what` takes no other. Raises BadInput as `read_any`, and for a plane."""
+    """The brake on a drum of a TOML file, for `what` takes no other. Raises BadInput as `read_any`,
+    and for a plane.
+    """
     brake = read_any(path, text)
     if not isinstance(brake, DrumBrake):
         raise BadInput(f"{path}: is a brake on a plane; {what} takes brakes on a drum")

@@ -1,4 +1,6 @@
-"""The JSON schema of a brake file, from the classes that read it: editors complete and check TOML by it."""
+"""The JSON schema of a brake file, from the classes that read it: editors complete and check TOML
+by it.
+"""
 
 import json
 import re
@@ -31,7 +33,11 @@ class UnitSchema(GenerateJsonSchema):
         found, function = super().function_before_schema(schema), schema["function"]["function"]
         if function is fields._from_polar:
             return {"anyOf": [found, _POLAR]}
-        return _with_units(found, function.keywords.get("si")) if isinstance(function, partial) else found
+        return (
+            _with_units(found, function.keywords.get("si"))
+            if isinstance(function, partial)
+            else found
+        )
 
 
 _POLAR = {
@@ -49,32 +55,54 @@ def _with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValue:
         return {**found, "anyOf": [_with_units(part, si) for part in found["anyOf"]]}
     if found.get("type") == "number":
         return quantity(si) if si else {"type": "string", "pattern": QUANTITY}
-    row = {"type": "array", "items": {"type": "string", "pattern": QUANTITY}, "minItems": 2, "maxItems": 2}
-    return {"type": "array", "items": row, "description": "rows of a place and a value, each with its unit"}
+    row = {
+        "type": "array",
+        "items": {"type": "string", "pattern": QUANTITY},
+        "minItems": 2,
+        "maxItems": 2,
+    }
+    return {
+        "type": "array",
+        "items": row,
+        "description": "rows of a place and a value, each with its unit",
+    }
 
 
 def written(schema: Any) -> Any:
-    """A schema without what no file has: defaults in SI, titles made of names, null for a key that is left out."""
+    """A schema without what no file has: defaults in SI, titles made of names, null for a key that
+    is left out.
+    """
     if isinstance(schema, list):
         return [written(part) for part in schema if part != {"type": "null"}]
     if not isinstance(schema, dict):
         return schema
     found = {
-        key: {name: written(part) for name, part in value.items()} if key in {"properties", "$defs"} else written(value)
+        key: {name: written(part) for name, part in value.items()}
+        if key in {"properties", "$defs"}
+        else written(value)
         for key, value in schema.items()
         if not (key == "title" and isinstance(value, str))
         and not (key == "default" and not isinstance(value, str | bool))
     }
     only = found.get("anyOf", ())
-    return {**only[0], **{k: v for k, v in found.items() if k != "anyOf"}} if len(only) == 1 else found
+    return (
+        {**only[0], **{k: v for k, v in found.items() if k != "anyOf"}} if len(only) == 1 else found
+    )
 
 
 IN_FILES = re.compile(r'"(#/\$defs/)?Drum(Brake|Lining|Shoe)"')
-"""Names of the classes that read a brake on a drum. A schema calls them Brake, Lining and Shoe, which stays."""
+"""Names of the classes that read a brake on a drum. A schema calls them Brake, Lining and Shoe,
+which stays.
+"""
 
 
 def brake_schema() -> dict[str, Any]:
     """The schema of a brake file, on a drum or on a plane."""
     made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
     found = json.loads(IN_FILES.sub(r'"\1\2"', json.dumps(written(made))))
-    return {"$schema": DIALECT, "title": "drumlin brake file", **found, "$defs": dict(sorted(found["$defs"].items()))}
+    return {
+        "$schema": DIALECT,
+        "title": "drumlin brake file",
+        **found,
+        "$defs": dict(sorted(found["$defs"].items())),
+    }

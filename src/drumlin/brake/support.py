@@ -1,9 +1,11 @@
-"""How a shoe is held: hinge, pivot of a lever, abutment, guide; and the rigid motions that each leaves it.
+"""How a shoe is held: hinge, pivot of a lever, abutment, guide; and the rigid motions that each
+leaves it.
 
-A rigid motion of the plane is three numbers (dx, dy [m], turn [rad]) about the origin, the drum's centre or that of a
-plane's coordinates: the point x moves by (dx - turn y, dy + turn x). The reactions of what holds a shoe do no work on
-its `tests`. Its `motions` are the same but where friction acts at an abutment, whose reaction leans away from the
-face's normal: the shoe slides along the face, and is tested along what is square to the reaction.
+A rigid motion of the plane is three numbers (dx, dy [m], turn [rad]) about the origin, the drum's
+centre or that of a plane's coordinates: the point x moves by (dx - turn y, dy + turn x). The
+reactions of what holds a shoe do no work on its `tests`. Its `motions` are the same but where
+friction acts at an abutment, whose reaction leans away from the face's normal: the shoe slides
+along the face, and is tested along what is square to the reaction.
 """
 
 import math
@@ -31,8 +33,10 @@ STICKS = 1e-9  # relative, of what friction bears: round-off
 
 
 class Abutment(Part):
-    """A face that the shoe's foot slides on: it bears at `point`, `direction` [rad] is the face's normal, the direction
-    of its force on the foot without friction. `friction` mu_s opposes the slide."""
+    """A face that the shoe's foot slides on: it bears at `point`, `direction` [rad] is the face's
+    normal, the direction of its force on the foot without friction. `friction` mu_s opposes the
+    slide.
+    """
 
     point: Place
     direction: Angle
@@ -46,9 +50,10 @@ class Guide(Part):
 
 
 class Freedoms(NamedTuple):
-    """The free motions of a shoe: `motions`, `tests` (k, 3), and the `work` (k,) of the actuation on the tests, in N m
-    of a turn and N of a slide; `tip` (k,): how far the actuation's point goes along its force on the motions, in m.
-    `names` (k,): "turn", "tilt" about a pivot, "slide"."""
+    """The free motions of a shoe: `motions`, `tests` (k, 3), and the `work` (k,) of the actuation
+    on the tests, in N m of a turn and N of a slide; `tip` (k,): how far the actuation's point goes
+    along its force on the motions, in m. `names` (k,): "turn", "tilt" about a pivot, "slide".
+    """
 
     motions: Floats
     tests: Floats
@@ -87,7 +92,9 @@ def moved(motions: Floats, xy: Floats) -> Floats:
 
 
 class Change(NamedTuple):
-    """How `motions` and `tests` (k, 3) of a shoe's freedoms change with one number of what holds it."""
+    """How `motions` and `tests` (k, 3) of a shoe's freedoms change with one number of what holds
+    it.
+    """
 
     motions: Floats
     tests: Floats
@@ -96,8 +103,9 @@ class Change(NamedTuple):
 class Held(Part):
     """What shoes on a drum and on a plane share: a name, what holds them, what pushes them.
 
-    `hinge`: a pin about which the shoe turns. With a `pivot` besides, the hinge is the pin of a lever, the actuation
-    acts on the lever, and the shoe turns about the pivot at the lever's end. Or an `abutment`, or a `guide`.
+    `hinge`: a pin about which the shoe turns. With a `pivot` besides, the hinge is the pin of a
+    lever, the actuation acts on the lever, and the shoe turns about the pivot at the lever's end.
+    Or an `abutment`, or a `guide`.
     """
 
     name: Name
@@ -105,15 +113,21 @@ class Held(Part):
     pivot: Place | None = None
     abutment: Abutment | None = None
     guide: Guide | None = None
-    actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))  # until a strut gives it
+    actuation: Actuation = Actuation(
+        force=0.0, direction=0.0, point=Point(x=0.0, y=0.0)
+    )  # until a strut gives it
 
     @model_validator(mode="after")
     def _held(self) -> Self:
         given = [key for key in KINDS if getattr(self, key) is not None]
         if not given:
-            raise ValueError("hinge: is missing; a shoe is held by one of hinge, hinge and pivot, abutment, guide")
+            raise ValueError(
+                "hinge: is missing; a shoe is held by one of hinge, hinge and pivot, abutment, guide"
+            )
         if len(given) > 1:
-            raise ValueError(f"{given[1]}: a shoe is held by one of {', '.join(KINDS)}, not by {' and '.join(given)}")
+            raise ValueError(
+                f"{given[1]}: a shoe is held by one of {', '.join(KINDS)}, not by {' and '.join(given)}"
+            )
         if self.pivot is not None and self.hinge is None:
             raise ValueError("pivot: is on a lever, whose pin is the hinge; hinge is missing")
         return self
@@ -127,15 +141,18 @@ class Held(Part):
 
     @property
     def pin(self) -> Point:
-        """The point that its moments and angles count from: the hinge, the foot's on an abutment; of a guided shoe,
-        which has none, the point of its actuation."""
+        """The point that its moments and angles count from: the hinge, the foot's on an abutment;
+        of a guided shoe, which has none, the point of its actuation.
+        """
         if self.hinge is not None:
             return self.hinge
         return self.actuation.point if self.abutment is None else self.abutment.point
 
     def under(self, force: float) -> Self:
         """The shoe under another force [N] of its actuation."""
-        return self.model_copy(update={"actuation": self.actuation.model_copy(update={"force": force})})
+        return self.model_copy(
+            update={"actuation": self.actuation.model_copy(update={"force": force})}
+        )
 
     @property
     def bearing(self) -> Floats:
@@ -145,12 +162,16 @@ class Held(Part):
 
     @property
     def senses(self) -> tuple[int, ...]:
-        """How friction may act where the shoe is held, see `freedoms`: the first is to be tried first."""
+        """How friction may act where the shoe is held, see `freedoms`: the first is to be tried
+        first.
+        """
         return (1, -1, 0) if self.abutment is not None and self.abutment.friction > 0 else (1,)
 
     def stands(self, reaction: Floats, sense: int, slide: float) -> bool:
-        """Whether an abutment can give a reaction (2,) on the foot: it presses, and its friction of a `sense` opposes
-        the `slide` of the foot along it (any length), or holds the foot. True of a shoe without one."""
+        """Whether an abutment can give a reaction (2,) on the foot: it presses, and its friction of
+        a `sense` opposes the `slide` of the foot along it (any length), or holds the foot. True of
+        a shoe without one.
+        """
         if self.abutment is None:
             return True
         c, s = self.bearing
@@ -164,8 +185,9 @@ class Held(Part):
     def freedoms(self, sense: int = 1) -> Freedoms:
         """The free motions of the shoe.
 
-        sense: of an abutment's friction, +1 along the normal turned by +90 deg, -1 against it; 0 where the foot sticks.
-        UNHELD: the abutment is left out, the foot may slide and come off its face.
+        sense: of an abutment's friction, +1 along the normal turned by +90 deg, -1 against it; 0
+        where the foot sticks. UNHELD: the abutment is left out, the foot may slide and come off its
+        face.
         """
         at = self.actuation.point.xy
         motions, names = [turn_about(self.pin)], ["turn"]
@@ -178,7 +200,9 @@ class Held(Part):
         if self.abutment is not None and sense != 0:
             along = self.abutment.direction + math.pi / 2
             motions.append(slide_along(along))
-            tests.append(slide_along(along + (sense != UNHELD) * sense * math.atan(self.abutment.friction)))
+            tests.append(
+                slide_along(along + (sense != UNHELD) * sense * math.atan(self.abutment.friction))
+            )
             names.append("slide")
         if self.abutment is not None and sense == UNHELD:
             motions.append(slide_along(self.abutment.direction))
@@ -187,13 +211,17 @@ class Held(Part):
         moved, tested = np.array(motions), np.array(tests)
         work = work_on(tested, self.actuation.vector, at)
         tip = work_on(moved, self.actuation.direction_vector, at)
-        if self.pivot is not None:  # the actuation acts on the lever: it does no work where the shoe tilts on its pivot
+        if (
+            self.pivot is not None
+        ):  # the actuation acts on the lever: it does no work where the shoe tilts on its pivot
             work[1] = tip[1] = 0.0
         return Freedoms(moved, tested, work, tip, tuple(names))
 
     def changes(self, sense: int = 1) -> dict[str, tuple[Change, ...]]:
-        """How its freedoms change with what holds it, by key: points along x and y [per m], directions [per rad],
-        friction [1]. Exact: freedoms are linear in points; sense: as of `freedoms`."""
+        """How its freedoms change with what holds it, by key: points along x and y [per m],
+        directions [per rad], friction [1]. Exact: freedoms are linear in points; sense: as of
+        `freedoms`.
+        """
         k = len(self.freedoms(sense).names)
 
         def both(row: int, change: Floats) -> Change:
@@ -211,9 +239,13 @@ class Held(Part):
             return found
         mu, along = self.abutment.friction, self.abutment.direction + math.pi / 2
         tested = slide_along(along + sense * math.atan(mu) + math.pi / 2)
-        found["abutment.direction"] = (Change(_rows(k, 1, slide_along(along + math.pi / 2)), _rows(k, 1, tested)),)
+        found["abutment.direction"] = (
+            Change(_rows(k, 1, slide_along(along + math.pi / 2)), _rows(k, 1, tested)),
+        )
         if mu > 0:
-            found["abutment.friction"] = (Change(np.zeros((k, 3)), _rows(k, 1, sense * tested / (1 + mu**2))),)
+            found["abutment.friction"] = (
+                Change(np.zeros((k, 3)), _rows(k, 1, sense * tested / (1 + mu**2))),
+            )
         return found
 
 
@@ -229,8 +261,9 @@ def _found(mesh: Path | None, info: ValidationInfo) -> Path | None:
 class Meshed(Held):
     """A shoe that can take a mesh file, `mesh`, in place of the parametric mesh.
 
-    Its coordinates are the brake's or, so that a shoe and its mirror image can share one file, those of the shoe's own
-    `frame`. `mesh_interference` says that a contact line deep in the drum or the plane is meant.
+    Its coordinates are the brake's or, so that a shoe and its mirror image can share one file,
+    those of the shoe's own `frame`. `mesh_interference` says that a contact line deep in the drum
+    or the plane is meant.
     """
 
     mesh: Annotated[Path | None, AfterValidator(_found)] = None
@@ -242,7 +275,9 @@ class Meshed(Held):
     def _of_a_mesh(self) -> Self:
         for key in ("mesh_unit", "mesh_frame", "mesh_interference"):
             if self.mesh is None and getattr(self, key) != type(self).model_fields[key].default:
-                raise ValueError(f"{key} = {getattr(self, key)!r}: belongs to a mesh file; mesh is missing")
+                raise ValueError(
+                    f"{key} = {getattr(self, key)!r}: belongs to a mesh file; mesh is missing"
+                )
         return self
 
 
@@ -254,12 +289,21 @@ def _rows(count: int, row: int, change: Floats) -> Floats:
 
 
 def check_motions(key: str, shoe: Held, columns: slice) -> None:
-    """Raise ValueError where two motions of a shoe close its gap alike, so that nothing fixes one of them.
+    """Raise ValueError where two motions of a shoe close its gap alike, so that nothing fixes one
+    of them.
 
     columns: those of a motion that close the gap, dx and dy on a drum, dy and turn on a plane.
     """
     closing = shoe.freedoms().motions[:, columns]
-    if len(closing) == 2 and abs(np.linalg.det(closing)) <= 1e-6 * np.prod(np.linalg.norm(closing, axis=1)):
-        what = "pivot: the lever's pin" if shoe.pivot is not None else "abutment: the normal of its face"
+    if len(closing) == 2 and abs(np.linalg.det(closing)) <= 1e-6 * np.prod(
+        np.linalg.norm(closing, axis=1)
+    ):
+        what = (
+            "pivot: the lever's pin"
+            if shoe.pivot is not None
+            else "abutment: the normal of its face"
+        )
         where = "the drum's centre" if columns.start == 0 else "the normal of the plane"
-        raise ValueError(f"{key}.{what} must not be in line with it and {where}: the shoe would only slide")
+        raise ValueError(
+            f"{key}.{what} must not be in line with it and {where}: the shoe would only slide"
+        )

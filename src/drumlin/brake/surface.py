@@ -1,4 +1,5 @@
-"""What a brake runs on, a drum or a plane: its coordinate, what the brake does on it, and its words.
+"""What a brake runs on, a drum or a plane: its coordinate, what the brake does on it, and its
+words.
 
 There is one `Brake` and one `Shoe`. What differs between a drum and a plane is asked of them or of
 their `surface`, DRUM or PLANE, and nothing outside `drumlin.brake` looks at the class of a brake.
@@ -101,18 +102,24 @@ class FrictionSurface:
         return np.array([-np.sin(q), np.cos(q)])
 
     def outwards(self, q: Floats) -> Floats:
-        """Unit normals (2, ...) of an internal lining, out of it and into the surface, at the places q."""
+        """Unit normals (2, ...) of an internal lining, out of it and into the surface, at the
+        places q.
+        """
         if self.straight:
             return np.array([np.zeros(np.shape(q)), -np.ones(np.shape(q))])
         return np.array([np.cos(q), np.sin(q)])
 
     def levers(self, q: Floats, size: float) -> Floats:
-        """Moments about the origin [m] of unit forces `outwards` and `along` at the places q (2, ...)."""
+        """Moments about the origin [m] of unit forces `outwards` and `along` at the places q (2,
+        ...).
+        """
         none = np.zeros(np.shape(q))
         return np.array([-np.asarray(q), none]) if self.straight else np.array([none, none + size])
 
     def turns(self, twice: float) -> float:
-        """The whole turns [q] nearest to half of `twice`, the sum of the ends of a lining less that of another's."""
+        """The whole turns [q] nearest to half of `twice`, the sum of the ends of a lining less that
+        of another's.
+        """
         return 0.0 if self.straight else self.period * round(twice / (2 * self.period))
 
     def nearest(self, q: float, middle: float) -> float:

@@ -11,11 +11,13 @@ from typing import Any
 from drumlin.errors import BadInput
 from drumlin.texts import LONGEST_QUANTITY
 
-# A number, then a unit: words with one-digit powers, joined by blank, * or /, the last denominator perhaps in
-# brackets. Nothing that pint would have to evaluate: m^9^9^9 would take it for ever.
+# A number, then a unit: words with one-digit powers, joined by blank, * or /, the last denominator
+# perhaps in brackets. Nothing that pint would have to evaluate: m^9^9^9 would take it for ever.
 _WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
 _UNIT = rf"(?:1 ?/ ?)?{_WORD}(?:[ */]{{1,3}}{_WORD}){{0,5}}(?: ?/ ?\( ?{_WORD}(?:[ *]{{1,3}}{_WORD}){{0,5}} ?\))?"
-_QUANTITY = re.compile(rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{{1,3}})?)\s*({_UNIT})\s*", re.ASCII)
+_QUANTITY = re.compile(
+    rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{{1,3}})?)\s*({_UNIT})\s*", re.ASCII
+)
 
 LARGEST = 1e30  # beyond any brake, and products of such numbers are still numbers
 SMALLEST = 1e-30  # below it a quantity is nothing: squares of such numbers would vanish, but not the numbers
@@ -37,7 +39,8 @@ NAMES = {
     "N m^2": "a bending stiffness",
     "1/Pa": "a wear coefficient",
 }
-# Factors to SI of the units that most files keep to, so that they need no pint; the tests hold them against it.
+# Factors to SI of the units that most files keep to, so that they need no pint; the tests hold them
+# against it.
 COMMON = {
     "m": {"m": 1.0, "mm": 1e-3},
     "N": {"N": 1.0, "kN": 1e3},
@@ -66,7 +69,9 @@ def _by_pint(unit: str, si: str) -> float:
         factor, base = registry.get_base_units(registry.parse_units(unit.strip()))
         si_factor, si_base = registry.get_base_units(si)
     except Exception as error:  # pint raises many kinds (undefined unit, token errors, ...)
-        raise ValueError(f"unknown unit {unit.strip()!r}; allowed: {NAMES[si]} such as {EXAMPLES[si]!r}") from error
+        raise ValueError(
+            f"unknown unit {unit.strip()!r}; allowed: {NAMES[si]} such as {EXAMPLES[si]!r}"
+        ) from error
     if base != si_base:
         raise ValueError(f"must be {NAMES[si]} such as {EXAMPLES[si]!r}")
     return float(factor / si_factor)
@@ -87,10 +92,14 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
     """
     if isinstance(value, str):
         if len(value) > LONGEST_QUANTITY:
-            raise ValueError(f"must be {NAMES[si]} in at most {LONGEST_QUANTITY} characters, such as {EXAMPLES[si]!r}")
+            raise ValueError(
+                f"must be {NAMES[si]} in at most {LONGEST_QUANTITY} characters, such as {EXAMPLES[si]!r}"
+            )
         match = _QUANTITY.fullmatch(value)
         if match is None:
-            raise ValueError(f"must be {NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}")
+            raise ValueError(
+                f"must be {NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}"
+            )
         number = float(match.group(1)) * _factor(match.group(2), si)
     elif isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"must be {NAMES[si]} such as {EXAMPLES[si]!r}")

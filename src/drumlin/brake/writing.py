@@ -20,16 +20,19 @@ READABLE = {"m": ("mm", "m"), "rad": ("deg",), "Pa": ("GPa", "MPa"), "N": ("kN",
 
 
 def brake_text(brake: Part) -> str:
-    """The text of a brake file that reads as exactly this brake; keys that have their default are left out.
+    """The text of a brake file that reads as exactly this brake; keys that have their default are
+    left out.
 
-    Paths of mesh files are written as they are in the brake, so that they are found from the same folder. Raises
-    BadInput for a path with bytes that are no UTF-8, which no brake file can name.
+    Paths of mesh files are written as they are in the brake, so that they are found from the same
+    folder. Raises BadInput for a path with bytes that are no UTF-8, which no brake file can name.
     """
     return "\n".join(_table(_as_given(brake), "")).strip() + "\n"
 
 
 def _as_given(brake: Part) -> Part:
-    """The brake without the forces that follow from its drive and its struts: a file must not repeat them."""
+    """The brake without the forces that follow from its drive and its struts: a file must not
+    repeat them.
+    """
     if not isinstance(brake, Brake) or not (brake.actuation or brake.links):
         return brake
     pushed = {link.to for link in brake.links}
@@ -47,7 +50,9 @@ def _fields(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
     """Key, value and field of what is not left at its default."""
     for name, field in type(part).model_fields.items():
         value = getattr(part, name)
-        if isinstance(part, Actuation) and name == "force":  # its default is that of a shoe that something else pushes
+        if (
+            isinstance(part, Actuation) and name == "force"
+        ):  # its default is that of a shoe that something else pushes
             if not math.isnan(value):
                 yield name, value, field
         elif field.is_required() or value != field.get_default(call_default_factory=True):
@@ -59,7 +64,9 @@ def _table(part: Part, path: str) -> Iterator[str]:
     below = []
     for key, value, field in _fields(part):
         parts = value if isinstance(value, tuple) else (value,)
-        if value != () and all(isinstance(item, Part) and not isinstance(item, INLINE) for item in parts):
+        if value != () and all(
+            isinstance(item, Part) and not isinstance(item, INLINE) for item in parts
+        ):
             below.append((key, value))
         else:
             yield f"{key} = {_value(value, field)}"
@@ -82,7 +89,11 @@ def _value(value: Any, field: FieldInfo) -> str:
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     if isinstance(value, tuple):
         place, size = row_units_in(kind)
-        return "[" + ", ".join(f"[{quantity_text(a, place)}, {quantity_text(b, size)}]" for a, b in value) + "]"
+        return (
+            "["
+            + ", ".join(f"[{quantity_text(a, place)}, {quantity_text(b, size)}]" for a, b in value)
+            + "]"
+        )
     return quantity_text(value, unit_in(kind) or "")
 
 
@@ -91,16 +102,24 @@ def _quoted(text: str) -> str:
     try:
         text.encode("utf-8")
     except UnicodeEncodeError as error:
-        raise BadInput(f"{text}: has bytes that are no UTF-8; a brake file cannot name it") from error
+        raise BadInput(
+            f"{text}: has bytes that are no UTF-8; a brake file cannot name it"
+        ) from error
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _inline(part: Part) -> str:
-    return "{ " + ", ".join(f"{key} = {_value(value, field)}" for key, value, field in _fields(part)) + " }"
+    return (
+        "{ "
+        + ", ".join(f"{key} = {_value(value, field)}" for key, value, field in _fields(part))
+        + " }"
+    )
 
 
 def quantity_text(value: float, si: str) -> str:
-    """A number [SI] as a quoted text with a readable unit that reads as the same number; bare where `si` is empty."""
+    """A number [SI] as a quoted text with a readable unit that reads as the same number; bare where
+    `si` is empty.
+    """
     if not si:
         return repr(value)
     for unit in READABLE.get(si, ()):

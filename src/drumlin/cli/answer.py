@@ -1,4 +1,6 @@
-"""A response as a person at the terminal reads it: the answer as a small table, then what to know about it."""
+"""A response as a person at the terminal reads it: the answer as a small table, then what to know
+about it.
+"""
 
 import math
 from typing import TYPE_CHECKING
@@ -13,7 +15,8 @@ LEAST = ["shoe_factor", "reaction", "normal_force", "at"]
 
 
 def print_response(brake: "Brake", response: "Response", *, verbose: bool = False) -> None:
-    """Torque and brake factor, a row a shoe, warnings, how bodies are held; shoes that do not touch are said first.
+    """Torque and brake factor, a row a shoe, warnings, how bodies are held; shoes that do not touch
+    are said first.
 
     verbose: figures of merit, how it was found, how long that took and what is left out, too.
     """
@@ -29,7 +32,11 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
         if line in apart:
             tell(line)
     factor = brake_factor(brake, response)
-    said = "" if factor is None else f", brake factor {factor:.4g} = {surface.factor}, F the mean actuation force"
+    said = (
+        ""
+        if factor is None
+        else f", brake factor {factor:.4g} = {surface.factor}, F the mean actuation force"
+    )
     tell(f"{what} {response.effect:.6g} {surface.effect_unit}{said}")
     if not response.converged:
         tell("not converged")
@@ -41,8 +48,14 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
         tell(line)
     if response.error is not None:
         more = {"torque": what, "peak": "peak pressure", "reaction": "hinge reaction"}
-        errors = [f", {name} {response.error[key]:.1e}" for key, name in more.items() if key in response.error]
-        tell(f"estimated error: p {response.error['pressure']:.1e} (L2, worst shoe){''.join(errors)}")
+        errors = [
+            f", {name} {response.error[key]:.1e}"
+            for key, name in more.items()
+            if key in response.error
+        ]
+        tell(
+            f"estimated error: p {response.error['pressure']:.1e} (L2, worst shoe){''.join(errors)}"
+        )
     for line in held:
         tell(line)
     if verbose:
@@ -63,22 +76,33 @@ def _print_shoes(brake: "Brake", response: "Response") -> None:
         "shoe": Column("shoe", "shoe\n", [shoe.name for shoe in response.shoes], left=True),
         "effect": Column("torque", surface.heading, [f"{value:.6g}" for value in effects]),
         "normal_force": Column(
-            "normal force", "normal\nforce [N]", [f"{shoe.normal_force:.6g}" for shoe in response.shoes]
+            "normal force",
+            "normal\nforce [N]",
+            [f"{shoe.normal_force:.6g}" for shoe in response.shoes],
         ),
         "peak": Column(
-            "peak pressure", "peak p\n[MPa]", [f"{shoe.peak_pressure * 1e-6:.4g}" for shoe in response.shoes]
+            "peak pressure",
+            "peak p\n[MPa]",
+            [f"{shoe.peak_pressure * 1e-6:.4g}" for shoe in response.shoes],
         ),
         "at": Column("where the pressure peaks", f"at\n[{unit}]", at),
         "contact": Column(
-            "contact", f"contact\n[{unit}]", [arcs_text(shoe, surface).replace(", ", "\n") for shoe in response.shoes]
+            "contact",
+            f"contact\n[{unit}]",
+            [arcs_text(shoe, surface).replace(", ", "\n") for shoe in response.shoes],
         ),
         "reaction": Column(
-            "hinge reaction", "reaction\n[N]", [f"{math.hypot(*shoe.hinge_reaction):.6g}" for shoe in response.shoes]
+            "hinge reaction",
+            "reaction\n[N]",
+            [f"{math.hypot(*shoe.hinge_reaction):.6g}" for shoe in response.shoes],
         ),
         "shoe_factor": Column(
             "shoe factor",
             f"{surface.factor}\n",
-            [f"{value / force:.3f}" if force else "" for value, force in zip(effects, forces, strict=True)],
+            [
+                f"{value / force:.3f}" if force else ""
+                for value, force in zip(effects, forces, strict=True)
+            ],
         ),
     }
     print_columns(columns, LEAST)
@@ -102,7 +126,9 @@ def _print_more(response: "Response", told: set[str]) -> None:
 
 
 def _merit_text(merit: "Merit | FlatMerit") -> str:
-    """Figures of merit for people: names as in the JSON, the angle in degrees; without those that are None."""
+    """Figures of merit for people: names as in the JSON, the angle in degrees; without those that
+    are None.
+    """
     values = {key: value for key, value in merit._asdict().items() if value is not None}
     angle = values.pop("resultant_angle", None)
     said = [] if angle is None else [f"resultant at {round(math.degrees(angle), 3) + 0.0:g} deg"]

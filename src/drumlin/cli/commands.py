@@ -25,10 +25,15 @@ def _version(asked: bool) -> None:
 @app.callback()
 def _all(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and end")
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="print the version and end"
+        ),
     ] = False,
 ) -> None:
-    """Shoe brakes by their pressure laws and by finite elements in frictional contact, side by side."""
+    """Shoe brakes by their pressure laws and by finite elements in frictional contact, side by
+    side.
+    """
 
 
 for command in (

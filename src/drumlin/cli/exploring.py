@@ -11,9 +11,13 @@ from drumlin.cli.terminal import note, tell
 def explore(
     brake_file: BrakeFile,
     port: Annotated[int, typer.Option(help="of this machine; 0: any free one")] = 8765,
-    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open the page in a browser")] = True,
+    browser: Annotated[
+        bool, typer.Option("--browser/--no-browser", help="open the page in a browser")
+    ] = True,
 ) -> None:
-    """Play with a brake: a page of this machine with sliders, pressure and torque at once. Ctrl-C ends it."""
+    """Play with a brake: a page of this machine with sliders, pressure and torque at once. Ctrl-C
+    ends it.
+    """
     from drumlin.brake import read_any
     from drumlin.explore.serve import serve
 

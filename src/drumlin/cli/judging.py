@@ -16,11 +16,18 @@ def cost(
     elements: Elements = None,
     penalty: Penalty = None,
     by_size: Annotated[
-        bool, typer.Option("--table", help="against the unknowns, up to 1 000 000: some minutes, some 8 GiB")
+        bool,
+        typer.Option(
+            "--table", help="against the unknowns, up to 1 000 000: some minutes, some 8 GiB"
+        ),
     ] = False,
-    model: Annotated[str, typer.Option(metavar="fem|solid", help="solid: its table, up to 100 000 unknowns")] = "fem",
+    model: Annotated[
+        str, typer.Option(metavar="fem|solid", help="solid: its table, up to 100 000 unknowns")
+    ] = "fem",
 ) -> None:
-    """Measure a solve against its own assembly, factorisation and back-substitution, and a further load case."""
+    """Measure a solve against its own assembly, factorisation and back-substitution, and a further
+    load case.
+    """
     from drumlin.brake.plane_brake import read_any
     from drumlin.fem.solve import check_divided
     from drumlin.models import pick
@@ -36,7 +43,9 @@ def cost(
     if by_size and options:
         raise BadInput("--table chooses the elements itself; leave out --elements and --penalty")
     if model == "solid" and options:
-        raise BadInput("--model solid chooses the elements itself; leave out --elements and --penalty")
+        raise BadInput(
+            "--model solid chooses the elements itself; leave out --elements and --penalty"
+        )
     if by_size or model == "solid":
         for line in (table if model == "fem" else solid_table)(brake):
             tell(line, at_once=True)
@@ -50,10 +59,13 @@ def cost(
 def reference(
     brake_file: BrakeFile,
     output: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="where to write; default: NAME.reference.json")
+        Path | None,
+        typer.Option(metavar="FILE", help="where to write; default: NAME.reference.json"),
     ] = None,
 ) -> None:
-    """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two codes."""
+    """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two
+    codes.
+    """
     from drumlin.brake.file import toml_text
     from drumlin.brake.plane_brake import read_any
     from drumlin.files import check_outputs
@@ -90,11 +102,15 @@ def check(
     ],
     known: Annotated[
         Path | None,
-        typer.Option("--reference", metavar="FILE", help="reference values; default: stored, else made anew"),
+        typer.Option(
+            "--reference", metavar="FILE", help="reference values; default: stored, else made anew"
+        ),
     ] = None,
     tolerance: Annotated[float, typer.Option(help="of p in L2 and of the torque, relative")] = 0.01,
 ) -> None:
-    """Compare anybody's p(theta) with reference values. The last line is the verdict; exit status 0 either way."""
+    """Compare anybody's p(theta) with reference values. The last line is the verdict; exit status 0
+    either way.
+    """
     from drumlin.brake.file import toml_text
     from drumlin.brake.plane_brake import read_any
     from drumlin.studies import REPOSITORY
@@ -112,7 +128,10 @@ def check(
     path = known or stored(text, brake_file.parent, values, REPOSITORY / values)
     if path is None:
         with busy("no stored reference: columns of high degree, then triangles"):
-            found, said = make(brake, text, typed(["drumlin", "reference", str(brake_file)])), "made anew"
+            found, said = (
+                make(brake, text, typed(["drumlin", "reference", str(brake_file)])),
+                "made anew",
+            )
     else:
         found, said = read_reference(path), str(path)
     verdicts = compare_with(brake, found, curves)

@@ -12,7 +12,9 @@ from drumlin.errors import BadInput
 
 def view(
     brake_file: BrakeFile,
-    output: Annotated[Path | None, typer.Option(metavar="FILE", help="the picture, .png or .svg")] = None,
+    output: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="the picture, .png or .svg")
+    ] = None,
     elements: Elements = None,
     kind: Kind = None,
 ) -> None:
@@ -34,13 +36,18 @@ def view(
 
 def mesh(
     brake_file: BrakeFile,
-    output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the meshes")] = Path("meshes"),
+    output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the meshes")] = Path(
+        "meshes"
+    ),
     name: Annotated[
-        str | None, typer.Option(help="first word of the file names; default: that of the brake file")
+        str | None,
+        typer.Option(help="first word of the file names; default: that of the brake file"),
     ] = None,
     elements: Elements = None,
     kind: Kind = None,
-    suffix: Annotated[str, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")] = "msh",
+    suffix: Annotated[
+        str, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")
+    ] = "msh",
 ) -> None:
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
     from drumlin.brake.plane_brake import read_any
@@ -50,7 +57,9 @@ def mesh(
     from drumlin.files import check_outputs
 
     if name is not None and Path(name).name != name:
-        raise BadInput(f"--name = {name!r}: must be a word without folders; --output names the folder")
+        raise BadInput(
+            f"--name = {name!r}: must be a word without folders; --output names the folder"
+        )
     brake, options = read_any(brake_file), fem_options(elements, kind=kind)
     brake.check_meshable()
     check_divided(brake, **options)
@@ -65,11 +74,15 @@ def mesh(
 
 def export(
     brake_file: BrakeFile,
-    to: Annotated[str, typer.Option("--to", metavar="calculix", help="the program that the files are for")],
+    to: Annotated[
+        str, typer.Option("--to", metavar="calculix", help="the program that the files are for")
+    ],
     output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the files")] = Path(),
     elements: Elements = None,
     kind: Kind = None,
-    model: Annotated[str, typer.Option(metavar="fem|solid", help="plane stress or solid shoes")] = "fem",
+    model: Annotated[
+        str, typer.Option(metavar="fem|solid", help="plane stress or solid shoes")
+    ] = "fem",
 ) -> None:
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
     from drumlin.brake.plane_brake import read_drum

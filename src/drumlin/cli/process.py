@@ -1,7 +1,8 @@
-"""The command line. Exit status: 0 an answer, 2 bad input, 3 no answer; one plain line in the last two cases.
+"""The command line. Exit status: 0 an answer, 2 bad input, 3 no answer; one plain line in the last
+two cases.
 
-A signal ends it with 128 and its number, 1 is a fault of drumlin itself. Nothing heavy is imported before `main`
-runs, so that even what goes wrong in an import is said in one line.
+A signal ends it with 128 and its number, 1 is a fault of drumlin itself. Nothing heavy is imported
+before `main` runs, so that even what goes wrong in an import is said in one line.
 """
 
 import gc
@@ -26,7 +27,9 @@ def main() -> NoReturn:
 
 def _main() -> int:
     for name in ("SIGTERM", "SIGHUP"):
-        if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) != signal.SIG_IGN:  # as under nohup
+        if (
+            hasattr(signal, name) and signal.getsignal(getattr(signal, name)) != signal.SIG_IGN
+        ):  # as under nohup
             signal.signal(getattr(signal, name), _stop)
     _settle_streams()
     _settle_imports()
@@ -34,21 +37,27 @@ def _main() -> int:
         20_000
     )  # what is imported stays: to look for garbage in it as often as by default is 3 % of a solve
     if not sys.warnoptions:
-        warnings.simplefilter("ignore")  # they are for those who write the program; -W default shows them
+        warnings.simplefilter(
+            "ignore"
+        )  # they are for those who write the program; -W default shows them
     try:
         return run(sys.argv[1:])
     finally:
         try:
             sys.stdout.flush()
         except OSError as error:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or else the interpreter's own flush fails once more
+            os.dup2(
+                os.open(os.devnull, os.O_WRONLY), 1
+            )  # or else the interpreter's own flush fails once more
             if isinstance(error, BrokenPipeError):
                 raise
             raise file_fault("standard output", "written", error) from error
 
 
 def run(words: Sequence[str]) -> int:
-    """Run a command line in this process; returns its exit status. Raises DrumlinError and whatever else goes wrong."""
+    """Run a command line in this process; returns its exit status. Raises DrumlinError and whatever
+    else goes wrong.
+    """
     import typer
 
     from drumlin.cli.commands import app
@@ -71,7 +80,9 @@ def run(words: Sequence[str]) -> int:
 
 
 def _refused(error: Any) -> str:
-    """A usage error in a line; where the word of an option is no number, with that word: older typers name it."""
+    """A usage error in a line; where the word of an option is no number, with that word: older
+    typers name it.
+    """
     from drumlin.brake.file import ALLOWED
 
     if hasattr(error.__cause__, "errors") and getattr(error, "param", None) is not None:
@@ -82,7 +93,9 @@ def _refused(error: Any) -> str:
 
 
 def _stop(number: int, _: object) -> None:
-    signal.signal(number, signal.SIG_IGN)  # once is enough: what is cleaned up now is not to be stopped
+    signal.signal(
+        number, signal.SIG_IGN
+    )  # once is enough: what is cleaned up now is not to be stopped
     raise Stopped(number)
 
 
@@ -98,7 +111,9 @@ def _settle_streams() -> None:
 
 
 def _settle_imports() -> None:
-    """Nothing is imported from the current folder, here or in processes that this one starts, and no window opened."""
+    """Nothing is imported from the current folder, here or in processes that this one starts, and
+    no window opened.
+    """
     os.environ["PYTHONSAFEPATH"] = "1"
     os.environ["MPLBACKEND"] = "agg"
     if not sys.flags.safe_path and _from_here(sys.path[:1]):

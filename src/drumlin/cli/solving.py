@@ -1,4 +1,6 @@
-"""Commands that answer for a brake. Each reads, calls and prints; most of its lines are its options."""
+"""Commands that answer for a brake. Each reads, calls and prints; most of its lines are its
+options.
+"""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -6,7 +8,16 @@ from typing import Annotated, Any
 import typer
 
 from drumlin.cli.answer import print_response
-from drumlin.cli.options import BrakeFile, BrakeFiles, Elements, FiniteWidth, Kind, Penalty, fem_options, for_width
+from drumlin.cli.options import (
+    BrakeFile,
+    BrakeFiles,
+    Elements,
+    FiniteWidth,
+    Kind,
+    Penalty,
+    fem_options,
+    for_width,
+)
 from drumlin.cli.terminal import Column, busy, note, print_columns, print_table, tell
 from drumlin.errors import BadInput, NoAnswer
 
@@ -22,28 +33,43 @@ def solve(
     model: Annotated[str, typer.Option(help="which model answers")] = "fem",
     json_file: Annotated[
         Path | None,
-        typer.Option("--json", metavar="FILE", help="write the response as JSON; of several brakes as a list"),
+        typer.Option(
+            "--json", metavar="FILE", help="write the response as JSON; of several brakes as a list"
+        ),
     ] = None,
     pressure: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="write the pressures as CSV, a table that check takes")
+        Path | None,
+        typer.Option(metavar="FILE", help="write the pressures as CSV, a table that check takes"),
     ] = None,
     elements: Elements = None,
     kind: Kind = None,
     penalty: Penalty = None,
     tolerance: Annotated[
-        float | None, typer.Option(help="refine until the estimated errors of p (L2) and torque are below it")
+        float | None,
+        typer.Option(help="refine until the estimated errors of p (L2) and torque are below it"),
     ] = None,
-    sections: Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")] = None,
+    sections: Annotated[
+        int | None, typer.Option(help="sections of each beam of the foundation model")
+    ] = None,
     lift: Annotated[
-        list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
+        list[str] | None,
+        typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift"),
     ] = None,
     finite_width: FiniteWidth = False,
-    across: Annotated[int | None, typer.Option(help="elements over half the width of a solid lining")] = None,
+    across: Annotated[
+        int | None, typer.Option(help="elements over half the width of a solid lining")
+    ] = None,
     fields: Annotated[
-        Path | None, typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes")
+        Path | None,
+        typer.Option(
+            metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes"
+        ),
     ] = None,
     verbose: Annotated[
-        bool, typer.Option("--verbose", "-v", help="figures of merit, how it was solved, what is left out")
+        bool,
+        typer.Option(
+            "--verbose", "-v", help="figures of merit, how it was solved, what is left out"
+        ),
     ] = False,
 ) -> None:
     """Solve a brake, or several, by one model."""
@@ -115,7 +141,9 @@ def compare(
     check_folder(folder)
     with busy("comparing the models"):
         options = fem_options(elements, kind=kind, penalty=penalty)
-        result = write_comparison(brake, text, folder, options | ({"finite_width": True} if finite_width else {}))
+        result = write_comparison(
+            brake, text, folder, options | ({"finite_width": True} if finite_width else {})
+        )
     tell(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
     print_table(result.table, result.columns)
     for line in result.notes:
@@ -133,13 +161,17 @@ def hold(
         ),
     ] = None,
     steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
-    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")
+    ] = None,
     elements: Elements = None,
     kind: Kind = None,
     penalty: Penalty = None,
     finite_width: FiniteWidth = False,
 ) -> None:
-    """Hold the drum: from rest through partial slip to full slip, as it is turned against the shoes."""
+    """Hold the drum: from rest through partial slip to full slip, as it is turned against the
+    shoes.
+    """
     import numpy as np
 
     from drumlin.brake.plane_brake import read_any
@@ -172,8 +204,12 @@ def hold(
     columns = {
         "way": Column("way", way, [f"{each:.6f}" for each in turned]),
         "moment": Column("moment", moment, [formatted(at.torque, ".4f") for at in states]),
-        "sticking": Column("sticking", "sticking [%]", [f"{100 * at.sticking:.1f}" for at in states]),
-        "dissipated": Column("dissipated", "dissipated [J]", [f"{at.dissipated:.5g}" for at in states]),
+        "sticking": Column(
+            "sticking", "sticking [%]", [f"{100 * at.sticking:.1f}" for at in states]
+        ),
+        "dissipated": Column(
+            "dissipated", "dissipated [J]", [f"{at.dissipated:.5g}" for at in states]
+        ),
     }
     print_columns(columns, [])
     for line in states[-1].notes:
@@ -182,12 +218,16 @@ def hold(
 
 def sensitivity(
     brake_file: BrakeFile,
-    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write them as JSON")] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="write them as JSON")
+    ] = None,
     elements: Elements = None,
     kind: Kind = None,
     penalty: Penalty = None,
 ) -> None:
-    """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the elastic brake."""
+    """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the
+    elastic brake.
+    """
     from drumlin.brake.plane_brake import read_any
     from drumlin.fem.sensitivity import as_text
     from drumlin.fem.sensitivity import sensitivity as slopes
@@ -209,29 +249,49 @@ def sensitivity(
 
 def wear(
     brake_file: BrakeFile,
-    model: Annotated[str, typer.Option(metavar="fem|foundation", help="the elastic model that is worn in")] = "fem",
+    model: Annotated[
+        str, typer.Option(metavar="fem|foundation", help="the elastic model that is worn in")
+    ] = "fem",
     distance: Annotated[
         str | None,
-        typer.Option(help='sliding distance, such as "20 km", or a number of 1/(k K), K = E/t; default: until settled'),
+        typer.Option(
+            help='sliding distance, such as "20 km", or a number of 1/(k K), K = E/t; default: until settled'
+        ),
     ] = None,
     coefficient: Annotated[
-        str | None, typer.Option(metavar="K", help='of wear, such as "1e-5 mm^3/(N m)"; with an exponent: at 1 MPa')
+        str | None,
+        typer.Option(
+            metavar="K", help='of wear, such as "1e-5 mm^3/(N m)"; with an exponent: at 1 MPa'
+        ),
     ] = None,
     exponent: Annotated[float, typer.Option(help="of the pressure in the rate of wear")] = 1.0,
-    torque: Annotated[str | None, typer.Option(help="hold this torque by the force, not the force")] = None,
-    reverse: Annotated[str | None, typer.Option(help="the drum turns back after every such distance")] = None,
-    guided: Annotated[bool, typer.Option("--guided", help="rigid shoes moving along their middle radius")] = False,
+    torque: Annotated[
+        str | None, typer.Option(help="hold this torque by the force, not the force")
+    ] = None,
+    reverse: Annotated[
+        str | None, typer.Option(help="the drum turns back after every such distance")
+    ] = None,
+    guided: Annotated[
+        bool, typer.Option("--guided", help="rigid shoes moving along their middle radius")
+    ] = False,
     tolerance: Annotated[float | None, typer.Option(help="relative error of p (L2) a step")] = None,
-    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")
+    ] = None,
     elements: Elements = None,
     kind: Kind = None,
-    sections: Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")] = None,
+    sections: Annotated[
+        int | None, typer.Option(help="sections of each beam of the foundation model")
+    ] = None,
     lift: Annotated[
-        list[str] | None, typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift")
+        list[str] | None,
+        typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift"),
     ] = None,
     finite_width: FiniteWidth = False,
 ) -> None:
-    """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe law."""
+    """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe
+    law.
+    """
     from drumlin.brake.plane_brake import read_any
     from drumlin.brake.units import quantity
     from drumlin.files import check_outputs, write_json
@@ -255,7 +315,10 @@ def wear(
         raise BadInput(
             "--elements, --kind, --guided and --finite-width belong to --model fem, --sections and --lift to foundation"
         )
-    law = WearLaw(COEFFICIENT if coefficient is None else quantity("--coefficient", coefficient, "1/Pa"), exponent)
+    law = WearLaw(
+        COEFFICIENT if coefficient is None else quantity("--coefficient", coefficient, "1/Pa"),
+        exponent,
+    )
     options: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
     if torque is not None:
         options["torque"] = quantity("--torque", torque, brake.surface.effect_unit)

@@ -32,11 +32,15 @@ def init(
 def schema(
     kind: Annotated[str, typer.Argument(metavar="brake|sweep", help="the kind of file")] = "brake",
 ) -> None:
-    """Print the JSON schema of brake or sweep files; an editor completes what its first line names as #:schema."""
+    """Print the JSON schema of brake or sweep files; an editor completes what its first line names
+    as #:schema.
+    """
     from drumlin.brake.schema import brake_schema
     from drumlin.sweeps.schema import sweep_schema
 
     made = {"brake": brake_schema, "sweep": sweep_schema}
     if kind not in made:
-        raise BadInput(f"KIND = {kind!r}: unknown kind of file{nearest(kind, made)}; allowed: {', '.join(made)}")
+        raise BadInput(
+            f"KIND = {kind!r}: unknown kind of file{nearest(kind, made)}; allowed: {', '.join(made)}"
+        )
     write(json.dumps(made[kind](), indent=1, ensure_ascii=False) + "\n")

@@ -12,7 +12,9 @@ from drumlin.errors import NoAnswer, Stopped
 def study(
     name: Annotated[str, typer.Argument(metavar="NAME", help="a folder of studies/")],
     output: Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")] = None,
-    short: Annotated[bool, typer.Option("--short", help="the quick setting that the tests use")] = False,
+    short: Annotated[
+        bool, typer.Option("--short", help="the quick setting that the tests use")
+    ] = False,
 ) -> None:
     """Run a study from studies/ and write its report into reports/NAME."""
     from drumlin.studies import run
@@ -24,13 +26,18 @@ def study(
 
 def sweep(
     sweep_file: Annotated[Path, typer.Argument(metavar="SWEEP.toml", help="the sweep file")],
-    output: Annotated[Path | None, typer.Option(metavar="FILE.csv|FILE.parquet", help="the table of all cases")] = None,
+    output: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv|FILE.parquet", help="the table of all cases")
+    ] = None,
     jobs: Annotated[int | None, typer.Option(help="processes; default: one a core")] = None,
     scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="a Dask scheduler, in place of this machine's cores")
+        str | None,
+        typer.Option(metavar="ADDRESS", help="a Dask scheduler, in place of this machine's cores"),
     ] = None,
 ) -> None:
-    """Solve a brake with any of its keys varied: one table, a row a case. Stopped, it goes on with what is missing."""
+    """Solve a brake with any of its keys varied: one table, a row a case. Stopped, it goes on with
+    what is missing.
+    """
     from collections import Counter
 
     from drumlin.files import check_outputs
@@ -51,7 +58,9 @@ def sweep(
             note(line)
         try:
             with executor(jobs, scheduler, note) as (pool, workers), progress(made.title) as done:
-                rows = run(made.cases, executor=pool, workers=workers, journal=journal, done=done, say=note)
+                rows = run(
+                    made.cases, executor=pool, workers=workers, journal=journal, done=done, say=note
+                )
         except NoAnswer as error:
             raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
         except (KeyboardInterrupt, Stopped) as stop:
@@ -59,7 +68,9 @@ def sweep(
             raise
     with busy(f"writing {table_file.name}"):
         write_table(table(made.cases, rows, sweep_file.parent.resolve(), made.pressure), table_file)
-    failed = Counter(row["status"].removeprefix("failed: ") for row in rows if row["status"] != "solved")
+    failed = Counter(
+        row["status"].removeprefix("failed: ") for row in rows if row["status"] != "solved"
+    )
     tell(f"{len(rows)} cases: {len(rows) - failed.total()} solved, {failed.total()} failed")
     for reason, count in failed.most_common(3):
         tell(f"  failed, {count}: {reason}")

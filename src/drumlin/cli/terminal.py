@@ -15,14 +15,24 @@ if TYPE_CHECKING:
     from drumlin.comparison import Column as TableColumn
 
 SAME = ("case", "rotation")  # columns that are the same in all rows of one brake
-LEAST = ["self_energising", "contact", "reaction_error", "reaction", "peak_error", "peak_pressure", "seconds"]
+LEAST = [
+    "self_energising",
+    "contact",
+    "reaction_error",
+    "reaction",
+    "peak_error",
+    "peak_pressure",
+    "seconds",
+]
 WIDTH = 200  # characters of a wide table, where the output is no terminal
 STATUS_WIDTH = 10  # a status is folded
 LONGEST = 10_000  # characters of a line
 
 
 def tell(line: str, *, at_once: bool = False) -> None:
-    """Print a line of an answer, broken between words; what is not printable in it, as in a file's name, is escaped."""
+    """Print a line of an answer, broken between words; what is not printable in it, as in a file's
+    name, is escaped.
+    """
     line, width = one_line(line, LONGEST), shutil.get_terminal_size().columns
     if len(line) > width and len(line.split()) > 2:  # a word and a path stay together
         line = _folded(line, width, more=" " * (len(line) - len(line.lstrip()) + 2))
@@ -37,7 +47,9 @@ def write(text: str) -> None:
 
 
 def _folded(text: str, width: int, more: str = "") -> str:
-    """The text in lines of `width` characters, those after the first led by `more`; no word is broken."""
+    """The text in lines of `width` characters, those after the first led by `more`; no word is
+    broken.
+    """
     return fill(text, width, break_long_words=False, break_on_hyphens=False, subsequent_indent=more)
 
 
@@ -48,7 +60,9 @@ def note(line: str) -> None:
 
 @contextmanager
 def _printing() -> Iterator[None]:
-    """Raise DrumlinError where standard output takes no more; that its reader has seen enough is no fault."""
+    """Raise DrumlinError where standard output takes no more; that its reader has seen enough is no
+    fault.
+    """
     try:
         yield
     except BrokenPipeError:
@@ -79,14 +93,27 @@ def progress_if_long(words: str) -> Iterator[Callable[[int, int], None]]:
 
 @contextmanager
 def progress(words: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar with the time left, on a terminal; to be told how many cases have finished, and of how many."""
+    """A bar with the time left, on a terminal; to be told how many cases have finished, and of how
+    many.
+    """
     if not sys.stderr.isatty():
         yield lambda finished, of: None
         return
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
-    columns = TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=Console(stderr=True)) as bar:
         task = bar.add_task(words, total=None)
         yield lambda finished, of: bar.update(task, completed=finished, total=of)
@@ -119,8 +146,11 @@ class Column(NamedTuple):
         return max(len(line) for cell in (self.head, *self.cells) for line in cell.split("\n"))
 
 
-def print_columns(columns: Mapping[str, Column], least: Sequence[str], width: int | None = None) -> None:
-    """A table. No number is cut: where it is too wide the columns that matter `least` are left out, by name.
+def print_columns(
+    columns: Mapping[str, Column], least: Sequence[str], width: int | None = None
+) -> None:
+    """A table. No number is cut: where it is too wide the columns that matter `least` are left out,
+    by name.
 
     width: characters; by default those of the terminal.
     """
@@ -143,7 +173,9 @@ def _lines(columns: Collection[Column]) -> list[str]:
 
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     for column in columns:
-        table.add_column(Text(column.head), justify="left" if column.left else "right", no_wrap=True)
+        table.add_column(
+            Text(column.head), justify="left" if column.left else "right", no_wrap=True
+        )
     for row in zip(*(column.cells for column in columns), strict=True):
         table.add_row(*map(Text, row))
     console = Console(width=sum(column.width + 2 for column in columns), color_system=None)

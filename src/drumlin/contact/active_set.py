@@ -1,15 +1,18 @@
-"""The complementarity problem of unilateral contact, solved by an active-set (semismooth Newton) method.
+"""The complementarity problem of unilateral contact, solved by an active-set (semismooth Newton)
+method.
 
-All wrong nodes change at once (block principal pivoting: Kostreva 1978; Judice & Pires 1994); where they do not become
-fewer, the answer is followed from wider gaps, one node changing at a time (Lemke 1965).
+All wrong nodes change at once (block principal pivoting: Kostreva 1978; Judice & Pires 1994); where
+they do not become fewer, the answer is followed from wider gaps, one node changing at a time (Lemke
+1965).
 
 Find pressures p and free motions y such that
 
     w = q + A p + B y,    p >= 0,  w >= 0,  p w = 0,       C p = h
 
-p (n,): nodal pressures; w (n,): weighted gaps; A (n, n): compliance, unsymmetric with friction, the penalty
-included as a compliance M/eps (zero for an infinite penalty); y (k,): what equilibrium leaves free, for a
-hinged shoe its rotation; C p = h: the equilibrium in these motions, C = B^T where there is no friction.
+p (n,): nodal pressures; w (n,): weighted gaps; A (n, n): compliance, unsymmetric with friction, the
+penalty included as a compliance M/eps (zero for an infinite penalty); y (k,): what equilibrium
+leaves free, for a hinged shoe its rotation; C p = h: the equilibrium in these motions, C = B^T
+where there is no friction.
 """
 
 import math
@@ -21,37 +24,50 @@ from itertools import combinations
 import numpy as np
 
 from drumlin.arrays import Bools, Floats, Ints
-from drumlin.contact.equations import TINY, Changed, Equations, Problem, System, equilibrated, few_changed, regular
+from drumlin.contact.equations import (
+    TINY,
+    Changed,
+    Equations,
+    Problem,
+    System,
+    equilibrated,
+    few_changed,
+    regular,
+)
 from drumlin.errors import NoAnswer
 
 MOST_STEPS = 120  # a brake that has an answer needs some ten
 MOST_PASSES = 10  # changes of each node while an answer is followed from wider gaps
 GOLDEN = (math.sqrt(5) - 1) / 2
 WIDER = math.sqrt(np.finfo(float).eps)
-"""Relative size of the lift under which no two nodes change together where a path of answers begins:
-the root of the round-off, so far above it as it is below the gaps themselves. With a lift as large as
-the gaps a path may miss an answer that it finds with all smaller ones."""
+"""Relative size of the lift under which no two nodes change together where a path of answers
+begins: the root of the round-off, so far above it as it is below the gaps themselves. With a lift
+as large as the gaps a path may miss an answer that it finds with all smaller ones.
+"""
 PATIENCE = 5
 """Steps in a row that all wrong nodes may change at once without becoming fewer.
 
-Then they change one at a time, along a path that takes as many steps as nodes change. Judice and Pires
-(1994) wait for up to ten steps. On 50 random holding brakes a patience of one takes 1.2 times the
-factorisations, five to twelve within 2 % of each other; the answers are the same with any.
+Then they change one at a time, along a path that takes as many steps as nodes change. Judice and
+Pires (1994) wait for up to ten steps. On 50 random holding brakes a patience of one takes 1.2 times
+the factorisations, five to twelve within 2 % of each other; the answers are the same with any.
 """
 SMALL = 48
-"""Nodes below which a contact set is not guessed from a coarser problem, as it is found in no time: with
-24 and 96 a tenth more or less of the steps, in the same time."""
-SLACK = 1e-12  # relative: a pressure or gap below it is round-off, and does not change the contact set
+"""Nodes below which a contact set is not guessed from a coarser problem, as it is found in no time:
+with 24 and 96 a tenth more or less of the steps, in the same time.
+"""
+SLACK = (
+    1e-12  # relative: a pressure or gap below it is round-off, and does not change the contact set
+)
 
 
 @dataclass(frozen=True)
 class Contact:
     """Solution of a contact problem. `p` (n,), `w` (n,), `y` (k,), `active` (n,): the contact set.
 
-    `regular`: on the contact set every free motion meets resistance, as it does without friction: the determinant
-    has its sign and no motion's resistance is negative. Followed from mu = 0 this is lost where the brake locks
-    itself. `system`: the problem equilibrated. `tangent(dq)`: change of p where the weighted gaps change by dq (n,) and
-    the contact set stays.
+    `regular`: on the contact set every free motion meets resistance, as it does without friction:
+    the determinant has its sign and no motion's resistance is negative. Followed from mu = 0 this
+    is lost where the brake locks itself. `system`: the problem equilibrated. `tangent(dq)`: change
+    of p where the weighted gaps change by dq (n,) and the contact set stays.
     """
 
     p: Floats
@@ -65,11 +81,13 @@ class Contact:
 
 
 def solve(problem: Problem, start: Bools | None = None) -> Contact:
-    """Solve a contact problem from the contact set `start`, and from wider gaps where that leads nowhere.
+    """Solve a contact problem from the contact set `start`, and from wider gaps where that leads
+    nowhere.
 
     Without a start the set of `coarse_start` is tried first.
 
-    Raises NoAnswer where no contact set is consistent: nothing balances the actuation, or not converged.
+    Raises NoAnswer where no contact set is consistent: nothing balances the actuation, or not
+    converged.
     """
     try:
         return settle(problem, start)
@@ -87,11 +105,14 @@ class NotSettled(NoAnswer):
         self.steps = steps
 
 
-def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS, like: System | None = None) -> Contact:
-    """The answer that changing all wrong nodes at once leads to from `start`, in at most `most` steps.
+def settle(
+    problem: Problem, start: Bools | None = None, most: int = MOST_STEPS, like: System | None = None
+) -> Contact:
+    """The answer that changing all wrong nodes at once leads to from `start`, in at most `most`
+    steps.
 
-    like: see `equilibrated`. Raises NotSettled where the wrong nodes do not become fewer, NoAnswer where nothing
-    balances the actuation.
+    like: see `equilibrated`. Raises NotSettled where the wrong nodes do not become fewer, NoAnswer
+    where nothing balances the actuation.
     """
     system = equilibrated(problem, like)
     K, r, n = system.K, system.r, system.n
@@ -117,7 +138,8 @@ def settle(problem: Problem, start: Bools | None = None, most: int = MOST_STEPS,
         change = np.where(active, p < -p_slack, w < -w_slack)
         wrong = int(np.count_nonzero(change))
         if not wrong:
-            # One step of refinement: p and y balance to round-off even where wide gaps close on tiny compressions.
+            # One step of refinement: p and y balance to round-off even where wide gaps close on
+            # tiny compressions.
             x = (x + equations.solve(left)) * system.across
             w[active] = 0.0
             return Contact(
@@ -146,12 +168,13 @@ def _changed(
     equations: Equations,
     K: Floats,
 ) -> Bools:
-    """The contact set (n,) with the nodes `change` (n,) changed, as far as its motions stay resisted.
+    """The contact set (n,) with the nodes `change` (n,) changed, as far as its motions stay
+    resisted.
 
     A shoe with two free motions that hardly yields stands on two nodes. It cannot leave one of them
-    without a third: it turns about the other until the third one touches, see `_blocking`. In this way a
-    short contact moves along the lining node by node. p, w (n,): pressures and weighted gaps of the set
-    `active`, equilibrated as K is.
+    without a third: it turns about the other until the third one touches, see `_blocking`. In this
+    way a short contact moves along the lining node by node. p, w (n,): pressures and weighted gaps
+    of the set `active`, equilibrated as K is.
     """
     wanted = active ^ change
     if _resisted(problem, wanted):
@@ -179,11 +202,12 @@ def _blocking(
     leaving: int,
     active: Bools,
 ) -> int | None:
-    """The node that touches first as the node `leaving` of a contact set opens; None where none does.
+    """The node that touches first as the node `leaving` of a contact set opens; None where none
+    does.
 
-    Without that node the set leaves a motion free. So no pressure changes as the node opens, only gaps
-    change, by this motion: K of the set `active` (n,), which its `equations` have factorised, says how.
-    w (n,): the weighted gaps before.
+    Without that node the set leaves a motion free. So no pressure changes as the node opens, only
+    gaps change, by this motion: K of the set `active` (n,), which its `equations` have factorised,
+    says how. w (n,): the weighted gaps before.
     """
     unit = np.zeros(len(K))
     unit[leaving] = -1.0
@@ -197,12 +221,14 @@ def _blocking(
 
 
 def narrowed(problem: Problem) -> tuple[Bools, int]:
-    """Contact set (n,) of the answer that gaps q + s e lead to as s goes from 1 to 0, and the steps to it.
+    """Contact set (n,) of the answer that gaps q + s e lead to as s goes from 1 to 0, and the steps
+    to it.
 
-    At s = 1 only the nodes touch that the actuation closes first; e (n,) lifts all others. Between two changes of the
-    contact set p and w are linear in s, and each change is of one node; the next piece begins where it leaves zero, s
-    growing again where the path turns. Such a path ends at an answer or goes on for ever (Lemke 1965; Cottle, Pang &
-    Stone, The Linear Complementarity Problem, section 4.5).
+    At s = 1 only the nodes touch that the actuation closes first; e (n,) lifts all others. Between
+    two changes of the contact set p and w are linear in s, and each change is of one node; the next
+    piece begins where it leaves zero, s growing again where the path turns. Such a path ends at an
+    answer or goes on for ever (Lemke 1965; Cottle, Pang & Stone, The Linear Complementarity
+    Problem, section 4.5).
 
     Raises NoAnswer where it goes on for ever.
     """
@@ -219,7 +245,10 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
             wider = WIDER * max(np.abs(w).max(), np.abs(r[:n]).max())
             e[:n] = np.where(active, 0.0, np.maximum(-w, 0.0) + wider * uneven)
         dx = equations.solve(e)
-        value, slope = np.where(active, x[:n], w), np.where(active, dx[:n], (e + K @ dx)[:n])  # at s = 0, and per s
+        value, slope = (
+            np.where(active, x[:n], w),
+            np.where(active, dx[:n], (e + K @ dx)[:n]),
+        )  # at s = 0, and per s
         if step > 0:
             way = 1 if slope[last] > 0 else -1  # the node that has changed leaves zero
         falls = way * slope < 0
@@ -244,11 +273,12 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
 
 
 def coarse_start(problem: Problem) -> Bools:
-    """Contact set (n,) of the problem on every other node, p linear in between: P^T A P, P^T q, P^T B, C P.
+    """Contact set (n,) of the problem on every other node, p linear in between: P^T A P, P^T q, P^T
+    B, C P.
 
-    A contact that is small and lies far from where a full start would look moves by its own width a step; on
-    coarser problems, each started from a coarser one, these steps are few and cost nothing. The smallest
-    problems start from all nodes.
+    A contact that is small and lies far from where a full start would look moves by its own width a
+    step; on coarser problems, each started from a coarser one, these steps are few and cost
+    nothing. The smallest problems start from all nodes.
     """
     count = len(problem.q)
     active = np.ones(count, dtype=bool)
@@ -274,7 +304,9 @@ def beside(coarse: Bools, count: int) -> Bools:
 def halved(problem: Problem) -> Problem:
     """The problem on every other node, p linear in between."""
     A, q, B, C, h = problem
-    return Problem(halved_sums(halved_sums(A, 1)), halved_sums(q), halved_sums(B), halved_sums(C, 1), h)
+    return Problem(
+        halved_sums(halved_sums(A, 1)), halved_sums(q), halved_sums(B), halved_sums(C, 1), h
+    )
 
 
 def between(coarse: Floats, count: int) -> Floats:
@@ -287,7 +319,9 @@ def between(coarse: Floats, count: int) -> Floats:
 
 
 def halved_sums(rows: Floats, axis: int = 0) -> Floats:
-    """P^T rows: every other row with half of each neighbour (n, ...) -> ((n + 1) // 2, ...); axis 1: of columns."""
+    """P^T rows: every other row with half of each neighbour (n, ...) -> ((n + 1) // 2, ...); axis
+    1: of columns.
+    """
     at = (slice(None),) * axis
     half, between = rows[*at, ::2].copy(), 0.5 * rows[*at, 1::2]
     half[*at, : between.shape[axis]] += between
@@ -302,10 +336,11 @@ def _tangent(equations: Equations, system: System, dq: Floats) -> Floats:
 
 
 def _resisted(problem: Problem, active: Bools) -> bool:
-    """Whether each free motion meets a node of the contact set (n,), motions of the same nodes one each.
+    """Whether each free motion meets a node of the contact set (n,), motions of the same nodes one
+    each.
 
-    Where nothing acts on a motion, as on the slide of a shoe that a cam pushes, pressures have to balance each other:
-    one alone cannot.
+    Where nothing acts on a motion, as on the slide of a shoe that a cam pushes, pressures have to
+    balance each other: one alone cannot.
     """
     B, k = problem.B, len(problem.h)
     touched = B[active]
@@ -321,9 +356,11 @@ def _resisted(problem: Problem, active: Bools) -> bool:
 
 
 def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:
-    """For each free motion the nodes that the actuation closes first, when nothing touches; `alone`: one of them.
+    """For each free motion the nodes that the actuation closes first, when nothing touches;
+    `alone`: one of them.
 
-    Shoes that push others come before these, whose forces follow from the pressures of the first ones.
+    Shoes that push others come before these, whose forces follow from the pressures of the first
+    ones.
     """
     _, q, B, C, h = problem
     n = len(q)
@@ -339,7 +376,9 @@ def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:
             # The nodes whose pressure resists the actuation.
             bearing = own & (C[k] * load > 0)
             if not bearing.any():
-                raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
+                raise NoAnswer(
+                    "no equilibrium: contact pressure cannot balance the actuation anywhere"
+                )
             reach = np.full(n, np.inf)
             reach[bearing] = q[bearing] / np.abs(B[bearing, k])
             first = np.array([reach.argmin()])
@@ -349,14 +388,18 @@ def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:
 
 
 MOST_SETS = 2016
-"""Limit of memory: sets of nodes, as many as there are motions, among which those that bear these motions
-first are looked for. It takes all pairs of 64 nodes, or all triples of 23; of more nodes every few."""
+"""Limit of memory: sets of nodes, as many as there are motions, among which those that bear these
+motions first are looked for. It takes all pairs of 64 nodes, or all triples of 23; of more nodes
+every few.
+"""
 
 
 def _in_order(sets: list[list[int]], moves: Bools, bears: Bools) -> list[list[int]]:
-    """Sets of motions, those first whose equilibria know no pressures but their own and those of earlier ones.
+    """Sets of motions, those first whose equilibria know no pressures but their own and those of
+    earlier ones.
 
-    moves (n, k): whether a motion moves a node; bears (k, n): whether a pressure is in its equilibrium.
+    moves (n, k): whether a motion moves a node; bears (k, n): whether a pressure is in its
+    equilibrium.
     """
     moved = [moves[:, motions].any(axis=1) for motions in sets]
     known = np.zeros(len(moves), dtype=bool)
@@ -374,7 +417,9 @@ def _together(moved: Bools) -> list[list[int]]:
     """The motions in sets that move the same nodes; moved (n, k)."""
     found: list[list[int]] = []
     for k in range(moved.shape[1]):
-        like = next((motions for motions in found if (moved[:, k] & moved[:, motions[0]]).any()), None)
+        like = next(
+            (motions for motions in found if (moved[:, k] & moved[:, motions[0]]).any()), None
+        )
         if like is None:
             found.append([k])
         else:
@@ -383,7 +428,8 @@ def _together(moved: Bools) -> list[list[int]]:
 
 
 def _first_nodes(q: Floats, B: Floats, C: Floats, h: Floats, own: Bools) -> Ints:
-    """As many nodes as motions B (n, k), C (k, n) whose pressures balance these, with which the others are most open.
+    """As many nodes as motions B (n, k), C (k, n) whose pressures balance these, with which the
+    others are most open.
 
     own (n,): the nodes that the motions move.
     """
@@ -406,7 +452,9 @@ def _first_nodes(q: Floats, B: Floats, C: Floats, h: Floats, own: Bools) -> Ints
 
 
 def _independent(matrices: Floats) -> Bools:
-    """Whether matrices (m, k, k) of motions by nodes are regular beyond round-off, whatever units the motions have."""
+    """Whether matrices (m, k, k) of motions by nodes are regular beyond round-off, whatever units
+    the motions have.
+    """
     scaled = matrices / np.maximum(np.abs(matrices).max(axis=(0, 2)), TINY)[:, None]
     scaled = scaled / np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), TINY)
     return np.asarray(np.abs(np.linalg.det(scaled)) > SLACK)

@@ -1,6 +1,8 @@
-"""The linear equations of a contact set: equilibrated, factorised once, bordered where a set changes by few nodes.
+"""The linear equations of a contact set: equilibrated, factorised once, bordered where a set
+changes by few nodes.
 
-On the nodes that touch w = q + A p + B y = 0, off them p = 0, and C p = h: one matrix [[A, B], [C, 0]] on the set.
+On the nodes that touch w = q + A p + B y = 0, off them p = 0, and C p = h: one matrix [[A, B], [C,
+0]] on the set.
 """
 
 from typing import NamedTuple
@@ -13,8 +15,10 @@ from drumlin.lapack import dgecon, dgetrf, dgetrs
 
 TINY = np.finfo(float).tiny
 LARGE = 100
-"""Unknowns of a set up to which factorising another one is as fast as bordering: with 50 to 400 solves
-take the same time to 4 %. Without bordering those of 300 and 700 elements take 1.15 and 1.24 times it."""
+"""Unknowns of a set up to which factorising another one is as fast as bordering: with 50 to 400
+solves take the same time to 4 %. Without bordering those of 300 and 700 elements take 1.15 and 1.24
+times it.
+"""
 
 
 class Problem(NamedTuple):
@@ -53,8 +57,9 @@ class System(NamedTuple):
 
 
 def equilibrated(problem: Problem, like: System | None = None) -> System:
-    """The problem with unit diagonal of A, unit columns of B and rows of C, or with the scales that these have in a
-    problem `like` it. Signs, and so the answer, stay."""
+    """The problem with unit diagonal of A, unit columns of B and rows of C, or with the scales that
+    these have in a problem `like` it. Signs, and so the answer, stay.
+    """
     A, q, B, C, h = problem
     n, k = B.shape
     down, across = _scales(problem) if like is None else (like.down, like.across)
@@ -67,7 +72,9 @@ def equilibrated(problem: Problem, like: System | None = None) -> System:
 
 
 def _scales(problem: Problem) -> tuple[Floats, Floats]:
-    """By what the rows and the columns of a problem are multiplied (n + k,), `down` and `across` of System."""
+    """By what the rows and the columns of a problem are multiplied (n + k,), `down` and `across` of
+    System.
+    """
     A, _, B, C, _ = problem
     d = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), TINY))
     size = 1 / np.maximum(np.abs(np.concatenate([B, C.T], axis=1) * d[:, None]).max(axis=0), TINY)
@@ -76,7 +83,9 @@ def _scales(problem: Problem) -> tuple[Floats, Floats]:
 
 
 def condition(problem: Problem, active: Bools) -> float:
-    """Condition in the 1-norm, estimated by LAPACK's gecon, of the equilibrated equations on a contact set (n,)."""
+    """Condition in the 1-norm, estimated by LAPACK's gecon, of the equilibrated equations on a
+    contact set (n,).
+    """
     system = equilibrated(problem)
     on = np.flatnonzero(system.on(active))
     matrix = system.K[on[:, None], on]
@@ -90,12 +99,15 @@ def condition(problem: Problem, active: Bools) -> float:
 class Equations:
     """The linear equations of the unknowns `on` (n + k,) of K, the others being 0: factorised once.
 
-    Unknowns that differ from factorised ones by a few need no factorisation of their own, see `Changed`.
+    Unknowns that differ from factorised ones by a few need no factorisation of their own, see
+    `Changed`.
     """
 
     def __init__(self, K: Floats, on: Bools) -> None:
         self.on, self._at = on, on.nonzero()[0]
-        self._factors = _factorised(K.copy() if len(self._at) == len(K) else K.take(self._at, 0).take(self._at, 1))
+        self._factors = _factorised(
+            K.copy() if len(self._at) == len(K) else K.take(self._at, 0).take(self._at, 1)
+        )
 
     def solve(self, r: Floats) -> Floats:
         """x of r + K x = 0 on the unknowns; r, x (n + k,) or (n + k, m)."""
@@ -113,10 +125,11 @@ class Equations:
 
 
 class Changed(Equations):
-    """The equations of factorised unknowns with a few of them released and a few others added, by a bordered system.
+    """The equations of factorised unknowns with a few of them released and a few others added, by a
+    bordered system.
 
-    Its further unknowns are the weighted gaps of the released nodes, which make their pressures vanish, and the
-    pressures of the added ones, which make their weighted gaps vanish.
+    Its further unknowns are the weighted gaps of the released nodes, which make their pressures
+    vanish, and the pressures of the added ones, which make their weighted gaps vanish.
     """
 
     def __init__(self, base: Equations, K: Floats, on: Bools) -> None:
@@ -140,7 +153,9 @@ class Changed(Equations):
         return self._base.sign * _determinant_sign(self._inner)
 
     def _across(self, solution: Floats) -> Floats:
-        """Pressures of the released nodes and weighted gaps of the added ones, of unknowns of the base."""
+        """Pressures of the released nodes and weighted gaps of the added ones, of unknowns of the
+        base.
+        """
         return np.concatenate([solution[self._out], self._rows @ solution])
 
     def _solution(self, right: Floats) -> Floats:
@@ -154,7 +169,9 @@ class Changed(Equations):
 
 
 def regular(equations: Equations, system: System) -> bool:
-    """Whether no motion has lost its resistance: det A > 0 and C A^-1 B without negative eigenvalue."""
+    """Whether no motion has lost its resistance: det A > 0 and C A^-1 B without negative
+    eigenvalue.
+    """
     n = system.n
     k = len(system.r) - n
     if equations.sign != (-1) ** k:
@@ -163,16 +180,20 @@ def regular(equations: Equations, system: System) -> bool:
         return True
     unit = np.vstack([np.zeros((n, k)), np.diag(system.down[n:])])
     yielding = system.across[n:, None] * equations.solve(unit)[n:]  # (C A^-1 B)^-1
-    size = np.sqrt(np.abs(np.diagonal(yielding)))  # motions have units of their own: nothing may hang on these
-    # scaling leaves the signs of eigenvalues as they are, so that a motion without a size of its own needs none
+    size = np.sqrt(
+        np.abs(np.diagonal(yielding))
+    )  # motions have units of their own: nothing may hang on these
+    # scaling leaves the signs of eigenvalues as they are, so that a motion without a size of its
+    # own needs none
     size[size == 0] = 1.0
     values = np.linalg.eigvals(yielding / np.outer(size, size))
     return not ((values.imag == 0) & (values.real < 0)).any()
 
 
 def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
-    """LU factors and pivots of the transposed matrix, row by row in memory, in its place; raises NoAnswer for a
-    singular one."""
+    """LU factors and pivots of the transposed matrix, row by row in memory, in its place; raises
+    NoAnswer for a singular one.
+    """
     if not matrix.size:
         return matrix, np.zeros(0, dtype=np.int32)
     lu, pivots, info = dgetrf(matrix.T, overwrite_a=True)
@@ -193,5 +214,7 @@ def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
 
 
 def few_changed(base: Equations, on: Bools) -> bool:
-    """Whether unknowns differ from factorised ones by few, and are many: then it is cheaper to border those."""
+    """Whether unknowns differ from factorised ones by few, and are many: then it is cheaper to
+    border those.
+    """
     return len(base._at) > LARGE and bool(8 * np.count_nonzero(base.on ^ on) < len(base._at))

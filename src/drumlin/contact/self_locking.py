@@ -1,16 +1,19 @@
-"""Self-locking: the friction coefficient up to which sliding contact has an equilibrium that is reached from mu = 0.
+"""Self-locking: the friction coefficient up to which sliding contact has an equilibrium that is
+reached from mu = 0.
 
 Under full slip the matrices of the contact problem grow linearly with the friction coefficient,
 
     A(mu) = A0 + mu A1,   C(mu) = C0 + mu C1.
 
-On a contact set pressures and motions solve K(mu) x = r with the bordered K = [[A, B], [C, 0]]. They grow without
-bound where K0 + mu K1 is singular: at an eigenvalue of the pencil, the smallest above the mu at hand. The contact
-set changes on the way there, and so does the eigenvalue: the answer is followed from mu = 0, and the limit is the
-eigenvalue of a set that holds right up to it. It does not depend on force or clearance then, which nothing keeps
-beside pressures without bound. Else the answer ends where it turns back: at a change of the contact set beyond which
-the determinant has the other sign. Other answers may stand beyond, to which the contact would leap and grow: so a
-step over which the set changes is short enough that pressures grow by less than QUIET of themselves.
+On a contact set pressures and motions solve K(mu) x = r with the bordered K = [[A, B], [C, 0]].
+They grow without bound where K0 + mu K1 is singular: at an eigenvalue of the pencil, the smallest
+above the mu at hand. The contact set changes on the way there, and so does the eigenvalue: the
+answer is followed from mu = 0, and the limit is the eigenvalue of a set that holds right up to it.
+It does not depend on force or clearance then, which nothing keeps beside pressures without bound.
+Else the answer ends where it turns back: at a change of the contact set beyond which the
+determinant has the other sign. Other answers may stand beyond, to which the contact would leap and
+grow: so a step over which the set changes is short enough that pressures grow by less than QUIET of
+themselves.
 """
 
 from collections.abc import Callable
@@ -26,28 +29,35 @@ from drumlin.errors import NoAnswer
 
 LARGEST = 1e3  # friction coefficient up to which a limit is looked for
 STEP = 0.05
-"""Largest step of mu by which an answer is followed; above mu = 1 relative to it. It is a matter of time:
-steps over which the contact set changes are halved until QUIET holds, and while it does not change the
-determinant shows the pole. On 30 brakes 0.025 takes 1.07 times the factorisations, 0.1 the same, 0.4
-1.1 times, with the same answers."""
+"""Largest step of mu by which an answer is followed; above mu = 1 relative to it. It is a matter of
+time: steps over which the contact set changes are halved until QUIET holds, and while it does not
+change the determinant shows the pole. On 30 brakes 0.025 takes 1.07 times the factorisations, 0.1
+the same, 0.4
+1.1 times, with the same answers.
+"""
 CLOSE = 1e-8  # relative distance from an eigenvalue at which the contact set must hold
 QUIET = 0.5
-"""Largest relative growth of the contact force, the sum of pressures times their areas, over a step of
-friction that the answer is followed through without a look at what lies between. The force grows as
-1/(mu_lock - mu), so that it grows by no more over the second half of any friction up to half of mu_lock:
-(1 - 1/4)/(1 - 1/2) = 1.5. Above it the step is halved."""
+"""Largest relative growth of the contact force, the sum of pressures times their areas, over a step
+of friction that the answer is followed through without a look at what lies between. The force grows
+as 1/(mu_lock - mu), so that it grows by no more over the second half of any friction up to half of
+mu_lock: (1 - 1/4)/(1 - 1/2) = 1.5. Above it the step is halved.
+"""
 LARGE = 600
-"""Nodes above which the answer is followed on every other one, as the work goes with their cube. It is a
-matter of time alone: the answer is the same, see LIKE."""
+"""Nodes above which the answer is followed on every other one, as the work goes with their cube. It
+is a matter of time alone: the answer is the same, see LIKE.
+"""
 LIKE = 0.1
-"""Part of the pressures, in the norm of their work, by which the answers on all nodes and on every other
-one may differ. Of two meshes of one answer it is 0.004, of two answers 0.7: any number between tells
-them apart, and too small a one costs time."""
+"""Part of the pressures, in the norm of their work, by which the answers on all nodes and on every
+other one may differ. Of two meshes of one answer it is 0.004, of two answers 0.7: any number
+between tells them apart, and too small a one costs time.
+"""
 RESOLUTION = 1e-12  # relative, of a limit where the answer turns back
 
 
 class Sliding(NamedTuple):
-    """A contact problem at every friction coefficient: `still` at mu = 0; A1 (n, n) and C1 (k, n) per mu."""
+    """A contact problem at every friction coefficient: `still` at mu = 0; A1 (n, n) and C1 (k, n)
+    per mu.
+    """
 
     still: Problem
     A1: Floats
@@ -67,9 +77,10 @@ class Sliding(NamedTuple):
 class Limit(NamedTuple):
     """Where the answer that is followed from mu = 0 ends.
 
-    `friction`: mu_lock, inf where there is none up to LARGEST; `bounded`: whether it turns back there at finite
-    pressure, at a change of the contact set; else pressure grows without bound as 1/(mu_lock - mu). `last`: the answer
-    at the last friction coefficient that was `reached`; its contact set is that of the limit.
+    `friction`: mu_lock, inf where there is none up to LARGEST; `bounded`: whether it turns back
+    there at finite pressure, at a change of the contact set; else pressure grows without bound as
+    1/(mu_lock - mu). `last`: the answer at the last friction coefficient that was `reached`; its
+    contact set is that of the limit.
     """
 
     friction: float
@@ -80,7 +91,9 @@ class Limit(NamedTuple):
 
 
 class Ended(NoAnswer):
-    """The answer that is followed from mu = 0 ends before the friction that was asked for: at `end`."""
+    """The answer that is followed from mu = 0 ends before the friction that was asked for: at
+    `end`.
+    """
 
     def __init__(self, line: str, end: Limit) -> None:
         super().__init__(line)
@@ -95,8 +108,8 @@ def limit(
 ) -> Limit:
     """Follow the answer from mu = 0 to its end, or to mu = `most`.
 
-    known: a friction coefficient and the answer there, which is followed on from; areas: see `answer`. Raises NoAnswer
-    where there is no answer at mu = 0.
+    known: a friction coefficient and the answer there, which is followed on from; areas: see
+    `answer`. Raises NoAnswer where there is no answer at mu = 0.
     """
     areas = _areas(sliding.still, areas)
     mu, found = (0.0, _without_friction(sliding.still)) if known is None else known
@@ -106,14 +119,20 @@ def limit(
         steps += 1
         target = min(mu + reach, most)
         after = _reached(sliding, target, found.active)
-        if after is not None and (np.array_equal(after.active, found.active) or _quiet(after, found, areas)):
+        if after is not None and (
+            np.array_equal(after.active, found.active) or _quiet(after, found, areas)
+        ):
             found, mu, reach = after, target, min(2 * reach, STEP * max(1.0, mu))
             continue
         if not np.array_equal(of, found.active):
             critical, of = next_eigenvalue(sliding, mu, found.active), found.active
             near = mu + (critical - mu) * (1 - CLOSE)
-            met = critical - mu < RESOLUTION * max(mu, 1e-3)  # the step before has met the pole itself
-            if np.isfinite(critical) and (met or _reached(sliding, near, found.active, 1) is not None):
+            met = critical - mu < RESOLUTION * max(
+                mu, 1e-3
+            )  # the step before has met the pole itself
+            if np.isfinite(critical) and (
+                met or _reached(sliding, near, found.active, 1) is not None
+            ):
                 return Limit(critical, False, found, mu, steps)
         reach = 0.5 * (target - mu)
         if reach < RESOLUTION * max(mu, 1e-3):
@@ -137,21 +156,22 @@ def answer(
     law: float,
     brake: str,
 ) -> Contact:
-    """The answer at a friction coefficient: the one that is followed from mu = 0, which is unique there.
+    """The answer at a friction coefficient: the one that is followed from mu = 0, which is unique
+    there.
 
-    Below the limit of the rigid shoe that is the stable one that settles at once from the contact set
-    `start`, if from half of the friction on the contact force grows by less than QUIET of itself, as
-    it does up to half of the limit; else it is followed in many small steps, from half of the friction
-    on where the answer there is as quiet. Not any stable one, nor the one that wider gaps lead to: near
-    the limit, where the contact grows fast, and beyond it some stand apart, reached by no friction that
-    grows from 0.
+    Below the limit of the rigid shoe that is the stable one that settles at once from the contact
+    set `start`, if from half of the friction on the contact force grows by less than QUIET of
+    itself, as it does up to half of the limit; else it is followed in many small steps, from half
+    of the friction on where the answer there is as quiet. Not any stable one, nor the one that
+    wider gaps lead to: near the limit, where the contact grows fast, and beyond it some stand
+    apart, reached by no friction that grows from 0.
 
-    problem_at: the problem at a friction coefficient, linear in it; areas (n,): of the nodes [m^2], by
-    which pressures make a force, 1 where they are forces already; law: mu_lock of the rigid shoe;
-    brake: what there is an equilibrium of, in words. Of a LARGE problem the answer on every other node
-    is followed, at a fraction of the cost; the one that settles at once from its contact set is taken
-    where the two are LIKE each other. Raises Ended with both limits where the answer ends before that
-    friction, and NoAnswer with another reason where friction is not to blame.
+    problem_at: the problem at a friction coefficient, linear in it; areas (n,): of the nodes [m^2],
+    by which pressures make a force, 1 where they are forces already; law: mu_lock of the rigid
+    shoe; brake: what there is an equilibrium of, in words. Of a LARGE problem the answer on every
+    other node is followed, at a fraction of the cost; the one that settles at once from its contact
+    set is taken where the two are LIKE each other. Raises Ended with both limits where the answer
+    ends before that friction, and NoAnswer with another reason where friction is not to blame.
     """
     if friction == 0:
         return _without_friction(problem_at(0.0), start)
@@ -172,7 +192,11 @@ def answer(
                 return found
     except NoAnswer as error:
         stable, reason = False, str(error)
-    known = (0.5 * friction, half) if half is not None and _sure(problem_at, 0.5 * friction, half, areas) else None
+    known = (
+        (0.5 * friction, half)
+        if half is not None and _sure(problem_at, 0.5 * friction, half, areas)
+        else None
+    )
     try:
         end = limit(Sliding.through(problem_at(0.0), problem_at(1.0)), friction, known, areas)
     except NoAnswer:  # none without friction: friction is not to blame
@@ -185,7 +209,9 @@ def answer(
 
 
 def locks(friction: float, limit: float, *, law: float, brake: str) -> str:
-    """The reason of a refusal at a friction coefficient beyond the limit; law, brake: as of `answer`."""
+    """The reason of a refusal at a friction coefficient beyond the limit; law, brake: as of
+    `answer`.
+    """
     return (
         f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "
         f"mu_lock = {limit:.4g} (rigid-shoe law: {law:.4g})"
@@ -193,12 +219,18 @@ def locks(friction: float, limit: float, *, law: float, brake: str) -> str:
 
 
 def _as_coarser(
-    problem: Problem, still: Problem, friction: float, start: Bools | None, areas: Floats, law: float
+    problem: Problem,
+    still: Problem,
+    friction: float,
+    start: Bools | None,
+    areas: Floats,
+    law: float,
 ) -> Contact | None:
-    """The stable answer that settles at once, where it is like the `answer` on every other node; or None.
+    """The stable answer that settles at once, where it is like the `answer` on every other node; or
+    None.
 
-    problem, still: at the friction coefficient and at 0; start: the contact set to settle from, by default the coarse
-    answer's.
+    problem, still: at the friction coefficient and at 0; start: the contact set to settle from, by
+    default the coarse answer's.
     """
     coarse = Sliding.through(halved(still), halved(problem), friction)
     try:
@@ -211,8 +243,12 @@ def _as_coarser(
     return found if found.regular and same else None
 
 
-def _sure(problem_at: Callable[[float], Problem], friction: float, found: Contact, areas: Floats) -> bool:
-    """Whether an answer at a friction coefficient, below the limit of the rigid shoe, is the one that is followed."""
+def _sure(
+    problem_at: Callable[[float], Problem], friction: float, found: Contact, areas: Floats
+) -> bool:
+    """Whether an answer at a friction coefficient, below the limit of the rigid shoe, is the one
+    that is followed.
+    """
     try:
         half = settle(problem_at(0.5 * friction), found.active, like=found.system)
         return found.regular and _quiet(found, half, areas)
@@ -223,8 +259,9 @@ def _sure(problem_at: Callable[[float], Problem], friction: float, found: Contac
 def _quiet(found: Contact, before: Contact, areas: Floats) -> bool:
     """Whether the contact force has grown by less than QUIET since the answer at less friction.
 
-    The force, not the sum of pressures: the contact moves along the lining as friction grows, and where it comes from
-    wide columns to narrow ones more nodes press, and harder, under the same force.
+    The force, not the sum of pressures: the contact moves along the lining as friction grows, and
+    where it comes from wide columns to narrow ones more nodes press, and harder, under the same
+    force.
     """
     return before.regular and float(areas @ found.p) <= (1 + QUIET) * float(areas @ before.p)
 
@@ -234,7 +271,8 @@ def _areas(problem: Problem, areas: Floats | None) -> Floats:
 
 
 def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
-    """The smallest mu above `friction` at which K0 + mu K1 of a contact set is singular; inf where there is none.
+    """The smallest mu above `friction` at which K0 + mu K1 of a contact set is singular; inf where
+    there is none.
 
     With x of K(mu) G = K1 an eigenvalue gamma of G belongs to the singular friction mu - 1/gamma.
     """
@@ -253,9 +291,9 @@ def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
 class Agreement(NamedTuple):
     """Where other first guesses of the contact set lead, against the answer followed from mu = 0.
 
-    Of `starts`: `same`, those that end at it; `others`, at another answer that is `regular` too; `unstable`, at one
-    that is not; `lost`, those that did not converge. `difference`: the largest one of pressure among `same`, relative
-    to the largest pressure.
+    Of `starts`: `same`, those that end at it; `others`, at another answer that is `regular` too;
+    `unstable`, at one that is not; `lost`, those that did not converge. `difference`: the largest
+    one of pressure among `same`, relative to the largest pressure.
     """
 
     starts: int
@@ -266,9 +304,15 @@ class Agreement(NamedTuple):
     difference: float
 
 
-def agreement(problem: Problem, answer: Contact, starts: list[Bools], tolerance: float = 1e-6) -> Agreement:
+def agreement(
+    problem: Problem, answer: Contact, starts: list[Bools], tolerance: float = 1e-6
+) -> Agreement:
     """Solve a problem from each of the contact sets `starts` (n,), and compare with its `answer`."""
-    counts, largest, scale = dict.fromkeys(("same", "others", "unstable", "lost"), 0), 0.0, np.abs(answer.p).max()
+    counts, largest, scale = (
+        dict.fromkeys(("same", "others", "unstable", "lost"), 0),
+        0.0,
+        np.abs(answer.p).max(),
+    )
     for start in starts:
         try:
             found = solve(problem, start)
@@ -283,16 +327,20 @@ def agreement(problem: Problem, answer: Contact, starts: list[Bools], tolerance:
 
 
 def first_singular(sliding: Sliding) -> float:
-    """The smallest mu > 0 at which K0 + mu K1 is singular on any contact set, whether it is ever met or not; or inf.
+    """The smallest mu > 0 at which K0 + mu K1 is singular on any contact set, whether it is ever
+    met or not; or inf.
 
-    Below it all sets have a determinant of one sign, and every load and clearance has exactly one answer (a P-matrix
-    where there are no free motions: Samelson, Thrall & Wesler 1958). All 2^n sets are tried: for small n only.
+    Below it all sets have a determinant of one sign, and every load and clearance has exactly one
+    answer (a P-matrix where there are no free motions: Samelson, Thrall & Wesler 1958). All 2^n
+    sets are tried: for small n only.
     """
     n, k = sliding.still.B.shape
     sets = ((np.arange(2**n)[:, None] >> np.arange(n)) & 1).astype(bool)
     smallest = np.inf
     for active in sets[sets.sum(axis=1) >= max(k, 1)]:
-        with suppress(np.linalg.LinAlgError):  # a set that leaves a motion free at every friction: never met
+        with suppress(
+            np.linalg.LinAlgError
+        ):  # a set that leaves a motion free at every friction: never met
             smallest = min(smallest, next_eigenvalue(sliding, 0.0, active))
     return smallest
 

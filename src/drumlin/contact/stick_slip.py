@@ -1,27 +1,29 @@
 """Unilateral contact with Coulomb friction that sticks and slips, one load increment at a time.
 
-Find pressures p, tangential tractions t and free motions y such that, with the changes of slip ds = s - s_0 and
-of traction dt = t - t_0 since the last converged increment,
+Find pressures p, tangential tractions t and free motions y such that, with the changes of slip ds =
+s - s_0 and of traction dt = t - t_0 since the last converged increment,
 
     w = q_w + A_wp p + A_wt t + B_w y,      p >= 0,  w >= 0,  p w = 0
     s = q_s + A_sp p + A_st t + B_s y,      |t| <= mu p,  ds - Q dt = 0 where it sticks,
-                                            t = +mu p with ds - Q dt >= 0, or t = -mu p with <= 0, where it slips
+                                            t = +mu p with ds - Q dt >= 0, or t = -mu p with <= 0,
+                                            where it slips
     C_p p + C_t t = h
 
-w, s (n,): weighted gaps and slips (of the drum against the lining); Q (n, n): compliance of a tangential penalty,
-zero for none.
+w, s (n,): weighted gaps and slips (of the drum against the lining); Q (n, n): compliance of a
+tangential penalty, zero for none.
 
-What a node may do is a surface of four flat pieces: open, sticking, slipping either way. In a plane of (a, b) they
-are the half-plane a < 0 and three wedges of a > 0, and each borders on two others:
+What a node may do is a surface of four flat pieces: open, sticking, slipping either way. In a plane
+of (a, b) they are the half-plane a < 0 and three wedges of a > 0, and each borders on two others:
 
     open:      p = t = 0,   w > 0;   w = 0 is the edge to slip, forward or backward as its slip has gone
     forward:   t = +mu p,   p > 0 (edge to open),  slip > 0 (edge to stick);     backward alike
     stick:     slip = 0,    |t| < mu p (edges to forward and backward)
 
-So an increment is one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991). It is solved by Newton's
-method, all nodes at once; where that cycles, by following its solution while the load goes from one that the states
-at hand balance to the true one, one node changing at a time (Lemke 1965; Eaves 1976). The history (t_0, s_0) is an
-input: nothing changes it but the caller, who commits what has converged.
+So an increment is one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991). It is
+solved by Newton's method, all nodes at once; where that cycles, by following its solution while the
+load goes from one that the states at hand balance to the true one, one node changing at a time
+(Lemke 1965; Eaves 1976). The history (t_0, s_0) is an input: nothing changes it but the caller, who
+commits what has converged.
 """
 
 from dataclasses import dataclass
@@ -66,7 +68,9 @@ class History(NamedTuple):
 
 @dataclass(frozen=True)
 class Increment:
-    """A converged increment: p, t, s (n,), y (k,), `state` (n,) of each node, and the steps that it took."""
+    """A converged increment: p, t, s (n,), y (k,), `state` (n,) of each node, and the steps that it
+    took.
+    """
 
     p: Floats
     t: Floats
@@ -85,7 +89,8 @@ class Increment:
 def solve(problem: Problem, mu: float | Floats, history: History, start: Ints) -> Increment:
     """Solve one increment from the states `start` (n,); mu: of all nodes, or of each (n,).
 
-    Raises NoAnswer where neither Newton's method nor a path from these states or from wide gaps leads to an answer.
+    Raises NoAnswer where neither Newton's method nor a path from these states or from wide gaps
+    leads to an answer.
     """
     system, scales = _system(problem, mu, history)
     for way in (_newton, _followed, _closed):
@@ -101,9 +106,11 @@ def solve(problem: Problem, mu: float | Floats, history: History, start: Ints) -
 
 
 class _System(NamedTuple):
-    """The equations of an increment: v = q + A z + B y, C z = h of z = (p, t) and v = (w, ds - Q dt), both (2n,).
+    """The equations of an increment: v = q + A z + B y, C z = h of z = (p, t) and v = (w, ds - Q
+    dt), both (2n,).
 
-    Scaled to a unit diagonal of A, positive for w and negative for the slip; `mu` (n,) is scaled with it.
+    Scaled to a unit diagonal of A, positive for w and negative for the slip; `mu` (n,) is scaled
+    with it.
     """
 
     A: Floats
@@ -127,7 +134,9 @@ def _system(problem: Problem, mu: float | Floats, history: History) -> tuple[_Sy
     B, C = np.vstack([problem.B_w, problem.B_s]), np.hstack([problem.C_p, problem.C_t])
     d = 1 / np.sqrt(np.maximum(np.abs(np.diagonal(A)), np.finfo(float).tiny))
     n = len(q) // 2
-    return _System(d[:, None] * A * d, d * q, d[:, None] * B, C * d, problem.h, mu * d[:n] / d[n:]), d
+    return _System(
+        d[:, None] * A * d, d * q, d[:, None] * B, C * d, problem.h, mu * d[:n] / d[n:]
+    ), d
 
 
 class _Piece:
@@ -141,11 +150,19 @@ class _Piece:
         n, k = len(state), len(system.h)
         self.on, stuck = np.flatnonzero(state != OPEN), n + np.flatnonzero(state == STICK)
         # t = sliding p where it slips
-        self.sliding = (system.mu * ((state == FORWARD).astype(float) - (state == BACKWARD)))[self.on]
+        self.sliding = (system.mu * ((state == FORWARD).astype(float) - (state == BACKWARD)))[
+            self.on
+        ]
         self.basic = np.concatenate([self.on, stuck])
-        self.columns = np.hstack([system.A[:, self.on] + system.A[:, n + self.on] * self.sliding, system.A[:, stuck]])
-        balance = np.hstack([system.C[:, self.on] + system.C[:, n + self.on] * self.sliding, system.C[:, stuck]])
-        matrix = np.block([[self.columns[self.basic], system.B[self.basic]], [balance, np.zeros((k, k))]])
+        self.columns = np.hstack(
+            [system.A[:, self.on] + system.A[:, n + self.on] * self.sliding, system.A[:, stuck]]
+        )
+        balance = np.hstack(
+            [system.C[:, self.on] + system.C[:, n + self.on] * self.sliding, system.C[:, stuck]]
+        )
+        matrix = np.block(
+            [[self.columns[self.basic], system.B[self.basic]], [balance, np.zeros((k, k))]]
+        )
         self._factors = _factorised(matrix)
 
     def at(self, q: Floats, h: Floats) -> _Point:
@@ -160,16 +177,20 @@ class _Piece:
         return _Point(z, v, y)
 
     def margins(self, point: _Point) -> Floats:
-        """How far each node is within the two edges of its piece (2, n), linear in the point; 0 for no second edge."""
+        """How far each node is within the two edges of its piece (2, n), linear in the point; 0 for
+        no second edge.
+        """
         (p, t), (w, slip), mu = np.split(point.z, 2), np.split(point.v, 2), self.system.mu
         first = np.select([self.state == OPEN, self.state == STICK], [w, mu * p - t], p)
         second = np.select(
-            [self.state == STICK, self.state == FORWARD, self.state == BACKWARD], [mu * p + t, slip, -slip]
+            [self.state == STICK, self.state == FORWARD, self.state == BACKWARD],
+            [mu * p + t, slip, -slip],
         )
         return np.array([first, second])
 
 
-# The piece beyond each edge [state, edge]; from open it is FORWARD or BACKWARD by the sign of the slip.
+# The piece beyond each edge [state, edge]; from open it is FORWARD or BACKWARD by the sign of the
+# slip.
 BEYOND = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
 
 
@@ -197,7 +218,9 @@ def _wanted(system: _System, state: Ints, point: _Point, outside: Bools) -> Ints
     for edge in (0, 1):
         wanted[outside[edge]] = BEYOND[state[outside[edge]], edge]
     closing = (state == OPEN) & outside[0]
-    wanted[closing] = np.select([slip > -system.mu * w, slip < system.mu * w], [FORWARD, BACKWARD], STICK)[closing]
+    wanted[closing] = np.select(
+        [slip > -system.mu * w, slip < system.mu * w], [FORWARD, BACKWARD], STICK
+    )[closing]
     wanted[(state == STICK) & outside.any(axis=0) & (p < 0)] = OPEN
     return wanted
 
@@ -216,7 +239,9 @@ def _followed(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
 
 
 def _closed(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
-    """The path from gaps so wide that only the nodes touch that the actuation closes first, slipping."""
+    """The path from gaps so wide that only the nodes touch that the actuation closes first,
+    slipping.
+    """
     n = len(start)
     state = np.full(n, OPEN)
     for k, load in enumerate(system.h):
@@ -227,16 +252,20 @@ def _closed(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
             raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
         turn = np.maximum(np.abs(system.B[:n, k]), np.finfo(float).tiny)
         first = int(np.where(bearing, system.q[:n] / turn, np.inf).argmin())
-        state[first] = FORWARD if system.C[k, n + first] * load >= 0 else BACKWARD  # the way that does not lock
+        state[first] = (
+            FORWARD if system.C[k, n + first] * load >= 0 else BACKWARD
+        )  # the way that does not lock
     return _path(system, state, wide=True)
 
 
 def _path(system: _System, state: Ints, *, wide: bool) -> tuple[Ints, _Point, int]:
-    """States, point and steps at r = 0 of the path of answers to q + r e, h + r f that comes from r = 1.
+    """States, point and steps at r = 0 of the path of answers to q + r e, h + r f that comes from r
+    = 1.
 
-    e and f are what the states at r = 1 need to hold, with a margin; with `wide` the open nodes have one anyway.
-    Between two changes of a state all is linear in r; each change is of one node, and the next piece begins where
-    it left, r growing again where the path turns. Raises NoAnswer where the path goes on for ever.
+    e and f are what the states at r = 1 need to hold, with a margin; with `wide` the open nodes
+    have one anyway. Between two changes of a state all is linear in r; each change is of one node,
+    and the next piece begins where it left, r growing again where the path turns. Raises NoAnswer
+    where the path goes on for ever.
     """
     state, r, way, node, edge = state.copy(), 1.0, -1.0, -1, 0
     piece = _Piece(system, state)
@@ -259,10 +288,14 @@ def _path(system: _System, state: Ints, *, wide: bool) -> tuple[Ints, _Point, in
         state = state.copy()
         before = state[node]
         slip = point.v[len(state) + node] + r * slope.v[len(state) + node]
-        state[node] = (FORWARD if slip > 0 else BACKWARD) if before == OPEN else BEYOND[before, edge]
+        state[node] = (
+            (FORWARD if slip > 0 else BACKWARD) if before == OPEN else BEYOND[before, edge]
+        )
         edge = int(BEYOND[state[node], 1] == before) if before != OPEN else 0
         piece = _Piece(system, state)
-    raise NoAnswer("not converged: stick and slip do not settle, nor does a path lead to where they do")
+    raise NoAnswer(
+        "not converged: stick and slip do not settle, nor does a path lead to where they do"
+    )
 
 
 def _lift(system: _System, piece: _Piece, wide: bool) -> tuple[Floats, Floats]:
@@ -276,7 +309,9 @@ def _lift(system: _System, piece: _Piece, wide: bool) -> tuple[Floats, Floats]:
     if wide:
         low[0] |= state == OPEN
     low[1] &= state != OPEN
-    margin = np.where(low, np.maximum(margin, 0) + slack * uneven if wide else slack * uneven, margin)
+    margin = np.where(
+        low, np.maximum(margin, 0) + slack * uneven if wide else slack * uneven, margin
+    )
     (p, t), (w, slip) = np.split(point.z, 2), np.split(point.v, 2)
     sticks, slips = state == STICK, (state == FORWARD) | (state == BACKWARD)
     sense = np.where(state == BACKWARD, -1.0, 1.0)
@@ -284,14 +319,20 @@ def _lift(system: _System, piece: _Piece, wide: bool) -> tuple[Floats, Floats]:
     slip = np.where(slips, sense * margin[1], slip)
     touched = np.maximum(system.mu, np.finfo(float).tiny)
     # the two margins of a sticking node are mu p - t and mu p + t
-    p = np.where(slips, margin[0], np.where(sticks & low.any(axis=0), (margin[0] + margin[1]) / (2 * touched), p))
+    p = np.where(
+        slips,
+        margin[0],
+        np.where(sticks & low.any(axis=0), (margin[0] + margin[1]) / (2 * touched), p),
+    )
     t = np.where(slips, sense * system.mu * p, np.where(sticks, 0.5 * (margin[1] - margin[0]), t))
     z, v = np.concatenate([p, t]), np.concatenate([w, slip])
     return v - (system.q + system.A @ z + system.B @ point.y), system.C @ z - system.h
 
 
 def _factorised(matrix: Floats) -> tuple[Floats, Ints, Floats, Floats]:
-    """LU factors and pivots of the matrix with equilibrated rows and columns, whose units differ, and their scales."""
+    """LU factors and pivots of the matrix with equilibrated rows and columns, whose units differ,
+    and their scales.
+    """
     if not matrix.size:
         return matrix, np.zeros(0, dtype=np.int32), np.zeros(0), np.zeros(0)
     tiny = np.finfo(float).tiny
@@ -312,7 +353,9 @@ def _back(factors: tuple[Floats, Ints, Floats, Floats], right: Floats) -> Floats
 
 
 def zones(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[float, float], ...]]:
-    """Arcs [rad] of stick and of slip: runs of nodes in one state, ending half-way to the next node."""
+    """Arcs [rad] of stick and of slip: runs of nodes in one state, ending half-way to the next
+    node.
+    """
     edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
     return {
         "stick": _runs(edges, state == STICK),

@@ -1,7 +1,9 @@
-"""Settings -> answers: finite elements beside a law, worn in as far as asked; what is kept is made once.
+"""Settings -> answers: finite elements beside a law, worn in as far as asked; what is kept is made
+once.
 
-The bodies depend on geometry and stiffness alone: another friction, force or clearance costs some milliseconds on them.
-The wear of a brake is run once over the whole range of its knob, and read off from there.
+The bodies depend on geometry and stiffness alone: another friction, force or clearance costs some
+milliseconds on them. The wear of a brake is run once over the whole range of its knob, and read off
+from there.
 """
 
 from collections.abc import Callable, Mapping
@@ -36,9 +38,10 @@ WEAR_TOLERANCE = 1e-2  # of p in L2 a step; the torque is then some 1e-4 off
 class Answer:
     """What the models make of a setting.
 
-    `brake`: as it is solved, worn where wear is asked for; None where it is none. `found`, `law`: the responses by
-    finite elements and by the law called `law_name`; where there is none, `failure` and `law_failure` say why.
-    `law_locking`: mu_lock of the worst shoe by that law on a drum, else None. `distance` [m]: the sliding distance.
+    `brake`: as it is solved, worn where wear is asked for; None where it is none. `found`, `law`:
+    the responses by finite elements and by the law called `law_name`; where there is none,
+    `failure` and `law_failure` say why. `law_locking`: mu_lock of the worst shoe by that law on a
+    drum, else None. `distance` [m]: the sliding distance.
     """
 
     setting: Setting
@@ -61,8 +64,9 @@ class Worn(NamedTuple):
 
 
 class Stated(NamedTuple):
-    """How far an answer is from that of `solve`: torque and p (L2, the worst shoe's), relative; and what that states
-    of its own errors, None of a mesh from a file."""
+    """How far an answer is from that of `solve`: torque and p (L2, the worst shoe's), relative; and
+    what that states of its own errors, None of a mesh from a file.
+    """
 
     torque: float
     pressure: float
@@ -111,7 +115,9 @@ class Explorer:
                 made = replace(made, brake=brake, distance=distance)
             found = respond(scene, brake)
             # of merits the page shows the braking force on a plane
-            made = replace(made, found=with_merits(brake, found) if brake.surface.straight else found)
+            made = replace(
+                made, found=with_merits(brake, found) if brake.surface.straight else found
+            )
         except DrumlinError as error:
             made = replace(made, failure=str(error))
         return _beside(made)
@@ -121,22 +127,32 @@ class Explorer:
 
         def make() -> Scene:
             dragged = vary(brake, {"friction": 1.0})
-            return prepare(dragged) if any(shoe.mesh for shoe in dragged.shoes) else scene(dragged, LEVEL)
+            return (
+                prepare(dragged)
+                if any(shoe.mesh for shoe in dragged.shoes)
+                else scene(dragged, LEVEL)
+            )
 
         return self._scene.get(bare(brake).model_copy(update={"friction": 1.0}), make)
 
     def _worn_brake(self, scene: Scene, brake: Brake, wear: float) -> tuple[Brake, float]:
-        """The brake worn over `wear` times 1/(k K), and that distance [m]. Raises NoAnswer for a lining worn out."""
+        """The brake worn over `wear` times 1/(k K), and that distance [m]. Raises NoAnswer for a
+        lining worn out.
+        """
         run = self._worn.get(brake, lambda: _run(scene, brake))
         state = at(run.states, wear * run.unit)
         for surface in run.setup.surfaces:
             deepest, lining = state.depth[surface.part].max(), brake.shoes[surface.shoe].lining
             if deepest > WORN_OUT * lining.thickness:
-                raise NoAnswer(f"shoe {surface.name!r}: worn out, {deepest * 1e3:.3g} mm would be worn off its lining")
+                raise NoAnswer(
+                    f"shoe {surface.name!r}: worn out, {deepest * 1e3:.3g} mm would be worn off its lining"
+                )
         return worn(run.setup, state), wear * run.unit
 
     def locking(self, brake: Brake) -> Mapping[tuple[int, ...], float]:
-        """mu_lock of each group of shoes that meet the drum together, up to HIGHEST; empty where nothing touches."""
+        """mu_lock of each group of shoes that meet the drum together, up to HIGHEST; empty where
+        nothing touches.
+        """
 
         def make() -> Mapping[tuple[int, ...], float]:
             dragged = vary(brake, {"friction": 1.0})
@@ -155,7 +171,9 @@ class Explorer:
         return known
 
     def stated(self, answer: Answer) -> Stated | None:
-        """How far an answer on the fixed division is from `solve`, which takes as long as that; None without one."""
+        """How far an answer on the fixed division is from `solve`, which takes as long as that;
+        None without one.
+        """
         brake, found = answer.brake, answer.found
         if brake is None or found is None:
             return None
@@ -165,7 +183,9 @@ class Explorer:
                 finer = solve(brake)
             except DrumlinError:
                 return None
-            apart = max(pressure_distance(a, b) for a, b in zip(found.shoes, finer.shoes, strict=True))
+            apart = max(
+                pressure_distance(a, b) for a, b in zip(found.shoes, finer.shoes, strict=True)
+            )
             return Stated(abs(relative(found.effect, finer.effect)), apart, finer.error)
 
         known: Stated | None = self._stated.get(brake, make)
@@ -180,7 +200,9 @@ def _at_any_friction(brake: Brake) -> Brake:
 def _run(scene: Scene, brake: Brake) -> Worn:
     setup, law = fem_setup(scene, brake), WearLaw(COEFFICIENT)
     unit = unit_distance(setup, law)
-    return Worn(setup, run_in(setup, law, distance=LARGEST_WEAR * unit, tolerance=WEAR_TOLERANCE), unit)
+    return Worn(
+        setup, run_in(setup, law, distance=LARGEST_WEAR * unit, tolerance=WEAR_TOLERANCE), unit
+    )
 
 
 def _beside(made: Answer) -> Answer:

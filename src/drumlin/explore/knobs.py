@@ -1,4 +1,6 @@
-"""What can be turned on the page: knobs with ranges, a setting of them, the brake and the link that belong to it."""
+"""What can be turned on the page: knobs with ranges, a setting of them, the brake and the link that
+belong to it.
+"""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -28,7 +30,8 @@ LONGEST_LINK = 2000  # characters of a link's query that are read
 class Knob(NamedTuple):
     """A slider: its name in the link, words, unit, and range in that unit; `log`: moved by factors.
 
-    `start`: where the brake file stands; `changes`: what a value [unit] changes, as `vary` takes it.
+    `start`: where the brake file stands; `changes`: what a value [unit] changes, as `vary` takes
+    it.
     """
 
     name: str
@@ -51,13 +54,16 @@ class Knob(NamedTuple):
         return min(max(value, self.low), self.high)
 
 
-WEAR = Knob("wear", "wear: sliding distance", "1/(k K)", 0.0, LARGEST_WEAR, 0.25, 0.0, lambda value: {})
+WEAR = Knob(
+    "wear", "wear: sliding distance", "1/(k K)", 0.0, LARGEST_WEAR, 0.25, 0.0, lambda value: {}
+)
 
 
 @dataclass(frozen=True)
 class Setting:
-    """Where the knobs stand: values by name, of those that are away from the brake file; `sense` of the motion, one of
-    `Brake.directions`; the law beside."""
+    """Where the knobs stand: values by name, of those that are away from the brake file; `sense` of
+    the motion, one of `Brake.directions`; the law beside.
+    """
 
     sense: str
     law: str | None
@@ -93,8 +99,8 @@ def start_of(brake: Brake) -> Setting:
 def knobs_of(brake: Brake) -> tuple[Knob, ...]:
     """The knobs that a brake has, in the page's order.
 
-    A quantity that differs from shoe to shoe is shown as that of the shoe with the largest; the others go in proportion
-    (forces, moduli) or by the same difference (clearance, misfit).
+    A quantity that differs from shoe to shoe is shown as that of the shoe with the largest; the
+    others go in proportion (forces, moduli) or by the same difference (clearance, misfit).
     """
     R = brake.size * 1e3
     fine = nice(R * 1e-5)
@@ -158,12 +164,16 @@ def _drive(drive: Drive) -> Knob:
 
 
 def _shifted(brake: Brake, by: float) -> Changes:
-    """Every line of action moved by a length [m] across itself, away from its hinge for a positive one."""
+    """Every line of action moved by a length [m] across itself, away from its hinge for a positive
+    one.
+    """
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
         along, point = shoe.actuation.direction_vector, shoe.actuation.point
         arm = point.xy - shoe.pin.xy
-        outwards = math.copysign(by, float(arm[0] * along[1] - arm[1] * along[0])) * np.array([along[1], -along[0]])
+        outwards = math.copysign(by, float(arm[0] * along[1] - arm[1] * along[0])) * np.array(
+            [along[1], -along[0]]
+        )
         moved = point.xy + outwards
         changes[f"shoe[{i}].actuation.point"] = {"x": float(moved[0]), "y": float(moved[1])}
     return changes
@@ -186,7 +196,9 @@ def _clearance(brake: Brake, step: float) -> Knob:
     def changes(value: float) -> Changes:
         more = (value - start) * 1e-3
         return {
-            f"shoe[{i}].lining.clearance": [[at, c + more] for at, c in old] if isinstance(old, tuple) else old + more
+            f"shoe[{i}].lining.clearance": [[at, c + more] for at, c in old]
+            if isinstance(old, tuple)
+            else old + more
             for i, old in enumerate(given)
         }
 
@@ -198,7 +210,10 @@ def _clearance(brake: Brake, step: float) -> Knob:
 def _misfit(brake: Brake, step: float) -> Knob:
     """The linings' radius over the drum's; where they differ, what is added to them."""
     R = brake.size
-    given = [0.0 if shoe.lining.misfit.radius is None else shoe.lining.misfit.radius - R for shoe in brake.shoes]
+    given = [
+        0.0 if shoe.lining.misfit.radius is None else shoe.lining.misfit.radius - R
+        for shoe in brake.shoes
+    ]
     same = len(set(given)) == 1
     start = given[0] * 1e3 if same else 0.0
 
@@ -224,7 +239,11 @@ def _modulus(brake: Brake, part: str, label: str, unit: str, factor: float) -> K
 
     def changes(value: float) -> Changes:
         times = value * factor / largest
-        return {key: new for i in moduli for key, new in _stiffer(brake.shoes[i], i, part, times).items()}
+        return {
+            key: new
+            for i in moduli
+            for key, new in _stiffer(brake.shoes[i], i, part, times).items()
+        }
 
     start = largest / factor
     label += "" if len(set(moduli.values())) == 1 else ", the largest"
@@ -235,18 +254,32 @@ def _E(shoe: Shoe, part: str) -> float | None:
     """The modulus that a part answers the contact with: through a lining, along a body."""
     if part == "lining":
         return None if shoe.lining.material is None else shoe.lining.material.E_through
-    return shoe.body.material.E_along if shoe.body is not None and shoe.body.material is not None else None
+    return (
+        shoe.body.material.E_along
+        if shoe.body is not None and shoe.body.material is not None
+        else None
+    )
 
 
 def _stiffer(shoe: Shoe, i: int, part: str, times: float) -> Changes:
     """All moduli of a part, and its bending stiffness, so many times as large."""
-    material = shoe.lining.material if part == "lining" else None if shoe.body is None else shoe.body.material
+    material = (
+        shoe.lining.material
+        if part == "lining"
+        else None
+        if shoe.body is None
+        else shoe.body.material
+    )
     assert material is not None  # _modulus
     key = "lining" if part == "lining" else "body"
-    changes: Changes = {f"shoe[{i}].{key}.material.{name}": E * times for name, E in material.moduli.items()}
+    changes: Changes = {
+        f"shoe[{i}].{key}.material.{name}": E * times for name, E in material.moduli.items()
+    }
     if part == "lining":
         return changes
-    if isinstance(shoe.body, Beam) and shoe.body.bending_stiffness is not None:  # it overrules that of the section
+    if (
+        isinstance(shoe.body, Beam) and shoe.body.bending_stiffness is not None
+    ):  # it overrules that of the section
         EI = shoe.body.bending_stiffness
         changes[f"shoe[{i}].body.bending_stiffness"] = (
             [[at, value * times] for at, value in EI] if isinstance(EI, tuple) else EI * times
@@ -268,7 +301,11 @@ def brake_of(brake: Brake, knobs: Sequence[Knob], setting: Setting) -> Brake:
 def link_of(knobs: Sequence[Knob], brake: Brake, setting: Setting) -> str:
     """The query of the page's address that stands for a setting: what is away from the brake file."""
     start = start_of(brake)
-    said = {knob.name: f"{setting.values[knob.name]:.12g}" for knob in knobs if knob.name in setting.values}
+    said = {
+        knob.name: f"{setting.values[knob.name]:.12g}"
+        for knob in knobs
+        if knob.name in setting.values
+    }
     if setting.sense != start.sense:
         said[motion_of(brake)] = setting.sense
     if setting.law is not None and setting.law != start.law:
@@ -276,8 +313,12 @@ def link_of(knobs: Sequence[Knob], brake: Brake, setting: Setting) -> str:
     return urlencode(said)
 
 
-def setting_from(knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]) -> tuple[Setting, tuple[str, ...]]:
-    """The setting of a link, and a line for each part of it that was refused or moved into its range."""
+def setting_from(
+    knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]
+) -> tuple[Setting, tuple[str, ...]]:
+    """The setting of a link, and a line for each part of it that was refused or moved into its
+    range.
+    """
     setting, lines = start_of(brake), list[str]()
     known = {knob.name: knob for knob in knobs}
     motion = motion_of(brake)
@@ -292,7 +333,11 @@ def setting_from(knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]) 
             allowed = ", ".join(words[name]) or "none"
             lines.append(one_line(f"link: {name} = {text!r}: left out; allowed: {allowed}", 200))
         else:
-            lines.append(one_line(f"link: unknown name {name!r}; allowed: {', '.join([*known, *words])}", 300))
+            lines.append(
+                one_line(
+                    f"link: unknown name {name!r}; allowed: {', '.join([*known, *words])}", 300
+                )
+            )
     return setting, tuple(lines)
 
 

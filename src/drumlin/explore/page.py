@@ -1,4 +1,6 @@
-"""The page's addresses and what they answer: the page itself, pictures, the limit of self-locking, the brake file."""
+"""The page's addresses and what they answer: the page itself, pictures, the limit of self-locking,
+the brake file.
+"""
 
 import json
 import math
@@ -58,8 +60,9 @@ class Reply(NamedTuple):
 
 
 def reply(explorer: Explorer, address: str, name: str) -> Reply:
-    """The reply to an address, path and query. `name`: first words of a file that is saved. Raises nothing for any
-    address: what cannot be read of it is left out and said."""
+    """The reply to an address, path and query. `name`: first words of a file that is saved. Raises
+    nothing for any address: what cannot be read of it is left out and said.
+    """
     path, query = split(address)
     setting, lines = setting_from(explorer.knobs, explorer.brake, query)
     found = PATHS.get(path)
@@ -110,24 +113,41 @@ def _page(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: st
 def _ticks(low: float, high: float, unit: str) -> list[float]:
     """Round places between two others."""
     power = 10.0 ** math.floor(math.log10((high - low) / 9))
-    steps = (5, 10, 15, 30, 45, 60, 90) if unit == "deg" else [digit * power for digit in (1, 2, 5, 10)]
+    steps = (
+        (5, 10, 15, 30, 45, 60, 90) if unit == "deg" else [digit * power for digit in (1, 2, 5, 10)]
+    )
     every = next(step for step in steps if (high - low) / step <= 9)
     return [every * k for k in range(math.ceil(low / every), math.floor(high / every) + 1)]
 
 
 def _template() -> jinja2.Template:
     loader = jinja2.PackageLoader("drumlin", "explore")
-    return jinja2.Environment(loader=loader, autoescape=True, undefined=jinja2.StrictUndefined).get_template(
-        "page.html"
-    )
+    return jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined
+    ).get_template("page.html")
 
 
 def _slider(knob: Knob, setting: Setting) -> dict[str, Any]:
     """A slider as the page makes it: places are logarithms where it moves by factors."""
     value = setting.value(knob)
-    low, high, start, now = (math.log10(x) if knob.log else x for x in (knob.low, knob.high, knob.start, value))
-    place = {"low": low, "high": high, "step": knob.step, "start": start, "place": now, "log": knob.log}
-    return {"name": knob.name, "title": knob.title, "value": value, "changed": knob.name in setting.values, **place}
+    low, high, start, now = (
+        math.log10(x) if knob.log else x for x in (knob.low, knob.high, knob.start, value)
+    )
+    place = {
+        "low": low,
+        "high": high,
+        "step": knob.step,
+        "start": start,
+        "place": now,
+        "log": knob.log,
+    }
+    return {
+        "name": knob.name,
+        "title": knob.title,
+        "value": value,
+        "changed": knob.name in setting.values,
+        **place,
+    }
 
 
 def _picture(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: str) -> Reply:
@@ -177,14 +197,24 @@ def _brake(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: s
 
 
 def _found_from_anywhere(brake: Brake) -> Brake:
-    """The brake with absolute paths of its mesh files: the browser chooses the folder that the file is saved in."""
-    meshes = {f"shoe[{i}].mesh": shoe.mesh.absolute() for i, shoe in enumerate(brake.shoes) if shoe.mesh is not None}
+    """The brake with absolute paths of its mesh files: the browser chooses the folder that the file
+    is saved in.
+    """
+    meshes = {
+        f"shoe[{i}].mesh": shoe.mesh.absolute()
+        for i, shoe in enumerate(brake.shoes)
+        if shoe.mesh is not None
+    }
     return vary(brake, meshes) if meshes else brake
 
 
 def _file_name(name: str) -> str:
-    """A name that every file system takes: what is not printable, or parts folders or options, is written as "_"."""
-    return "".join("_" if letter in NO_NAMES or not letter.isprintable() else letter for letter in name)
+    """A name that every file system takes: what is not printable, or parts folders or options, is
+    written as "_".
+    """
+    return "".join(
+        "_" if letter in NO_NAMES or not letter.isprintable() else letter for letter in name
+    )
 
 
 PATHS: Mapping[str, Callable[[Explorer, Setting, tuple[str, ...], str], Reply]] = {

@@ -1,4 +1,6 @@
-"""An answer as plain data to draw: pressures over the angle on a drum [deg] or the place on a plane [mm], a table."""
+"""An answer as plain data to draw: pressures over the angle on a drum [deg] or the place on a plane
+[mm], a table.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -24,11 +26,16 @@ POINTS = 160  # of a curve
 ARROW = 0.45  # of the drum's radius: the largest force
 PETAL = 0.45  # of the drum's radius: how far the full scale stands off the drum
 ROUNDING = 1e-12  # relative, below which an error is that of the arithmetic
-PLACE, PRESSURE = 1e-3, 1e-4  # what curves count in on their way to the page: deg or mm, parts of the full scale
+PLACE, PRESSURE = (
+    1e-3,
+    1e-4,
+)  # what curves count in on their way to the page: deg or mm, parts of the full scale
 
 
 class Curve(NamedTuple):
-    """The pressure of a shoe: places `at` (n,) [deg], on a plane [mm], `p` (n,) [MPa], the shoe's `sign`: +1 inside."""
+    """The pressure of a shoe: places `at` (n,) [deg], on a plane [mm], `p` (n,) [MPa], the shoe's
+    `sign`: +1 inside.
+    """
 
     at: Floats
     p: Floats
@@ -46,9 +53,10 @@ class Lines(NamedTuple):
 class Picture:
     """What the page shows of an answer.
 
-    `fem`, `law`: curves of the shoes that touch; `arcs`: contact of the finite elements, as places. `forces`: arrows
-    [mm], tail to tip. `scale` [MPa]: the full one. `motion`: of drum or body, as a sign. `head`: the answer in a line,
-    `rows` the table with its head; `failures`: why there is no answer, or none by the law.
+    `fem`, `law`: curves of the shoes that touch; `arcs`: contact of the finite elements, as places.
+    `forces`: arrows [mm], tail to tip. `scale` [MPa]: the full one. `motion`: of drum or body, as a
+    sign. `head`: the answer in a line, `rows` the table with its head; `failures`: why there is no
+    answer, or none by the law.
     """
 
     fem: tuple[Curve, ...]
@@ -65,7 +73,9 @@ class Picture:
 def picture_of(answer: Answer, brake: Brake) -> Picture:
     """The picture of an answer; `brake`: that of the file, where the setting's is none."""
     shown = answer.brake or brake
-    peaks = [shoe.peak_pressure for r in (answer.found, answer.law) if r is not None for shoe in r.shoes]
+    peaks = [
+        shoe.peak_pressure for r in (answer.found, answer.law) if r is not None for shoe in r.shoes
+    ]
     arcs = [arc for shoe in answer.found.shoes for arc in shoe.contact_arcs] if answer.found else []
     unit = shown.surface.shown
     failures = (answer.failure, answer.law_failure)
@@ -96,7 +106,9 @@ def numbers_of(curve: Curve, scale: float) -> dict[str, Any]:
 
 
 def scale_of(peak: float) -> float:
-    """The full scale [MPa] for a peak [MPa]: the next of 1, 2, 5 times a power of ten, so that it seldom changes."""
+    """The full scale [MPa] for a peak [MPa]: the next of 1, 2, 5 times a power of ten, so that it
+    seldom changes.
+    """
     if not peak > 0:
         return 1.0
     power = 10.0 ** math.floor(math.log10(peak))
@@ -121,7 +133,9 @@ def _forces(brake: Brake) -> Lines:
     for shoe in brake.shoes:
         tail, tip = _arrow(brake, shoe)
         along = tip - tail
-        barbs = [tip + 0.25 * (turn * np.array([-along[1], along[0]]) - along) for turn in (0.5, -0.5)]
+        barbs = [
+            tip + 0.25 * (turn * np.array([-along[1], along[0]]) - along) for turn in (0.5, -0.5)
+        ]
         found += [np.array([tail, tip]).T * MM, np.array([barbs[0], tip, barbs[1]]).T * MM]
     return Lines([xy[0] for xy in found], [xy[1] for xy in found])
 
@@ -134,12 +148,16 @@ def _arrow(brake: Brake, shoe: Shoe) -> tuple[Floats, Floats]:
 
 
 def _loaded(shoe: Shoe) -> Floats:
-    """Where a force is drawn (2,) [m]: on its line of action, nearest to the end of the lining away from the hinge."""
+    """Where a force is drawn (2,) [m]: on its line of action, nearest to the end of the lining away
+    from the hinge.
+    """
     along, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
     if shoe.flat or shoe.sign < 0:
         return point
     size = float(np.linalg.norm(point))
-    ends = [size * np.array([math.cos(a), math.sin(a)]) for a in (shoe.lining.start, shoe.lining.end)]
+    ends = [
+        size * np.array([math.cos(a), math.sin(a)]) for a in (shoe.lining.start, shoe.lining.end)
+    ]
     far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy)))
     return np.asarray(point + ((far - point) @ along) * along)
 
@@ -172,7 +190,9 @@ def head_html(picture: Picture, refused: Sequence[str] = ()) -> str:
 
 
 def locking_html(answer: Answer, locking: Mapping[tuple[int, ...], float] | None) -> str:
-    """How far the friction is from self-locking; `locking`: mu_lock by finite elements of each group, if known."""
+    """How far the friction is from self-locking; `locking`: mu_lock by finite elements of each
+    group, if known.
+    """
     if answer.brake is None:
         return ""
     friction, said = answer.brake.friction, "…"
@@ -251,7 +271,9 @@ def table_html(rows: Sequence[Sequence[str]]) -> str:
 
 
 def drawing_of(brake: Brake) -> dict[str, Lines]:
-    """Circle of the drum, or the plane, linings and shoe bodies as areas, and hinges as points [mm]."""
+    """Circle of the drum, or the plane, linings and shoe bodies as areas, and hinges as points
+    [mm].
+    """
     linings, bodies = [], []
     for shoe in brake.shoes:
         lining, behind = shoe.lining, shoe.lining.thickness or 0.0
@@ -288,7 +310,8 @@ def path_of(lines: Lines) -> str:
     """Lines as the path of an SVG."""
     pairs = zip(lines.xs, lines.ys, strict=True)
     return "".join(
-        "M" + "L".join(f"{a:.5g},{b:.5g}" for a, b in zip(x.tolist(), y.tolist(), strict=True)) for x, y in pairs
+        "M" + "L".join(f"{a:.5g},{b:.5g}" for a, b in zip(x.tolist(), y.tolist(), strict=True))
+        for x, y in pairs
     )
 
 
@@ -312,24 +335,34 @@ def centre_of(brake: Brake) -> tuple[float, float]:
 def _places(brake: Brake) -> Floats:
     """Points (n, 2) [m] that must be in the picture of a brake on a plane."""
     found = [
-        (place, -1.2 * PETAL * brake.size) for shoe in brake.shoes for place in (shoe.lining.start, shoe.lining.end)
+        (place, -1.2 * PETAL * brake.size)
+        for shoe in brake.shoes
+        for place in (shoe.lining.start, shoe.lining.end)
     ]
-    return np.array([*found, *(point for shoe in brake.shoes for point in (shoe.pin.xy, *_arrow(brake, shoe)))])
+    return np.array(
+        [*found, *(point for shoe in brake.shoes for point in (shoe.pin.xy, *_arrow(brake, shoe)))]
+    )
 
 
 def reach_of(brake: Brake) -> float:
-    """Half the side [mm] of a square about `centre_of` that holds shoes, hinges, pressures and forces."""
+    """Half the side [mm] of a square about `centre_of` that holds shoes, hinges, pressures and
+    forces.
+    """
     if brake.surface.straight:
         xy = _places(brake)
         return float(0.55 * np.ptp(xy, axis=0).max()) * MM
     R = brake.size
-    room = [1.12 * (1 + PETAL) * R if shoe.sign > 0 else 1.05 * R + shoe.depth for shoe in brake.shoes]
+    room = [
+        1.12 * (1 + PETAL) * R if shoe.sign > 0 else 1.05 * R + shoe.depth for shoe in brake.shoes
+    ]
     places = [place for shoe in brake.shoes for place in (shoe.pin.xy, *_arrow(brake, shoe))]
     room += [float(np.abs(place).max()) + 0.1 * R for place in places]
     return max(room) * MM
 
 
-def _layer(shoe: Shoe, size: float, over: tuple[float, float], depths: tuple[float, float]) -> tuple[Floats, Floats]:
+def _layer(
+    shoe: Shoe, size: float, over: tuple[float, float], depths: tuple[float, float]
+) -> tuple[Floats, Floats]:
     """x and y [mm] of the outline of a layer of a shoe, over two places and between two depths [m]."""
     there = np.linspace(*over, 2 if shoe.flat else 90)
     places = np.concatenate([there, there[::-1], there[:1]])
@@ -340,9 +373,19 @@ def _layer(shoe: Shoe, size: float, over: tuple[float, float], depths: tuple[flo
 
 
 def _beam(shoe: Shoe, R: float) -> tuple[Floats, Floats]:
-    """x and y [mm] of a straight beam; where the file has no thickness, a tenth of the drum's radius stands for it."""
+    """x and y [mm] of a straight beam; where the file has no thickness, a tenth of the drum's
+    radius stands for it.
+    """
     assert isinstance(shoe.body, Beam)
     hinge, along = shoe.pin.xy, shoe.actuation.point.xy - shoe.pin.xy
-    across = 0.5 * (shoe.body.thickness or 0.1 * R) * np.array([-along[1], along[0]]) / np.linalg.norm(along)
-    xy = np.array([hinge - across, hinge + along - across, hinge + along + across, hinge + across]) * MM
+    across = (
+        0.5
+        * (shoe.body.thickness or 0.1 * R)
+        * np.array([-along[1], along[0]])
+        / np.linalg.norm(along)
+    )
+    xy = (
+        np.array([hinge - across, hinge + along - across, hinge + along + across, hinge + across])
+        * MM
+    )
     return xy[:, 0], xy[:, 1]

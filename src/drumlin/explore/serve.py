@@ -18,7 +18,9 @@ OWN = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'
 
 
 class _Server(ThreadingHTTPServer):
-    """Threads for connections that browsers keep open; one answer at a time, since answers share their bodies."""
+    """Threads for connections that browsers keep open; one answer at a time, since answers share
+    their bodies.
+    """
 
     daemon_threads = True
 
@@ -40,7 +42,9 @@ class _Handler(BaseHTTPRequestHandler):
     server: _Server
 
     def do_GET(self) -> None:
-        if self.headers.get("Host") not in self.server.hosts:  # another name that leads here: a page of someone else
+        if (
+            self.headers.get("Host") not in self.server.hosts
+        ):  # another name that leads here: a page of someone else
             self.send_error(403)
             return
         with self.server.answering:
@@ -52,7 +56,9 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Content-Security-Policy", OWN)
         self.send_header("Cache-Control", "no-store")
         if found.file:
-            self.send_header("Content-Disposition", f"attachment; filename*=UTF-8''{quote(found.file)}")
+            self.send_header(
+                "Content-Disposition", f"attachment; filename*=UTF-8''{quote(found.file)}"
+            )
         self.end_headers()
         self.wfile.write(data)
 
@@ -61,10 +67,11 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 def serve(brake: Brake, name: str, port: int, ready: Callable[[str], None]) -> None:
-    """Serve a brake's page until the process is interrupted; `ready` is told its address once it can be opened.
+    """Serve a brake's page until the process is interrupted; `ready` is told its address once it
+    can be opened.
 
-    name: first words of the file that the page saves; port: 0 for any free one. Raises BadInput for a port that
-    cannot be had, and for a brake that finite elements do not cover.
+    name: first words of the file that the page saves; port: 0 for any free one. Raises BadInput for
+    a port that cannot be had, and for a brake that finite elements do not cover.
     """
     explorer = Explorer(brake)
     if not 0 <= port <= 65535:
@@ -72,7 +79,9 @@ def serve(brake: Brake, name: str, port: int, ready: Callable[[str], None]) -> N
     try:
         server = _Server(explorer, name, port)
     except OSError as error:
-        raise BadInput(f"--port = {port}: cannot be had ({reason_of(error)}); 0 takes any free one") from error
+        raise BadInput(
+            f"--port = {port}: cannot be had ({reason_of(error)}); 0 takes any free one"
+        ) from error
     with server:
         ready(f"http://localhost:{server.server_port}/")
         try:

@@ -1,1 +1,3 @@
-"""The finite-element model: plane stress, shoe and lining against the drum in unilateral frictional contact."""
+"""The finite-element model: plane stress, shoe and lining against the drum in unilateral frictional
+contact.
+"""

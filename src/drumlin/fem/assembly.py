@@ -27,9 +27,10 @@ from drumlin.laws import rigid
 from drumlin.response.response import own_edge_zone
 
 ELEMENTS = 80
-"""Default number along a lining. On most brakes p is then within about 0.2 % in L2 and the torque within
-1e-5. With half of it the errors of 22 random brakes are two and three times as large in the median, with
-twice as many 0.7 and 0.5 times, at four times the work."""
+"""Default number along a lining. On most brakes p is then within about 0.2 % in L2 and the torque
+within 1e-5. With half of it the errors of 22 random brakes are two and three times as large in the
+median, with twice as many 0.7 and 0.5 times, at four times the work.
+"""
 MOST_ELEMENTS = 4000  # along a lining: the dense contact matrices fill 2 GB
 ROOM = 200_000_000  # bytes of bodies that are kept for the next scenes
 
@@ -49,12 +50,12 @@ def clock(seconds: Seconds, phase: str) -> Iterator[None]:
 class Body:
     """One shoe with its lining, condensed, in its own frame (angle phi from the hinge).
 
-    With the frame held, under the nodal forces -N^T and T^T and the unit actuations (force x, force y, couple
-    about `load_centre`): `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded` (n, 3) are N times the
-    contact displacements, what they take from the weighted gap; `tip_dragged` (3, n) and `tip_loaded` (3, 3) what the
-    unit actuations move along; `held_*` (3, ...) the force x, y and moment that
-    hold the frame meanwhile. The dragged ones are None where mu = 0. `turned` (2n,): contact displacement per
-    turn [rad] about the pin.
+    With the frame held, under the nodal forces -N^T and T^T and the unit actuations (force x, force
+    y, couple about `load_centre`): `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded`
+    (n, 3) are N times the contact displacements, what they take from the weighted gap;
+    `tip_dragged` (3, n) and `tip_loaded` (3, 3) what the unit actuations move along; `held_*` (3,
+    ...) the force x, y and moment that hold the frame meanwhile. The dragged ones are None where mu
+    = 0. `turned` (2n,): contact displacement per turn [rad] about the pin.
     """
 
     mesh: Any
@@ -86,7 +87,11 @@ class Body:
     @cached_property
     def forces(self) -> Floats:
         """Force x, y and moment about the centre (2, 3, n) of the nodal forces N^T and T^T."""
-        (x, y), none, ones = self.line.xy, np.zeros(self.line.xy.shape[1]), np.ones(self.line.xy.shape[1])
+        (x, y), none, ones = (
+            self.line.xy,
+            np.zeros(self.line.xy.shape[1]),
+            np.ones(self.line.xy.shape[1]),
+        )
         rigid = np.array([[ones, none], [none, ones], [-y, x]]).transpose(0, 2, 1).reshape(3, -1)
         return np.array([rigid @ self.coupling.N.T, rigid @ self.coupling.T.T])
 
@@ -101,7 +106,8 @@ class BodyNodes(NamedTuple):
 
 @dataclass(frozen=True)
 class Scene:
-    """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if it has one.
+    """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if
+    it has one.
 
     `apart`: each shoe meets the ring as if the others did not press it. `model`: whose bodies they
     are. Where the bodies can be divided anew by the rule that divided them: `nodes_of`(i, shoe),
@@ -146,7 +152,9 @@ def why_not(brake: Brake) -> str | None:
 
 
 def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
-    """What a body depends on: equal for shoes that are the same but for place, hand, load and clearance."""
+    """What a body depends on: equal for shoes that are the same but for place, hand, load and
+    clearance.
+    """
     arcs, lining, body = [shoe.arc], shoe.lining, shoe.body
     behind: tuple[object, ...] | None = None
     if isinstance(body, Beam):
@@ -165,7 +173,9 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
         behind,
-        None if shoe.mesh is None else (shoe.mesh, shoe.mesh_unit, shoe.mesh_frame == "shoe" or shoe.frame),
+        None
+        if shoe.mesh is None
+        else (shoe.mesh, shoe.mesh_unit, shoe.mesh_frame == "shoe" or shoe.frame),
     )
 
 
@@ -176,10 +186,12 @@ def alike(brake: Brake) -> tuple[int, ...]:
 
 
 class Cache:
-    """Bodies that were made last, by what they were made from, so that the next scenes need not make them again.
+    """Bodies that were made last, by what they were made from, so that the next scenes need not
+    make them again.
 
-    A body depends on its key alone, never on what else was made before. `room` [bytes]: beyond it the body that was
-    used longest ago goes first; the one in use always stays. (functools.lru_cache counts entries, not bytes.)
+    A body depends on its key alone, never on what else was made before. `room` [bytes]: beyond it
+    the body that was used longest ago goes first; the one in use always stays. (functools.lru_cache
+    counts entries, not bytes.)
     """
 
     def __init__(self, room: int = ROOM) -> None:
@@ -204,7 +216,8 @@ def content(shoe: Shoe) -> str | None:
 
 
 def bare(brake: Brake) -> Brake:
-    """The brake without what its bodies do not depend on, so that brakes with equal bodies are equal.
+    """The brake without what its bodies do not depend on, so that brakes with equal bodies are
+    equal.
 
     Removed: title, rotation, size of the friction (but for 0), forces, clearances and misfits.
     """
@@ -214,12 +227,16 @@ def bare(brake: Brake) -> Brake:
 def bare_shoe(shoe: Shoe) -> Shoe:
     """The shoe without what its body does not depend on; see `bare`."""
     force: dict[str, Any] = {"force": 1.0, "direction": 0.0}
-    ends_there = isinstance(shoe.body, Beam) or shoe.guide is not None  # a beam where it is loaded; a guide's pin
+    ends_there = (
+        isinstance(shoe.body, Beam) or shoe.guide is not None
+    )  # a beam where it is loaded; a guide's pin
     if not ends_there:
         force["point"] = Point(x=0.0, y=0.0)
     return shoe.model_copy(
         update={
-            "lining": shoe.lining.model_copy(update={"clearance": 0.0, "misfit": type(shoe.lining.misfit)()}),
+            "lining": shoe.lining.model_copy(
+                update={"clearance": 0.0, "misfit": type(shoe.lining.misfit)()}
+            ),
             "actuation": shoe.actuation.model_copy(update=force),
         }
     )
@@ -235,10 +252,11 @@ def prepare(
 ) -> Scene:
     """Mesh and condense the bodies of a brake; shoes of one shape share one body.
 
-    elements: number along each parametric lining; kind: "quad2", "quad1", "tri2" or "tri1"; mesher: what makes
-    the mesh of a shoe without a file in the place of shoe_mesh: `elements` then count for an elastic ring only.
-    cache: bodies of earlier scenes, taken from there and put there; not with a mesher. Raises BadInput for a brake
-    that finite elements do not cover, and for a mesh file that cannot serve.
+    elements: number along each parametric lining; kind: "quad2", "quad1", "tri2" or "tri1"; mesher:
+    what makes the mesh of a shoe without a file in the place of shoe_mesh: `elements` then count
+    for an elastic ring only. cache: bodies of earlier scenes, taken from there and put there; not
+    with a mesher. Raises BadInput for a brake that finite elements do not cover, and for a mesh
+    file that cannot serve.
     """
     reason = why_not(brake)
     if reason is not None:
@@ -269,7 +287,9 @@ def prepare(
             key = (bare(brake), setting, *map(content, brake.shoes))
             ring = cache.get(key, partial(ring_under, lines), size_of)
     if len(made) < len(bodies):
-        left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
+        left_out.append(
+            f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once"
+        )
     if brake.friction == 0:
         left_out.append("friction: mu = 0, symmetric, without the flexibility under drag")
     return Scene(
@@ -283,7 +303,9 @@ def prepare(
     )
 
 
-def _nodes_of(mesher: Mesher, radius: float, bodies: tuple[Body, ...], i: int, shoe: Shoe) -> BodyNodes:
+def _nodes_of(
+    mesher: Mesher, radius: float, bodies: tuple[Body, ...], i: int, shoe: Shoe
+) -> BodyNodes:
     """As `Scene.nodes_of`, on meshes; one from a file is the same in the frame of any shoe."""
     mesh = mesher(shoe, radius) if shoe.mesh is None else bodies[i].mesh
     basis = scalar_basis(mesh)
@@ -312,9 +334,11 @@ def size_of(body: Body | RingBody) -> int:
 
 @dataclass(frozen=True)
 class Assembled:
-    """One shoe with its lining, meshed and assembled, in its own frame: what condensation starts from.
+    """One shoe with its lining, meshed and assembled, in its own frame: what condensation starts
+    from.
 
-    `K` (2 nodes, 2 nodes): stiffness; `loads` (unknowns, 3): the unit actuations on the reduced unknowns of `ties`.
+    `K` (2 nodes, 2 nodes): stiffness; `loads` (unknowns, 3): the unit actuations on the reduced
+    unknowns of `ties`.
     """
 
     mesh: Any
@@ -328,7 +352,9 @@ class Assembled:
 
 def line_of(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
     """The contact line of a shoe on the `facets` of a scalar basis; radius [m]: of the drum."""
-    return contact_line(basis, facets, sum(shoe.arc) / 2, radius if shoe.flat else None, own_edge_zone(shoe, radius))
+    return contact_line(
+        basis, facets, sum(shoe.arc) / 2, radius if shoe.flat else None, own_edge_zone(shoe, radius)
+    )
 
 
 def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Assembled:
@@ -363,7 +389,9 @@ def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
         condensed = condense(parts.K, parts.ties, parts.loads, 2 * len(parts.line.nodes))
     made = partial(Body, parts.mesh, parts.basis, parts.line)
     with clock(seconds, "coupling"):
-        return coupled(made, shoe, parts.line, condensed, parts.load_centre, friction=brake.friction > 0)
+        return coupled(
+            made, shoe, parts.line, condensed, parts.load_centre, friction=brake.friction > 0
+        )
 
 
 def coupling_of(line: ContactLine, shoe: Shoe) -> Coupling:
@@ -372,9 +400,17 @@ def coupling_of(line: ContactLine, shoe: Shoe) -> Coupling:
 
 
 def coupled(
-    made: Callable[..., Body], shoe: Shoe, line: ContactLine, condensed: Condensed, centre: Floats, *, friction: bool
+    made: Callable[..., Body],
+    shoe: Shoe,
+    line: ContactLine,
+    condensed: Condensed,
+    centre: Floats,
+    *,
+    friction: bool,
 ) -> Body:
-    """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the rest of a Body."""
+    """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the
+    rest of a Body.
+    """
     n = len(line.nodes)
     coupling = coupling_of(line, shoe)
     forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
@@ -400,7 +436,9 @@ def coupled(
 
 def materials_of(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:
     """Material and width [m] of each subdomain of a shoe."""
-    parts: dict[str, tuple[AnyMaterial, float]] = {"lining": (shoe.lining.material, shoe.lining.width)}
+    parts: dict[str, tuple[AnyMaterial, float]] = {
+        "lining": (shoe.lining.material, shoe.lining.width)
+    }
     if shoe.backing is not None:
         parts["backing"] = (shoe.backing.material, shoe.lining.width)
     if shoe.body is not None:
@@ -409,7 +447,8 @@ def materials_of(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:
 
 
 def actuation(body: Body | Assembled, shoe: Shoe) -> tuple[Floats, float]:
-    """Factors (3,) of the body's unit actuations, and the moment about the pin [m], per newton of force.
+    """Factors (3,) of the body's unit actuations, and the moment about the pin [m], per newton of
+    force.
 
     In the shoe's frame; a negative force counts as one newton the other way.
     """
@@ -419,14 +458,19 @@ def actuation(body: Body | Assembled, shoe: Shoe) -> tuple[Floats, float]:
 def load_on(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
     """As `actuation`, with the unit actuations at a `centre` (2,) [m] in the shoe's frame."""
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
-    (fx, fy), (x, y) = shoe.frame.to_shoe(direction).tolist(), shoe.own_points(shoe.actuation.point.xy).tolist()
+    (fx, fy), (x, y) = (
+        shoe.frame.to_shoe(direction).tolist(),
+        shoe.own_points(shoe.actuation.point.xy).tolist(),
+    )
     (centre_x, centre_y), (pin_x, pin_y) = centre.tolist(), shoe.own_pin.tolist()
     couple_ = (x - centre_x) * fy - (y - centre_y) * fx
     return np.array([fx, fy, couple_]), (x - pin_x) * fy - (y - pin_y) * fx
 
 
 def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:
-    """Force x, y and moment about the pin (3,) that hold the frame, under p (n,), drag mu s and load (3,)."""
+    """Force x, y and moment about the pin (3,) that hold the frame, under p (n,), drag mu s and
+    load (3,).
+    """
     forces = body.held_pressed @ p + body.held_loaded @ load
     return forces if body.held_dragged is None else forces + drag * (body.held_dragged @ p)
 

@@ -1,7 +1,7 @@
 """The stick-slip problem of shoes while the drum is at rest or turned by a little.
 
-Tractions are unknowns of their own, and so is what acts on a foot on a face with friction, which sticks and slips as
-the linings do.
+Tractions are unknowns of their own, and so is what acts on a foot on a face with friction, which
+sticks and slips as the linings do.
 """
 
 import math
@@ -23,11 +23,12 @@ from drumlin.lapack import block_diag
 
 
 def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
-    """The stick-slip problem of a group of shoes at rest of the drum, per newton; and the lever (n,) [m^3].
+    """The stick-slip problem of a group of shoes at rest of the drum, per newton; and the lever
+    (n,) [m^3].
 
-    The lever is the weighted slip per rotation of the drum: rotating it by Omega adds lever Omega to q_s.
-    Tractions and slips count along e_theta of the brake. After the nodes of the linings comes one for each foot on a
-    face with friction, see `Feet`.
+    The lever is the weighted slip per rotation of the drum: rotating it by Omega adds lever Omega
+    to q_s. Tractions and slips count along e_theta of the brake. After the nodes of the linings
+    comes one for each foot on a face with friction, see `Feet`.
     """
     feet = Feet.of(group)
     still = replace(group, brake=feet.smooth(0.0), senses=feet.senses)
@@ -37,7 +38,11 @@ def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
     q_s, lever = (np.concatenate([shoe[k] for shoe in shoes]) for k in (6, 7))
     if group.ring is not None:
         pressed, dragged = group.ring
-        A_wt, A_sp, A_st = A_wt + pressed.T @ dragged, A_sp - dragged.T @ pressed, A_st - dragged.T @ dragged
+        A_wt, A_sp, A_st = (
+            A_wt + pressed.T @ dragged,
+            A_sp - dragged.T @ pressed,
+            A_st - dragged.T @ dragged,
+        )
     problem = Problem(
         A_wp=normal.A, A_wt=A_wt, A_sp=A_sp, A_st=A_st, B_w=normal.B, B_s=B_s, C_p=normal.C, C_t=C_t,
         q_w=normal.q, q_s=q_s, h=normal.h, Q=Q,
@@ -49,9 +54,11 @@ def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
 
 
 class Feet(NamedTuple):
-    """Feet on faces with friction, of the shoes `on` of a group: a node each, of a force p [N] along the face's normal
-    and t along the face, that gives way by `yielding` (feet,) [m/N] where it is pressed or dragged, as the penalty of
-    the lining has it. Without it the shoe's foot is free in the plane: `senses`."""
+    """Feet on faces with friction, of the shoes `on` of a group: a node each, of a force p [N]
+    along the face's normal and t along the face, that gives way by `yielding` (feet,) [m/N] where
+    it is pressed or dragged, as the penalty of the lining has it. Without it the shoe's foot is
+    free in the plane: `senses`.
+    """
 
     group: ShoeGroup
     on: list[int]
@@ -64,14 +71,19 @@ class Feet(NamedTuple):
         rough = [shoe.abutment is not None and shoe.abutment.friction > 0 for shoe in group.shoes]
         on = [k for k, is_rough in enumerate(rough) if is_rough]
         soft = PENALTY if math.isinf(group.penalty) else group.penalty
-        stiffness = [contact_stiffness(group.shoes[k], soft) * float(group.bodies[k].coupling.area.sum()) for k in on]
+        stiffness = [
+            contact_stiffness(group.shoes[k], soft) * float(group.bodies[k].coupling.area.sum())
+            for k in on
+        ]
         senses = tuple(UNHELD if is_rough else 1 for is_rough in rough)
         return cls(group, on, senses, 1 / np.array(stiffness))
 
     def smooth(self, friction: float) -> Brake:
         """The brake at a friction of the drum, its abutments without."""
         shoes = [
-            shoe if shoe.abutment is None else shoe.model_copy(update={"abutment": _smooth(shoe.abutment)})
+            shoe
+            if shoe.abutment is None
+            else shoe.model_copy(update={"abutment": _smooth(shoe.abutment)})
             for shoe in self.group.brake.shoes
         ]
         return self.group.brake.model_copy(update={"friction": friction, "shoes": tuple(shoes)})
@@ -80,13 +92,18 @@ class Feet(NamedTuple):
         """The friction coefficient of every node (n,)."""
         n = sum(part.stop - part.start for part in self.group.parts)
         feet = [self.group.shoes[k].abutment for k in self.on]
-        return np.array([self.group.brake.friction] * n + [foot.friction for foot in feet if foot is not None])
+        return np.array(
+            [self.group.brake.friction] * n + [foot.friction for foot in feet if foot is not None]
+        )
 
     def added(self, problem: Problem, still: ShoeGroup) -> Problem:
         """The problem of a group whose feet are free, with a node for each."""
         if not self.on:
             return problem
-        off, slid = np.zeros((len(self.on), problem.B_w.shape[1])), np.zeros((len(self.on), problem.B_w.shape[1]))
+        off, slid = (
+            np.zeros((len(self.on), problem.B_w.shape[1])),
+            np.zeros((len(self.on), problem.B_w.shape[1])),
+        )
         for row, k in enumerate(self.on):  # a turn does not move the foot
             names = still.shoes[k].freedoms(UNHELD).names
             off[row, still.rows[k].start + names.index("off")] = 1.0
@@ -108,7 +125,9 @@ def _smooth(face: Abutment) -> Abutment:
 
 
 def _shared(still: ShoeGroup, problem: Problem, dragged: list[Pushed]) -> Problem:
-    """The problem of shoes that share forces by struts and a cam; `dragged`: what each is under tractions."""
+    """The problem of shoes that share forces by struts and a cam; `dragged`: what each is under
+    tractions.
+    """
     n = len(problem.q_w)
     whole = equations.Problem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),
@@ -121,11 +140,14 @@ def _shared(still: ShoeGroup, problem: Problem, dragged: list[Pushed]) -> Proble
     for one, two in zip(still.pushed(0.0), dragged, strict=True):
         nodes = np.arange(n)[one.part]
         opened, tip, bearing = (
-            np.concatenate(both) for both in ((one.opened, two.opened), (one.tip, two.tip), (one.bearing, two.bearing))
+            np.concatenate(both)
+            for both in ((one.opened, two.opened), (one.tip, two.tip), (one.bearing, two.bearing))
         )
         part = np.concatenate([nodes, n + nodes])
         pushed.append(one._replace(part=part, opened=opened, tip=tip, bearing=bearing))
-    A, q, B, C, h = share(whole, pushed, still.own_forces, still.links, still.cam, still.total).problem
+    A, q, B, C, h = share(
+        whole, pushed, still.own_forces, still.links, still.cam, still.total
+    ).problem
     return Problem(
         A_wp=A[:n, :n], A_wt=A[:n, n:], A_sp=A[n:, :n], A_st=A[n:, n:], B_w=B[:n], B_s=B[n:], C_p=C[:, :n],
         C_t=C[:, n:], q_w=q[:n], q_s=q[n:], h=h, Q=problem.Q,
@@ -133,7 +155,9 @@ def _shared(still: ShoeGroup, problem: Problem, dragged: list[Pushed]) -> Proble
 
 
 def _tangential(group: ShoeGroup, k: int) -> tuple[Any, ...]:
-    """A_wt, A_sp, A_st, B_s, C_t, Q, q_s and lever of shoe `k` of a group, and what it is under tractions."""
+    """A_wt, A_sp, A_st, B_s, C_t, Q, q_s and lever of shoe `k` of a group, and what it is under
+    tractions.
+    """
     body, shoe = group.bodies[k], group.shoes[k]
     sense, coupling, condensed = shoe.frame.sense, body.coupling, body.condensed
     n = len(body.line.nodes)
@@ -147,7 +171,9 @@ def _tangential(group: ShoeGroup, k: int) -> tuple[Any, ...]:
     opened = -dragged.T @ (loaded @ load)
     nodal = T.reshape(n, -1, 2).sum(axis=1)
     bearing = np.zeros(n) if shoe.abutment is None else -shoe.frame.to_brake(nodal) @ shoe.bearing
-    pushed = group.pushed(0.0)[k]._replace(opened=opened, tip=(loaded @ load) @ dragged, bearing=bearing)
+    pushed = group.pushed(0.0)[k]._replace(
+        opened=opened, tip=(loaded @ load) @ dragged, bearing=bearing
+    )
     return (
         pressed.T @ dragged,  # -N u under T^T t
         -dragged.T @ pressed,

@@ -1,9 +1,9 @@
 """An elastic body: its stiffness, and its condensation to the unknowns that contact and hinge need.
 
-Unknowns kept: the displacements c of the contact nodes and the frame f = (dx, dy, turn) of the rigid line
-that the hinge holds. All others are eliminated once. With the frame held (f = 0) and S_cc = L_cc L_cc^T,
-Y = L_cc^-1 G gives the work G^T S_cc^-1 G = Y^T Y of nodal forces G, and L_fc Y, with L_fc = S_fc L_cc^-T, the
-forces that hold the frame meanwhile.
+Unknowns kept: the displacements c of the contact nodes and the frame f = (dx, dy, turn) of the
+rigid line that the hinge holds. All others are eliminated once. With the frame held (f = 0) and
+S_cc = L_cc L_cc^T, Y = L_cc^-1 G gives the work G^T S_cc^-1 G = Y^T Y of nodal forces G, and L_fc
+Y, with L_fc = S_fc L_cc^-T, the forces that hold the frame meanwhile.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,8 +25,10 @@ FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 
 
 class Ties(NamedTuple):
-    """Reduced unknowns of a body: `matrix` (2 nodes, unknowns) from them to the displacements of all nodes, and the
-    `region` of elimination of each inner one. Order: inner, contact nodes as x, y pairs by growing angle, frame."""
+    """Reduced unknowns of a body: `matrix` (2 nodes, unknowns) from them to the displacements of
+    all nodes, and the `region` of elimination of each inner one. Order: inner, contact nodes as x,
+    y pairs by growing angle, frame.
+    """
 
     matrix: Any
     region: Ints
@@ -87,14 +89,16 @@ class Condensed:
         """Displacement of all nodes (2, nodes) [m], by an elimination of the inside that is
         substituted back.
 
-        nodal (2n,): forces on the contact nodes [N]; frame (3,): its displacement; loads (l,): factors of the unit
-        loads.
+        nodal (2n,): forces on the contact nodes [N]; frame (3,): its displacement; loads (l,):
+        factors of the unit loads.
         """
         u = self.displacements(nodal[:, None], frame[:, None], loads[:, None])
         return np.asarray(u.reshape(-1, 2).T)
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements (2 nodes, m) [m] of m cases: nodal (2n, m), frame (3, m), loads (l, m) as above."""
+        """Displacements (2 nodes, m) [m] of m cases: nodal (2n, m), frame (3, m), loads (l, m) as
+        above.
+        """
         return self.recover(nodal, frame, loads)
 
 
@@ -107,8 +111,8 @@ def scalar_basis(mesh: Any) -> Any:
 
 
 def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool = False) -> Any:
-    """Stiffness (d nodes, d nodes) of plane stress, d = 2, or of a solid, d = 3; unknown d i + c for component c of
-    node i [N/m].
+    """Stiffness (d nodes, d nodes) of plane stress, d = 2, or of a solid, d = 3; unknown d i + c
+    for component c of node i [N/m].
 
     layers: by subdomain; those of a solid are isotropic; precise: in long double, from the nodes on
     (plane stress only).
@@ -124,7 +128,9 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
     import scipy.sparse as sp  # noqa: PLC0415  (meshes alone load it)
 
     gradients, dx = (
-        _precise_gradients(basis) if precise else (np.array([psi[0].grad for psi in basis.basis]), basis.dx)
+        _precise_gradients(basis)
+        if precise
+        else (np.array([psi[0].grad for psi in basis.basis]), basis.dx)
     )  # (a, i, elements, points), (elements, points)
     a, d, elements, points = gradients.shape
     lame = np.zeros((2, basis.mesh.nelements))
@@ -133,18 +139,28 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
         lame[:, members] = np.array([matrix[0, 1], matrix[-1, -1]])[:, None]
     lam, mu = lame[:, :, None, None, None, None]
     G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, d * a, points)
-    H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, d, a, d)  # Int psi_a,i psi_b,j
+    H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(
+        elements, a, d, a, d
+    )  # Int psi_a,i psi_b,j
     K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
     for i in range(d):
         K[:, :, i, :, i] += mu[:, :, 0, :, 0] * np.trace(H, axis1=2, axis2=4)
     for name, members in basis.mesh.subdomains.items():
         if d == 2 and has_directions(layers[name].elasticity):
             own = gradients[:, :, members]
-            K[members] += _stiffer(layers[name], own, dx[members], points_of(basis, precise=precise)[:, members])
-    dofs = (d * basis.element_dofs.T[:, :, None] + np.arange(d)).reshape(elements, d * a).astype(np.int32)
+            K[members] += _stiffer(
+                layers[name], own, dx[members], points_of(basis, precise=precise)[:, members]
+            )
+    dofs = (
+        (d * basis.element_dofs.T[:, :, None] + np.arange(d))
+        .reshape(elements, d * a)
+        .astype(np.int32)
+    )
     rows = np.broadcast_to(dofs[:, :, None], (elements, d * a, d * a))
     columns = np.broadcast_to(dofs[:, None, :], rows.shape)
-    return sp.coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(d * basis.N, d * basis.N)).tocsc()
+    return sp.coo_matrix(
+        (K.ravel(), (rows.ravel(), columns.ravel())), shape=(d * basis.N, d * basis.N)
+    ).tocsc()
 
 
 def values_of(basis: Any, *, precise: bool = False) -> Any:
@@ -157,7 +173,9 @@ def values_of(basis: Any, *, precise: bool = False) -> Any:
 def points_of(basis: Any, *, precise: bool = False) -> Any:
     """The points of quadrature (2, elements, points) [m] of a basis on a mesh; precise: in long
     double."""
-    return np.einsum("cae,aq->ceq", basis.doflocs[:, basis.element_dofs], values_of(basis, precise=precise))
+    return np.einsum(
+        "cae,aq->ceq", basis.doflocs[:, basis.element_dofs], values_of(basis, precise=precise)
+    )
 
 
 def _stiffer(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
@@ -182,7 +200,8 @@ def _stiffer(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
 
 
 def _precise_gradients(basis: Any) -> tuple[Any, Any]:
-    """Gradients (a, 2, elements, points) of the shape functions and area weights (elements, points), long double.
+    """Gradients (a, 2, elements, points) of the shape functions and area weights (elements,
+    points), long double.
 
     The elements are isoparametric: the nodes of the shape functions are those of the map.
     """
@@ -197,10 +216,11 @@ def _precise_gradients(basis: Any) -> tuple[Any, Any]:
 
 
 def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None) -> Ties:
-    """The reduced unknowns: inner nodes in the order of a dissection, contact nodes, then the frame.
+    """The reduced unknowns: inner nodes in the order of a dissection, contact nodes, then the
+    frame.
 
-    The `rigid` nodes move with u = (dx, dy) + turn k x (x - pin). Without rigid nodes three unknowns `alone` (3,) of
-    other nodes stand in the frame's place.
+    The `rigid` nodes move with u = (dx, dy) + turn k x (x - pin). Without rigid nodes three
+    unknowns `alone` (3,) of other nodes stand in the frame's place.
     """
     import scipy.sparse as sp  # noqa: PLC0415  (meshes alone load it)
 
@@ -215,7 +235,9 @@ def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None 
         others = ~np.isin(dofs, alone)
         dofs = np.concatenate([dofs[others], alone])
         entries = np.ones(len(dofs)), (dofs, np.arange(len(dofs)))
-        return Ties(sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs))), region[others[: len(region)]])
+        return Ties(
+            sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs))), region[others[: len(region)]]
+        )
     frame = np.arange(len(dofs), len(dofs) + FRAME)
     x, y = basis.doflocs[:, rigid] - pin[:, None]
     ones = np.ones(len(rigid))
@@ -229,7 +251,8 @@ def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None 
 def condense(K: Any, ties: Ties, loads: Floats, contact: int) -> Condensed:
     """Eliminate all but the last `contact` + 3 unknowns.
 
-    K (2 nodes, 2 nodes): stiffness; loads (unknowns, l): unit loads. Raises NoAnswer for a singular stiffness.
+    K (2 nodes, 2 nodes): stiffness; loads (unknowns, l): unit loads. Raises NoAnswer for a singular
+    stiffness.
     """
     A = (ties.matrix.T @ K @ ties.matrix).tocsc()
     S, left, work = eliminate(A, ties.region, loads)
@@ -238,4 +261,12 @@ def condense(K: Any, ties: Ties, loads: Floats, contact: int) -> Condensed:
         raise NoAnswer(SINGULAR)
     L_fc = solve_lower(L_cc, S[:contact, contact:]).T
     inside = Inside(A, ties, loads)
-    return Condensed(L_cc, L_fc, left[:contact], left[contact:], work, partial(Inside, *inside), inside.displacements)
+    return Condensed(
+        L_cc,
+        L_fc,
+        left[:contact],
+        left[contact:],
+        work,
+        partial(Inside, *inside),
+        inside.displacements,
+    )

@@ -32,8 +32,9 @@ class Order(NamedTuple):
 
 
 class Eliminated(NamedTuple):
-    """What the elimination of the inside leaves: S (k, k) on the k kept unknowns, the loads (k, l) on them, and the
-    work (l, l) of the loads with the kept unknowns held."""
+    """What the elimination of the inside leaves: S (k, k) on the k kept unknowns, the loads (k, l)
+    on them, and the work (l, l) of the loads with the kept unknowns held.
+    """
 
     S: Floats
     loads: Floats
@@ -41,10 +42,11 @@ class Eliminated(NamedTuple):
 
 
 def dissection(xy: Floats, elements: Ints) -> Order:
-    """Nested dissection of a mesh: nodes xy (2, n) or (3, n) [m]; elements (k, m): nodes of each element.
+    """Nested dissection of a mesh: nodes xy (2, n) or (3, n) [m]; elements (k, m): nodes of each
+    element.
 
-    The elements are halved across the long direction of their region. A node comes after all nodes of the regions
-    inside its own.
+    The elements are halved across the long direction of their region. A node comes after all nodes
+    of the regions inside its own.
     """
     centre = xy[:, elements].mean(axis=1)
     count = elements.shape[1]
@@ -63,16 +65,22 @@ def dissection(xy: Floats, elements: Ints) -> Order:
     for nodes in elements:
         np.minimum.at(first, nodes, half)
         np.maximum.at(last, nodes, half)
-    height = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)  # levels up to the common region
+    height = np.ceil(np.log2((first ^ last) + 1.0)).astype(
+        np.int64
+    )  # levels up to the common region
     height = np.maximum(height, min(LEAF, depth))
     end = (first >> height << height) + (1 << height)
     nodes = np.lexsort((height, end))
-    new = np.diff(end[nodes], prepend=-1).astype(bool) | np.diff(height[nodes], prepend=-1).astype(bool)
+    new = np.diff(end[nodes], prepend=-1).astype(bool) | np.diff(height[nodes], prepend=-1).astype(
+        bool
+    )
     return Order(nodes, np.cumsum(new) - 1)
 
 
 def _along(group: Ints, x: Floats) -> Floats:
-    """Places (m,) of the points x (d, m) of groups (m,), off the middle of each, along its principal axis."""
+    """Places (m,) of the points x (d, m) of groups (m,), off the middle of each, along its
+    principal axis.
+    """
     if len(x) == 2:
         xy, xx_yy = _means(group, np.array([x[0] * x[1], x[0] * x[0] - x[1] * x[1]]))
         along = 0.5 * np.arctan2(2 * xy, xx_yy)
@@ -91,8 +99,8 @@ def _means(group: Ints, values: Floats) -> Floats:
 def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
     """Eliminate the first len(region) unknowns of a symmetric positive definite sparse A (n, n).
 
-    region: number of the region of each of them, not decreasing; loads (n, l). Raises NoAnswer for a matrix that
-    is not positive definite on them.
+    region: number of the region of each of them, not decreasing; loads (n, l). Raises NoAnswer for
+    a matrix that is not positive definite on them.
     """
     lower, inner, left = _lower(A), len(region), _nothing(region)
     f = np.array(loads, dtype=float)
@@ -126,7 +134,9 @@ def solve(A: Any, region: Ints, right: Floats) -> Floats:
     x[inner:] = dtrsm(1.0, L, dtrsm(1.0, L, x[inner:], lower=1), lower=1, trans_a=1)
     while fronts:
         front = fronts.pop()
-        x[front.own] = dtrsm(1.0, front.L, x[front.own] - front.below.T @ x[front.later], lower=1, trans_a=1)
+        x[front.own] = dtrsm(
+            1.0, front.L, x[front.own] - front.below.T @ x[front.later], lower=1, trans_a=1
+        )
     return x
 
 
@@ -193,7 +203,9 @@ def _kept(lower: Any, inner: int, left: _Left) -> Floats:
 
 
 def _gather(F: Floats, touched: Ints, left: _Left, region: int) -> None:
-    """Add what earlier fronts left on the unknowns `touched` (n,) to the lower triangle of a front F (n, n)."""
+    """Add what earlier fronts left on the unknowns `touched` (n,) to the lower triangle of a front
+    F (n, n).
+    """
     for unknowns, rest in left[region]:
         place = np.searchsorted(touched, unknowns)
         F.T[np.ix_(place, place)] += rest.T  # rows that lie together in memory

@@ -25,11 +25,12 @@ from drumlin.response.response import Response, ShoeResponse
 
 @dataclass(frozen=True)
 class Fields:
-    """Fields of one shoe in the brake's frame; nodes stand once for each material that meets in them.
+    """Fields of one shoe in the brake's frame; nodes stand once for each material that meets in
+    them.
 
-    `points` (n, 2) [m], `cells` (m, k), `part` (m,): number of the subdomain, `displacement` (n, 2) [m],
-    `stress` (n, 3): xx, yy, xy [Pa], `von_mises` (n,) [Pa], `pressure` (n,) [Pa] on the friction surface,
-    `push` (n, 2) [Pa]: the normal traction of drum or plane on the lining.
+    `points` (n, 2) [m], `cells` (m, k), `part` (m,): number of the subdomain, `displacement` (n, 2)
+    [m], `stress` (n, 3): xx, yy, xy [Pa], `von_mises` (n,) [Pa], `pressure` (n,) [Pa] on the
+    friction surface, `push` (n, 2) [Pa]: the normal traction of drum or plane on the lining.
     """
 
     points: Floats
@@ -44,14 +45,22 @@ class Fields:
 
 
 def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields:
-    """Recover the fields of shoe `index` from the contact pressure of its response, and the force it has there."""
-    shoe, body, answer = loaded(brake, response).shoes[index], scene.bodies[index], response.shoes[index]
+    """Recover the fields of shoe `index` from the contact pressure of its response, and the force
+    it has there.
+    """
+    shoe, body, answer = (
+        loaded(brake, response).shoes[index],
+        scene.bodies[index],
+        response.shoes[index],
+    )
     p = answer.pressure[:: shoe.frame.sense]
     u = displaced(body, brake, shoe, answer, p).reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
     way = straight if shoe.flat else radial(shoe.sign)
-    return _fields(body.mesh, body.basis, u, layers_of(shoe), pressure, shoe.frame, shoe.points, way)
+    return _fields(
+        body.mesh, body.basis, u, layers_of(shoe), pressure, shoe.frame, shoe.points, way
+    )
 
 
 def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
@@ -59,7 +68,10 @@ def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
     ring, section = scene.ring, brake.ring.section if brake.ring else None
     if ring is None or section is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
-    p = [answer.pressure[:: shoe.frame.sense] for shoe, answer in zip(brake.shoes, response.shoes, strict=True)]
+    p = [
+        answer.pressure[:: shoe.frame.sense]
+        for shoe, answer in zip(brake.shoes, response.shoes, strict=True)
+    ]
     u = ring.displacement(p, brake.drag)
     layers, pressure = ring_layers(section), np.zeros(ring.basis.N)
     return _fields(ring.mesh, ring.basis, u, layers, pressure, Frame(0.0, 1), np.asarray, radial(1))
@@ -69,8 +81,9 @@ def _fields(
     mesh: Any, basis: Any, u: Floats, layers: dict[str, ElasticLayer], pressure: Floats, frame: Frame,
     place: Callable[[Floats], Floats], directions: Directions,
 ) -> Fields:  # fmt: skip
-    """Fields in the brake's frame, where `place` has points (2, n), from displacements u (2, nodes) and nodal pressure
-    in the body's own frame; directions: the lining's normals there."""
+    """Fields in the brake's frame, where `place` has points (2, n), from displacements u (2, nodes)
+    and nodal pressure in the body's own frame; directions: the lining's normals there.
+    """
     parts = list(mesh.subdomains)
     blocks = [_part(basis, u, name, layers[name]) for name in parts]
     starts = np.cumsum([0] + [len(block[0]) for block in blocks])
@@ -86,7 +99,9 @@ def _fields(
             p[starts[k] : starts[k + 1]] = 0.0  # where shoe or backing end in the friction surface
     return Fields(
         points=place(xy).T,
-        cells=np.concatenate([block[1] + start for start, block in zip(starts[:-1], blocks, strict=True)]),
+        cells=np.concatenate(
+            [block[1] + start for start, block in zip(starts[:-1], blocks, strict=True)]
+        ),
         cell_type="quad" if isinstance(mesh, Grid) else kind_of(mesh).cell,
         part=np.concatenate([np.full(len(block[1]), i) for i, block in enumerate(blocks)]),
         displacement=frame.to_brake(u[:, nodes].T),
@@ -98,7 +113,9 @@ def _fields(
 
 
 def displaced(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats) -> Floats:
-    """Displacements (d nodes,) [m] of all nodes in the shoe's frame, under the pressure p (n,) [Pa] on its lining."""
+    """Displacements (d nodes,) [m] of all nodes in the shoe's frame, under the pressure p (n,) [Pa]
+    on its lining.
+    """
     load = abs(shoe.actuation.force) * actuation(body, shoe)[0]
     nodal = brake.drag_on(shoe) * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))
@@ -128,8 +145,9 @@ def mean_of(values: Floats, dofs: Ints) -> tuple[Ints, Ints, Floats]:
 
 
 def _at_nodes(mesh: Any, elements: Ints) -> tuple[Ints, Floats, Ints]:
-    """Of elements: their nodes (a, n), the gradients (a, 2, n, a) of the shape functions there, and the corners (k, c)
-    of the c cells that each is drawn as, by their places in `a`."""
+    """Of elements: their nodes (a, n), the gradients (a, 2, n, a) of the shape functions there, and
+    the corners (k, c) of the c cells that each is drawn as, by their places in `a`.
+    """
     if isinstance(mesh, Grid):
         dofs = mesh.element_dofs[:, elements]
         return dofs, mesh.gradients(elements), mesh.quarters
@@ -150,16 +168,23 @@ HEADS = {
 
 
 def write_vtu(path: Path, parts: Sequence[Any]) -> None:
-    """Write the `Fields` or `SolidFields` of all shoes as one .vtu file for ParaView, with units in the names."""
+    """Write the `Fields` or `SolidFields` of all shoes as one .vtu file for ParaView, with units in
+    the names.
+    """
     starts = np.cumsum([0] + [len(part.points) for part in parts])
 
     def joined(name: str) -> Floats:
         values = np.concatenate([getattr(part, name) for part in parts])
-        return np.column_stack([values, np.zeros(len(values))]) if values.shape[1:] == (2,) else values
+        return (
+            np.column_stack([values, np.zeros(len(values))]) if values.shape[1:] == (2,) else values
+        )
 
     mesh = meshio.Mesh(
         joined("points"),
-        [(part.cell_type, part.cells + start) for part, start in zip(parts, starts[:-1], strict=True)],
+        [
+            (part.cell_type, part.cells + start)
+            for part, start in zip(parts, starts[:-1], strict=True)
+        ],
         point_data={head: joined(name) for head, name in HEADS.items() if hasattr(parts[0], name)},
         cell_data={
             "part": [part.part for part in parts],

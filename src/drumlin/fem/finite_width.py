@@ -1,9 +1,11 @@
-"""What a finite width does to a lining, put into the modulus of plane stress: a correction, off by default.
+"""What a finite width does to a lining, put into the modulus of plane stress: a correction, off by
+default.
 
-Two things that plane stress leaves out. A lining bonded to a stiff table cannot contract freely across the width but
-near its sides: its Lame constant lies between those of plane stress and of plane strain. And a table that reaches
-beyond its web bends back like a cantilever plate on the lining as foundation (Hetenyi 1946, Beams on Elastic
-Foundation): its sides press less, and the whole lining is softer in the mean.
+Two things that plane stress leaves out. A lining bonded to a stiff table cannot contract freely
+across the width but near its sides: its Lame constant lies between those of plane stress and of
+plane strain. And a table that reaches beyond its web bends back like a cantilever plate on the
+lining as foundation (Hetenyi 1946, Beams on Elastic Foundation): its sides press less, and the
+whole lining is softer in the mean.
 """
 
 import numpy as np
@@ -19,13 +21,15 @@ from drumlin.errors import BadInput
 from drumlin.texts import formatted
 
 HELD = 0.5
-"""The share of plane strain in a wide lining, by solid shoes: the shoe behind it contracts as well."""
+"""The share of plane strain in a wide lining, by solid shoes: the shoe behind it contracts as well.
+"""
 LARGEST_NU = 0.45  # of a lining up to which the correction has been held against solid shoes
 TORQUE, PRESSURE = 0.015, 0.08  # largest errors over all brakes of the study plane_stress
 
 
 def between(material: Material, share: float) -> Material:
-    """The material of the same nu, as stiff through a lining that is held along the arc as `share` plane strain.
+    """The material of the same nu, as stiff through a lining that is held along the arc as `share`
+    plane strain.
 
     E' = (lambda + 2 mu) (1 - nu^2), lambda that share of the way from plane stress to plane strain.
     """
@@ -43,10 +47,11 @@ def held_share(width: float, thickness: float) -> float:
 
 
 def flange_mean(reach: float, stiffness: float, foundation: float) -> float:
-    """Mean pressure under a flange over that at the web, which it is clamped to: a strip that reaches so far [m].
+    """Mean pressure under a flange over that at the web, which it is clamped to: a strip that
+    reaches so far [m].
 
-    D y'''' + K y = 0, y(0) = 1, y'(0) = 0, y''(c) = y'''(c) = 0, with D [N m] of the strip and K [Pa/m] of the
-    foundation; the mean of y is -(D/(K c)) (y'''(c) - y'''(0)).
+    D y'''' + K y = 0, y(0) = 1, y'(0) = 0, y''(c) = y'''(c) = 0, with D [N m] of the strip and K
+    [Pa/m] of the foundation; the mean of y is -(D/(K c)) (y'''(c) - y'''(0)).
     """
     beta = (foundation / (4 * stiffness)) ** 0.25
     if beta * reach < 1e-3:
@@ -54,7 +59,9 @@ def flange_mean(reach: float, stiffness: float, foundation: float) -> float:
     roots = beta * np.array([1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j])
     scale = np.exp(-np.maximum(roots.real, 0) * reach)  # growing parts count from the free end
     at_end = scale * np.exp(roots * reach)
-    rows = np.array([scale, scale * roots, at_end * roots**2 / beta**2, at_end * roots**3 / beta**3])
+    rows = np.array(
+        [scale, scale * roots, at_end * roots**2 / beta**2, at_end * roots**3 / beta**3]
+    )
     factors = np.linalg.solve(rows, np.array([1.0, 0, 0, 0], dtype=complex))
     return float((factors @ ((at_end - scale) / roots)).real / reach)
 
@@ -62,7 +69,8 @@ def flange_mean(reach: float, stiffness: float, foundation: float) -> float:
 def corrected(shoe: Shoe) -> Material:
     """The lining's material for plane stress of a shoe of finite width.
 
-    Flanges are those of a table, or of a backing that stands for one, beyond a narrower part behind it.
+    Flanges are those of a table, or of a backing that stands for one, beyond a narrower part behind
+    it.
     """
     lining = shoe.lining
     assert isinstance(lining.material, Material)  # why_not
@@ -99,7 +107,9 @@ def why_not(brake: Brake) -> str | None:
 def said(brake: Brake, other: Brake) -> str:
     """What the correction has made of a brake, and how far it is to be trusted, in a line."""
     pairs = zip(brake.shoes, other.shoes, strict=True)
-    factors = [after.lining.material.E_through / shoe.lining.material.E_through for shoe, after in pairs]
+    factors = [
+        after.lining.material.E_through / shoe.lining.material.E_through for shoe, after in pairs
+    ]
     times = ", ".join(f"{factor:.3f}" for factor in dict.fromkeys(np.round(factors, 3)))
     return (
         f"corrected for the finite width: modulus of the lining times {times}; torque within "
@@ -118,5 +128,8 @@ def finite_width(brake: Brake) -> Brake:
         raise BadInput(f"--finite-width: does not apply to this brake: {reason}")
     return vary(
         brake,
-        {f"shoe[{i}].lining.material.E": material.E for i, material in enumerate(map(corrected, brake.shoes))},
+        {
+            f"shoe[{i}].lining.material.E": material.E
+            for i, material in enumerate(map(corrected, brake.shoes))
+        },
     )

@@ -1,7 +1,8 @@
 """The shoes that meet the drum together, as one contact problem.
 
-A shoe on a rigid drum meets it alone. Shoes on an elastic ring feel each other, so all that touch it are solved
-together. Whatever is done with the contact (sliding, holding, wear, sensitivity, self-locking) starts from here.
+A shoe on a rigid drum meets it alone. Shoes on an elastic ring feel each other, so all that touch
+it are solved together. Whatever is done with the contact (sliding, holding, wear, sensitivity,
+self-locking) starts from here.
 """
 
 import math
@@ -29,11 +30,14 @@ from drumlin.laws import rigid
 LEAVES = "no equilibrium, a foot leaves its abutment"
 ELASTIC = "elastic as it is"
 FRICTION_STEP = self_locking.STEP / 4
-"""Step of the drum's friction, above 1 relative to it, after which feet are asked how they slide and shoes whether they
-are pushed. A foot that leaves and comes back within one step is not seen."""
+"""Step of the drum's friction, above 1 relative to it, after which feet are asked how they slide
+and shoes whether they are pushed. A foot that leaves and comes back within one step is not seen.
+"""
 NEAR_POLE = 1e-4
-"""Relative distance from the pole of the pressures up to which feet are asked how they slide. A change
-nearer to the pole moves the limit by less than this, the last digit of four that are printed."""
+"""Relative distance from the pole of the pressures up to which feet are asked how they slide. A
+change nearer to the pole moves the limit by less than this, the last digit of four that are
+printed.
+"""
 ROWS = 64  # of a matrix that are made at a time: of a large one no more stay near the processor
 
 
@@ -41,9 +45,9 @@ ROWS = 64  # of a matrix that are made at a time: of a large one no more stay ne
 class ShoeGroup:
     """The shoes `members` of a brake on a prepared scene, at the contact stiffness `penalty` E/t.
 
-    All of its problem is per newton of `unit_force`, so that one force alone enters only through the gap. `senses`: how
-    friction acts at the abutments, one of a shoe. They are empty until `settled` has found them. A group with a rough
-    abutment has no problem before that.
+    All of its problem is per newton of `unit_force`, so that one force alone enters only through
+    the gap. `senses`: how friction acts at the abutments, one of a shoe. They are empty until
+    `settled` has found them. A group with a rough abutment has no problem before that.
     """
 
     scene: Scene
@@ -59,7 +63,9 @@ class ShoeGroup:
         Raises RuntimeError where an abutment is rough and its sense is not known yet.
         """
         if not self.senses and self.rough:
-            raise RuntimeError(f"{self.names}: friction at the abutment has no sense yet, ask for `settled`")
+            raise RuntimeError(
+                f"{self.names}: friction at the abutment has no sense yet, ask for `settled`"
+            )
         return self.senses or (1,) * len(self.members)
 
     @property
@@ -72,7 +78,9 @@ class ShoeGroup:
         """The free motions of each shoe."""
         return tuple(
             motions_of(body, shoe, moment, sense)
-            for body, shoe, (_, moment), sense in zip(self.bodies, self.shoes, self.loads, self.each_sense, strict=True)
+            for body, shoe, (_, moment), sense in zip(
+                self.bodies, self.shoes, self.loads, self.each_sense, strict=True
+            )
         )
 
     @cached_property
@@ -108,12 +116,19 @@ class ShoeGroup:
     @cached_property
     def gaps(self) -> tuple[Floats, ...]:
         """Gaps (n_i,) [m] of the unloaded linings at their contact nodes."""
-        return tuple(gap_of(body, self.brake, shoe) for body, shoe in zip(self.bodies, self.shoes, strict=True))
+        return tuple(
+            gap_of(body, self.brake, shoe)
+            for body, shoe in zip(self.bodies, self.shoes, strict=True)
+        )
 
     @cached_property
     def loads(self) -> tuple[tuple[Floats, float], ...]:
-        """Factors (3,) of each body's unit actuations, and the moment about its pin, see `actuation`."""
-        return tuple(actuation(body, shoe) for body, shoe in zip(self.bodies, self.shoes, strict=True))
+        """Factors (3,) of each body's unit actuations, and the moment about its pin, see
+        `actuation`.
+        """
+        return tuple(
+            actuation(body, shoe) for body, shoe in zip(self.bodies, self.shoes, strict=True)
+        )
 
     @cached_property
     def stiffnesses(self) -> tuple[float, ...]:
@@ -124,7 +139,9 @@ class ShoeGroup:
     def closings(self) -> tuple[tuple[Floats, Floats], ...]:
         """Of each shoe and the motions that its equilibria are tested on N u and T u (n_i, k)."""
         return tuple(
-            body.turning if shoe.held_by == "hinge" else (body.coupling.N @ at.tested, body.coupling.T @ at.tested)
+            body.turning
+            if shoe.held_by == "hinge"
+            else (body.coupling.N @ at.tested, body.coupling.T @ at.tested)
             for body, shoe, at in zip(self.bodies, self.shoes, self.motions, strict=True)
         )
 
@@ -158,11 +175,15 @@ class ShoeGroup:
 
     @cached_property
     def ring(self) -> tuple[Floats, Floats] | None:
-        """Square roots (m, n) of the ring's flexibility under pressure and under drag; None for a rigid drum."""
+        """Square roots (m, n) of the ring's flexibility under pressure and under drag; None for a
+        rigid drum.
+        """
         ring = self.scene.ring
         if ring is None:
             return None
-        return np.hstack([ring.pressed[i] for i in self.members]), np.hstack([ring.dragged[i] for i in self.members])
+        return np.hstack([ring.pressed[i] for i in self.members]), np.hstack(
+            [ring.dragged[i] for i in self.members]
+        )
 
     @cached_property
     def problem(self) -> Problem:
@@ -182,21 +203,33 @@ class ShoeGroup:
     def links(self) -> list[tuple[int, int]]:
         """The struts between its shoes, (from, to)."""
         names = [shoe.name for shoe in self.shoes]
-        return [(names.index(link.source), names.index(link.to)) for link in self.brake.links if link.to in names]
+        return [
+            (names.index(link.source), names.index(link.to))
+            for link in self.brake.links
+            if link.to in names
+        ]
 
     @cached_property
     def cam(self) -> list[int]:
         """The shoes whose tips a cam moves alike; none without one."""
         drive, behind = self.brake.actuation, [to for _, to in self.links]
-        return [k for k in range(len(self.shoes)) if k not in behind] if drive and drive.is_cam else []
+        return (
+            [k for k in range(len(self.shoes)) if k not in behind] if drive and drive.is_cam else []
+        )
 
     @cached_property
     def total(self) -> float:
         """The sum of the cam's forces, per newton of `unit_force`."""
-        return self.brake.actuation.total / self.unit_force if self.brake.actuation and self.cam else 0.0
+        return (
+            self.brake.actuation.total / self.unit_force
+            if self.brake.actuation and self.cam
+            else 0.0
+        )
 
     def pushed(self, friction: float) -> list[Pushed]:
-        """What each shoe is as its force pushes it, per newton, at a friction coefficient; linear in it."""
+        """What each shoe is as its force pushes it, per newton, at a friction coefficient; linear
+        in it.
+        """
         return [self._pushed_shoe(k, friction) for k in range(len(self.shoes))]
 
     @cached_property
@@ -207,16 +240,31 @@ class ShoeGroup:
     def _sharing_at(self, friction: float) -> Sharing | None:
         if not self.links and not self.cam:
             return None
-        return share(self.blocks(friction), self.pushed(friction), self.own_forces, self.links, self.cam, self.total)
+        return share(
+            self.blocks(friction),
+            self.pushed(friction),
+            self.own_forces,
+            self.links,
+            self.cam,
+            self.total,
+        )
 
     def _pushed_shoe(self, k: int, friction: float) -> Pushed:
         body, shoe, motions = self.bodies[k], self.shoes[k], self.motions[k]
         drag = self._drag_on(shoe, friction)
         load, _ = self.loads[k]
-        tip = -(load @ body.closing_loaded.T) + (0.0 if body.tip_dragged is None else drag * (load @ body.tip_dragged))
+        tip = -(load @ body.closing_loaded.T) + (
+            0.0 if body.tip_dragged is None else drag * (load @ body.tip_dragged)
+        )
         contact = (drag * body.forces[1] - body.forces[0])[:2].T  # (n, 2) per pressure
-        bearing = np.zeros(len(tip)) if shoe.abutment is None else -shoe.frame.to_brake(contact) @ shoe.bearing
-        direct = 0.0 if shoe.abutment is None else -float(shoe.bearing @ shoe.actuation.direction_vector)
+        bearing = (
+            np.zeros(len(tip))
+            if shoe.abutment is None
+            else -shoe.frame.to_brake(contact) @ shoe.bearing
+        )
+        direct = (
+            0.0 if shoe.abutment is None else -float(shoe.bearing @ shoe.actuation.direction_vector)
+        )
         return Pushed(
             part=self.parts[k], rows=self.rows[k], opened=-(body.closing_loaded @ load), tip=tip,
             yields=float(load @ body.tip_loaded @ load), work=motions.work, moves=motions.tip, bearing=bearing,
@@ -269,24 +317,33 @@ class ShoeGroup:
         return self_locking.Sliding.through(self.problem_at(0.0), self.problem_at(1.0))
 
     def answer(self, first: Bools | None = None) -> active_set.Contact:
-        """The contact per newton of `unit_force`, from the contact set `first` (n,) where there is one.
+        """The contact per newton of `unit_force`, from the contact set `first` (n,) where there is
+        one.
 
-        Raises NoAnswer: self-locking, no equilibrium, not converged, a turn too large for small displacements.
+        Raises NoAnswer: self-locking, no equilibrium, not converged, a turn too large for small
+        displacements.
         """
-        for body, shoe, gap, load in zip(self.bodies, self.shoes, self.gaps, self.loads, strict=True):
+        for body, shoe, gap, load in zip(
+            self.bodies, self.shoes, self.gaps, self.loads, strict=True
+        ):
             reach.check_pin(shoe, body.line.xy, gap, load[1])
         law = min(self.law(i) for i in self.members)
         try:
-            found = self_locking.answer(self.problem_at, self.brake.friction, first, self.areas, law=law, brake=ELASTIC)
+            found = self_locking.answer(
+                self.problem_at, self.brake.friction, first, self.areas, law=law, brake=ELASTIC
+            )
         except NoAnswer as error:
             pulled = self._pulled_at(error.end) if isinstance(error, self_locking.Ended) else ""
             raise (Pulled(pulled) if pulled else NoAnswer(f"{self.names}: {error}")) from error
-        for shoe, sense, gap, amounts in zip(self.shoes, self.each_sense, self.gaps, self.amounts(found), strict=True):
+        for shoe, sense, gap, amounts in zip(
+            self.shoes, self.each_sense, self.gaps, self.amounts(found), strict=True
+        ):
             reach.check_turns(shoe, sense, gap, self.unit_force * amounts)
         return found
 
     def _pulled_at(self, end: self_locking.Limit) -> str:
-        """As `_pulled`, of an answer that ends: a force that shoes share may have fallen to nothing there.
+        """As `_pulled`, of an answer that ends: a force that shoes share may have fallen to nothing
+        there.
 
         The shoe leaves the drum then, and nothing locks: its cam or strut would have to pull it.
         """
@@ -294,23 +351,37 @@ class ShoeGroup:
         return "" if sharing is None else self._pulled(sharing.forces(end.last.p))
 
     def _pulled(self, forces: Floats) -> str:
-        """The line that refuses shoes of which what pushes one would have to pull; empty where all are pushed."""
+        """The line that refuses shoes of which what pushes one would have to pull; empty where all
+        are pushed.
+        """
         i = int(forces.argmin())
-        return f"shoe {self.shoes[i].name!r}: {WOULD_PULL}" if forces[i] <= PULLED * forces.max() else ""
+        return (
+            f"shoe {self.shoes[i].name!r}: {WOULD_PULL}"
+            if forces[i] <= PULLED * forces.max()
+            else ""
+        )
 
     def law(self, i: int) -> float:
-        """mu_lock of a shoe by the rigid-shoe law: that of the scene for a hinged one dragged the same way."""
-        (shoe, spin), (known, other) = ((brake.shoes[i], brake.spin) for brake in (self.brake, self.scene.brake))
-        same = shoe.held_by == known.held_by == "hinge" and spin * shoe.frame.sense == other * known.frame.sense
+        """mu_lock of a shoe by the rigid-shoe law: that of the scene for a hinged one dragged the
+        same way.
+        """
+        (shoe, spin), (known, other) = (
+            (brake.shoes[i], brake.spin) for brake in (self.brake, self.scene.brake)
+        )
+        same = (
+            shoe.held_by == known.held_by == "hinge"
+            and spin * shoe.frame.sense == other * known.frame.sense
+        )
         return self.scene.laws[i] if same else rigid.locking_friction(self.brake, shoe)
 
     def settled(self, first: Bools | None = None) -> tuple["ShoeGroup", active_set.Contact]:
         """The group with the friction at its abutments as its answer has it, and that answer.
 
-        The drum turns already as the force comes on. Friction opposes the whole slide of a foot from where it stood
-        without force, or holds the foot there. The first senses that stand are taken, those of the rigid shoe first;
-        the order does not matter, for no brake is known of which two stand. Raises NoAnswer as `answer` does, and where
-        a foot would leave its abutment.
+        The drum turns already as the force comes on. Friction opposes the whole slide of a foot
+        from where it stood without force, or holds the foot there. The first senses that stand are
+        taken, those of the rigid shoe first; the order does not matter, for no brake is known of
+        which two stand. Raises NoAnswer as `answer` does, and where a foot would leave its
+        abutment.
         """
         try:
             return self._standing(first)
@@ -335,14 +406,21 @@ class ShoeGroup:
         raise failure
 
     def ways(self) -> Iterator["ShoeGroup"]:
-        """The group with every way in which friction may act at its abutments: its own first, else the rigid shoe's."""
+        """The group with every way in which friction may act at its abutments: its own first, else
+        the rigid shoe's.
+        """
         begin = self.senses or tuple(_sense(self.brake, shoe) for shoe in self.shoes)
-        choices = [(own, *(s for s in shoe.senses if s != own)) for own, shoe in zip(begin, self.shoes, strict=True)]
+        choices = [
+            (own, *(s for s in shoe.senses if s != own))
+            for own, shoe in zip(begin, self.shoes, strict=True)
+        ]
         for senses in product(*choices):
             yield self if senses == self.senses else replace(self, senses=senses)
 
     def _refusal(self, failure: NoAnswer) -> NoAnswer:
-        """Why a group does not settle: where feet are rough, what ends the answer that is followed as they slide."""
+        """Why a group does not settle: where feet are rough, what ends the answer that is followed
+        as they slide.
+        """
         if not self.rough:
             return failure
         friction = self.brake.friction
@@ -357,11 +435,13 @@ class ShoeGroup:
         return NoAnswer(end.lets_go or f"{self.names}: {locked}")
 
     def followed(self, most: float) -> "Followed":
-        """The end, up to mu = `most`, of the answer that is followed from the least friction of the drum that has one.
+        """The end, up to mu = `most`, of the answer that is followed from the least friction of the
+        drum that has one.
 
-        On the way a rough foot may begin to slide, stop or slide the other way. From there on the answer is followed
-        with its friction as it is then. Raises NoAnswer where there is no answer without friction of the drum, nor
-        under any, as where it takes friction to press a foot on its abutment.
+        On the way a rough foot may begin to slide, stop or slide the other way. From there on the
+        answer is followed with its friction as it is then. Raises NoAnswer where there is no answer
+        without friction of the drum, nor under any, as where it takes friction to press a foot on
+        its abutment.
         """
         if not self.links and not self.cam and all(shoe.abutment is None for shoe in self.shoes):
             return Followed(self_locking.limit(self.sliding, most, areas=self.areas), lets_go="")
@@ -370,7 +450,8 @@ class ShoeGroup:
         while low < (last := min(end.friction * (1 - NEAR_POLE), most)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
             after = at._pushing(high)
-            # Under more friction an answer may stand again, but the one that is followed has ended here.
+            # Under more friction an answer may stand again, but the one that is followed has ended
+            # here.
             if after is None:
                 return at._ended(end, low, high)
             low = high
@@ -384,7 +465,9 @@ class ShoeGroup:
         return replace(self, brake=self.brake.model_copy(update={"friction": friction}))
 
     def _first(self, most: float) -> tuple[float, tuple["ShoeGroup", active_set.Contact]]:
-        """The least friction of the drum under which the group settles, to FRICTION_STEP, and its answer there."""
+        """The least friction of the drum under which the group settles, to FRICTION_STEP, and its
+        answer there.
+        """
         friction = 0.0
         while friction < most:
             found = self._pushing(friction)
@@ -394,8 +477,9 @@ class ShoeGroup:
         return 0.0, self.at_friction(0.0)._standing()  # raises: it says why there is none
 
     def _pushing(self, friction: float) -> tuple["ShoeGroup", active_set.Contact] | None:
-        """The settled group at a friction of the drum and its answer; None without one, or where one is pulled that
-        can only be pushed."""
+        """The settled group at a friction of the drum and its answer; None without one, or where
+        one is pulled that can only be pushed.
+        """
         try:
             at, found = self.at_friction(friction)._standing()
         except NoAnswer:
@@ -410,10 +494,14 @@ class ShoeGroup:
             after = at._pushing(middle)
             low, high = (low, middle) if after is None else (middle, high)
             at = at if after is None else after[0]
-        return Followed(end._replace(friction=low, bounded=True, reached=low), at.at_friction(high)._lets_go())
+        return Followed(
+            end._replace(friction=low, bounded=True, reached=low), at.at_friction(high)._lets_go()
+        )
 
     def _lets_go(self) -> str:
-        """The line that says what would have to pull, with the senses at hand, that can only push; empty if nothing."""
+        """The line that says what would have to pull, with the senses at hand, that can only push;
+        empty if nothing.
+        """
         try:
             found = self.answer()
         except Pulled as error:
@@ -429,10 +517,14 @@ class ShoeGroup:
         shoe = self.shoes[k]
         if shoe.abutment is None:
             return True
-        return shoe.stands(self.reaction(found, k), self.each_sense[k], float(self.amounts(found)[k][-1]))
+        return shoe.stands(
+            self.reaction(found, k), self.each_sense[k], float(self.amounts(found)[k][-1])
+        )
 
     def reaction(self, found: active_set.Contact, k: int) -> Floats:
-        """The force (2,) of the abutment of shoe `k` on its foot, per newton, by equilibrium of an answer."""
+        """The force (2,) of the abutment of shoe `k` on its foot, per newton, by equilibrium of an
+        answer.
+        """
         shoe, body = self.shoes[k], self.bodies[k]
         drag, p = self.brake.drag_on(shoe), found.p[self.parts[k]]
         normal, dragged = body.forces @ p
@@ -445,8 +537,9 @@ class Pulled(NoAnswer):
 
 
 class Followed(NamedTuple):
-    """Where the answer ends that is followed in friction: the `limit`; and where it ends because something would have
-    to pull that can only push, `lets_go`, the line that says what, else empty."""
+    """Where the answer ends that is followed in friction: the `limit`; and where it ends because
+    something would have to pull that can only push, `lets_go`, the line that says what, else empty.
+    """
 
     limit: self_locking.Limit
     lets_go: str
@@ -485,9 +578,12 @@ def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
     return sorted(touching)
 
 
-def grouped(scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf) -> list[ShoeGroup]:
-    """The shoes `touching` in groups: each alone, or all together where they meet through an elastic ring or share a
-    force."""
+def grouped(
+    scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf
+) -> list[ShoeGroup]:
+    """The shoes `touching` in groups: each alone, or all together where they meet through an
+    elastic ring or share a force.
+    """
     alone = (scene.ring is None or scene.apart) and brake.shares is None
     groups = [(i,) for i in touching] if alone else [tuple(touching)] if touching else []
     made = [ShoeGroup(scene, brake, members, penalty) for members in groups]
@@ -522,12 +618,18 @@ def turns_towards(body: Body, shoe: Shoe) -> bool:
 
 
 def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
-    """Gap of the unloaded lining at the contact nodes (n,) [m]: off the drum's radius, clearance and misfit."""
+    """Gap of the unloaded lining at the contact nodes (n,) [m]: off the drum's radius, clearance
+    and misfit.
+    """
     return gap_at(body.line.xy, body.line.phi, brake, shoe)
 
 
 def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
-    """Gap [m] of the unloaded lining at the points xy (2, ...) [m] of its mesh, at the angles phi (...) there."""
+    """Gap [m] of the unloaded lining at the points xy (2, ...) [m] of its mesh, at the angles phi
+    (...) there.
+    """
     theta, radius = shoe.frame.theta(phi), brake.size
     off = shoe.off(xy, radius)
-    return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + clearance.gap(brake, shoe, theta)  # 0.0: not round-off
+    return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + clearance.gap(
+        brake, shoe, theta
+    )  # 0.0: not round-off

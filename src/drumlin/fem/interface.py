@@ -1,8 +1,8 @@
 """The lining's contact line and the weak (mortar) coupling of its pressure with its displacement.
 
 The pressure is interpolated with the trace psi_i of the displacement's shape functions. Over the
-discrete arc x(xi) = sum_i psi_i(xi) x_i, with the exact radial normal n = sign e_r and tangent e_phi
-at every point, and b the lining's width:
+discrete arc x(xi) = sum_i psi_i(xi) x_i, with the exact radial normal n = sign e_r and tangent
+e_phi at every point, and b the lining's width:
 
     M_ij = b Int psi_i psi_j ds,   N_i,jc = b Int psi_i psi_j n_c ds,   T_i,jc = b Int psi_i psi_j e_c ds
 
@@ -21,15 +21,18 @@ from drumlin.arrays import Floats, Ints, angle_near
 from drumlin.response.response import Surface
 from drumlin.response.resultants import GAUSS, WEIGHTS, Inside, at_gauss, shape, slopes
 
-Directions = Callable[[Floats], tuple[Floats, Floats]]  # points (2, ...) -> unit normals and tangents
+Directions = Callable[
+    [Floats], tuple[Floats, Floats]
+]  # points (2, ...) -> unit normals and tangents
 
 
 @dataclass(frozen=True)
 class ContactLine:
     """The lining's friction surface in the shoe's frame, nodes sorted by angle.
 
-    `nodes` (n,): numbers in the mesh; `xy` (2, n) [m]; `phi` (n,) [rad]; `pieces` (order + 1, m): positions
-    in `nodes` of the nodes of each edge, by growing angle; `edge` [rad]: the zone at its ends that makes no peak.
+    `nodes` (n,): numbers in the mesh; `xy` (2, n) [m]; `phi` (n,) [rad]; `pieces` (order + 1, m):
+    positions in `nodes` of the nodes of each edge, by growing angle; `edge` [rad]: the zone at its
+    ends that makes no peak.
     """
 
     nodes: Ints
@@ -53,7 +56,9 @@ class ContactLine:
         return Inside(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
-        """Angles (n,) [rad] and pressure (n,) [Pa] along the line; of a face its mean over the width."""
+        """Angles (n,) [rad] and pressure (n,) [Pa] along the line; of a face its mean over the
+        width.
+        """
         return self.phi, p
 
     def surface(self, p: Floats) -> Surface | None:
@@ -65,7 +70,8 @@ class ContactLine:
 class Coupling:
     """The matrices of the weak coupling: M (n, n), N and T (n, 2n), and the torque's lever (n,).
 
-    `lever` = b Int psi_i |x| ds [m^3]: torque = mu lever . p; on a plane without |x|: the braking force.
+    `lever` = b Int psi_i |x| ds [m^3]: torque = mu lever . p; on a plane without |x|: the braking
+    force.
     """
 
     M: Floats
@@ -85,13 +91,16 @@ def edge_nodes(basis: Any, facets: Ints) -> Ints:
     return np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])
 
 
-def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> tuple[Floats, Floats, Floats]:
-    """Gauss points on edges with the nodes xy (2, order + 1, m): shape functions, points (2, m, q), ds (m, q).
+def edge_points(
+    xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS
+) -> tuple[Floats, Floats, Floats]:
+    """Gauss points on edges with the nodes xy (2, order + 1, m): shape functions, points (2, m, q),
+    ds (m, q).
 
     `at`, `weights` (q,): another rule of quadrature on [-1, 1].
 
-    Integrated along the edges themselves: skfem's boundary bases invert the map of the element with an absolute
-    tolerance, which small and slender elements do not meet.
+    Integrated along the edges themselves: skfem's boundary bases invert the map of the element with
+    an absolute tolerance, which small and slender elements do not meet.
     """
     order = xy.shape[1] - 1
     psi, slope = at_gauss(order) if at is GAUSS else (shape(order, at), slopes(order, at))
@@ -100,9 +109,11 @@ def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> tu
 
 
 def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
-    """Nodal forces (2 nodes, 3) of unit force x, unit force y and unit couple on the loaded end, and its centre.
+    """Nodal forces (2 nodes, 3) of unit force x, unit force y and unit couple on the loaded end,
+    and its centre.
 
-    The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows linearly from it.
+    The force is spread evenly; the couple, about the centre (2,) [m], as a traction that grows
+    linearly from it.
     """
     nodes = edge_nodes(basis, facets)
     psi, x, ds = edge_points(basis.doflocs[:, nodes])
@@ -116,7 +127,9 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     return loads.reshape(-1, 3), centre
 
 
-def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = None, edge: float = 0.0) -> ContactLine:
+def contact_line(
+    basis: Any, facets: Ints, middle: float, unit: float | None = None, edge: float = 0.0
+) -> ContactLine:
     """The contact line on the `facets` of a scalar basis; angles within 180 deg of `middle` [rad].
 
     unit [m]: on a plane, whose "angles" are x/unit; edge [rad]: see ContactLine.
@@ -131,7 +144,9 @@ def contact_line(basis: Any, facets: Ints, middle: float, unit: float | None = N
     place[nodes] = np.arange(len(nodes))
     pieces = place[dofs]
     pieces = np.where(phi[pieces[0]] < phi[pieces[-1]], pieces, pieces[::-1])
-    return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces[:, np.argsort(phi[pieces[0]])], edge=edge)
+    return ContactLine(
+        nodes, basis.doflocs[:, nodes], phi, pieces[:, np.argsort(phi[pieces[0]])], edge=edge
+    )
 
 
 def radial(sign: int) -> Directions:
@@ -151,12 +166,16 @@ def straight(x: Floats) -> tuple[Floats, Floats]:
 
 
 def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
-    """The coupling of a lining of this width b [m] with a counterface of known directions; see `radial`."""
+    """The coupling of a lining of this width b [m] with a counterface of known directions; see
+    `radial`.
+    """
     n, m = len(line.nodes), line.pieces.shape[1]
     psi, x, ds = edge_points(line.xy[:, line.pieces])
     r, weight = np.ones(ds.shape) if directions is straight else np.hypot(*x), width * ds
     factors = weight * np.concatenate([np.ones((1, *ds.shape)), *directions(x)])  # of M, N and T
-    blocks = (factors @ (psi[:, None] * psi).reshape(len(psi) ** 2, -1).T).reshape(len(factors), -1)  # (.., m a b)
+    blocks = (factors @ (psi[:, None] * psi).reshape(len(psi) ** 2, -1).T).reshape(
+        len(factors), -1
+    )  # (.., m a b)
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()
     M, *parts = (_summed(at, block, n * n).reshape(n, n) for block in blocks)
     N, T = (np.array(parts[k : k + 2]).transpose(1, 2, 0).reshape(n, 2 * n) for k in (0, 2))

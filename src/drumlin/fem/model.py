@@ -41,19 +41,24 @@ if TYPE_CHECKING:
 DOUBLE = float(np.finfo(float).eps)
 OVERLAP = 0.01  # of the lining's thickness, from which on it is said that a mesh lies in the drum
 PENALTY = 1e8
-"""Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-8 of the
-lining's own compression p t/E, and the pressure is off by about as much, in a contact that is short beside the
-lining's thickness by more; each response states by how much."""
+"""Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-8
+of the lining's own compression p t/E, and the pressure is off by about as much, in a contact that
+is short beside the lining's thickness by more; each response states by how much.
+"""
 LARGEST_IMBALANCE = 1e-8
-"""Imbalance of forces and moments, relative to the largest, above which condensed bodies have lost too
-many digits: they are refined. An answer that is out of balance by more although refined is refused."""
+"""Imbalance of forces and moments, relative to the largest, above which condensed bodies have lost
+too many digits: they are refined. An answer that is out of balance by more although refined is
+refused.
+"""
 LARGEST_LOSS = 1e-5
-"""Part of the pressure that may be lost to round-off before an answer is refined, and on a mesh, which
-states no error, after that: else it is refused. A mesh itself is off by a hundred times as much; columns
-state ten times what is left. A judgement, said by the refusal."""
+"""Part of the pressure that may be lost to round-off before an answer is refined, and on a mesh,
+which states no error, after that: else it is refused. A mesh itself is off by a hundred times as
+much; columns state ten times what is left. A judgement, said by the refusal.
+"""
 MOST_LOSS = 1e-3
-"""Part of the pressure that may be lost on columns that cannot be refined. Their stated error holds ten
-times the loss, 1 %; an answer that has lost more is refused. A judgement, said by the refusal."""
+"""Part of the pressure that may be lost on columns that cannot be refined. Their stated error holds
+ten times the loss, 1 %; an answer that has lost more is refused. A judgement, said by the refusal.
+"""
 MAX_REFINED = 240_000
 """Limit of time: unknowns of a group of shoes, times their degree squared, up to which columns are
 refined. It takes seconds; what the factors of larger systems fill grows with the square."""
@@ -62,12 +67,15 @@ TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
 REFINED = "refined in the whole system, condensed it loses digits"
 
 
-def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None) -> Response:
+def respond(
+    scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
+) -> Response:
     """The response of a brake on a prepared scene of the same geometry and stiffness.
 
-    penalty: factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact. start: a
-    response of a similar brake or on another mesh, whose contact is the first guess: it saves steps and does
-    not change the answer. Raises NoAnswer: self-locking, no equilibrium, not converged.
+    penalty: factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact.
+    start: a response of a similar brake or on another mesh, whose contact is the first guess: it
+    saves steps and does not change the answer. Raises NoAnswer: self-locking, no equilibrium, not
+    converged.
     """
     check_penalty(penalty)
     if brake is not scene.brake:
@@ -99,9 +107,13 @@ def respond(scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Resp
 def _check_same(scene: Scene, brake: Brake) -> None:
     """Raise BadInput for a brake whose bodies are not those of the scene."""
     if [shape_of(brake, shoe) for shoe in brake.shoes] != scene.shapes:
-        raise BadInput("the brake differs from the prepared scene in more than friction, rotation, load, clearance")
+        raise BadInput(
+            "the brake differs from the prepared scene in more than friction, rotation, load, clearance"
+        )
     if brake.friction > 0 and scene.brake.friction == 0:
-        raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
+        raise BadInput(
+            f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only"
+        )
     if brake.ring != scene.brake.ring:
         raise BadInput("the brake's drum.ring differs from that of the prepared scene")
 
@@ -134,15 +146,18 @@ def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
 
 
 def _grips(brake: Brake) -> Iterator[str]:
-    """How elastic bodies are held, in a line: a pin that stands off one is joined to it rigidly, which its pressure
-    feels."""
+    """How elastic bodies are held, in a line: a pin that stands off one is joined to it rigidly,
+    which its pressure feels.
+    """
     found: dict[str, list[str]] = {}
     for shoe in brake.shoes:
         if shoe.mesh is not None or not isinstance(shoe.body, Bar):
             continue
         grip = shoe.grip(brake.size)
         if grip is not None:
-            length = (grip[1] - grip[0]) * shoe.back(brake.size)  # a short back has less than is asked for
+            length = (grip[1] - grip[0]) * shoe.back(
+                brake.size
+            )  # a short back has less than is asked for
             said = f"its {shoe.held_by} grips {mm(round(length, 4))} of the back of its body"
         else:
             away = math.dist(shoe.end_face(brake.size), shoe.own_pin)
@@ -160,8 +175,14 @@ def _untouched(shoe: Shoe) -> _Answer:
 
 
 def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
-    """The answers of a group of shoes that meet the drum together, by the shoe's place in the brake."""
-    first = None if start is None else np.concatenate([_touching(group, k, start) for k in range(len(group.members))])
+    """The answers of a group of shoes that meet the drum together, by the shoe's place in the
+    brake.
+    """
+    first = (
+        None
+        if start is None
+        else np.concatenate([_touching(group, k, start) for k in range(len(group.members))])
+    )
     group, found = group.settled(first)
     size = group.unit_force
     answers, amounts, forces = {}, group.amounts(found), size * group.forces(found.p)
@@ -171,12 +192,16 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
         answers[i] = _answer(group, k, p, y, changes[:, part], found.steps, forces[k])
     if group.sharing is not None:
         if not _imbalance(answers) < LARGEST_IMBALANCE:
-            raise LostDigits(f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}")
+            raise LostDigits(
+                f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}"
+            )
         return answers
     solid = group.scene.model == "solid"  # whose whole system is not put together
     small = sum(body.unknowns * body.line.order**2 for body in group.bodies) <= MAX_REFINED
     lost = max(answer.response.lost.pressure for answer in answers.values())
-    refinable = not solid and (small or max(body.line.order for body in group.bodies) <= 2)  # else the factors fill
+    refinable = not solid and (
+        small or max(body.line.order for body in group.bodies) <= 2
+    )  # else the factors fill
     most = LARGEST_LOSS if solid or refinable else MOST_LOSS
     if lost < most and _imbalance(answers) < LARGEST_IMBALANCE:
         return answers
@@ -213,9 +238,11 @@ def _imbalance(answers: dict[int, _Answer]) -> float:
 
 
 def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Refined":
-    """The answer of a group of shoes to all digits: the whole system, refined from the contact set `active` (n,).
+    """The answer of a group of shoes to all digits: the whole system, refined from the contact set
+    `active` (n,).
 
-    order: of its elimination, by SuperLU's names. Raises NoAnswer where it is singular or does not settle.
+    order: of its elimination, by SuperLU's names. Raises NoAnswer where it is singular or does not
+    settle.
     """
     from drumlin.fem.refinement import refine, whole  # noqa: PLC0415  (with scipy.sparse; few brakes lose digits)
 
@@ -237,9 +264,11 @@ def _answer(
     *,
     refined: bool = False,
 ) -> _Answer:
-    """What shoe `k` of a group does under the pressure p (n,), its free motions y and its force [N], in its own frame.
+    """What shoe `k` of a group does under the pressure p (n,), its free motions y and its force
+    [N], in its own frame.
 
-    changes (2, n): see `_changes`; of a pressure that was `refined` the second is the last correction.
+    changes (2, n): see `_changes`; of a pressure that was `refined` the second is the last
+    correction.
     """
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
@@ -257,17 +286,25 @@ def _answer(
         # strains where the frame is held
         reaction = -np.append(whole[:2] + load[:2], whole[2] + moment - cross(pin, whole[:2]))
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
-    # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all others vanish.
+    # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all
+    # others vanish.
     moments = [float(whole[2]), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))]
     if shoe.guide is not None:
-        moments += [twist, *borne(force, brake.scale_factor * (shoe.lining.end - shoe.lining.start))]
+        moments += [
+            twist,
+            *borne(force, brake.scale_factor * (shoe.lining.end - shoe.lining.start)),
+        ]
     balance = relative_balance([whole[:2], reaction, load[:2]], moments)
     if shoe.held_by != "hinge":
         nodal, work = drag * (coupling.T.T @ p) - coupling.N.T @ p, abs(force) * motions.work
         acting = nodal[:, None] * motions.tested
-        left = np.abs(acting.sum(axis=0) + work) / np.maximum(np.abs(work), np.abs(acting).sum(axis=0))
+        left = np.abs(acting.sum(axis=0) + work) / np.maximum(
+            np.abs(work), np.abs(acting).sum(axis=0)
+        )
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
-    closed, rubbed = (float(work[:, 0] @ p) for work in group.closings[k])  # by its first motion, per unit
+    closed, rubbed = (
+        float(work[:, 0] @ p) for work in group.closings[k]
+    )  # by its first motion, per unit
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
     softer = float(coupling.lever @ changes[0]) / pressed if pressed else 0.0
@@ -308,26 +345,40 @@ def _answer(
 
 
 def _changes(group: ShoeGroup, found: Contact, amounts: Sequence[Floats]) -> Floats:
-    """To first order how the penalty changes the pressure (n,), and how what the elimination has lost does: (2, n).
+    """To first order how the penalty changes the pressure (n,), and how what the elimination has
+    lost does: (2, n).
 
-    What the compliance x = 1/alpha of the contact changes goes as x/(1 + x), and the tangent there as x/(1 + x)^2. Lost
-    digits move the contact as if it had strained under the motions of the frame.
+    What the compliance x = 1/alpha of the contact changes goes as x/(1 + x), and the tangent there
+    as x/(1 + x)^2. Lost digits move the contact as if it had strained under the motions of the
+    frame.
     """
     opened, strayed = [], []
     for k, (body, part) in enumerate(zip(group.bodies, group.parts, strict=True)):
-        opened.append((1 + 1 / group.penalty) * (body.coupling.M @ found.p[part]) / group.stiffnesses[k])
+        opened.append(
+            (1 + 1 / group.penalty) * (body.coupling.M @ found.p[part]) / group.stiffnesses[k]
+        )
         moved, frame = body.condensed.moved, group.motions[k].of @ amounts[k]
-        strayed.append(np.zeros(len(opened[k])) if moved is None else body.coupling.N @ (moved @ frame))
+        strayed.append(
+            np.zeros(len(opened[k])) if moved is None else body.coupling.N @ (moved @ frame)
+        )
     return np.array([found.tangent(np.concatenate(gaps)) for gaps in (opened, strayed)])
 
 
-def _changed(group: ShoeGroup, k: int, p: Floats, changes: Floats, held_size: float) -> list[Change]:
-    """What small changes (m, n) of the pressure p (n,) of shoe `k`, whose reaction is so large [N], do to it.
+def _changed(
+    group: ShoeGroup, k: int, p: Floats, changes: Floats, held_size: float
+) -> list[Change]:
+    """What small changes (m, n) of the pressure p (n,) of shoe `k`, whose reaction is so large [N],
+    do to it.
 
     The pressure counts outside EDGE_ZONE at the lining's ends, unless half of the force is there.
     """
     shoe, body = group.shoes[k], group.bodies[k]
-    (start, end), phi, area, lever = shoe.arc, body.line.phi, body.coupling.area, body.coupling.lever
+    (start, end), phi, area, lever = (
+        shoe.arc,
+        body.line.phi,
+        body.coupling.area,
+        body.coupling.lever,
+    )
     zone = singular_zone(end - start)
     weight = np.where((phi > start + zone) & (phi < end - zone), area, 0.0)
     if weight @ p < 0.5 * (area @ p):
@@ -335,7 +386,9 @@ def _changed(group: ShoeGroup, k: int, p: Floats, changes: Floats, held_size: fl
     held_by = held(body, changes.T, group.brake.drag_on(shoe), np.zeros((3, 1)))
     top = float(p[weight > 0].max(initial=0.0))
     highest = np.abs(changes[:, (weight > 0) & (p == top)]).max(axis=1, initial=0.0)
-    parts = np.array([np.sqrt(changes**2 @ weight), np.abs(changes @ lever), np.hypot(*held_by[:2]), highest]).T
+    parts = np.array(
+        [np.sqrt(changes**2 @ weight), np.abs(changes @ lever), np.hypot(*held_by[:2]), highest]
+    ).T
     wholes = [math.sqrt(weight @ p**2), float(lever @ p), held_size, top]
     return [Change(*row) for row in (parts / [whole or 1.0 for whole in wholes]).tolist()]
 

@@ -12,9 +12,11 @@ from drumlin.fem.assembly import Body
 
 
 class Motions(NamedTuple):
-    """The free motions of a shoe, of a unit each, in its own frame: contact displacements `moved` (2n, k), those that
-    its equilibria are tested on, `tested` (2n, k), and the `work` (k,) of the actuation on these per newton. `tip`
-    (k,): how far the actuation's point goes along its force; `of` (3, k): dx, dy at its pin and turn."""
+    """The free motions of a shoe, of a unit each, in its own frame: contact displacements `moved`
+    (2n, k), those that its equilibria are tested on, `tested` (2n, k), and the `work` (k,) of the
+    actuation on these per newton. `tip` (k,): how far the actuation's point goes along its force;
+    `of` (3, k): dx, dy at its pin and turn.
+    """
 
     moved: Floats
     tested: Floats
@@ -24,7 +26,9 @@ class Motions(NamedTuple):
 
 
 def at_pin(shoe: Shoe, motions: Floats) -> Floats:
-    """Rigid motions (k, 3) of the brake's frame in the shoe's own, (3, k): dx, dy of its pin and turn."""
+    """Rigid motions (k, 3) of the brake's frame in the shoe's own, (3, k): dx, dy of its pin and
+    turn.
+    """
     u = shoe.frame.to_shoe(np.moveaxis(moved(motions, shoe.pin.xy[:, None]), 0, -1))[0]  # (k, 2)
     return np.vstack([u.T, shoe.frame.sense * motions[:, 2]])
 
@@ -32,7 +36,8 @@ def at_pin(shoe: Shoe, motions: Floats) -> Floats:
 def motions_of(body: Body, shoe: Shoe, moment: float, sense: int = 1) -> Motions:
     """The free motions of a shoe.
 
-    moment: of its actuation about its pin [m], per newton; sense: of an abutment's friction, see `Held.freedoms`.
+    moment: of its actuation about its pin [m], per newton; sense: of an abutment's friction, see
+    `Held.freedoms`.
     """
     if shoe.held_by == "hinge":
         return _turn(body, moment)

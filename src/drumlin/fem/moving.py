@@ -63,7 +63,11 @@ def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
     radius = scene.brake.size
     if shoe.mesh is not None:
         moving = shoe.mesh_frame == "shoe" and key == (
-            "actuation.point" if shoe.guide is not None else "hinge" if shoe.hinge is not None else "abutment.point"
+            "actuation.point"
+            if shoe.guide is not None
+            else "hinge"
+            if shoe.hinge is not None
+            else "abutment.point"
         )
     else:
         beam = isinstance(shoe.body, Beam) and key in BEAM_POINTS
@@ -81,8 +85,12 @@ def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
             if there.xy.shape == here.xy.shape and np.abs(there.xy - here.xy).max() < FARTHEST * h:
                 sides.append(BodyNodes(*((a - b) / step for a, b in zip(there, here, strict=True))))
         if not sides:
-            raise NoAnswer(f"shoe {shoe.name!r}: no slope along its {key}, there its division into elements changes")
-        nodes, load = (shoe.frame.to_shoe(np.mean(part, axis=0).T) for part in zip(*sides, strict=True))
+            raise NoAnswer(
+                f"shoe {shoe.name!r}: no slope along its {key}, there its division into elements changes"
+            )
+        nodes, load = (
+            shoe.frame.to_shoe(np.mean(part, axis=0).T) for part in zip(*sides, strict=True)
+        )
         line = nodes[scene.bodies[i].line.nodes].T
         found.append(Moves(nodes.ravel(), line, load.ravel(), _axis_turn(shoe, key, way)))
     return found
@@ -100,7 +108,9 @@ def _axis_turn(shoe: Shoe, key: str, way: Floats) -> float:
     if not isinstance(shoe.body, Beam):
         return 0.0
     beam = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
-    sideways = shoe.frame.sense * float(beam.along[0] * way[1] - beam.along[1] * way[0]) / beam.length
+    sideways = (
+        shoe.frame.sense * float(beam.along[0] * way[1] - beam.along[1] * way[0]) / beam.length
+    )
     return {"hinge": -sideways, "actuation.point": sideways}.get(key, 0.0)
 
 
@@ -116,7 +126,9 @@ def _with_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
     for part in ("actuation", "abutment"):
         if key == f"{part}.point":
             whole = getattr(shoe, part)
-            return shoe.model_copy(update={part: whole.model_copy(update={"point": _moved(whole.point, step)})})
+            return shoe.model_copy(
+                update={part: whole.model_copy(update={"point": _moved(whole.point, step)})}
+            )
     return shoe.model_copy(update={key: _moved(getattr(shoe, key), step)})
 
 
@@ -125,7 +137,9 @@ def _moved(point: Point, step: Floats) -> Point:
     return Point(x=x, y=y)
 
 
-def lines_at(body: Body, shoe: Shoe, radius: float, moves: Moves) -> Iterator[tuple[float, ContactLine]]:
+def lines_at(
+    body: Body, shoe: Shoe, radius: float, moves: Moves
+) -> Iterator[tuple[float, ContactLine]]:
     """The contact line a step ahead and a step behind, with the step [m]."""
     line = body.line
     for step in (STEP * radius, -STEP * radius):

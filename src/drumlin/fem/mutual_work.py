@@ -10,7 +10,8 @@ and what the layer is stiffer in directions of its own (fem.elasticity).
 Nodes that move by s V, with the displacements of the nodes kept, change the gradients by -s H (grad
 V) and areas by s div V, so that at s = 0
 
-    d/ds v^T K u = b Int sigma(u) : H_v div V - sigma(u) : (H_v grad V) - sigma(v) : (H_u grad V) dA.
+    d/ds v^T K u = b Int sigma(u) : H_v div V - sigma(u) : (H_v grad V) - sigma(v) : (H_u grad V)
+    dA.
 
 Directions of a layer change as well. Around the drum's centre they turn by t . V/r, those of a
 straight beam turn with its axis. By a turn phi the stretch along the layer grows by phi gamma and
@@ -73,20 +74,30 @@ class _Directions(NamedTuple):
         return np.asarray(np.where(self.straight[elements, None], axis, around))
 
 
-def work_by_part(basis: Any, layers: Mapping[str, ElasticLayer], u: Floats, v: Floats) -> dict[str, float]:
+def work_by_part(
+    basis: Any, layers: Mapping[str, ElasticLayer], u: Floats, v: Floats
+) -> dict[str, float]:
     """v^T K u [N m] of the displacements u and v (2 nodes,) [m], of each part of a body; layers:
     those of the parts."""
     constants, directions = _constants(basis, layers), _directions(basis, layers)
     work = np.zeros(len(constants))
     for sample in _samples(basis):
         along = None if directions is None else directions.along[sample.elements]
-        stress, strain = _stress(sample.gradient(u), constants[sample.elements], along), sample.gradient(v)
+        stress, strain = (
+            _stress(sample.gradient(u), constants[sample.elements], along),
+            sample.gradient(v),
+        )
         work[sample.elements] = np.einsum("eqcd,eqcd,eq->e", stress, strain, sample.area)
     return {name: float(work[elements].sum()) for name, elements in _mesh(basis).subdomains.items()}
 
 
 def change_by_nodes(
-    basis: Any, layers: Mapping[str, ElasticLayer], u: Floats, v: Floats, moves: Floats, axes: Sequence[float]
+    basis: Any,
+    layers: Mapping[str, ElasticLayer],
+    u: Floats,
+    v: Floats,
+    moves: Floats,
+    axes: Sequence[float],
 ) -> Floats:
     """d/ds v^T K u [N] as the nodes of a body move, (k,).
 
@@ -107,10 +118,14 @@ def change_by_nodes(
         pressed, tested = _stress(of_u, own, along), _stress(of_v, own, along)
         by_turn = None if along is None else _work_by_turn(of_u, of_v, own, along)
         work = np.einsum("eqcd,eqcd->eq", pressed, of_v)
-        bent = np.einsum("eqcj,eqcd->eqdj", pressed, of_v) + np.einsum("eqcj,eqcd->eqdj", tested, of_u)
+        bent = np.einsum("eqcj,eqcd->eqdj", pressed, of_v) + np.einsum(
+            "eqcj,eqcd->eqdj", tested, of_u
+        )
         for k, move in enumerate(moves):
             moved = sample.gradient(move)
-            wider = work * np.trace(moved, axis1=2, axis2=3) - np.einsum("eqdj,eqdj->eq", bent, moved)
+            wider = work * np.trace(moved, axis1=2, axis2=3) - np.einsum(
+                "eqdj,eqdj->eq", bent, moved
+            )
             if directions is not None and by_turn is not None:
                 wider += by_turn * directions.turn(sample.elements, sample.value(move), axes[k])
             found[k] += float((wider * sample.area).sum())
@@ -124,7 +139,9 @@ def _stress(H: Floats, constants: Floats, along: Floats | None) -> Floats:
     layers are isotropic.
     """
     lam, mu, a, b = constants.T[:, :, None, None, None]
-    found = lam * np.trace(H, axis1=2, axis2=3)[..., None, None] * np.eye(2) + mu * (H + H.swapaxes(2, 3))
+    found = lam * np.trace(H, axis1=2, axis2=3)[..., None, None] * np.eye(2) + mu * (
+        H + H.swapaxes(2, 3)
+    )
     if along is not None:
         for stiffer, d in ((a, along), (b, _through(along))):
             stretch = np.einsum("eqc,eqcd,eqd->eq", d, H, d)[..., None, None]
@@ -196,7 +213,15 @@ def _samples(basis: Any) -> Iterator[_Sample]:
         for first in range(0, count, CHUNK):
             own = slice(first, first + CHUNK)
             slopes, area = gradients(basis.element_nodes[own], basis.degree)
-            yield _Sample(np.arange(count)[own], basis.ordered_dofs[own], slopes, element(basis.degree).values, area)
+            yield _Sample(
+                np.arange(count)[own],
+                basis.ordered_dofs[own],
+                slopes,
+                element(basis.degree).values,
+                area,
+            )
         return
     slopes = np.array([psi[0].grad for psi in basis.basis]).transpose(2, 1, 0, 3)
-    yield _Sample(np.arange(basis.mesh.nelements), basis.element_dofs.T, slopes, values_of(basis), basis.dx)
+    yield _Sample(
+        np.arange(basis.mesh.nelements), basis.element_dofs.T, slopes, values_of(basis), basis.dx
+    )

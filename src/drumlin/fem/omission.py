@@ -1,7 +1,9 @@
-"""What can be left out of a brake, and how much that changes: predicted beforehand on a sketch of the brake.
+"""What can be left out of a brake, and how much that changes: predicted beforehand on a sketch of
+the brake.
 
-A solve leaves none of it out: on columns of high degree the whole brake takes no longer than to find out what may be.
-The prediction is the difference between two sketches (reduced.py), one of the brake and one of what is left of it.
+A solve leaves none of it out: on columns of high degree the whole brake takes no longer than to
+find out what may be. The prediction is the difference between two sketches (reduced.py), one of the
+brake and one of what is left of it.
 To first order it is the pressure's answer to the gap  F p  that the omitted flexibility F opened under it, so that
 it goes as the ratio of stiffnesses; but contact may also open or close, and nothing is calibrated.
 """
@@ -70,15 +72,19 @@ OMISSIONS = {
         ),
     )
 }
-"""What changes the answer when it is left out. A post's beam and block stay: the one ends where the other begins."""
+"""What changes the answer when it is left out. A post's beam and block stay: the one ends where the
+other begins.
+"""
 
 
 class Change(NamedTuple):
-    """Relative changes that an omission makes: torque of the brake, p (L2 outside the edge zones, worst shoe).
+    """Relative changes that an omission makes: torque of the brake, p (L2 outside the edge zones,
+    worst shoe).
 
-    `shoes`: the changes of the shoes' torques, all counted with one sign, relative to the torque of the brake: a bound
-    on its own change, in which they cancel in part; `reaction`: of the hinge reactions, the worst; `peak`
-    and `each`: of the peak pressures and of the shoes' own torques, the worst.
+    `shoes`: the changes of the shoes' torques, all counted with one sign, relative to the torque of
+    the brake: a bound on its own change, in which they cancel in part; `reaction`: of the hinge
+    reactions, the worst; `peak` and `each`: of the peak pressures and of the shoes' own torques,
+    the worst.
     """
 
     torque: float
@@ -98,7 +104,10 @@ def change(simple: Response, whole: Response) -> Change:
         abs(sum(off)) / size,
         max(_pressure(a, b) for a, b in pairs),
         sum(map(abs, off)) / size,
-        max(_length(a.hinge_reaction - b.hinge_reaction) / (_length(b.hinge_reaction) or 1.0) for a, b in pairs),
+        max(
+            _length(a.hinge_reaction - b.hinge_reaction) / (_length(b.hinge_reaction) or 1.0)
+            for a, b in pairs
+        ),
         max(abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0) for a, b in pairs),
         max(abs(a.torque - b.torque) / (b.torque or 1.0) for a, b in pairs),
     )
@@ -128,8 +137,11 @@ def simplified(brake: Brake, names: Iterable[str]) -> Brake:
     return left.model_copy(update={"shoes": shoes})
 
 
-def scene_without(brake: Brake, names: Iterable[str], make: Make = assembly.prepare) -> tuple[Scene, Brake]:
-    """The scene that `make` makes of a brake without `names`, and what is left of the brake to `respond` for.
+def scene_without(
+    brake: Brake, names: Iterable[str], make: Make = assembly.prepare
+) -> tuple[Scene, Brake]:
+    """The scene that `make` makes of a brake without `names`, and what is left of the brake to
+    `respond` for.
 
     "curvature" depends on the mesh and so is the business of `make`: see `prepare_straight`.
     """
@@ -148,11 +160,21 @@ def _undragged(scene: Scene, brake: Brake) -> Scene:
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
             x, y = body.line.xy - shoe.own_pin[:, None]
-            rigid = np.stack([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]]).transpose(0, 2, 1).reshape(3, -1)
+            rigid = (
+                np.stack([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
+                .transpose(0, 2, 1)
+                .reshape(3, -1)
+            )
             held = -rigid @ body.coupling.T.T
-            made[id(body)] = replace(body, closing_dragged=np.zeros_like(body.closing_pressed), held_dragged=held)
-    ring = scene.ring and replace(scene.ring, dragged=tuple(np.zeros_like(d) for d in scene.ring.dragged))
-    return replace(scene, brake=brake, bodies=tuple(made[id(body)] for body in scene.bodies), ring=ring)
+            made[id(body)] = replace(
+                body, closing_dragged=np.zeros_like(body.closing_pressed), held_dragged=held
+            )
+    ring = scene.ring and replace(
+        scene.ring, dragged=tuple(np.zeros_like(d) for d in scene.ring.dragged)
+    )
+    return replace(
+        scene, brake=brake, bodies=tuple(made[id(body)] for body in scene.bodies), ring=ring
+    )
 
 
 def prepare_straight(brake: Brake, *, elements: int) -> Scene:
@@ -162,18 +184,22 @@ def prepare_straight(brake: Brake, *, elements: int) -> Scene:
 
     def mesher(shoe: Shoe, radius: float) -> Any:
         mesh = shoe_mesh(shoe, radius, elements)
-        corners = skfem.MeshQuad(np.ascontiguousarray(mesh.p[:, : mesh.nvertices]), mesh.t, validate=False)
+        corners = skfem.MeshQuad(
+            np.ascontiguousarray(mesh.p[:, : mesh.nvertices]), mesh.t, validate=False
+        )
         straight = skfem.MeshQuad2.from_mesh(corners)
         return replace(straight, _subdomains=mesh.subdomains, _boundaries=mesh.boundaries)
 
     return assembly.prepare(brake, elements=elements, mesher=mesher)
 
 
-def predict(brake: Brake, names: Sequence[str], respond: Respond, sketch: Make | None = None) -> Change:
+def predict(
+    brake: Brake, names: Sequence[str], respond: Respond, sketch: Make | None = None
+) -> Change:
     """What leaving `names` out of a brake changes, predicted on sketches in some milliseconds.
 
-    `sketch`: a sketcher that may have meshed the linings before. Raises NoAnswer where one of the two sketches has
-    no equilibrium: then nothing is predicted.
+    `sketch`: a sketcher that may have meshed the linings before. Raises NoAnswer where one of the
+    two sketches has no equilibrium: then nothing is predicted.
     """
     sketch = sketch or sketcher()
     whole = respond(sketch(brake), brake)

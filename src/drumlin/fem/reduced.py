@@ -1,16 +1,19 @@
-"""A brake sketched: its linings on coarse meshes, shoes and ring in closed form: a scene like any other.
+"""A brake sketched: its linings on coarse meshes, shoes and ring in closed form: a scene like any
+other.
 
-What is behind the lining only adds flexibility to its contact nodes. Where a part is left out, the change of such a
-sketch says beforehand what that does to the brake: see omission.py.
+What is behind the lining only adds flexibility to its contact nodes. Where a part is left out, the
+change of such a sketch says beforehand what that does to the brake: see omission.py.
 
-Shoe: a bar that carries, beyond each of its sections, the contact's forces and the actuation (Timoshenko: Strength of
-Materials II). With bending moment m, normal force n and shear force v of unit loads the flexibility is
+Shoe: a bar that carries, beyond each of its sections, the contact's forces and the actuation
+(Timoshenko: Strength of Materials II). With bending moment m, normal force n and shear force v of
+unit loads the flexibility is
 
     F_ij = Int (m_i m_j/EI + n_i n_j/EA + kappa v_i v_j/GA) ds.
 
-Ring: plane stress in Fourier series around the drum, u_r = U(r) cos k theta, u_theta = V(r) sin k theta, polynomials
-of degree DEGREE through its thickness: exact for both supports, thick and thin (DEGREE is not seen in any digit that
-is used). Waves much shorter than the thickness meet a half-plane (Johnson, Contact Mechanics, section 13.2): to 1 %.
+Ring: plane stress in Fourier series around the drum, u_r = U(r) cos k theta, u_theta = V(r) sin k
+theta, polynomials of degree DEGREE through its thickness: exact for both supports, thick and thin
+(DEGREE is not seen in any digit that is used). Waves much shorter than the thickness meet a
+half-plane (Johnson, Contact Mechanics, section 13.2): to 1 %.
 """
 
 import math
@@ -35,24 +38,32 @@ from drumlin.fem.ring import RingBody
 ELEMENTS = 24
 """Default number along a lining of a sketch, whose change is to be within a factor of two."""
 SECTIONS = 4 * ELEMENTS
-"""Sections of a shoe: some a contact element, as the shoe is longer than its lining. Half of them is not
-noticed by any test of the predictions."""
+"""Sections of a shoe: some a contact element, as the shoe is longer than its lining. Half of them
+is not noticed by any test of the predictions.
+"""
 WAVES = 8
-"""Waves of the ring on the shortest contact: a pressure that rises and falls has few that are shorter."""
+"""Waves of the ring on the shortest contact: a pressure that rises and falls has few that are
+shorter.
+"""
 MODES = 3 * ELEMENTS
-"""Least number of modes of the ring: as many as the nodes of a lining resolve over a third of the drum."""
+"""Least number of modes of the ring: as many as the nodes of a lining resolve over a third of the
+drum.
+"""
 MOST_MODES = 4000
 DEGREE = 6
-"""Degree of a ring's displacement through its thickness: it is not seen in any digit that is used."""
+"""Degree of a ring's displacement through its thickness: it is not seen in any digit that is used.
+"""
 SHORT = 7.0
-"""Radians of a wave through the ring's thickness from which on the wave meets a half-plane, to 1 %."""
+"""Radians of a wave through the ring's thickness from which on the wave meets a half-plane, to 1 %.
+"""
 STIFF = 1e5
 """Factor by which a sketched straight beam is meshed stiffer than it is: rigid, but for 1e-5."""
 SHEAR = 6 / 5  # kappa of a rectangular section
 
 
 def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], assembly.Scene]:
-    """A function that makes the sketch of a brake, a scene to `respond` on; it meshes equal linings once.
+    """A function that makes the sketch of a brake, a scene to `respond` on; it meshes equal linings
+    once.
 
     It raises BadInput for what finite elements do not cover.
     """
@@ -65,15 +76,19 @@ def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], assembly.Scene]:
         bare = _rigid(brake)
         if bare not in meshed:
             meshed[bare] = assembly.prepare(bare, elements=elements, kind=DEFAULT_KIND)
-        return _with_closed_forms(meshed[bare], brake, min(end - start for start, end in (s.arc for s in brake.shoes)))
+        return _with_closed_forms(
+            meshed[bare], brake, min(end - start for start, end in (s.arc for s in brake.shoes))
+        )
 
     return sketch
 
 
 def _with_closed_forms(scene: assembly.Scene, brake: Brake, shortest: float) -> assembly.Scene:
-    """A scene of rigid shoes on a rigid drum with the flexibilities added that `brake` has and its own has not.
+    """A scene of rigid shoes on a rigid drum with the flexibilities added that `brake` has and its
+    own has not.
 
-    shortest [rad]: contact that the ring's waves are to resolve. Raises NoAnswer where that takes too many.
+    shortest [rad]: contact that the ring's waves are to resolve. Raises NoAnswer where that takes
+    too many.
     """
     made: dict[tuple[object, ...], assembly.Body] = {}
     bodies = []
@@ -92,18 +107,26 @@ def _with_closed_forms(scene: assembly.Scene, brake: Brake, shortest: float) -> 
 
 
 def _rigid(brake: Brake) -> Brake:
-    """The brake without ring and with rigid shoes; a straight beam stays, as the end of its block, and is stiff."""
+    """The brake without ring and with rigid shoes; a straight beam stays, as the end of its block,
+    and is stiff.
+    """
 
     def rigid(shoe: Shoe) -> Shoe:
         if not isinstance(shoe.body, Beam):
             return shoe.model_copy(update={"body": None}) if shoe.mesh is None else shoe
         section = shoe.body.section
         assert section is not None  # why_not
-        stiff = section.material.model_copy(update={key: STIFF * E for key, E in section.material.moduli.items()})
-        body = shoe.body.model_copy(update={"width": section.width, "material": stiff, "bending_stiffness": None})
+        stiff = section.material.model_copy(
+            update={key: STIFF * E for key, E in section.material.moduli.items()}
+        )
+        body = shoe.body.model_copy(
+            update={"width": section.width, "material": stiff, "bending_stiffness": None}
+        )
         return shoe.model_copy(update={"body": body})
 
-    return brake.without_ring().model_copy(update={"shoes": tuple(rigid(shoe) for shoe in brake.shoes)})
+    return brake.without_ring().model_copy(
+        update={"shoes": tuple(rigid(shoe) for shoe in brake.shoes)}
+    )
 
 
 def _flexible(body: assembly.Body, shoe: Shoe, radius: float) -> assembly.Body:
@@ -117,16 +140,19 @@ def _flexible(body: assembly.Body, shoe: Shoe, radius: float) -> assembly.Body:
     return replace(
         body,
         closing_pressed=body.closing_pressed - pressed.T @ pressed,
-        closing_dragged=None if body.closing_dragged is None else body.closing_dragged - pressed.T @ dragged,
+        closing_dragged=None
+        if body.closing_dragged is None
+        else body.closing_dragged - pressed.T @ dragged,
         closing_loaded=body.closing_loaded - pressed.T @ loaded,
     )
 
 
 class _Bar(NamedTuple):
-    """A shoe's axis in its own frame: section points `at` (m, 2) [m] and unit `tangent` (m, 2) away from the hinge.
+    """A shoe's axis in its own frame: section points `at` (m, 2) [m] and unit `tangent` (m, 2) away
+    from the hinge.
 
-    `along` (m,): the place of a section, and `place(xy)` of a contact point, on the way from the hinge; `bending`,
-    `stretching`, `shearing` (m,): roots of ds/EI, ds/EA and kappa ds/GA.
+    `along` (m,): the place of a section, and `place(xy)` of a contact point, on the way from the
+    hinge; `bending`, `stretching`, `shearing` (m,): roots of ds/EI, ds/EA and kappa ds/GA.
     """
 
     at: Floats
@@ -152,7 +178,10 @@ class _Bar(NamedTuple):
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
         parts = [(moment, self.bending), (normal, self.stretching), (shear, self.shearing)]
         return np.concatenate(
-            [(part * (beyond * root[:, None])[..., None]).reshape(len(root), -1) for part, root in parts]
+            [
+                (part * (beyond * root[:, None])[..., None]).reshape(len(root), -1)
+                for part, root in parts
+            ]
         )
 
 
@@ -216,7 +245,9 @@ def _ring(brake: Brake, ring: Ring, bodies: tuple[assembly.Body, ...], count: in
 
 
 def _waves(body: assembly.Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
-    """b Int psi_i cos k theta ds and that with sin, of the brake's angle theta: two arrays (modes, n) [m^2]."""
+    """b Int psi_i cos k theta ds and that with sin, of the brake's angle theta: two arrays (modes,
+    n) [m^2].
+    """
     line = body.line
     psi, x, ds = edge_points(line.xy[:, line.pieces])
     wave = np.exp(1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of(x, 1.0)))
@@ -227,11 +258,11 @@ def _waves(body: assembly.Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
 
 
 def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Floats, Floats]:
-    """Radial displacement [m] of the friction surface per Pa of its traction, for the modes k (m,), growing: two arrays
-    (m,).
+    """Radial displacement [m] of the friction surface per Pa of its traction, for the modes k (m,),
+    growing: two arrays (m,).
 
-    Of the traction cos k theta along the radius, and of sin k theta around the drum. The mean motion of a free rim
-    is zero and the force that it takes is spread over it as a rigid motion.
+    Of the traction cos k theta along the radius, and of sin k theta around the drum. The mean
+    motion of a free rim is zero and the force that it takes is spread over it as a rigid motion.
     """
     section = ring.section
     assert section is not None  # why_not
@@ -246,7 +277,9 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
     V = np.linalg.inv(np.polynomial.legendre.legvander(x, DEGREE))
     xi, w = np.polynomial.legendre.leggauss(DEGREE + 2)
     psi = np.polynomial.legendre.legvander(xi, DEGREE) @ V
-    derivative = np.array([np.polynomial.legendre.legval(xi, np.polynomial.legendre.legder(c)) for c in V.T]).T
+    derivative = np.array(
+        [np.polynomial.legendre.legval(xi, np.polynomial.legendre.legder(c)) for c in V.T]
+    ).T
     half = sign * section.thickness / 2
     r = radius + half * (1 + xi)
     d, over = derivative / half, psi / r[:, None]

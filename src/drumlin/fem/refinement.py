@@ -1,18 +1,21 @@
 """The whole brake as one sparse system, solved by another elimination and refined in long double.
 
-What condensation leaves out stays in: all displacements of the shoes (and of the ring), the free motions y, the
-pressures p on the contact set, together. A shoe moves by u = v + r y: v with its frame held, r its free motions, which
-strain nothing, so that K r = 0 never meets the round-off of K. Per newton of the largest force:
+What condensation leaves out stays in: all displacements of the shoes (and of the ring), the free
+motions y, the pressures p on the contact set, together. A shoe moves by u = v + r y: v with its
+frame held, r its free motions, which strain nothing, so that K r = 0 never meets the round-off of
+K. Per newton of the largest force:
 
     K v + (N - drag T)^T p = f,    r^T (N - drag T)^T p = moment,
     M (g + p/eps) - N v - N r y + N_ring u_ring = 0  on the contact set
 
-The stiffness is assembled in long double; LU factors of the rounded system (SuperLU, pivoted, in an order of its own)
-are the preconditioner of an iterative refinement whose residuals are long double, too (Wilkinson; Higham, Accuracy and
-Stability of Numerical Algorithms, ch. 12). Where it converges the answer is that of the discrete brake to all digits
-of double precision, so that it tells how many digits another answer has: by different arithmetic in another order.
+The stiffness is assembled in long double; LU factors of the rounded system (SuperLU, pivoted, in an
+order of its own) are the preconditioner of an iterative refinement whose residuals are long double,
+too (Wilkinson; Higham, Accuracy and Stability of Numerical Algorithms, ch. 12). Where it converges
+the answer is that of the discrete brake to all digits of double precision, so that it tells how
+many digits another answer has: by different arithmetic in another order.
 
-The torque's own condition is that of the linear functional T = l . x of a system A x = b under changes of each
+The torque's own condition is that of the linear functional T = l . x of a system A x = b under
+changes of each
 entry by a fraction of it (Skeel; Higham, ch. 7):  |z|^T (|A| |x| + |b|) / |T|  with  A^T z = l.
 """
 
@@ -46,10 +49,11 @@ MOST_SETS = 40  # contact sets tried from the one that is given
 class Refined(NamedTuple):
     """Solution of the whole system for a group of shoes, per newton of their largest force.
 
-    `p`: pressures (n_i,) of each shoe; `motions` (k_i,); `torque` [m]: of all shoes. `gap` (n,): weighted gaps of all
-    nodes over the largest term in them. `last`: the last correction of the pressures (n_i,), `correction` the largest
-    part of it, relative to the largest pressure; `corrections` their number; `sets`: contact sets tried. `condition`:
-    the torque's own, relative to each entry of the assembled system.
+    `p`: pressures (n_i,) of each shoe; `motions` (k_i,); `torque` [m]: of all shoes. `gap` (n,):
+    weighted gaps of all nodes over the largest term in them. `last`: the last correction of the
+    pressures (n_i,), `correction` the largest part of it, relative to the largest pressure;
+    `corrections` their number; `sets`: contact sets tried. `condition`: the torque's own, relative
+    to each entry of the assembled system.
     """
 
     p: tuple[Floats, ...]
@@ -65,10 +69,11 @@ class Refined(NamedTuple):
 
 @dataclass(frozen=True)
 class Whole:
-    """The system of a group of shoes: `matrix` and `right` in long double, rows of the pressures last.
+    """The system of a group of shoes: `matrix` and `right` in long double, rows of the pressures
+    last.
 
-    `pressures`: place of each shoe's pressures; `motions`: places of its free motions; `lever` (unknowns,): torque =
-    lever . x; `scale` (unknowns,): of the unknowns, and of the rows.
+    `pressures`: place of each shoe's pressures; `motions`: places of its free motions; `lever`
+    (unknowns,): torque = lever . x; `scale` (unknowns,): of the unknowns, and of the rows.
     """
 
     matrix: Any
@@ -87,18 +92,23 @@ class Whole:
 def whole(group: ShoeGroup, *, carried: bool = True) -> Whole:
     """Assemble the whole system of a group of shoes, all nodes in contact.
 
-    carried: displacements are counted from where the turns carry the shoes; otherwise from where they were, which
-    keeps more digits where the drum holds the lining and a soft shoe turns behind it.
+    carried: displacements are counted from where the turns carry the shoes; otherwise from where
+    they were, which keeps more digits where the drum holds the lining and a soft shoe turns behind
+    it.
     """
     scene, brake, size, members = group.scene, group.brake, group.unit_force, group.members
-    sections = [_shoe_block(scene, brake, i, size, group.motions[k], carried) for k, i in enumerate(members)]
+    sections = [
+        _shoe_block(scene, brake, i, size, group.motions[k], carried) for k, i in enumerate(members)
+    ]
     ring = _ring_block(scene, brake) if scene.ring is not None else None
     blocks = [part.K for part in sections] + ([ring.K] if ring else [])
     starts = np.cumsum([0, *(block.shape[0] for block in blocks)])
     counts = [len(gap) for gap in group.gaps]
     firsts = np.cumsum([starts[-1], *counts])
     total = int(firsts[-1])
-    rows: list[list[Any]] = [[None] * (len(blocks) + len(members)) for _ in range(len(blocks) + len(members))]
+    rows: list[list[Any]] = [
+        [None] * (len(blocks) + len(members)) for _ in range(len(blocks) + len(members))
+    ]
     right = np.zeros(total, dtype=LONG)
     lever = np.zeros(total)
     for k, block in enumerate(blocks):
@@ -113,7 +123,9 @@ def whole(group: ShoeGroup, *, carried: bool = True) -> Whole:
             drag = brake.drag
             rows[-len(members) - 1][at], rows[at][-len(members) - 1] = -(N - drag * T).T, N
         right[starts[k] : starts[k + 1]] = part.load
-        right[firsts[k] : firsts[k + 1]] = -(coupling.M.astype(LONG) @ (group.gaps[k].astype(LONG) / size))
+        right[firsts[k] : firsts[k + 1]] = -(
+            coupling.M.astype(LONG) @ (group.gaps[k].astype(LONG) / size)
+        )
         lever[firsts[k] : firsts[k + 1]] = brake.friction * coupling.lever
     matrix = _joined(rows, [*(b.shape[0] for b in blocks), *counts])
     return Whole(
@@ -130,8 +142,9 @@ def whole(group: ShoeGroup, *, carried: bool = True) -> Whole:
 
 
 class _ShoeBlock(NamedTuple):
-    """One shoe: stiffness on (inner, contact, free motions), pressures -> its rows, displacements -> closing (n, .),
-    load. The free motions have no stiffness."""
+    """One shoe: stiffness on (inner, contact, free motions), pressures -> its rows, displacements
+    -> closing (n, .), load. The free motions have no stiffness.
+    """
 
     K: Any
     pushed: Any
@@ -139,7 +152,9 @@ class _ShoeBlock(NamedTuple):
     load: Any
 
 
-def _shoe_block(scene: Scene, brake: Brake, index: int, size: float, motions: Motions, carried: bool) -> _ShoeBlock:
+def _shoe_block(
+    scene: Scene, brake: Brake, index: int, size: float, motions: Motions, carried: bool
+) -> _ShoeBlock:
     body, shoe = scene.bodies[index], brake.shoes[index]
     ties = body.condensed.ties.matrix.astype(LONG)
     K = stiffness(body.basis, layers_of(shoe), precise=True)
@@ -167,7 +182,9 @@ def _shoe_block(scene: Scene, brake: Brake, index: int, size: float, motions: Mo
 
 
 class _RingBlock(NamedTuple):
-    """The ring: stiffness on its free unknowns, with the rim's forces where it is free; N and T of each shoe."""
+    """The ring: stiffness on its free unknowns, with the rim's forces where it is free; N and T of
+    each shoe.
+    """
 
     K: Any
     coupled: list[tuple[Any, Any]]
@@ -191,7 +208,10 @@ def _ring_block(scene: Scene, brake: Brake) -> _RingBlock:
     coupled = []
     for pair in ring.coupled:
         spread = [sp.coo_matrix(matrix.astype(LONG)) for matrix in pair]
-        N, T = (sp.csr_matrix((m.data, (m.row, dofs[m.col])), shape=(m.shape[0], K.shape[0])) for m in spread)
+        N, T = (
+            sp.csr_matrix((m.data, (m.row, dofs[m.col])), shape=(m.shape[0], K.shape[0]))
+            for m in spread
+        )
         coupled.append((N, T))
     return _RingBlock(K, coupled)
 
@@ -215,7 +235,8 @@ def _joined(blocks: list[list[Any]], sizes: list[int]) -> Any:
 
 
 def _scale(matrix: Any, first: int) -> Floats:
-    """Factors (unknowns,) that give the stiffness a unit diagonal, and rows of length one to what is coupled to it.
+    """Factors (unknowns,) that give the stiffness a unit diagonal, and rows of length one to what
+    is coupled to it.
 
     The latter are first the pressures, then the turns and the forces on the rim of a free ring.
     """
@@ -233,10 +254,11 @@ def _scale(matrix: Any, first: int) -> Floats:
 
 
 def refine(system: Whole, active: Bools, order: str = "COLAMD") -> Refined:
-    """Solve the system from the contact set `active` (nodes of all shoes,), which changes where it is wrong.
+    """Solve the system from the contact set `active` (nodes of all shoes,), which changes where it
+    is wrong.
 
-    order: of the elimination, by SuperLU's names. Raises NoAnswer for a singular system and where the contact set
-    does not settle; how well the refinement has settled is told by `correction`.
+    order: of the elimination, by SuperLU's names. Raises NoAnswer for a singular system and where
+    the contact set does not settle; how well the refinement has settled is told by `correction`.
     """
     first = system.first
     active = active.copy()
@@ -246,17 +268,22 @@ def refine(system: Whole, active: Bools, order: str = "COLAMD") -> Refined:
         x = solution.x
         p = x[first:]
         w = (system.matrix[first:] @ x - system.right[first:]).astype(float)
-        bound = (abs(system.matrix[first:]) @ np.abs(x) + np.abs(system.right[first:])).astype(float)
+        bound = (abs(system.matrix[first:]) @ np.abs(x) + np.abs(system.right[first:])).astype(
+            float
+        )
         change = np.where(active, p < -SLACK * np.abs(p).max(initial=0), w < -SLACK * bound)
         if not change.any():
             return _refined(system, on, solution, w / (bound.max(initial=0.0) or 1.0), sets)
         active ^= change
-    raise NoAnswer(f"not converged: the contact set still changes after {MOST_SETS} refined solutions")
+    raise NoAnswer(
+        f"not converged: the contact set still changes after {MOST_SETS} refined solutions"
+    )
 
 
 class _Solution(NamedTuple):
-    """x (unknowns,) in long double, its last correction, that of the pressures, relative, and how many there were, the
-    factors on the scaled unknowns."""
+    """x (unknowns,) in long double, its last correction, that of the pressures, relative, and how
+    many there were, the factors on the scaled unknowns.
+    """
 
     x: Any
     last: Any

@@ -1,14 +1,15 @@
 """The elastic drum ring: its mesh, its condensation, and how the linings of all shoes load it.
 
-The ring is met by the same pressures as the linings, on meshes that need not match: the pressure's shape
-functions psi_i of a lining and the ring's phi_j are integrated on the common refinement of both angle grids,
+The ring is met by the same pressures as the linings, on meshes that need not match: the pressure's
+shape functions psi_i of a lining and the ring's phi_j are integrated on the common refinement of
+both angle grids,
 
     N_i,jc = b Int psi_i phi_j n_c ds
     T_i,jc = b Int psi_i [phi_j e_c + (r - r_ring) (k x tau)_c d phi_j/ds_ring] ds
 
-with the lining's ds and radius r and the ring's tangent tau. Both arcs are only nearly round: where the drag acts
-at r, off the ring's own arc at r_ring, the bracket moves it by a couple that is exact for rigid motions. So forces
-and torques of both sides cancel to round-off.
+with the lining's ds and radius r and the ring's tangent tau. Both arcs are only nearly round: where
+the drag acts at r, off the ring's own arc at r_ring, the bracket moves it by a couple that is exact
+for rigid motions. So forces and torques of both sides cancel to round-off.
 """
 
 import math
@@ -31,10 +32,11 @@ from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 class RingBody:
     """The ring, condensed to its nodes under the linings, in the brake's frame.
 
-    `pressed[i]`, `dragged[i]` (m, n_i): for shoe i the half flexibilities under the nodal forces N^T and -T^T of
-    its pressure: the weighted gap of shoe i opens under the pressure of shoe j by
-    pressed[i]^T (pressed[j] + drag dragged[j]) p_j. `coupled[i]`: N and T (n_i, 2n) of shoe i. `support`: nodes of
-    the far edge. `free`: what makes a free ring determinate, None where that edge is fixed.
+    `pressed[i]`, `dragged[i]` (m, n_i): for shoe i the half flexibilities under the nodal forces
+    N^T and -T^T of its pressure: the weighted gap of shoe i opens under the pressure of shoe j by
+    pressed[i]^T (pressed[j] + drag dragged[j]) p_j. `coupled[i]`: N and T (n_i, 2n) of shoe i.
+    `support`: nodes of the far edge. `free`: what makes a free ring determinate, None where that
+    edge is fixed.
     """
 
     mesh: Any
@@ -48,8 +50,12 @@ class RingBody:
     free: "Free | None"
 
     def displacement(self, pressures: list[Floats], drag: float) -> Floats:
-        """Displacement of all nodes (2, nodes) [m] under the pressures (n_i,) [Pa] of the linings, drag = mu s."""
-        forces = sum(N.T @ p - drag * (T.T @ p) for (N, T), p in zip(self.coupled, pressures, strict=True))
+        """Displacement of all nodes (2, nodes) [m] under the pressures (n_i,) [Pa] of the linings,
+        drag = mu s.
+        """
+        forces = sum(
+            N.T @ p - drag * (T.T @ p) for (N, T), p in zip(self.coupled, pressures, strict=True)
+        )
         nodal = np.asarray(forces)
         frame = np.zeros(FRAME)
         if self.free is None:
@@ -65,7 +71,8 @@ class RingBody:
 def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
     """Quadratic quadrilateral mesh of the whole ring, away from the shoes; finer where linings end.
 
-    `elements`: number along each lining. Boundaries: "contact" (all of the friction surface), "support".
+    `elements`: number along each lining. Boundaries: "contact" (all of the friction surface),
+    "support".
     """
     sign = shoes[0].sign
     arcs = sorted((s.lining.start % (2 * math.pi), s.lining.end - s.lining.start, s) for s in shoes)
@@ -74,7 +81,10 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
     angles = np.unique(np.concatenate(parts) % (2 * math.pi))
     angles = angles[np.append(True, np.diff(angles) > 0.01 * step)] if len(arcs) > 1 else angles
     gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
-    filled = [a + g * np.arange(k := max(1, round(g / (1.5 * step)))) / k for a, g in zip(angles, gaps, strict=True)]
+    filled = [
+        a + g * np.arange(k := max(1, round(g / (1.5 * step)))) / k
+        for a, g in zip(angles, gaps, strict=True)
+    ]
     angles = np.concatenate(filled)
     depths = graded(0, ring.thickness, lining_layers(elements), ring.thickness / 2, EDGE_SIZE)
     return closed_mesh(angles, depths, radius, sign, "drum")
@@ -83,8 +93,8 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
 def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: str) -> Any:
     """Quadratic quadrilateral mesh of a closed ring from `radius` to radius + sign depth [m].
 
-    `angles` (m,) within one turn and `depths` from 0: the ends of the elements. Subdomain `name`; boundaries
-    "contact" at depth 0 and "support" at the other side.
+    `angles` (m,) within one turn and `depths` from 0: the ends of the elements. Subdomain `name`;
+    boundaries "contact" at depth 0 and "support" at the other side.
     """
     import skfem  # noqa: PLC0415  (meshes alone load it)
 
@@ -94,8 +104,12 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
     after = np.roll(corner, -1, axis=1)
     cells = np.array([corner[:-1], corner[1:], after[1:], after[:-1]]).reshape(4, -1)
     grid = skfem.MeshQuad(np.array([np.cos(theta), np.sin(theta)]), cells, validate=False)
-    direction = skfem.MeshQuad2.from_mesh(grid).doflocs  # of a midside node: that of its edge's middle
-    height = skfem.MeshQuad2.from_mesh(skfem.MeshQuad(np.array([depth, theta]), cells, validate=False)).doflocs[0]
+    direction = skfem.MeshQuad2.from_mesh(
+        grid
+    ).doflocs  # of a midside node: that of its edge's middle
+    height = skfem.MeshQuad2.from_mesh(
+        skfem.MeshQuad(np.array([depth, theta]), cells, validate=False)
+    ).doflocs[0]
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
     middle = depth[grid.facets].mean(axis=0)
     return skfem.MeshQuad2(
@@ -110,7 +124,9 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
 
 
 def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> RingBody:
-    """Mesh and condense the ring under the linings, given by their contact lines in the shoes' frames."""
+    """Mesh and condense the ring under the linings, given by their contact lines in the shoes'
+    frames.
+    """
     ring = brake.ring
     assert ring is not None and ring.section is not None  # scene.why_not
     section = ring.section
@@ -144,9 +160,16 @@ def coupled_ring(
     support: Ints,
     free: "Free | None",
 ) -> RingBody:
-    """A condensed ring, coupled with the linings, given by their contact lines in the shoes' frames."""
+    """A condensed ring, coupled with the linings, given by their contact lines in the shoes'
+    frames.
+    """
     coupled = tuple(
-        couple_ring(replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T), line, shoe.lining.width, shoe.sign)
+        couple_ring(
+            replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T),
+            line,
+            shoe.lining.width,
+            shoe.sign,
+        )
         for shoe, lining in zip(brake.shoes, linings, strict=True)
     )
     pressed = tuple(_half(condensed, N.T, free) for N, _ in coupled)
@@ -168,7 +191,9 @@ def _facets_under(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
     return facets[under]
 
 
-def couple_ring(lining: ContactLine, ring: ContactLine, width: float, sign: int) -> tuple[Floats, Floats]:
+def couple_ring(
+    lining: ContactLine, ring: ContactLine, width: float, sign: int
+) -> tuple[Floats, Floats]:
     """N and T (n, 2 n_ring) of a lining's pressure on the ring; n = sign e_r.
 
     Both lines in the brake's frame. Integrated on the common refinement of both angle grids.
@@ -176,7 +201,9 @@ def couple_ring(lining: ContactLine, ring: ContactLine, width: float, sign: int)
     order, xy = lining.order, lining.xy
     pieces_of_lining, starts, ends = _arcs(lining)
     pieces, a, b = _arcs(ring)
-    whole_turns = 2 * math.pi * np.round(0.5 * np.subtract.outer(starts + ends, a + b) / (2 * math.pi))
+    whole_turns = (
+        2 * math.pi * np.round(0.5 * np.subtract.outer(starts + ends, a + b) / (2 * math.pi))
+    )
     first = np.maximum(starts[:, None], a + whole_turns)
     last = np.minimum(ends[:, None], b + whole_turns)
     i, j = np.nonzero(first < last - 1e-13)
@@ -202,7 +229,11 @@ def couple_ring(lining: ContactLine, ring: ContactLine, width: float, sign: int)
     normal, tangent = sign * x / r, np.array([-x[1], x[0]]) / r
     np.add.at(N, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi, normal, ds))
     np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi, tangent, ds))
-    np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", psi, slopes(ring.order, eta) / length, aside, ds))
+    np.add.at(
+        T,
+        where,
+        np.einsum("aiq,biq,ciq,iq->abic", psi, slopes(ring.order, eta) / length, aside, ds),
+    )
     return N.reshape(n, 2 * m), T.reshape(n, 2 * m)
 
 
@@ -217,7 +248,9 @@ def _arcs(line: ContactLine) -> tuple[Ints, Floats, Floats]:
 
 
 def _local(xy: Floats, angle: Floats) -> Floats:
-    """Local coordinates xi in [-1, 1] where the pieces with nodes xy (2, k, m) cross the rays `angle` (m, points)."""
+    """Local coordinates xi in [-1, 1] where the pieces with nodes xy (2, k, m) cross the rays
+    `angle` (m, points).
+    """
     order = xy.shape[1] - 1
     ray = np.array([-np.sin(angle), np.cos(angle)])  # normal of the ray: x . ray = 0 on it
     side = np.einsum("cki,ciq->kiq", xy, ray)
@@ -229,7 +262,9 @@ def _local(xy: Floats, angle: Floats) -> Floats:
 
 
 def rim_loads(basis: Any, facets: Ints) -> Floats:
-    """Nodal forces (2 nodes, 3) spread over the rim as the rigid motions are: the mean motions are their work."""
+    """Nodal forces (2 nodes, 3) spread over the rim as the rigid motions are: the mean motions are
+    their work.
+    """
     nodes = edge_nodes(basis, facets)
     psi, x, ds = edge_points(basis.doflocs[:, nodes])
     weight = ds / ds.sum()
@@ -240,7 +275,9 @@ def rim_loads(basis: Any, facets: Ints) -> Floats:
 
 
 def determinate(basis: Any, support: Ints) -> Ints:
-    """Three unknowns of rim nodes that hold the body against rigid motion, statically determinate: (3,)."""
+    """Three unknowns of rim nodes that hold the body against rigid motion, statically determinate:
+    (3,).
+    """
     angle = np.arctan2(basis.doflocs[1, support], basis.doflocs[0, support])
     right = support[np.argmin(np.abs(angle))]
     left = support[np.argmax(np.abs(angle))]
@@ -249,11 +286,12 @@ def determinate(basis: Any, support: Ints) -> Ints:
 
 @dataclass(frozen=True)
 class Free:
-    """A free ring: contact forces f are met by rim forces -B lambda, and the mean motion of the rim is zero.
+    """A free ring: contact forces f are met by rim forces -B lambda, and the mean motion of the rim
+    is zero.
 
     With R the rigid motions,  lambda = (R^T B)^-1 R^T f;  held at three determinate unknowns, which then carry
-    nothing, the work of the displacements is (Y - Y_B lambda)^T (Y - Y_B lambda) + lambda^T beta lambda,
-    where beta is the work of B with the contact nodes held too.
+    nothing, the work of the displacements is (Y - Y_B lambda)^T (Y - Y_B lambda) + lambda^T beta
+    lambda, where beta is the work of B with the contact nodes held too.
     """
 
     rim: Floats
@@ -263,17 +301,24 @@ class Free:
 
     @classmethod
     def of(cls, basis: Any, rim: Floats, condensed: Condensed, line: ContactLine) -> "Free":
-        """From the rim's forces B (2 nodes, FRAME) `rim`, and the ring condensed with B as its loads."""
+        """From the rim's forces B (2 nodes, FRAME) `rim`, and the ring condensed with B as its
+        loads.
+        """
         x, y = basis.doflocs
         rigid = np.zeros((basis.N, 2, FRAME))
         rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
         rigid[:, 0, 2], rigid[:, 1, 2] = -y, x
-        balance = np.linalg.solve(rigid.reshape(-1, FRAME).T @ rim, rigid[line.nodes].reshape(-1, FRAME).T)
+        balance = np.linalg.solve(
+            rigid.reshape(-1, FRAME).T @ rim, rigid[line.nodes].reshape(-1, FRAME).T
+        )
         from scipy.linalg import sqrtm  # noqa: PLC0415  (rings alone load it)
 
         root = sqrtm(condensed.load_work).real
         return cls(
-            rim.reshape(-1, 2, FRAME).transpose(1, 0, 2), np.asarray(balance), condensed.half(condensed.load_c), root
+            rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
+            np.asarray(balance),
+            condensed.half(condensed.load_c),
+            root,
         )
 
 

@@ -15,16 +15,20 @@ from drumlin.fem.group import groups_of
 def limits(
     scene: Scene, brake: Brake, most: float = LARGEST, penalty: float = math.inf
 ) -> dict[tuple[int, ...], Limit]:
-    """The limit of self-locking of each group of shoes that meet the drum together, up to mu = `most`: or where a foot
-    leaves its abutment, or a cam or a strut would have to pull, if that comes before.
+    """The limit of self-locking of each group of shoes that meet the drum together, up to mu =
+    `most`: or where a foot leaves its abutment, or a cam or a strut would have to pull, if that
+    comes before.
 
     Raises NoAnswer where a group has no equilibrium, see `ShoeGroup.followed`.
     """
     return {group.members: group.followed(most).limit for group in groups_of(scene, brake, penalty)}
 
 
-def torques(scene: Scene, brake: Brake, frictions: Sequence[float], penalty: float = math.inf) -> Floats:
-    """Torque of each shoe (m, shoes) [N m] at growing friction coefficients (m,), each from the contact set before.
+def torques(
+    scene: Scene, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
+) -> Floats:
+    """Torque of each shoe (m, shoes) [N m] at growing friction coefficients (m,), each from the
+    contact set before.
 
     Raises NoAnswer at and beyond the limit.
     """

@@ -1,4 +1,5 @@
-"""Exact sensitivities of the torque of the elastic brake, from the tangent of its equations and not from differences.
+"""Exact sensitivities of the torque of the elastic brake, from the tangent of its equations and not
+from differences.
 
 One solution of their transpose, its adjoint (fem.adjoint), holds what the torque feels of any small
 change. Moduli act through the displacements u of the loads and v of the adjoint loads: dT = -v^T dK
@@ -79,7 +80,8 @@ class ShoeSensitivity:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Sensitivities of a brake: its `torque` T [N m], `friction` dT/dmu [N m], `S` = (mu/T) dT/dmu of the whole.
+    """Sensitivities of a brake: its `torque` T [N m], `friction` dT/dmu [N m], `S` = (mu/T) dT/dmu
+    of the whole.
 
     `drive`: dT by the logarithm of what the brake's actuation says [N m], None where each shoe has
     its own force; `ring`: by that of the drum ring's modulus, or `ring_bending_stiffness` where the
@@ -113,13 +115,16 @@ class Sensitivity:
 def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sensitivity:
     """Sensitivities of the torque of a brake on a prepared scene.
 
-    Raises NoAnswer as `respond` does, and for a brake without friction, which has no torque; BadInput likewise.
+    Raises NoAnswer as `respond` does, and for a brake without friction, which has no torque;
+    BadInput likewise.
     """
     check_penalty(penalty)
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
     if scene.brake.friction == 0:
-        raise BadInput(f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only")
+        raise BadInput(
+            f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only"
+        )
     shoes: dict[int, ShoeSensitivity] = {}
     ring, drive, rim = 0.0, 0.0, brake.ring
     for group in groups_of(scene, brake, penalty):
@@ -127,9 +132,12 @@ def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sens
         shoes |= {i: _shoe(found, k) for k, i in enumerate(group.members)}
         ring, drive = ring + found.ring, drive + found.drive
     all_shoes = tuple(
-        shoes[i] if i in shoes else _untouched(scene.bodies[i], shoe) for i, shoe in enumerate(brake.shoes)
+        shoes[i] if i in shoes else _untouched(scene.bodies[i], shoe)
+        for i, shoe in enumerate(brake.shoes)
     )
-    torque, friction = (math.fsum(getattr(s, key) for s in all_shoes) for key in ("torque", "friction"))
+    torque, friction = (
+        math.fsum(getattr(s, key) for s in all_shoes) for key in ("torque", "friction")
+    )
     return Sensitivity(
         friction_coefficient=brake.friction,
         torque=torque,
@@ -137,7 +145,9 @@ def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sens
         S=_relative(brake.friction, friction, torque),
         drive=None if brake.actuation is None else drive,
         ring=ring if rim is not None and rim.bending_stiffness is None else None,
-        ring_bending_stiffness=ring if rim is not None and rim.bending_stiffness is not None else None,
+        ring_bending_stiffness=ring
+        if rim is not None and rim.bending_stiffness is not None
+        else None,
         shoes=all_shoes,
         law=law_sensitivity(brake),
     )
@@ -162,13 +172,19 @@ def as_text(found: Sensitivity, brake: Brake) -> list[str]:
     if found.ring is not None:
         lines.append(f"  {d} E of the drum ring {found.ring / T:+.4g}")
     if found.ring_bending_stiffness is not None:
-        lines.append(f"  {d} bending_stiffness of the drum ring {found.ring_bending_stiffness / T:+.4g}")
+        lines.append(
+            f"  {d} bending_stiffness of the drum ring {found.ring_bending_stiffness / T:+.4g}"
+        )
     for shoe, own, of_law in zip(brake.shoes, found.shoes, law, strict=False):
         moduli = ", ".join(f"{name} {value / T:+.4g}" for name, value in own.moduli.items())
-        force = "" if own.force is None else f"{d} force {own.force * shoe.actuation.force / T:+.4g}; "
+        force = (
+            "" if own.force is None else f"{d} force {own.force * shoe.actuation.force / T:+.4g}; "
+        )
         by_law = "" if of_law is None else f" ({of}: {said(of_law)})"
         bent = (
-            "" if own.bending_stiffness is None else f"; {d} bending_stiffness: shoe {own.bending_stiffness / T:+.4g}"
+            ""
+            if own.bending_stiffness is None
+            else f"; {d} bending_stiffness: shoe {own.bending_stiffness / T:+.4g}"
         )
         held = "; ".join(_held_text(key, value / T) for key, value in own.held.items())
         lines += [
@@ -180,7 +196,9 @@ def as_text(found: Sensitivity, brake: Brake) -> list[str]:
         ]
     parts = list(orthotropic_parts(brake))
     if parts:
-        lines.append(f"  {d} E of {', '.join(parts)}: by one factor on all moduli; not given by each of them")
+        lines.append(
+            f"  {d} E of {', '.join(parts)}: by one factor on all moduli; not given by each of them"
+        )
     return lines
 
 
@@ -207,7 +225,9 @@ def law_sensitivity(brake: Brake) -> tuple[float | None, ...] | None:
     except (BadInput, NoAnswer):
         return None
     each = [None if m is None else m.sensitivity_at_fixed_shape for m in response.merits]
-    total = math.fsum((s or 0.0) * shoe.torque for s, shoe in zip(each, response.shoes, strict=True))
+    total = math.fsum(
+        (s or 0.0) * shoe.torque for s, shoe in zip(each, response.shoes, strict=True)
+    )
     return (*each, total / response.torque if response.torque else None)
 
 
@@ -252,7 +272,8 @@ def _held(every: Adjoints, k: int, u: Floats, v: Floats) -> dict[str, Floats]:
     N, T, drag = body.coupling.N, body.coupling.T, group.brake.drag_on(shoe)
     xy = shoe.points(body.line.xy)
     of_gap, of_drum = (
-        wrench(shoe.frame.to_brake(nodal.reshape(-1, 2)), xy.T) for nodal in (at.a @ N, drag * (at.p @ T) - at.p @ N)
+        wrench(shoe.frame.to_brake(nodal.reshape(-1, 2)), xy.T)
+        for nodal in (at.a @ N, drag * (at.p @ T) - at.p @ N)
     )
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
     push = wrench(direction, shoe.actuation.point.xy)
@@ -317,11 +338,17 @@ def _by_contact(every: Adjoints, k: int, u: Floats, v: Floats, move: Moves) -> f
         aside = step * np.array([-move.line[1], move.line[0]]).T.ravel()
         gap = gap_at(other.xy, other.phi, brake, shoe)
         value = brake.friction * float(coupling.lever @ at.p)
-        value += float(at.a @ (coupling.N @ (u + aside * (turns @ at.y)) - coupling.M @ (gap + squeezed)))
+        value += float(
+            at.a @ (coupling.N @ (u + aside * (turns @ at.y)) - coupling.M @ (gap + squeezed))
+        )
         value += float(nodal @ (v - aside * (turns @ at.b)))
         # A strut that starts at the shoe passes on what the shoe's foot bears of these forces.
         whole = shoe.frame.to_brake(nodal.reshape(-1, 2).sum(axis=0))
-        value -= sum(every.of[to].c * float(whole @ shoe.bearing) for source, to in group.links if source == k)
+        value -= sum(
+            every.of[to].c * float(whole @ shoe.bearing)
+            for source, to in group.links
+            if source == k
+        )
         values.append((value - _through_ring(every, k, other)) / step)
     return 0.5 * sum(values)
 
@@ -335,23 +362,28 @@ def _through_ring(every: Adjoints, k: int, line: ContactLine) -> float:
     lines = [body.line for body in scene.bodies]
     lines[group.members[k]] = line
     ring = scene.ring_under(tuple(lines))
-    pressed, dragged = (np.hstack([half[i] for i in group.members]) for half in (ring.pressed, ring.dragged))
+    pressed, dragged = (
+        np.hstack([half[i] for i in group.members]) for half in (ring.pressed, ring.dragged)
+    )
     a, p = (np.concatenate([getattr(own, key) for own in every.of]) for key in ("a", "p"))
     return float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))
 
 
 def _counted(shoe: Shoe, sense: int) -> tuple[Floats, Floats]:
-    """Of its freedoms (k,): the sense in which the shoe's own frame counts each, and whether the actuation works on it:
-    that of a lever does not where the shoe tilts."""
+    """Of its freedoms (k,): the sense in which the shoe's own frame counts each, and whether the
+    actuation works on it: that of a lever does not where the shoe tilts.
+    """
     names = shoe.freedoms(sense).names
     own = [float(shoe.frame.sense) if name == "turn" else 1.0 for name in names]
     return np.array(own), np.array([float(name != "tilt") for name in names])
 
 
 def _add_line(found: dict[str, Floats], every: Adjoints, k: int) -> None:
-    """Add to what the abutment on a strut is worth that the strut pushes shoe `k` along another line.
+    """Add to what the abutment on a strut is worth that the strut pushes shoe `k` along another
+    line.
 
-    The force that it passes on does not change with its direction: without friction nothing acts across it.
+    The force that it passes on does not change with its direction: without friction nothing acts
+    across it.
     """
     group, at = every.group, every.of[k]
     body, shoe = group.bodies[k], group.shoes[k]
@@ -370,12 +402,22 @@ def _add_line(found: dict[str, Floats], every: Adjoints, k: int) -> None:
         return at.F * float(at.a @ (body.closing_loaded @ load) - at.b @ tested)
 
     moves = moves_by(group.scene, group.members[k], shoe, "actuation.point")
-    moved = [worth(np.zeros(2), float(cross(step, direction)), carried=bool(moves)) for step in np.eye(2)]
+    moved = [
+        worth(np.zeros(2), float(cross(step, direction)), carried=bool(moves)) for step in np.eye(2)
+    ]
     found["abutment.point"] = found["abutment.point"] + moved
     if moves:
-        found["abutment.point"] = found["abutment.point"] + _by_nodes(every, k, *_displacements(every, k), moves)
-    passed = [every.of[to].c * at.F * float(shoe.bearing @ turned) for source, to in group.links if source == k]
-    line = worth(turned, float(cross(point, turned))) - sum(passed)  # of a chain: what the shoe passes on itself
+        found["abutment.point"] = found["abutment.point"] + _by_nodes(
+            every, k, *_displacements(every, k), moves
+        )
+    passed = [
+        every.of[to].c * at.F * float(shoe.bearing @ turned)
+        for source, to in group.links
+        if source == k
+    ]
+    line = worth(turned, float(cross(point, turned))) - sum(
+        passed
+    )  # of a chain: what the shoe passes on itself
     found["abutment.direction"] = found["abutment.direction"] + line
 
 
@@ -391,7 +433,9 @@ def _displacements(found: Adjoints, k: int) -> tuple[Floats, Floats]:
     return u, v
 
 
-def _moduli(body: Body, shoe: Shoe, u: Floats, v: Floats, soft: float) -> tuple[dict[str, float], float | None]:
+def _moduli(
+    body: Body, shoe: Shoe, u: Floats, v: Floats, soft: float
+) -> tuple[dict[str, float], float | None]:
     """dT by the logarithm of each modulus and of the bending stiffness of its body, where that is
     given [N m].
 
@@ -411,16 +455,19 @@ def _untouched(body: Body, shoe: Shoe) -> ShoeSensitivity:
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
     none = dict.fromkeys(("shoe" if name == "table" else name for name in layers_of(shoe)), 0.0)
     bent = None if shoe.body is None or shoe.body.bending_stiffness is None else none.pop("shoe")
-    return ShoeSensitivity(shoe.name, 0.0, 0.0, None, 0.0, none, bent, 0.0, {}, 0.0, theta, np.zeros(len(theta)))
+    return ShoeSensitivity(
+        shoe.name, 0.0, 0.0, None, 0.0, none, bent, 0.0, {}, 0.0, theta, np.zeros(len(theta))
+    )
 
 
 def against_differences(
     brake: Brake, index: int, *, elements: int, penalty: float = PENALTY
 ) -> tuple[Sensitivity, list[dict[str, Any]]]:
-    """Slopes of the whole torque next to central differences of solves from the mesh up; a row each.
+    """Slopes of the whole torque next to central differences of solves from the mesh up; a row
+    each.
 
-    Force, moduli, clearance (one number) and hinge are those of shoe `index`, which has an elastic body. Rows: `what`,
-    `unit`, `exact`, `near`, relative `difference`. Raises as `solve` does.
+    Force, moduli, clearance (one number) and hinge are those of shoe `index`, which has an elastic
+    body. Rows: `what`, `unit`, `exact`, `near`, relative `difference`. Raises as `solve` does.
     """
     found = sensitivity(prepare(brake, elements=elements), brake, penalty=penalty)
     mu, shoe, of, key = brake.friction, brake.shoes[index], found.shoes[index], f"shoe[{index}]."
@@ -429,7 +476,13 @@ def against_differences(
     linings, bodies, x, y = material.moduli, body.material.moduli, shoe.pin.x, shoe.pin.y
     table: list[tuple[str, str, float, Callable[[float], dict[str, Any]], float]] = [
         ("dT/dμ", "N m", found.friction, lambda s: {"friction": mu + s}, 1e-5),
-        ("dT/dF", "m", of.force or 0.0, lambda s: {"actuation.force": shoe.actuation.force * (1 + s)}, 1e-4),
+        (
+            "dT/dF",
+            "m",
+            of.force or 0.0,
+            lambda s: {"actuation.force": shoe.actuation.force * (1 + s)},
+            1e-4,
+        ),
         (
             "dT/d ln E, lining",
             "N m",
@@ -445,19 +498,42 @@ def against_differences(
             1e-4,
         ),
         ("dT/d clearance", "N", of.clearance, lambda s: {"lining.clearance": gap + s}, 1e-9),
-        ("dT/dx, hinge", "N", float(of.held["hinge"][0]), lambda s: {"hinge": {"x": x + s, "y": y}}, 1e-6),
-        ("dT/dy, hinge", "N", float(of.held["hinge"][1]), lambda s: {"hinge": {"x": x, "y": y + s}}, 1e-6),
+        (
+            "dT/dx, hinge",
+            "N",
+            float(of.held["hinge"][0]),
+            lambda s: {"hinge": {"x": x + s, "y": y}},
+            1e-6,
+        ),
+        (
+            "dT/dy, hinge",
+            "N",
+            float(of.held["hinge"][1]),
+            lambda s: {"hinge": {"x": x, "y": y + s}},
+            1e-6,
+        ),
     ]
     rows = []
     for what, unit, exact, changes, step in table:
         up, down = (
             solve(
-                vary(brake, {k if k == "friction" else key + k: value for k, value in changes(s).items()}),
+                vary(
+                    brake,
+                    {k if k == "friction" else key + k: value for k, value in changes(s).items()},
+                ),
                 elements=elements,
                 penalty=penalty,
             ).torque
             for s in (step, -step)
         )
         near = (up - down) / (2 * step * (shoe.actuation.force if what == "dT/dF" else 1.0))
-        rows.append({"what": what, "unit": unit, "exact": exact, "near": near, "difference": abs(exact / near - 1)})
+        rows.append(
+            {
+                "what": what,
+                "unit": unit,
+                "exact": exact,
+                "near": near,
+                "difference": abs(exact / near - 1),
+            }
+        )
     return found, rows

@@ -1,4 +1,6 @@
-"""A brake by finite elements from the file up: divided, condensed, solved, finer until its error is small enough."""
+"""A brake by finite elements from the file up: divided, condensed, solved, finer until its error is
+small enough.
+"""
 
 from dataclasses import replace
 from functools import partial
@@ -30,23 +32,28 @@ def solve(
     finite_width: bool = False,
     cache: Cache | None = None,
 ) -> Response:
-    """Divide, condense and solve a brake, finer and finer until its estimated errors are below a tolerance.
+    """Divide, condense and solve a brake, finer and finer until its estimated errors are below a
+    tolerance.
 
-    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque; NoAnswer is raised
-    where it is not reached. By default DEFAULT, or the error that is reached. With `elements` or a `kind` a brake is
-    solved on one mesh, without estimate, as one with a mesh file is. BadInput is raised for these and a tolerance
-    together, and as by `check_divided`.
-    finite_width: the linings' moduli corrected for the widths of the shoes, see fem/finite_width.py. cache: bodies of
-    earlier solves.
+    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque;
+    NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is reached.
+    With `elements` or a `kind` a brake is solved on one mesh, without estimate, as one with a mesh
+    file is. BadInput is raised for these and a tolerance together, and as by `check_divided`.
+    finite_width: the linings' moduli corrected for the widths of the shoes, see
+    fem/finite_width.py. cache: bodies of earlier solves.
     """
     if finite_width:
         other = corrected(brake)
-        found = solve(other, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache)
+        found = solve(
+            other, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
+        )
         return replace(found, notes=(*found.notes, said(brake, other)))
     check_penalty(penalty)
     for option, value in {"elements": elements, "kind": kind}.items():
         if tolerance is not None and value is not None:
-            raise BadInput(f"--tolerance = {tolerance:g}: chooses the elements; leave out --{option} = {value}")
+            raise BadInput(
+                f"--tolerance = {tolerance:g}: chooses the elements; leave out --{option} = {value}"
+            )
     brake.check_meshable()
     answer = partial(respond, penalty=penalty)
     if tolerance is not None:
@@ -62,11 +69,17 @@ def solve(
 
 
 def scene_of(
-    brake: Brake, *, elements: int | None = None, kind: str | None = None, cache: Cache | None = None
+    brake: Brake,
+    *,
+    elements: int | None = None,
+    kind: str | None = None,
+    cache: Cache | None = None,
 ) -> Scene:
-    """The scene that `solve` ends on, for what is done with the brake besides: holding, wear, slopes, pictures.
+    """The scene that `solve` ends on, for what is done with the brake besides: holding, wear,
+    slopes, pictures.
 
-    A brake that has no answer as it slides is divided by the second level. Raises BadInput as `solve`.
+    A brake that has no answer as it slides is divided by the second level. Raises BadInput as
+    `solve`.
     """
     check_divided(brake, elements=elements, kind=kind)
     if not _levelled(brake, elements, kind):
@@ -79,11 +92,15 @@ def scene_of(
 
 
 def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None = None) -> None:
-    """Raise BadInput for elements or a kind where no part is divided by them; a ring has elements, but one kind."""
+    """Raise BadInput for elements or a kind where no part is divided by them; a ring has elements,
+    but one kind.
+    """
     given = {"kind": kind} if brake.ring else {"elements": elements, "kind": kind}
     for option, value in given.items():
         if value is not None and all(shoe.mesh for shoe in brake.shoes):
-            raise BadInput(f"--{option} = {value}: all shoes have mesh files, whose elements stay as they are")
+            raise BadInput(
+                f"--{option} = {value}: all shoes have mesh files, whose elements stay as they are"
+            )
 
 
 def _levelled(brake: Brake, elements: int | None, kind: str | None) -> bool:
@@ -92,7 +109,9 @@ def _levelled(brake: Brake, elements: int | None, kind: str | None) -> bool:
 
 
 def _with_curve_balance(brake: Brake, found: Response) -> Response:
-    """The response with a note where p(theta) on the round drum balances worse than the forces at the mesh's nodes."""
+    """The response with a note where p(theta) on the round drum balances worse than the forces at
+    the mesh's nodes.
+    """
     under = loaded(brake, found)
     curve = worst([shoe_balance(under, i, shoe) for i, shoe in enumerate(found.shoes)])
     if max(curve.force - found.balance.force, curve.moment - found.balance.moment) <= UNSAID:

@@ -71,9 +71,14 @@ def lifted(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
     names = set(lift)
     unknown = sorted(names - set(LIFTS) - {"all"})
     if unknown:
-        raise BadInput(f"--lift = {unknown[0]!r}: unknown simplification; allowed: {', '.join(LIFTS)}, all")
+        raise BadInput(
+            f"--lift = {unknown[0]!r}: unknown simplification; allowed: {', '.join(LIFTS)}, all"
+        )
     lacking: dict[str, str] = {}
-    if any(shoe.backing and isinstance(shoe.body, Beam) and shoe.body.thickness is None for shoe in brake.shoes):
+    if any(
+        shoe.backing and isinstance(shoe.body, Beam) and shoe.body.thickness is None
+        for shoe in brake.shoes
+    ):
         lacking["wedge"] = "needs shoe.body.thickness"
     if brake.ring is not None and brake.ring.section is None:
         lacking["thick-ring"] = "needs drum.ring.thickness, width and material"
@@ -85,7 +90,9 @@ def lifted(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
 
 
 class System(NamedTuple):
-    """Shoes that meet the ring together: their posts, the ring's flexibilities c (n, n) [m/N], the problem."""
+    """Shoes that meet the ring together: their posts, the ring's flexibilities c (n, n) [m/N], the
+    problem.
+    """
 
     posts: tuple[Post, ...]
     ring: Floats
@@ -93,7 +100,8 @@ class System(NamedTuple):
 
 
 def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> System:
-    """The contact problem of a group of shoes; its pressures are the normal forces of the sectors [N].
+    """The contact problem of a group of shoes; its pressures are the normal forces of the sectors
+    [N].
 
     Raises BadInput where there are too few or too many `sections`.
     """
@@ -128,7 +136,9 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
 
 
 def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) -> Floats:
-    """Inward displacement [m/N] of the rim at theta (k,) [rad] per normal force at `loads` (n,) [rad]: (k, n)."""
+    """Inward displacement [m/N] of the rim at theta (k,) [rad] per normal force at `loads` (n,)
+    [rad]: (k, n).
+    """
     ring = brake.ring
     if ring is None:
         return np.zeros((len(theta), len(loads)))
@@ -143,8 +153,8 @@ def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) ->
 def rim(brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = ()) -> Floats:
     """Inward displacement [m] of the rim at theta (k,) [rad], of each shoe's pressure: (shoes, k).
 
-    `lift` as the response was solved. With "all-modes" the rim moves by the sum; without, each row is a rim with
-    the equal shoe opposite.
+    `lift` as the response was solved. With "all-modes" the rim moves by the sum; without, each row
+    is a rim with the equal shoe opposite.
     """
     names = lifted(brake, lift)
     rows = []
@@ -155,7 +165,11 @@ def rim(brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = (
 
 
 def solve(
-    brake: Brake, *, sections: int = SECTIONS, lift: Iterable[str] = (), start: list[Bools] | None = None
+    brake: Brake,
+    *,
+    sections: int = SECTIONS,
+    lift: Iterable[str] = (),
+    start: list[Bools] | None = None,
 ) -> Response:
     """The response of a post brake by the foundation model, on `sections` divisions of each beam.
 
@@ -169,7 +183,11 @@ def solve(
     shoes = brake.shoes
     touching = [i for i in range(len(shoes)) if pressing_moment(shoes[i]) > 0]
     together = brake.ring is not None and "own-pressure" in names
-    answers = {i: untouched(shoes[i], -shoes[i].actuation.vector) for i in range(len(shoes)) if i not in touching}
+    answers = {
+        i: untouched(shoes[i], -shoes[i].actuation.vector)
+        for i in range(len(shoes))
+        if i not in touching
+    }
     steps = 0
     for group in [touching] if together and touching else [[i] for i in touching]:
         parts = system(brake, group, sections, names)
@@ -180,7 +198,9 @@ def solve(
         for k, i in enumerate(group):
             part = slice(first, first + len(parts.posts[k].theta))
             first = part.stop
-            answers[i] = respond(brake, i, parts.posts[k], found.p[part], z[part], float(found.y[k]))
+            answers[i] = respond(
+                brake, i, parts.posts[k], found.p[part], z[part], float(found.y[k])
+            )
     ordered = tuple(answers[i] for i in range(len(shoes)))
     response = Response(
         model="foundation",
@@ -207,7 +227,12 @@ def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
 
 
 def _found(
-    brake: Brake, group: list[int], parts: System, sections: int, names: frozenset[str], start: list[Bools] | None
+    brake: Brake,
+    group: list[int],
+    parts: System,
+    sections: int,
+    names: frozenset[str],
+    start: list[Bools] | None,
 ) -> active_set.Contact:
     said = brake.names(group)
     begin = None if start is None else np.concatenate([start[i] for i in group])
@@ -215,7 +240,9 @@ def _found(
     def at(friction: float) -> Problem:
         if friction == brake.friction:
             return parts.problem
-        return system(brake.model_copy(update={"friction": friction}), group, sections, names).problem
+        return system(
+            brake.model_copy(update={"friction": friction}), group, sections, names
+        ).problem
 
     law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     try:
@@ -232,7 +259,9 @@ def _found(
 
 
 def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float) -> ShoeResponse:
-    """The response of shoe `index` to the normal forces N (n,) [N], ring displacements z (n,) [m] and the turn."""
+    """The response of shoe `index` to the normal forces N (n,) [N], ring displacements z (n,) [m]
+    and the turn.
+    """
     shoe, R = brake.shoes[index], brake.size
     pressure = N / (shoe.lining.width * R * p.sector)
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
@@ -253,12 +282,18 @@ def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float
         turn=p.axis.sense * turn,
         located=False,
         lumped=contact_,
-        deformation=Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[:: p.axis.sense]),
+        deformation=Deformation(
+            x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[:: p.axis.sense]
+        ),
     )
 
 
 def _resultant(brake: Brake, theta: Floats, N: Floats) -> Resultant:
-    """What the drum does to an external lining by the normal forces N at the brake's angles theta (n,)."""
+    """What the drum does to an external lining by the normal forces N at the brake's angles theta
+    (n,).
+    """
     along = np.array([N @ np.cos(theta), N @ np.sin(theta)])
     drag = brake.drag
-    return Resultant(along, drag * np.array([-along[1], along[0]]), drag * brake.size * float(N.sum()))
+    return Resultant(
+        along, drag * np.array([-along[1], along[0]]), drag * brake.size * float(N.sum())
+    )

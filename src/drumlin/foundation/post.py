@@ -1,9 +1,10 @@
-"""A shoe of the foundation model on its grid: stations along the beam, sectors of the lining, their levers.
+"""A shoe of the foundation model on its grid: stations along the beam, sectors of the lining, their
+levers.
 
-Three equal divisions, before, under and behind the lining, so that the lining's ends are stations and its end
-sectors are halves: the sums of Barecki & Scieszka (1987) are then trapezoidal rules, of second order in dx. Of
-the sector at a station only the part beyond it bends it there; the paper's sum (8) counts all of it, an error
-of first order.
+Three equal divisions, before, under and behind the lining, so that the lining's ends are stations
+and its end sectors are halves: the sums of Barecki & Scieszka (1987) are then trapezoidal rules, of
+second order in dx. Of the sector at a station only the part beyond it bends it there; the paper's
+sum (8) counts all of it, an error of first order.
 """
 
 from typing import NamedTuple
@@ -21,13 +22,14 @@ from drumlin.brake.fields import AnyMaterial, Material
 class Post(NamedTuple):
     """A shoe on m stations and n sectors, in the beam's coordinates.
 
-    `x`, `step` (m,) [m]: stations, and the length of beam that each stands for; `EI` (m,) [N m^2]; `under` (n,): the
-    stations under the lining; `theta` (n,) [rad] and `sector` (n,) [rad] the sectors' angles and sizes; `k` (n,)
-    [N/m]; `gap` (n,) [m] the clearance Delta.
+    `x`, `step` (m,) [m]: stations, and the length of beam that each stands for; `EI` (m,) [N m^2];
+    `under` (n,): the stations under the lining; `theta` (n,) [rad] and `sector` (n,) [rad] the
+    sectors' angles and sizes; `k` (n,) [N/m]; `gap` (n,) [m] the clearance Delta.
 
-    Moments about the stations: `pressed` (m, n) [m] of unit N, `dragged` (m, n) [m] of unit friction towards the
-    loaded end, both against the force's `loaded` (m,) [N m]. `closing` (m, n) [m]: closing of the gap per turn at
-    a station. `drag`: mu_hat, the friction over N towards the loaded end.
+    Moments about the stations: `pressed` (m, n) [m] of unit N, `dragged` (m, n) [m] of unit
+    friction towards the loaded end, both against the force's `loaded` (m,) [N m]. `closing` (m, n)
+    [m]: closing of the gap per turn at a station. `drag`: mu_hat, the friction over N towards the
+    loaded end.
     """
 
     axis: Axis
@@ -46,7 +48,9 @@ class Post(NamedTuple):
     drag: float
 
 
-def post(brake: Brake, shoe: Shoe, sections: int, *, tilt: bool, wedge: bool, plane_stress: bool) -> Post:
+def post(
+    brake: Brake, shoe: Shoe, sections: int, *, tilt: bool, wedge: bool, plane_stress: bool
+) -> Post:
     """The shoe on a grid of `sections` divisions of the beam; the options are those of the model."""
     body, lining, R = shoe.body, shoe.lining, brake.size
     assert isinstance(body, Beam)  # why_not
@@ -77,7 +81,10 @@ def post(brake: Brake, shoe: Shoe, sections: int, *, tilt: bool, wedge: bool, pl
         under=under,
         theta=theta,
         sector=sector,
-        k=lining.width * R * sector / layers(brake, shoe, axis, theta, wedge=wedge, plane_stress=plane_stress),
+        k=lining.width
+        * R
+        * sector
+        / layers(brake, shoe, axis, theta, wedge=wedge, plane_stress=plane_stress),
         gap=clearance.gap(brake, shoe, shoe_angles(axis, shoe, theta)),
         pressed=pressed,
         dragged=arm_y * c - arm_x * s,
@@ -88,9 +95,13 @@ def post(brake: Brake, shoe: Shoe, sections: int, *, tilt: bool, wedge: bool, pl
 
 
 def stations(length: float, start: float, end: float, sections: int) -> tuple[Floats, Ints]:
-    """Stations (about `sections` + 1,) [m] of a beam whose lining lies from `start` to `end`, and those under it."""
+    """Stations (about `sections` + 1,) [m] of a beam whose lining lies from `start` to `end`, and
+    those under it.
+    """
     lengths = np.array([start, end - start, length - end])
-    counts = np.where(lengths > 1e-9 * length, np.maximum(np.round(sections * lengths / length), 1), 0).astype(int)
+    counts = np.where(
+        lengths > 1e-9 * length, np.maximum(np.round(sections * lengths / length), 1), 0
+    ).astype(int)
     counts[1] = max(counts[1], 2)
     ends = np.concatenate([[0.0], np.cumsum(lengths)])
     parts = [np.linspace(ends[i], ends[i + 1], counts[i] + 1)[1:] for i in range(3) if counts[i]]
@@ -103,11 +114,14 @@ def trapezoid(x: Floats) -> Floats:
     return np.append(half, 0.0) + np.append(0.0, half)
 
 
-def layers(brake: Brake, shoe: Shoe, axis: Axis, theta: Floats, *, wedge: bool, plane_stress: bool) -> Floats:
-    """Compliance t_l/E_l + t_w/E_w [m/Pa] of lining and block at the beam's angles theta, same shape.
+def layers(
+    brake: Brake, shoe: Shoe, axis: Axis, theta: Floats, *, wedge: bool, plane_stress: bool
+) -> Floats:
+    """Compliance t_l/E_l + t_w/E_w [m/Pa] of lining and block at the beam's angles theta, same
+    shape.
 
-    `plane_stress`: bonded layers cannot spread along the arc and are 1/(1 - nu^2) stiffer. `wedge`: the block
-    fills the space between the lining's back and the beam's face.
+    `plane_stress`: bonded layers cannot spread along the arc and are 1/(1 - nu^2) stiffer. `wedge`:
+    the block fills the space between the lining's back and the beam's face.
     """
 
     def soft(thickness: Floats, material: AnyMaterial) -> Floats:

@@ -54,27 +54,38 @@ def sound_files() -> dict[str, bytes]:
 
 
 def broken_sweep(rng: random.Random) -> Input:
-    """A sweep file with some of its values replaced, under other keys, or with its bytes in disorder."""
+    """A sweep file with some of its values replaced, under other keys, or with its bytes in
+    disorder.
+    """
     if rng.random() < 0.3:
         text = noise(rng, SOUND.encode(), WORDS)
     else:
         data: dict[str, Any] = {
             "brake": "b.toml",
-            "model": rng.choice([{"fem": {"elements": 6}}, {"sine": {}}, {"fem": {"elements": 6}, "cosine": {}}]),
+            "model": rng.choice(
+                [{"fem": {"elements": 6}}, {"sine": {}}, {"fem": {"elements": 6}, "cosine": {}}]
+            ),
             "vary": {"friction": rng.choice([[0.1, 0.3], {"from": 0.1, "to": 0.4, "count": 3}])},
         }
         if rng.random() < 0.7:
             data["vary"][rng.choice([*KEYS, *PLAIN])] = _varied(rng)
         if rng.random() < 0.4:
-            data[rng.choice(["seed", "cases", "combine", "brake", "model", "title", "x"])] = rng.choice(
-                [anything(rng), 3, "zip", "grid", 1]
+            data[rng.choice(["seed", "cases", "combine", "brake", "model", "title", "x"])] = (
+                rng.choice([anything(rng), 3, "zip", "grid", 1])
             )
         text = toml(data)
     return Input("sweep file", {"b.toml": brake_text(BRAKES[0]), "s.toml": text}, WORDS_OF_A_SWEEP)
 
 
 def _varied(rng: random.Random) -> Any:
-    pool = rng.choice([(0.1, 0.2, 0.3, 0.35), ("1 kN", "2 kN", "30 N"), ("1 mm", "8 mm"), (*NUMBERS, *QUANTITIES[:20])])
+    pool = rng.choice(
+        [
+            (0.1, 0.2, 0.3, 0.35),
+            ("1 kN", "2 kN", "30 N"),
+            ("1 mm", "8 mm"),
+            (*NUMBERS, *QUANTITIES[:20]),
+        ]
+    )
     numbers = [rng.choice(pool) for _ in range(4)]
     return rng.choice(
         [
@@ -82,8 +93,18 @@ def _varied(rng: random.Random) -> Any:
             [rng.choice(WORDS)],
             anything(rng),
             {"from": numbers[0], "to": numbers[1], "count": rng.choice([1, 3, 0, -1, 10**7, "3"])},
-            {"distribution": rng.choice(WAYS), "from": numbers[0], "to": numbers[1], "deviation": numbers[2]},
-            {"distribution": rng.choice(WAYS), "mean": numbers[0], "deviation": "5 %", "each_shoe": rng.random() < 0.5},
+            {
+                "distribution": rng.choice(WAYS),
+                "from": numbers[0],
+                "to": numbers[1],
+                "deviation": numbers[2],
+            },
+            {
+                "distribution": rng.choice(WAYS),
+                "mean": numbers[0],
+                "deviation": "5 %",
+                "each_shoe": rng.random() < 0.5,
+            },
         ]
     )
 
@@ -114,4 +135,6 @@ def damaged(rng: random.Random, table: bytes, journal: bytes) -> Input:
                 del data[at : at + length]
         if not data:
             break
-    return Input("journal", sound_files() | {JOURNAL: bytes(data)}, WORDS_OF_A_SWEEP, {TABLE: table})
+    return Input(
+        "journal", sound_files() | {JOURNAL: bytes(data)}, WORDS_OF_A_SWEEP, {TABLE: table}
+    )

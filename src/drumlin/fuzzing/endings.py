@@ -1,8 +1,8 @@
 """How a command line ends, and whether that is as promised.
 
-An input is sound if it ends with 0 and finite numbers, or with 2 or 3 and one line. A traceback, a second line, a
-control character on the screen, a number that is not finite, an input that is written over and a run of more than
-LONGEST seconds are faults.
+An input is sound if it ends with 0 and finite numbers, or with 2 or 3 and one line. A traceback, a
+second line, a control character on the screen, a number that is not finite, an input that is
+written over and a run of more than LONGEST seconds are faults.
 """
 
 import contextlib
@@ -32,7 +32,9 @@ LONGEST_WAIT = 300.0  # s by the clock, on a busy machine
 
 
 class Ending(NamedTuple):
-    """How a command line ended: status, what it printed, the files that it wrote or changed, seconds."""
+    """How a command line ended: status, what it printed, the files that it wrote or changed,
+    seconds.
+    """
 
     status: int
     out: str
@@ -42,7 +44,9 @@ class Ending(NamedTuple):
 
 
 def lay_out(given: Input, folder: Path) -> None:
-    """Write the files of an input, and beside them what paths may hit: a folder, links, a hard link."""
+    """Write the files of an input, and beside them what paths may hit: a folder, links, a hard
+    link.
+    """
     for name, data in given.files.items():
         (folder / name).write_bytes(data)
     (folder / "sub").mkdir()
@@ -64,7 +68,9 @@ def written(folder: Path, given: Input) -> dict[str, bytes]:
 
 
 def in_process(given: Input) -> Ending:
-    """Run an input in this process; quick, but a hang inside a library is only found when it returns."""
+    """Run an input in this process; quick, but a hang inside a library is only found when it
+    returns.
+    """
     from drumlin.cli.process import run  # noqa: PLC0415
 
     before = Path.cwd()
@@ -160,7 +166,9 @@ def fault_of(given: Input, end: Ending) -> str:
 
 
 KEPT = ("m/", "m.", "t.csv")
-"""What a refused run may leave: meshes up to the one that failed, a sweep's table of failed cases and its journal."""
+"""What a refused run may leave: meshes up to the one that failed, a sweep's table of failed cases
+and its journal.
+"""
 _NOTES = re.compile(r"(?:drumlin: t\.csv\.journal: [^\n]*\n)*")
 
 
@@ -187,7 +195,9 @@ def _fault_of_answer(given: Input, end: Ending) -> str:
         return f"not the right {', '.join(given.right)}"
     if set(end.written) & {name for name in given.files if name not in {"r.csv", "t.csv.journal"}}:
         return f"an input was written over: {', '.join(end.written)}"
-    return next((why for name, data in end.written.items() if (why := _bad_file(name, data, names))), "")
+    return next(
+        (why for name, data in end.written.items() if (why := _bad_file(name, data, names))), ""
+    )
 
 
 def _names(given: Input) -> list[str]:
@@ -202,7 +212,11 @@ def _names(given: Input) -> list[str]:
 
 def _around(text: str) -> str:
     match = _NOT_FINITE.search(text)
-    return "" if match is None else text[max(match.start() - 60, 0) : match.end() + 20].replace("\n", " ")
+    return (
+        ""
+        if match is None
+        else text[max(match.start() - 60, 0) : match.end() + 20].replace("\n", " ")
+    )
 
 
 def _bad_file(name: str, data: bytes, names: Sequence[str]) -> str:

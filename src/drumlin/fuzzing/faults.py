@@ -1,4 +1,5 @@
-"""Broken inputs: folders of files with a command line, from independent generators. `endings` judges how they end.
+"""Broken inputs: folders of files with a command line, from independent generators. `endings`
+judges how they end.
 
 Each input draws from random numbers of its own: number n is the same every time.
 """
@@ -33,7 +34,14 @@ from drumlin.verification import broken_meshes
 from drumlin.verification.broken_files import noise, toml
 
 ELEMENTS = "6"
-BRAKES = ("double_shoe/brake", "post_brake/brake", "laws/pad", "laws/pivoted_block", "laws/block", "laws/shigley_16_2")
+BRAKES = (
+    "double_shoe/brake",
+    "post_brake/brake",
+    "laws/pad",
+    "laws/pivoted_block",
+    "laws/block",
+    "laws/shigley_16_2",
+)
 REFERENCE = "reports/reference/values/double_shoe_brake.json"
 
 
@@ -83,19 +91,27 @@ def broken_bytes(rng: random.Random) -> Input:
 
 
 def scaled(rng: random.Random) -> Input:
-    """A brake file with one to four quantities made larger or smaller: often still a brake, and an extreme one."""
+    """A brake file with one to four quantities made larger or smaller: often still a brake, and an
+    extreme one.
+    """
     text = brake_text(rng.choice(BRAKES)).decode()
-    places = list(re.finditer(r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))", text, re.MULTILINE))
+    places = list(
+        re.finditer(r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))", text, re.MULTILINE)
+    )
     chosen = rng.sample(places, min(len(places), rng.choice([1, 1, 2, 4])))
     for place in sorted(chosen, key=lambda match: -match.start()):
-        size = rng.choice([rng.uniform(0.2, 3), 10 ** rng.uniform(-3, 3), 10 ** rng.uniform(-12, 12)])
+        size = rng.choice(
+            [rng.uniform(0.2, 3), 10 ** rng.uniform(-3, 3), 10 ** rng.uniform(-12, 12)]
+        )
         value = float(place[1]) * size * rng.choice([1, 1, 1, -1])
         text = text[: place.start()] + f"{value:.9g}" + text[place.end() :]
     return Input("brake file: sizes", {"b.toml": text.encode()}, _solving(rng))
 
 
 def typed(rng: random.Random) -> Input:
-    """A brake file with one to three keys of the schema, there or not yet, set to values near and far."""
+    """A brake file with one to three keys of the schema, there or not yet, set to values near and
+    far.
+    """
     data = tomllib.loads(brake_text(rng.choice(BRAKES)).decode())
     for _ in range(rng.choice([1, 1, 2, 3])):
         places = list(schema_places(Brake.shape_of(data), data))
@@ -112,10 +128,28 @@ def typed(rng: random.Random) -> Input:
 
 
 def _solving(rng: random.Random) -> list[str]:
-    model = rng.choice(["fem", "fem", "sine", "cosine", "uniform", "short", "foundation", "linear", "pivoted", "block"])
+    model = rng.choice(
+        [
+            "fem",
+            "fem",
+            "sine",
+            "cosine",
+            "uniform",
+            "short",
+            "foundation",
+            "linear",
+            "pivoted",
+            "block",
+        ]
+    )
     words = ["solve", "b.toml", "--json", "r.json", "--pressure", "r.csv"]
     if model == "fem":
-        commands = [words, words, ["sensitivity", "b.toml", "--json", "r.json"], ["mesh", "b.toml", "--output", "m"]]
+        commands = [
+            words,
+            words,
+            ["sensitivity", "b.toml", "--json", "r.json"],
+            ["mesh", "b.toml", "--output", "m"],
+        ]
         return [*rng.choice(commands), "--elements", ELEMENTS]
     return [*words, "--model", model]
 
@@ -133,17 +167,27 @@ def broken_mesh(rng: random.Random) -> Input:
     elif what == 2:  # a number becomes another one
         numbers = list(re.finditer(rb"[-+]?\d[\d.]*(?:e[-+]?\d+)?", data))
         at = rng.choice(numbers)
-        data = data[: at.start()] + str(rng.choice([*NUMBERS, 3, 10**9, 2**31])).encode() + data[at.end() :]
+        data = (
+            data[: at.start()]
+            + str(rng.choice([*NUMBERS, 3, 10**9, 2**31])).encode()
+            + data[at.end() :]
+        )
     elif what == 3:
         lines = data.splitlines(keepends=True)
-        rng.shuffle(lines) if rng.random() < 0.2 else lines.insert(rng.randrange(len(lines)), rng.choice(lines))
+        rng.shuffle(lines) if rng.random() < 0.2 else lines.insert(
+            rng.randrange(len(lines)), rng.choice(lines)
+        )
         data = b"".join(lines)
     elif what == 4 and suffix == ".inp":
         data += rng.choice(INP_ENDS)
     else:
         data = noise(rng, data, WORDS)
     text = broken_meshes.with_mesh(files["brake"], f"m{suffix}")
-    return Input(f"mesh: {suffix}", {"b.toml": text, f"m{suffix}": data}, ["solve", "b.toml", "--json", "r.json"])
+    return Input(
+        f"mesh: {suffix}",
+        {"b.toml": text, f"m{suffix}": data},
+        ["solve", "b.toml", "--json", "r.json"],
+    )
 
 
 INP_ENDS = (
@@ -167,7 +211,9 @@ def broken_reference(rng: random.Random) -> Input:
         for _ in range(rng.choice([1, 1, 2])):
             places = list(_json_places(data))
             owner, key = rng.choice(places)
-            value = rng.choice([*NUMBERS, *WORDS, None, True, [], {}, [[1]], [1.0, 2.0], {"value": 1}, "del"])
+            value = rng.choice(
+                [*NUMBERS, *WORDS, None, True, [], {}, [[1]], [1.0, 2.0], {"value": 1}, "del"]
+            )
             if value == "del":
                 del owner[key]
             else:
@@ -195,7 +241,9 @@ def broken_table(rng: random.Random) -> Input:
         rows = list(csv.reader(io.StringIO(text.decode())))
         for _ in range(rng.choice([1, 1, 3])):
             row = rng.choice([rows[0], rng.choice(rows)])
-            row[rng.randrange(len(row))] = rng.choice([*WORDS, *map(str, NUMBERS), "theta [deg]", "p [N]", "p [", "p"])
+            row[rng.randrange(len(row))] = rng.choice(
+                [*WORDS, *map(str, NUMBERS), "theta [deg]", "p [N]", "p [", "p"]
+            )
         buffer = io.StringIO()
         csv.writer(buffer).writerows(rows)
         text = buffer.getvalue().encode(errors="replace")
@@ -204,7 +252,9 @@ def broken_table(rng: random.Random) -> Input:
 
 
 SLOW = {"study", "sweep", "reference", "cost", "compare", "hold", "explore"}
-"""Commands that take long, or serve until they are stopped: they only get options that are wrong, see `wrong_words`."""
+"""Commands that take long, or serve until they are stopped: they only get options that are wrong,
+see `wrong_words`.
+"""
 
 
 @cache
@@ -240,7 +290,11 @@ def command_line(rng: random.Random) -> Input:
         "r.csv": result_text(),
         "ref.json": reference_text(),
     }
-    return Input(f"command line: {name}", files, words + [word for option in chosen.values() for word in option])
+    return Input(
+        f"command line: {name}",
+        files,
+        words + [word for option in chosen.values() for word in option],
+    )
 
 
 def _word_for(rng: random.Random, option: Any) -> str | None:
@@ -268,7 +322,8 @@ def wrong_words(rng: random.Random) -> Input:
     """Words that are no command line."""
     name = rng.choice([*_commands(), "", "x", "--help", "--version", "-h", "--bad"])
     words = [name] + [
-        rng.choice([*WORDS, *PATHS, "--json", "--elements", "--bad"]) for _ in range(rng.choice([0, 1, 2]))
+        rng.choice([*WORDS, *PATHS, "--json", "--elements", "--bad"])
+        for _ in range(rng.choice([0, 1, 2]))
     ]
     if name in SLOW:
         words += ["--nope"]

@@ -1,4 +1,6 @@
-"""Sweeps killed with -9 at random moments and resumed: the table of an undisturbed run, and no case solved twice."""
+"""Sweeps killed with -9 at random moments and resumed: the table of an undisturbed run, and no case
+solved twice.
+"""
 
 import json
 import os
@@ -32,7 +34,8 @@ friction = {{ distribution = "uniform", from = 0.2, to = 1.3 }}
 
 
 def killed(case: dict[str, Any]) -> dict[str, Any]:
-    """A sweep killed `kills` times in a way of WAYS, at moments of the random numbers of `seed`, then let finish.
+    """A sweep killed `kills` times in a way of WAYS, at moments of the random numbers of `seed`,
+    then let finish.
 
     The row says how many kills met a run at work, and what is wrong at the end (nothing: empty).
     """
@@ -61,13 +64,17 @@ def killed(case: dict[str, Any]) -> dict[str, Any]:
 
 @contextmanager
 def _way(way: str, folder: Path) -> Iterator[list[str]]:
-    """The options that a sweep is run with; for Dask a scheduler and a worker on this machine alone."""
+    """The options that a sweep is run with; for Dask a scheduler and a worker on this machine
+    alone.
+    """
     if way != "Dask":
         yield ["--jobs", "1" if way == "one job" else "2"]
         return
     known = folder / "scheduler.json"
     here = ["--scheduler-file", str(known), "--host", "127.0.0.1", "--no-dashboard"]
-    scheduler = _child(["-m", "distributed.cli.dask_scheduler", *here, "--port", "0", "--no-show"], folder)
+    scheduler = _child(
+        ["-m", "distributed.cli.dask_scheduler", *here, "--port", "0", "--no-show"], folder
+    )
     started = [scheduler]
     try:
         end = time.monotonic() + LIMIT
@@ -75,7 +82,12 @@ def _way(way: str, folder: Path) -> Iterator[list[str]]:
             if scheduler.poll() is not None or time.monotonic() > end:
                 raise RuntimeError("the scheduler has not started")
             time.sleep(0.05)
-        started.append(_child(["-m", "distributed.cli.dask_worker", *here, "--nthreads", "1", "--no-nanny"], folder))
+        started.append(
+            _child(
+                ["-m", "distributed.cli.dask_worker", *here, "--nthreads", "1", "--no-nanny"],
+                folder,
+            )
+        )
         yield ["--scheduler", json.loads(known.read_text(encoding="utf-8"))["address"]]
     finally:
         for process in started:
@@ -84,9 +96,16 @@ def _way(way: str, folder: Path) -> Iterator[list[str]]:
 
 
 def _child(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
-    env = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "OMP_NUM_THREADS": "1"}
+    env = os.environ | {
+        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+        "OMP_NUM_THREADS": "1",
+    }
     return subprocess.Popen(
-        [sys.executable, *words], cwd=folder, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        [sys.executable, *words],
+        cwd=folder,
+        env=env,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     )
 
 
@@ -133,12 +152,20 @@ def _lock(handle: int) -> None:
 
 
 def _keys(journal: Path) -> list[str]:
-    return [json.loads(line)["key"] for line in journal.read_text(encoding="utf-8").splitlines()[1:]]
+    return [
+        json.loads(line)["key"] for line in journal.read_text(encoding="utf-8").splitlines()[1:]
+    ]
 
 
-def kill_all(chains: dict[str, int], kills: int, journal: Journal, say: Callable[[str], None]) -> list[dict[str, Any]]:
+def kill_all(
+    chains: dict[str, int], kills: int, journal: Journal, say: Callable[[str], None]
+) -> list[dict[str, Any]]:
     """So many sweeps in each way, each killed `kills` times; those that the journal has not yet."""
-    cases = [{"way": way, "seed": seed, "kills": kills} for way, count in chains.items() for seed in range(count)]
+    cases = [
+        {"way": way, "seed": seed, "kills": kills}
+        for way, count in chains.items()
+        for seed in range(count)
+    ]
     rows: list[dict[str, Any]] = []
     for case in cases:
         say(f"killing a sweep: {case['way']}, {len(rows) + 1} of {len(cases)}")
@@ -147,7 +174,9 @@ def kill_all(chains: dict[str, int], kills: int, journal: Journal, say: Callable
 
 
 def table(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """A row a way: how many sweeps and kills, how many of them met a run at work, how many sweeps are wrong."""
+    """A row a way: how many sweeps and kills, how many of them met a run at work, how many sweeps
+    are wrong.
+    """
     return [
         {
             "way": way,

@@ -1,4 +1,6 @@
-"""Thousands of broken inputs, generator by generator: what became of each, kept in a journal as it goes."""
+"""Thousands of broken inputs, generator by generator: what became of each, kept in a journal as it
+goes.
+"""
 
 import os
 import random
@@ -21,7 +23,10 @@ GENERATORS: dict[str, tuple[Callable[[random.Random], faults.Input], str]] = {
     "references": (faults.broken_reference, "files of reference values with other values or bytes"),
     "tables": (faults.broken_table, "tables of p(θ) with cells of all sorts"),
     "sweeps": (broken_sweep, "sweep files with values, keys and bytes of all sorts"),
-    "journals": (damaged_journal, "journals of a sweep with flipped, lost, doubled and zeroed bytes"),
+    "journals": (
+        damaged_journal,
+        "journals of a sweep with flipped, lost, doubled and zeroed bytes",
+    ),
     "command lines": (faults.command_line, "commands with options of all sorts"),
     "words": (faults.wrong_words, "words that are no command line"),
 }
@@ -29,7 +34,9 @@ GENERATORS: dict[str, tuple[Callable[[random.Random], faults.Input], str]] = {
 
 
 class Verdict(NamedTuple):
-    """What became of an input: its number, exit status, seconds of processor time, what is wrong (nothing: empty)."""
+    """What became of an input: its number, exit status, seconds of processor time, what is wrong
+    (nothing: empty).
+    """
 
     number: int
     status: int
@@ -48,7 +55,9 @@ def tried(generator: str, number: int, apart: bool = False) -> Verdict:
     apart = apart and all(map(passes, given.words))
     end = in_subprocess(given) if apart else in_process(given)
     fault = fault_of(given, end)
-    return Verdict(number, end.status, end.seconds, f"{faults.shown(given)}: {fault}" if fault else "")
+    return Verdict(
+        number, end.status, end.seconds, f"{faults.shown(given)}: {fault}" if fault else ""
+    )
 
 
 def passes(word: str) -> bool:
@@ -61,7 +70,11 @@ def passes(word: str) -> bool:
 
 def _chunk(case: Case) -> dict[str, Any]:
     numbers = range(case["first"], case["first"] + case["count"])
-    return {"verdicts": [tried(case["generator"], number, case["apart"])._asdict() for number in numbers]}
+    return {
+        "verdicts": [
+            tried(case["generator"], number, case["apart"])._asdict() for number in numbers
+        ]
+    }
 
 
 def try_all(
@@ -72,7 +85,9 @@ def try_all(
     processes: int = 0,
     say: Callable[[str], None] = lambda _: None,
 ) -> dict[str, list[Verdict]]:
-    """So many inputs of each generator, in this process or in several, those that the journal has not yet."""
+    """So many inputs of each generator, in this process or in several, those that the journal has
+    not yet.
+    """
     cases = {
         name: [
             {"generator": name, "first": first, "count": min(CHUNK, count - first), "apart": apart}
@@ -80,12 +95,24 @@ def try_all(
         ]
         for name, count in counts.items()
     }
-    kept([case for of in cases.values() for case in of], _chunk, journal, say, processes, f"lots of {CHUNK} inputs")
-    return {name: [Verdict(**row) for case in of for row in journal[case]["verdicts"]] for name, of in cases.items()}
+    kept(
+        [case for of in cases.values() for case in of],
+        _chunk,
+        journal,
+        say,
+        processes,
+        f"lots of {CHUNK} inputs",
+    )
+    return {
+        name: [Verdict(**row) for case in of for row in journal[case]["verdicts"]]
+        for name, of in cases.items()
+    }
 
 
 def table(verdicts: dict[str, list[Verdict]]) -> list[dict[str, Any]]:
-    """A row a generator: how its inputs ended, the faults, the longest run; the last row is the sum."""
+    """A row a generator: how its inputs ended, the faults, the longest run; the last row is the
+    sum.
+    """
     rows: list[dict[str, Any]] = [
         {
             "generator": name,

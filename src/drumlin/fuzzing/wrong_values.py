@@ -1,4 +1,6 @@
-"""Values that a brake, a path or an option may not or hardly have, as data, and what puts them into files."""
+"""Values that a brake, a path or an option may not or hardly have, as data, and what puts them into
+files.
+"""
 
 import math
 import random
@@ -24,7 +26,23 @@ QUANTITIES = (
     "300 MPa", "1 Pa", "1e30 Pa", "1/2 m", "9" * 100_000 + " mm", "1e9999 mm", "1 " + "m" * 5000, "1 m/(s*",
     "  8   mm ", "8mm",
 )  # fmt: skip
-NUMBERS = (0, 1, -1, 0.3, 1e-320, 1e308, 5e5, math.nan, math.inf, -math.inf, 10**30, 10**310, -(10**18), 2**63, 1e-9)
+NUMBERS = (
+    0,
+    1,
+    -1,
+    0.3,
+    1e-320,
+    1e308,
+    5e5,
+    math.nan,
+    math.inf,
+    -math.inf,
+    10**30,
+    10**310,
+    -(10**18),
+    2**63,
+    1e-9,
+)
 PATHS = (
     "r.json", "r.csv", "r.svg", "r.png", "m.msh", "b.toml", "./b.toml", "sub/../b.toml", "sub", "sub/", "link.json",
     "x.toml", "loop", "dangling", "no/such/folder/r.json", "b.toml/r.json", "", ".", "..", "a\nb.json",
@@ -40,13 +58,28 @@ def anything(rng: random.Random, deep: int = 2) -> Any:
         lambda: rng.choice(QUANTITIES),
         lambda: rng.choice(NUMBERS),
         lambda: rng.random() < 0.5,
-        lambda: Raw(rng.choice(["1979-05-27", "07:32:00", "1979-05-27T07:32:00Z", "0xdeadbeef", "+1", "'''\nx\n'''"])),
+        lambda: Raw(
+            rng.choice(
+                [
+                    "1979-05-27",
+                    "07:32:00",
+                    "1979-05-27T07:32:00Z",
+                    "0xdeadbeef",
+                    "+1",
+                    "'''\nx\n'''",
+                ]
+            )
+        ),
     ]
     if deep and rng.random() < 0.3:
         many = rng.choice([0, 1, 2, 3, 50])
         if rng.random() < 0.6:
             return [anything(rng, deep - 1) for _ in range(many)]
-        return {rng.choice(["x", "y", "radius", "angle", "E", "²", "", "a.b", "shoe"]): anything(rng, deep - 1)}
+        return {
+            rng.choice(["x", "y", "radius", "angle", "E", "²", "", "a.b", "shoe"]): anything(
+                rng, deep - 1
+            )
+        }
     return rng.choice(simple)()
 
 
@@ -76,13 +109,25 @@ def fitting(rng: random.Random, annotation: Any, before: Any) -> Any:
     said = str(annotation)
     choices: list[Any] = [rng.choice(QUANTITIES), rng.choice(NUMBERS), anything(rng)]
     if "Literal" in said:
-        choices += [value for part in [annotation, *typing.get_args(annotation)] for value in typing.get_args(part)]
+        choices += [
+            value
+            for part in [annotation, *typing.get_args(annotation)]
+            for value in typing.get_args(part)
+        ]
     if "tuple" in said:
-        choices += [[[rng.choice(QUANTITIES), rng.choice(QUANTITIES)] for _ in range(rng.choice([1, 2, 3]))], []]
+        choices += [
+            [
+                [rng.choice(QUANTITIES), rng.choice(QUANTITIES)]
+                for _ in range(rng.choice([1, 2, 3]))
+            ],
+            [],
+        ]
     if "Path" in said:
         choices += list(PATHS)
     if isinstance(before, str) and (match := re.fullmatch(r"([-\d.]+) (.+)", before)):
-        scaled = float(match[1]) * rng.choice([-1, 0, 0.1, 0.5, 0.99, 1.01, 2, 10, 1e6, 1e-6, 1e-15])
+        scaled = float(match[1]) * rng.choice(
+            [-1, 0, 0.1, 0.5, 0.99, 1.01, 2, 10, 1e6, 1e-6, 1e-15]
+        )
         choices += [f"{scaled!r} {match[2]}"] * 4
     if isinstance(before, dict):
         choices += [{}, {**before, "x": "1 mm"}, dict(list(before.items())[:1])]

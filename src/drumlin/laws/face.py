@@ -1,8 +1,8 @@
 """The two counterfaces that a shoe presses on, a drum and a plane, as a rigid shoe sees them.
 
-A rigid motion closes the gap of a lining by a mixture of two shapes: cos and sin of the angle on a drum, 1 and x on a
-plane. So the pressure of a rigid shoe is such a mixture, c_1 g_1 + c_2 g_2, whatever holds it; nothing else tells a
-drum from a plane here. Integrals are exact.
+A rigid motion closes the gap of a lining by a mixture of two shapes: cos and sin of the angle on a
+drum, 1 and x on a plane. So the pressure of a rigid shoe is such a mixture, c_1 g_1 + c_2 g_2,
+whatever holds it; nothing else tells a drum from a plane here. Integrals are exact.
 """
 
 import math
@@ -17,7 +17,9 @@ Arcs = tuple[tuple[float, float], ...]
 
 
 class DrumFace(NamedTuple):
-    """A drum of this radius [m]; sign: +1 for a lining inside it. Places are angles [rad], shapes cos, sin, 1."""
+    """A drum of this radius [m]; sign: +1 for a lining inside it. Places are angles [rad], shapes
+    cos, sin, 1.
+    """
 
     radius: float
     sign: int
@@ -52,7 +54,10 @@ class DrumFace(NamedTuple):
         """The arcs of a lining where the mixture c (2,) is positive."""
         top, found = math.atan2(c[1], c[0]), []
         for turn in range(-2, 3):
-            a, b = max(start, top + (2 * turn - 0.5) * math.pi), min(end, top + (2 * turn + 0.5) * math.pi)
+            a, b = (
+                max(start, top + (2 * turn - 0.5) * math.pi),
+                min(end, top + (2 * turn + 0.5) * math.pi),
+            )
             if b - a > 1e-12 and np.any(c):
                 found.append((a, b))
         return tuple(found)
@@ -60,21 +65,42 @@ class DrumFace(NamedTuple):
     def peak(self, c: Floats, arcs: Arcs) -> float:
         """The largest value of the mixture on the arcs."""
         top = math.atan2(c[1], c[0])
-        at = [x for a, b in arcs for x in (a, b, *(top + 2 * n * math.pi for n in range(-2, 3))) if a <= x <= b]
+        at = [
+            x
+            for a, b in arcs
+            for x in (a, b, *(top + 2 * n * math.pi for n in range(-2, 3)))
+            if a <= x <= b
+        ]
         return float(np.max(c @ self.shapes(np.array(at))[:2]))
 
     def force(self, loads: Floats, drag: float) -> tuple[Floats, Floats, float]:
-        """Forces (2,) of pressure and of friction, and moment about the origin, from the shapes' loads (3,) [N]."""
+        """Forces (2,) of pressure and of friction, and moment about the origin, from the shapes'
+        loads (3,) [N].
+        """
         along = loads[:2]
-        return -self.sign * along, drag * np.array([-along[1], along[0]]), drag * self.radius * float(loads[2])
+        return (
+            -self.sign * along,
+            drag * np.array([-along[1], along[0]]),
+            drag * self.radius * float(loads[2]),
+        )
 
     def centre(self, c: Floats, start: float, end: float) -> int:
-        """+1 where a lining from start to end can bear the resultant c (2,) by pressure, -1 by tension, else 0."""
+        """+1 where a lining from start to end can bear the resultant c (2,) by pressure, -1 by
+        tension, else 0.
+        """
         middle, half = (start + end) / 2, min((end - start) / 2, math.pi)
         off = math.remainder(math.atan2(c[1], c[0]) - middle, 2 * math.pi)
         back = math.remainder(off + math.pi, 2 * math.pi)
         slack = 1e-9
-        return 0 if not np.any(c) else 1 if abs(off) <= half + slack else -1 if abs(back) <= half + slack else 0
+        return (
+            0
+            if not np.any(c)
+            else 1
+            if abs(off) <= half + slack
+            else -1
+            if abs(back) <= half + slack
+            else 0
+        )
 
 
 class PlaneFace(NamedTuple):

@@ -1,8 +1,9 @@
 """Rigid shoes on a sliding plane: the short shoe and the long one with p proportional to x.
 
 x is the distance from the hinge's foot on the plane, h the height of the hinge above it (UWA notes,
-translational shoes, eq. iii and iv), s' = +1 where the body drags the lining away from the hinge: with
-h > 0 the friction then opposes the actuation. A pressure p = p_0 f(x) has the moment about the hinge
+translational shoes, eq. iii and iv), s' = +1 where the body drags the lining away from the hinge:
+with h > 0 the friction then opposes the actuation. A pressure p = p_0 f(x) has the moment about the
+hinge
 
     M = w p_0 (Load.x + s' mu h Load.total),    mu_lock = -Load.x / (s' h Load.total)
 """
@@ -67,12 +68,16 @@ class FlatLaw:
     pressure: Callable[[Floats, FlatLayout], Floats]
 
     def resistance(self, mu: Values, pad: FlatLayout) -> Floats:
-        """Load.x + s' mu h Load.total [m^2], the moment over w p_0; not positive where the shoe locks itself."""
+        """Load.x + s' mu h Load.total [m^2], the moment over w p_0; not positive where the shoe
+        locks itself.
+        """
         load = self.load(pad)
         return load.x + pad.s * mu * pad.h * load.total
 
     def amplitude(self, moment: Values, width: Values, mu: Values, pad: FlatLayout) -> Floats:
-        """p_0 [Pa] under an actuation moment [N m], lining `width` [m]; nan where the shoe locks itself."""
+        """p_0 [Pa] under an actuation moment [N m], lining `width` [m]; nan where the shoe locks
+        itself.
+        """
         resistance = self.resistance(mu, pad)
         return moment / (width * np.where(resistance > 0, resistance, np.nan))
 
@@ -81,7 +86,9 @@ class FlatLaw:
         return mu * self.amplitude(moment, 1.0, mu, pad) * self.load(pad).total
 
     def sensitivity(self, mu: Values, pad: FlatLayout) -> Floats:
-        """S = (mu/F) dF/dmu of the braking force at fixed actuation; nan where the shoe locks itself."""
+        """S = (mu/F) dF/dmu of the braking force at fixed actuation; nan where the shoe locks
+        itself.
+        """
         resistance = self.resistance(mu, pad)
         return self.load(pad).x / np.where(resistance > 0, resistance, np.nan)
 
@@ -145,7 +152,9 @@ def solve(law: FlatLaw, brake: Brake) -> Response:
         shoes=shoes,
         balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
         left_out=LEFT_OUT[brake.surface.word],
-        notes=tuple(no_contact(shoe.name, brake.surface.word) for shoe in shoes if not shoe.contact_arcs),
+        notes=tuple(
+            no_contact(shoe.name, brake.surface.word) for shoe in shoes if not shoe.contact_arcs
+        ),
     )
     return with_merits(brake, response)
 
@@ -162,7 +171,9 @@ def _shoe(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
         )
     amplitude = float(law.amplitude(moment, w, mu, pad))
     N = amplitude * w * float(law.load(pad).total)
-    x = np.linspace(shoe.lining.start, shoe.lining.end, 3)  # p is linear: two pieces would be one too many
+    x = np.linspace(
+        shoe.lining.start, shoe.lining.end, 3
+    )  # p is linear: two pieces would be one too many
     return ShoeResponse(
         name=shoe.name,
         torque=0.0,

@@ -1,8 +1,8 @@
 """Rigid shoes that turn about their hinge on a drum: brake -> law -> response.
 
-A block on a lever is such a shoe: its hinge is the lever's pin, and the actuation acts on the lever.
-Signs are those of the shoe's own frame, so that internal and external shoes, both rotations and both
-hands are one formula, and self-energising follows from moments.
+A block on a lever is such a shoe: its hinge is the lever's pin, and the actuation acts on the
+lever. Signs are those of the shoe's own frame, so that internal and external shoes, both rotations
+and both hands are one formula, and self-energising follows from moments.
 """
 
 import math
@@ -34,7 +34,9 @@ def layout(brake: Brake, shoe: Shoe) -> Layout:
 
 
 def locking_friction(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
-    """mu_lock of a shoe by a law: where its torque becomes infinite; inf where friction does not help."""
+    """mu_lock of a shoe by a law: where its torque becomes infinite; inf where friction does not
+    help.
+    """
     return float(law.locking_friction(layout(brake, shoe)))
 
 
@@ -118,9 +120,11 @@ def _shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
 
 
 def guided_torque(brake: Brake) -> float:
-    """Torque [N m] of shoes that move along the middle radius of their linings, the guide bearing all else.
+    """Torque [N m] of shoes that move along the middle radius of their linings, the guide bearing
+    all else.
 
-    p = p_0 cos about the middle: the lumped friction mu' N, N the force along that radius (NPTEL lesson 12.1).
+    p = p_0 cos about the middle: the lumped friction mu' N, N the force along that radius (NPTEL
+    lesson 12.1).
     """
     total = 0.0
     for shoe in brake.shoes:
@@ -132,7 +136,9 @@ def guided_torque(brake: Brake) -> float:
 
 
 def pressing_moment(shoe: Shoe) -> float:
-    """Moment of the actuation about the hinge [N m], positive where it turns the lining towards the drum."""
+    """Moment of the actuation about the hinge [N m], positive where it turns the lining towards the
+    drum.
+    """
     return -shoe.sign * shoe.frame.sense * shoe.actuation.moment_about(shoe.pin)
 
 

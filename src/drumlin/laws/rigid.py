@@ -1,13 +1,13 @@
-"""The rigid-shoe law: p = sum of a_k f_k >= 0, with f_k how the freedom k of a shoe closes the gap, and one equilibrium
-for each freedom.
+"""The rigid-shoe law: p = sum of a_k f_k >= 0, with f_k how the freedom k of a shoe closes the gap,
+and one equilibrium for each freedom.
 
-With n and t the lining's normal and the direction of drag, u_k the motions of the shoe and v_j those on which what
-holds it does no work (brake.support), and Q_j the work of the actuation:
+With n and t the lining's normal and the direction of drag, u_k the motions of the shoe and v_j
+those on which what holds it does no work (brake.support), and Q_j the work of the actuation:
 
     f_k = n.u_k,     w Int p (n.v_j - mu s t.v_j) ds = Q_j     over the part of the lining where p > 0
 
-Its names on the grounds where it is known: sine (a hinge on a drum), A cos + B sin (a pivot or an abutment), cosine (a
-guide on a drum), linear (a hinge on a plane), uniform (a guide on a plane).
+Its names on the grounds where it is known: sine (a hinge on a drum), A cos + B sin (a pivot or an
+abutment), cosine (a guide on a drum), linear (a hinge on a plane), uniform (a guide on a plane).
 """
 
 import math
@@ -39,8 +39,10 @@ MOST_STEPS = 200
 
 
 class Pressed(NamedTuple):
-    """A rigid shoe that presses: `c` (2,) the mixture of shapes [Pa], `amounts` (k,) of its freedoms [Pa m/m of the
-    gap], the `arcs` where it presses, `freedoms` with the `sense` of an abutment's friction."""
+    """A rigid shoe that presses: `c` (2,) the mixture of shapes [Pa], `amounts` (k,) of its
+    freedoms [Pa m/m of the gap], the `arcs` where it presses, `freedoms` with the `sense` of an
+    abutment's friction.
+    """
 
     face: Face
     c: Floats
@@ -79,17 +81,22 @@ def locking(face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int) -> 
 
 
 def locking_friction(brake: Brake, shoe: Shoe) -> float:
-    """mu_lock of a shoe by the law, all of its lining pressed; the least of both senses of an abutment's friction."""
+    """mu_lock of a shoe by the law, all of its lining pressed; the least of both senses of an
+    abutment's friction.
+    """
     face, ends = face_of(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
-    of = [locking(face, shoe.freedoms(sense), shoe.lining.width, ends, brake.spin) for sense in shoe.senses]
+    of = [
+        locking(face, shoe.freedoms(sense), shoe.lining.width, ends, brake.spin)
+        for sense in shoe.senses
+    ]
     return min(of)
 
 
 def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> Pressed | None:
     """The shoe as it presses under its actuation; None where that lifts it off, or is none.
 
-    whole: all of the lining bears, tension included, as closed forms have it. Raises NoAnswer: self-locking, or nothing
-    balances the actuation.
+    whole: all of the lining bears, tension included, as closed forms have it. Raises NoAnswer:
+    self-locking, or nothing balances the actuation.
     """
     face = face_of(brake, shoe)
     if shoe.actuation.force == 0:
@@ -152,11 +159,15 @@ def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> P
         arcs = after
     if mu >= mu_lock:
         raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
-    raise NoAnswer(f"shoe {shoe.name!r}: tips, no pressure of a rigid shoe on its lining balances the actuation")
+    raise NoAnswer(
+        f"shoe {shoe.name!r}: tips, no pressure of a rigid shoe on its lining balances the actuation"
+    )
 
 
 def _same(a: Arcs, b: Arcs) -> bool:
-    return len(a) == len(b) and bool(np.allclose(a, b, rtol=0, atol=1e-13 * max(1.0, np.abs(b).max())))
+    return len(a) == len(b) and bool(
+        np.allclose(a, b, rtol=0, atol=1e-13 * max(1.0, np.abs(b).max()))
+    )
 
 
 def _contact(brake: Brake, shoe: Shoe, found: Pressed) -> Resultant:
@@ -178,7 +189,9 @@ def respond(brake: Brake, shoe: Shoe, found: Pressed | None) -> ShoeResponse:
     else:  # the work of friction on the slide
         a, systems = found.amounts, system(found.face, found.freedoms, 1.0, found.arcs)
         closed, dragged = (float(a @ work @ a) for work in systems)
-        helping = brake.friction * brake.spin * dragged - NEITHER * closed  # none where the guide is square to it
+        helping = (
+            brake.friction * brake.spin * dragged - NEITHER * closed
+        )  # none where the guide is square to it
     return ShoeResponse(
         name=shoe.name,
         torque=0.0 if flat else abs(contact.moment),
@@ -190,12 +203,16 @@ def respond(brake: Brake, shoe: Shoe, found: Pressed | None) -> ShoeResponse:
         theta=place,
         pressure=pressure(found, place),
         pivot_reaction=-contact.force if shoe.pivot is not None else None,
-        reaction_moment=-about[0] - about[1] - shoe.actuation.moment_about(shoe.pin) if shoe.guide is not None else 0.0,
+        reaction_moment=-about[0] - about[1] - shoe.actuation.moment_about(shoe.pin)
+        if shoe.guide is not None
+        else 0.0,
     )
 
 
 def pressure(found: Pressed | None, place: Floats) -> Floats:
-    """The pressure [Pa] of a shoe that presses so at the places of its lining, same shape; 0 of one that does not."""
+    """The pressure [Pa] of a shoe that presses so at the places of its lining, same shape; 0 of one
+    that does not.
+    """
     if found is None:
         return np.zeros(np.shape(place))
     return np.maximum(found.c @ found.face.shapes(place)[:2], 0.0)
@@ -204,12 +221,18 @@ def pressure(found: Pressed | None, place: Floats) -> Floats:
 def _about(shoe: Shoe, contact: Resultant) -> tuple[float, float]:
     """Moments of pressure and of friction about the shoe's pin."""
     pin = shoe.pin.xy
-    pressure, friction = (contact.moment, 0.0) if shoe.flat else (0.0, contact.moment)  # about the origin
-    return pressure - float(cross(pin, contact.normal)), friction - float(cross(pin, contact.friction))
+    pressure, friction = (
+        (contact.moment, 0.0) if shoe.flat else (0.0, contact.moment)
+    )  # about the origin
+    return pressure - float(cross(pin, contact.normal)), friction - float(
+        cross(pin, contact.friction)
+    )
 
 
 def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
-    """Nodes of quadratic pieces over a lining: even ones, and the ends of the contact among those between pieces."""
+    """Nodes of quadratic pieces over a lining: even ones, and the ends of the contact among those
+    between pieces.
+    """
     marks = sorted({*ends, *(x for arc in arcs for x in arc)})
     found = [np.array(marks[:1])]
     for a, b in pairwise(marks):
@@ -219,7 +242,9 @@ def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
 
 
 def forced(brake: Brake, *, whole: bool = False) -> Brake:
-    """The brake with the forces that its shoes share, those of a cam and of struts, by the law. Raises NoAnswer."""
+    """The brake with the forces that its shoes share, those of a cam and of struts, by the law.
+    Raises NoAnswer.
+    """
     shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}
     behind = {link.to for link in brake.links}
@@ -237,12 +262,15 @@ def forced(brake: Brake, *, whole: bool = False) -> Brake:
     for link in brake.links:
         source, to = shoes[place[link.source]], place[link.to]
         found = press(brake, source, whole=whole)
-        shoes[to] = shoes[to].under(0.0 if found is None else math.hypot(*respond(brake, source, found).hinge_reaction))
+        shoes[to] = shoes[to].under(
+            0.0 if found is None else math.hypot(*respond(brake, source, found).hinge_reaction)
+        )
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
 def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response:
-    """The response of a brake by the law, under the `name` that it has for such brakes; whole: as for `press`.
+    """The response of a brake by the law, under the `name` that it has for such brakes; whole: as
+    for `press`.
 
     Raises NoAnswer: self-locking, or a shoe that nothing balances.
     """
@@ -250,7 +278,10 @@ def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response
     shoes = tuple(respond(under, shoe, press(under, shoe, whole=whole)) for shoe in under.shoes)
     shared = under.shoes != brake.shoes
     if shared:
-        shoes = tuple(replace(r, force=shoe.actuation.force) for r, shoe in zip(shoes, under.shoes, strict=True))
+        shoes = tuple(
+            replace(r, force=shoe.actuation.force)
+            for r, shoe in zip(shoes, under.shoes, strict=True)
+        )
     word = brake.surface.word
     response = Response(
         model=name,
@@ -266,15 +297,21 @@ def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response
 
 
 def cam_notes(brake: Brake) -> tuple[str, ...]:
-    """How a cam shares its force between linings of unlike E/t, in a line; none where they are alike.
+    """How a cam shares its force between linings of unlike E/t, in a line; none where they are
+    alike.
 
-    Both tips go the same way. A new lining under a rigid shoe gives way by p t/E, a worn-in one wears by p.
+    Both tips go the same way. A new lining under a rigid shoe gives way by p t/E, a worn-in one
+    wears by p.
     """
     if brake.actuation is None or not brake.actuation.is_cam:
         return ()
     behind = {link.to for link in brake.links}
     linings = [shoe.lining for shoe in brake.shoes if shoe.name not in behind]
-    moduli = [own.material.E_through / own.thickness for own in linings if own.material is not None and own.thickness]
+    moduli = [
+        own.material.E_through / own.thickness
+        for own in linings
+        if own.material is not None and own.thickness
+    ]
     if len(moduli) < 2 or math.isclose(*moduli[:2], rel_tol=1e-6):
         return ()
     return (

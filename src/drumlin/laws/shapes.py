@@ -1,8 +1,8 @@
 """The rigid-shoe laws of a drum brake as pure formulas on arrays.
 
 Angles phi are measured at the drum's centre O from the hinge, in the shoe's own frame. A law says
-p(phi) = p_0 f(phi); all that a shoe needs of it are three integrals over the arc, its `Load`. With them
-every law is the short shoe of the UWA notes (eq. 6a) in disguise:
+p(phi) = p_0 f(phi); all that a shoe needs of it are three integrals over the arc, its `Load`. With
+them every law is the short shoe of the UWA notes (eq. 6a) in disguise:
 
     M = b R p_0 (M_N - dD mu M_F),   M_N = a Load.sin,   M_F = R Load.total - a Load.cos
     T = mu b R^2 p_0 Load.total,     mu_lock = M_N / (dD M_F)
@@ -31,8 +31,8 @@ class Layout(NamedTuple):
     """What a law asks of a shoe; entries broadcast.
 
     Arc phi_1 to phi_2 [rad] from the hinge, drum radius R [m], hinge radius a [m], and the double
-    delta dD of the UWA notes: +1 for an external shoe whose lining the drum drags away from the hinge
-    and for an internal shoe whose lining it drags towards the hinge, else -1.
+    delta dD of the UWA notes: +1 for an external shoe whose lining the drum drags away from the
+    hinge and for an internal shoe whose lining it drags towards the hinge, else -1.
     """
 
     phi_1: Values
@@ -55,8 +55,8 @@ class Layout(NamedTuple):
 def moments_about(load: Load, R: Values, x: Values, y: Values = 0.0) -> tuple[Floats, Floats]:
     """M_N and M_F [m] of a load about the point x, y [m] of the shoe's frame, over b R p_0.
 
-    M_N: the moment with which the normal pressure resists the actuation; M_F: with which the friction
-    helps it at mu = dD = 1. About the hinge, x = a and y = 0.
+    M_N: the moment with which the normal pressure resists the actuation; M_F: with which the
+    friction helps it at mu = dD = 1. About the hinge, x = a and y = 0.
     """
     M_N = x * load.sin - y * load.cos
     M_F = R * load.total - x * load.cos - y * load.sin
@@ -105,7 +105,8 @@ def block_load(arc: Layout) -> Load:
 
 
 def equivalent_friction(theta_0: Values) -> Floats:
-    """mu'/mu = 4 sin theta_0 / (2 theta_0 + sin 2 theta_0) for p = p_0 cos over the half-arc theta_0 [rad].
+    """mu'/mu = 4 sin theta_0 / (2 theta_0 + sin 2 theta_0) for p = p_0 cos over the half-arc
+    theta_0 [rad].
 
     The lumped friction T/R of a block over its normal force (NPTEL lesson 12.1).
     """
@@ -113,7 +114,9 @@ def equivalent_friction(theta_0: Values) -> Floats:
 
 
 def pivot_radius(R: Values, theta_0: Values) -> Floats:
-    """Distance [m] from O at which a pivot leaves p = p_0 cos: 4 R sin theta_0 / (2 theta_0 + sin 2 theta_0)."""
+    """Distance [m] from O at which a pivot leaves p = p_0 cos: 4 R sin theta_0 / (2 theta_0 + sin 2
+    theta_0).
+    """
     return np.asarray(R * equivalent_friction(theta_0))
 
 
@@ -129,9 +132,9 @@ def _of_block(arc: Layout) -> Floats:
 class Law:
     """A law p = p_0 f(phi) of a shoe that turns about its hinge.
 
-    `load`: integrals of f; `pressure`: f at phi; `peak_at`: phi [rad] where f is largest; `lumped`: all of
-    the contact acts at the lining's middle; `friction`: factor on mu of a friction that is lumped; `remark`:
-    what a reader of its numbers should know.
+    `load`: integrals of f; `pressure`: f at phi; `peak_at`: phi [rad] where f is largest; `lumped`:
+    all of the contact acts at the lining's middle; `friction`: factor on mu of a friction that is
+    lumped; `remark`: what a reader of its numbers should know.
     """
 
     name: str
@@ -149,12 +152,16 @@ class Law:
         return M_N, self.friction(arc) * M_F
 
     def resistance(self, mu: Values, arc: Layout) -> Floats:
-        """M_N - dD mu M_F [m], the actuation moment over b R p_0; not positive where the shoe locks itself."""
+        """M_N - dD mu M_F [m], the actuation moment over b R p_0; not positive where the shoe locks
+        itself.
+        """
         M_N, M_F = self.moments(arc)
         return M_N - arc.dD * mu * M_F
 
     def amplitude(self, moment: Values, width: Values, mu: Values, arc: Layout) -> Floats:
-        """p_0 [Pa] under an actuation moment [N m], lining `width` [m]; nan where the shoe locks itself."""
+        """p_0 [Pa] under an actuation moment [N m], lining `width` [m]; nan where the shoe locks
+        itself.
+        """
         resistance = self.resistance(mu, arc)
         return moment / (width * arc.R * np.where(resistance > 0, resistance, np.nan))
 
@@ -175,7 +182,9 @@ class Law:
         return M_N / np.where(resistance > 0, resistance, np.nan)
 
     def locking_friction(self, arc: Layout) -> Floats:
-        """mu_lock = M_N / (dD M_F), where the torque becomes infinite; inf where friction does not help."""
+        """mu_lock = M_N / (dD M_F), where the torque becomes infinite; inf where friction does not
+        help.
+        """
         M_N, M_F = self.moments(arc)
         helps = arc.dD * M_F > 0
         with np.errstate(over="ignore"):  # friction through the hinge: infinite is right
@@ -183,7 +192,9 @@ class Law:
 
 
 def m_and_n(mu: Values, theta_m: Values, r: Values, a: Values) -> tuple[Floats, Floats]:
-    """m = (a/(mu r)) sin theta_m and n = 1 - (a/r) cos theta_m of a short shoe at theta_m (UWA, eq. 6a)."""
+    """m = (a/(mu r)) sin theta_m and n = 1 - (a/r) cos theta_m of a short shoe at theta_m (UWA, eq.
+    6a).
+    """
     return np.asarray(a / (mu * r) * np.sin(theta_m)), np.asarray(1 - a / r * np.cos(theta_m))
 
 

@@ -1,14 +1,16 @@
 """The double-shoe brake block of Simscape Driveline, with the block's own parameters.
 
-Two shoes, mirror images about the brake's symmetry axis, each under the same force F. The sine law gives
-their torques from F c = M_N -+ M_F (leading, trailing), with three things that a brake file does not have:
+Two shoes, mirror images about the brake's symmetry axis, each under the same force F. The sine law
+gives their torques from F c = M_N -+ M_F (leading, trailing), with three things that a brake file
+does not have:
 
     mu = mu_Coulomb tanh(4 omega / omega_threshold)
     T = T_LS + T_TS + mu_visc omega          (the block's page prints + mu_visc, which is no torque)
     T = 0 for F <= 0
 
-The page calls theta_s the shoe's span, with the default 130 deg, and its formulas use it as the angle from
-the hinge at which the lining ends. Both readings are offered; the formulas' is the default.
+The page calls theta_s the shoe's span, with the default 130 deg, and its formulas use it as the
+angle from the hinge at which the lining ends. Both readings are offered; the formulas' is the
+default.
 """
 
 import math
@@ -30,11 +32,13 @@ LINING = Material(E=300e6, nu=0.25)
 
 @dataclass(frozen=True)
 class DoubleShoe:
-    """Parameters of the block with its defaults, in SI; raises BadInput outside the documented ranges.
+    """Parameters of the block with its defaults, in SI; raises BadInput outside the documented
+    ranges.
 
-    r_D drum radius, r_a distance of the force line from the centre, r_p pin radius [m]; theta_p angle of
-    the pin from the symmetry axis, theta_sb from the pin to the lining's beginning, theta_s the shoe's
-    span or end angle according to `reading` [rad]; mu_visc [N m s/rad]; omega_threshold [rad/s].
+    r_D drum radius, r_a distance of the force line from the centre, r_p pin radius [m]; theta_p
+    angle of the pin from the symmetry axis, theta_sb from the pin to the lining's beginning,
+    theta_s the shoe's span or end angle according to `reading` [rad]; mu_visc [N m s/rad];
+    omega_threshold [rad/s].
     """
 
     r_D: float = 0.150
@@ -71,7 +75,12 @@ class DoubleShoe:
             ),
             ("mu_Coulomb", "{:g}".format, self.mu_Coulomb > 0, "must be greater than 0"),
             ("mu_visc", "{:g} N m s/rad".format, self.mu_visc >= 0, "must be at least 0"),
-            ("omega_threshold", "{:g} rad/s".format, self.omega_threshold > 0, "must be greater than 0"),
+            (
+                "omega_threshold",
+                "{:g} rad/s".format,
+                self.omega_threshold > 0,
+                "must be greater than 0",
+            ),
         )
         for key, shown, allowed, message in rules:
             value = getattr(self, key)
@@ -112,7 +121,8 @@ class DoubleShoe:
         return np.asarray(self.mu_Coulomb * np.tanh(4 * np.asarray(omega) / self.omega_threshold))
 
     def shoe_torques(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
-        """T_LS and T_TS [N m] of the shoes that lead and trail at omega > 0; force [N], omega [rad/s] broadcast.
+        """T_LS and T_TS [N m] of the shoes that lead and trail at omega > 0; force [N], omega
+        [rad/s] broadcast.
 
         Raises NoAnswer where the block would lock itself.
         """
@@ -124,7 +134,9 @@ class DoubleShoe:
         return SINE.torque(moment, mu, self._layout(1)), SINE.torque(moment, mu, self._layout(-1))
 
     def line_pressures(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
-        """p_a and p_b [N/m], the largest linear pressures of both shoes; force [N], omega [rad/s] broadcast."""
+        """p_a and p_b [N/m], the largest linear pressures of both shoes; force [N], omega [rad/s]
+        broadcast.
+        """
         moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
         leading, trailing = (
             SINE.amplitude(moment, 1.0, mu, layout) * SINE.pressure(SINE.peak_at(layout), layout)
@@ -135,11 +147,13 @@ class DoubleShoe:
     def torque(self, force: Values, omega: Values) -> Floats:
         """T [N m] against a rotation omega [rad/s], of its sign; force [N] and omega broadcast.
 
-        Zero without a force that presses: then nothing touches, so nothing is viscous either. Raises
-        NoAnswer where the block would lock itself.
+        Zero without a force that presses: then nothing touches, so nothing is viscous either.
+        Raises NoAnswer where the block would lock itself.
         """
         leading, trailing = self.shoe_torques(force, omega)
-        return np.where(np.asarray(force) > 0, leading + trailing + self.mu_visc * np.asarray(omega), 0.0)
+        return np.where(
+            np.asarray(force) > 0, leading + trailing + self.mu_visc * np.asarray(omega), 0.0
+        )
 
     def brake(
         self,
@@ -153,8 +167,8 @@ class DoubleShoe:
     ) -> Brake:
         """The block at full friction as a Brake, symmetric about the y axis, its pins below.
 
-        The block knows neither width [m] nor thickness [m] nor material of the lining; the sine law's
-        torque does not ask for them.
+        The block knows neither width [m] nor thickness [m] nor material of the lining; the sine
+        law's torque does not ask for them.
         """
         phi_1, phi_2 = self.arc
         layers = {"thickness": thickness, "width": width, "material": material}

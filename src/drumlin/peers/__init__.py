@@ -1,4 +1,6 @@
-"""Peers: public solvers that get the same brake on drumlin's own mesh, and answer with the same kind of response."""
+"""Peers: public solvers that get the same brake on drumlin's own mesh, and answer with the same
+kind of response.
+"""
 
 from typing import Any
 
@@ -16,8 +18,9 @@ __all__ = ["PEERS", "Peer", "PeerMissing", "missing", "solve"]
 def solve(name: str, brake: Brake, **options: Any) -> Peer:
     """A brake by the peer `name`; options: `elements`, `kind`, `mesher`, and the peer's own.
 
-    GetFEM takes shoes however they are held, CalculiX those on hinges of a drum. Raises BadInput for a brake that the
-    peer does not take and for another name, PeerMissing where it is not installed, NoAnswer where it has none.
+    GetFEM takes shoes however they are held, CalculiX those on hinges of a drum. Raises BadInput
+    for a brake that the peer does not take and for another name, PeerMissing where it is not
+    installed, NoAnswer where it has none.
     """
     from drumlin.peers import calculix, getfem  # noqa: PLC0415  (finite elements load only where they are used)
 

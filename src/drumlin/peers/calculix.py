@@ -1,10 +1,11 @@
 """CalculiX as a peer: decks written, run by `ccx`, read back and checked.
 
-The drum's nodes move along their tangents and the torque is the moment of the forces on them where they were at first:
-the answer is then in proportion to load and rotation, as of small displacements. A drum that turns on circles is off by
-some 1e-3, and so is the moment that CalculiX prints, which is about the moved surface. A state is believed only where
-forces and moments balance, where enough of the lining touches and where it slips everywhere that it touches; it is
-known to end normally on states that are none.
+The drum's nodes move along their tangents and the torque is the moment of the forces on them where
+they were at first: the answer is then in proportion to load and rotation, as of small
+displacements. A drum that turns on circles is off by some 1e-3, and so is the moment that CalculiX
+prints, which is about the moved surface. A state is believed only where forces and moments balance,
+where enough of the lining touches and where it slips everywhere that it touches; it is known to end
+normally on states that are none.
 """
 
 import functools
@@ -41,7 +42,9 @@ from drumlin.peers.peer import (
 from drumlin.response.response import Balance, ShoeResponse
 from drumlin.texts import formatted
 
-INSTALL = "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"
+INSTALL = (
+    "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"
+)
 LARGEST_IMBALANCE = 1e-3  # relative: the two sides of the contact are apart by the drum's rotation
 LEAST_TOUCHING = 0.1  # of the lining's elements
 STICKING = 0.99  # of mu p: less shear than that is not full slip ...
@@ -51,19 +54,20 @@ LONGEST = 3600  # s
 
 
 class Posed(NamedTuple):
-    """How a shoe is posed to CalculiX: `text(setting, name)`, its deck, and `along(forces)`: of the forces (n, 2) on
-    all nodes of the drum those on the nodes of its arc."""
+    """How a shoe is posed to CalculiX: `text(setting, name)`, its deck, and `along(forces)`: of the
+    forces (n, 2) on all nodes of the drum those on the nodes of its arc.
+    """
 
     text: Callable[[Setting, str], str]
     along: Callable[[Floats], Floats]
 
 
 class State(NamedTuple):
-    """What CalculiX found, in the shoe's frame: forces on the nodes of the drum's arc (n, 2) and of the pin on the
-    shoe (2,) [N], turn about the pin [rad], counter-clockwise in the brake.
+    """What CalculiX found, in the shoe's frame: forces on the nodes of the drum's arc (n, 2) and of
+    the pin on the shoe (2,) [N], turn about the pin [rad], counter-clockwise in the brake.
 
-    `touching`: elements of the lining with contact points; `points`: their number; `sticking`: the part of them that
-    does not slip. `iterations`; `unknowns`; `seconds` of its process.
+    `touching`: elements of the lining with contact points; `points`: their number; `sticking`: the
+    part of them that does not slip. `iterations`; `unknowns`; `seconds` of its process.
     """
 
     contact: Floats
@@ -93,8 +97,8 @@ def export(
 ) -> tuple[list[Path], list[str]]:
     """Write the decks of a brake, one for each shoe, as `solve` runs them at first.
 
-    Returns the files, and the names of shoes without a deck because their force turns them away from the drum.
-    Raises BadInput as `solve` does; needs no CalculiX.
+    Returns the files, and the names of shoes without a deck because their force turns them away
+    from the drum. Raises BadInput as `solve` does; needs no CalculiX.
     """
     paths, apart = [], []
     for loaded in loaded_shoes(brake, elements, kind):
@@ -115,10 +119,11 @@ def solve(
     mesher: Mesher | None = None,
     setting: Setting | None = None,
 ) -> Peer:
-    """A brake by CalculiX on drumlin's mesh; where the lining does not slip everywhere the drum is turned twice as far.
+    """A brake by CalculiX on drumlin's mesh; where the lining does not slip everywhere the drum is
+    turned twice as far.
 
-    Raises PeerMissing; BadInput for a brake with a ring, without friction or with a clearance; NoAnswer
-    where it fails or ends on a state that is none.
+    Raises PeerMissing; BadInput for a brake with a ring, without friction or with a clearance;
+    NoAnswer where it fails or ends on a state that is none.
     """
     installed = version()
     shoes = loaded_shoes(brake, elements, kind, mesher)
@@ -149,10 +154,14 @@ def plane_pose(brake: Brake, loaded: Loaded) -> Posed:
     """A shoe in plane stress."""
     count = len(drum_angles(loaded))
     arc = slice(count) if loaded.shoe.sign > 0 else slice(-count, None)
-    return Posed(lambda setting, name: deck(brake, loaded, setting, name), lambda forces: forces[arc])
+    return Posed(
+        lambda setting, name: deck(brake, loaded, setting, name), lambda forces: forces[arc]
+    )
 
 
-def slipping(brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None = None) -> tuple[State, float]:
+def slipping(
+    brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None = None
+) -> tuple[State, float]:
     """The state of a shoe, the drum turned so far that the lining slips, and that rotation [rad].
 
     Only the run that is kept counts in its time. Raises NoAnswer.
@@ -181,7 +190,11 @@ def run(brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None = No
         (Path(folder) / "shoe.inp").write_text(text, encoding="utf-8")
         ended = run_process(["ccx", "shoe"], Path(folder), LONGEST)
         if ended.status or "Job finished" not in ended.output:
-            faults = [line.strip() for line in ended.output.splitlines() if "*ERROR" in line or "diverge" in line]
+            faults = [
+                line.strip()
+                for line in ended.output.splitlines()
+                if "*ERROR" in line or "diverge" in line
+            ]
             said = faults[-1] if faults else f"its process ended with status {ended.status}"
             raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX: {said[:200]}")
         dat, sta = ((Path(folder) / f"shoe.{suffix}").read_text() for suffix in ("dat", "sta"))
@@ -190,9 +203,17 @@ def run(brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None = No
 
 
 def read_state(
-    dat: str, sta: str, output: str, brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None = None
+    dat: str,
+    sta: str,
+    output: str,
+    brake: Brake,
+    loaded: Loaded,
+    setting: Setting,
+    posed: Posed | None = None,
 ) -> State:
-    """The state in CalculiX's texts: results (.dat), increments (.sta), and what it printed. Raises NoAnswer."""
+    """The state in CalculiX's texts: results (.dat), increments (.sta), and what it printed. Raises
+    NoAnswer.
+    """
     blocks = _blocks(dat)
     try:
         drum = _block(blocks, "forces (fx,fy,fz) for set NDRUM")
@@ -201,7 +222,9 @@ def read_state(
         stress = _block(blocks, "contact stress")
         time_reached = float(re.findall(r"for set TURN and time\s+(\S+)", dat)[-1])
     except (LookupError, ValueError) as error:
-        raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX wrote no contact state ({error})") from error
+        raise NoAnswer(
+            f"shoe {loaded.shoe.name!r}: CalculiX wrote no contact state ({error})"
+        ) from error
     if abs(time_reached - 1) > 1e-6:
         raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX ended at {time_reached:g} of its step")
     size = setting.thickness
@@ -210,7 +233,8 @@ def read_state(
     steps = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
     equations = re.search(r"number of equations\s+(\d+)", output)
     return State(
-        contact=loaded.shoe.frame.to_shoe((posed or plane_pose(brake, loaded)).along(drum[:, 1:3])) / size,
+        contact=loaded.shoe.frame.to_shoe((posed or plane_pose(brake, loaded)).along(drum[:, 1:3]))
+        / size,
         pin=loaded.shoe.frame.to_shoe(-BEARING * pin) / size,
         turn=turn,
         touching=len(np.unique(stress[:, 0])),
@@ -246,7 +270,9 @@ def _block(blocks: dict[str, str], start: str) -> Floats:
 
 
 def check(loaded: Loaded, state: State) -> None:
-    """Raise NoAnswer where a state is none: forces or moments that do not balance, a handful of contact points."""
+    """Raise NoAnswer where a state is none: forces or moments that do not balance, a handful of
+    contact points.
+    """
     name, lining = loaded.shoe.name, len(loaded.parts.line.pieces[0])
     _, balance = response(loaded, state)
     if not max(balance.force, balance.moment) < LARGEST_IMBALANCE:
@@ -258,7 +284,9 @@ def check(loaded: Loaded, state: State) -> None:
 
 
 def response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
-    """The response to a state. Pressure and shear are those whose nodal forces are CalculiX's on the drum."""
+    """The response to a state. Pressure and shear are those whose nodal forces are CalculiX's on
+    the drum.
+    """
     shoe, frame = loaded.shoe, loaded.shoe.frame
     theta = drum_angles(loaded)
     forces = state.contact[:: frame.sense]
@@ -271,7 +299,8 @@ def response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
     pressing, dragging = -coupling.N.T, coupling.T.T  # nodal forces of a pressure and of a shear
     pressure, shear = np.split(np.linalg.solve(np.hstack([pressing, dragging]), forces.ravel()), 2)
     normal, along = (
-        (of @ values).reshape(-1, 2).sum(axis=0) for of, values in ((pressing, pressure), (dragging, shear))
+        (of @ values).reshape(-1, 2).sum(axis=0)
+        for of, values in ((pressing, pressure), (dragging, shear))
     )
     torque = abs(float(xy[0] @ forces[:, 1] - xy[1] @ forces[:, 0]))
     on = slice(2 * BEYOND_ELEMENTS, len(phi) - 2 * BEYOND_ELEMENTS)

@@ -1,9 +1,10 @@
 """A shoe against its drum as an input deck for CalculiX, from drumlin's own mesh; units mm, N, MPa.
 
-Plane stress elements of one small thickness (CPS8 or CPS6; thick ones are not quite in plane stress there), every
-stiffness and force in proportion to it: what is wider than the lining is stiffer instead. The hinge's line turns
-about the pin by linear equations; the drum is an arc of elements whose nodes are all moved, reaching past the
-lining's ends; contact is face to face by a penalty, with friction.
+Plane stress elements of one small thickness (CPS8 or CPS6; thick ones are not quite in plane stress
+there), every stiffness and force in proportion to it: what is wider than the lining is stiffer
+instead. The hinge's line turns about the pin by linear equations; the drum is an arc of elements
+whose nodes are all moved, reaching past the lining's ends; contact is face to face by a penalty,
+with friction.
 """
 
 import math
@@ -37,9 +38,9 @@ SOFT = 1e-6  # modulus of the drum, of the lining's: all its nodes are prescribe
 class Setting(NamedTuple):
     """How a brake is posed to CalculiX.
 
-    `rotation` [rad] of the drum; `thickness` of all elements, of the lining's width; `penalty` and `stick`: contact and
-    stick stiffness as multiples of E/t of the lining; `steps`: least number of increments; `accuracy`: CalculiX's
-    relative tolerance of forces.
+    `rotation` [rad] of the drum; `thickness` of all elements, of the lining's width; `penalty` and
+    `stick`: contact and stick stiffness as multiples of E/t of the lining; `steps`: least number of
+    increments; `accuracy`: CalculiX's relative tolerance of forces.
     """
 
     rotation: float = 1e-3
@@ -51,9 +52,11 @@ class Setting(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """A shoe's mesh as CalculiX has it: nodes `xy` (n, 2) [mm], `cells` (m, k) of them, corners first, and the nodes of
-    the edges of each boundary. Labels count from 1; nodes `pin` and `turn` come after those of the mesh, then the
-    drum's; elements of the drum and of the `bearing` after the shoe's."""
+    """A shoe's mesh as CalculiX has it: nodes `xy` (n, 2) [mm], `cells` (m, k) of them, corners
+    first, and the nodes of the edges of each boundary. Labels count from 1; nodes `pin` and `turn`
+    come after those of the mesh, then the drum's; elements of the drum and of the `bearing` after
+    the shoe's.
+    """
 
     xy: Floats
     cells: Ints
@@ -66,10 +69,14 @@ class Grid(NamedTuple):
 
 
 def deck(brake: Brake, loaded: Loaded, setting: Setting, name: str = "shoe") -> str:
-    """The deck of one shoe, in the brake's frame. Raises BadInput for linear elements and for a clearance."""
+    """The deck of one shoe, in the brake's frame. Raises BadInput for linear elements and for a
+    clearance.
+    """
     shoe, parts = loaded.shoe, loaded.parts
     if np.any(gap_at(parts.line.xy, parts.line.phi, brake, shoe)):
-        raise BadInput(f"shoe {shoe.name!r}: lining.clearance: CalculiX gets linings that fit the drum; must be 0")
+        raise BadInput(
+            f"shoe {shoe.name!r}: lining.clearance: CalculiX gets linings that fit the drum; must be 0"
+        )
     grid = _grid(loaded)
     drum_lines, drum_xy = drum(brake, loaded, (grid.turn + 1, len(grid.cells) + 1))
     lines = [
@@ -98,7 +105,9 @@ def _grid(loaded: Loaded) -> Grid:
     kind, corners = CELLS[cell]
     xy = shoe.frame.to_brake(parts.basis.doflocs.T) * MM
     cells = counter_clockwise(xy, parts.basis.element_dofs.T[:, : 2 * corners], corners)
-    edges = {name: edge_nodes(parts.basis, facets) for name, facets in parts.mesh.boundaries.items()}
+    edges = {
+        name: edge_nodes(parts.basis, facets) for name, facets in parts.mesh.boundaries.items()
+    }
     bearing = len(cells) + len(drum_angles(loaded)) // 2 + 1
     return Grid(xy, cells, corners, NAMES[kind], edges, len(xy) + 1, len(xy) + 2, bearing)
 
@@ -124,7 +133,9 @@ def _sections(loaded: Loaded, setting: Setting) -> list[str]:
     """Materials and thickness; what is wider than the lining is stiffer instead."""
     lining = loaded.shoe.lining
     thickness = setting.thickness * lining.width * MM
-    parts = materials_of(loaded.shoe) | {"drum": (Material(E=SOFT * lining.material.E_through, nu=0.0), lining.width)}
+    parts = materials_of(loaded.shoe) | {
+        "drum": (Material(E=SOFT * lining.material.E_through, nu=0.0), lining.width)
+    }
     layers, lines = layers_of(loaded.shoe), []
     for part, (material, width) in parts.items():
         name, times = part.upper(), width / lining.width
@@ -135,7 +146,9 @@ def _sections(loaded: Loaded, setting: Setting) -> list[str]:
         else:
             along = layers[part].along
             lines += _engineering_constants(material, times)
-            lines += _orientation(f"O{name}", None if along is None else loaded.shoe.frame.to_brake(along))
+            lines += _orientation(
+                f"O{name}", None if along is None else loaded.shoe.frame.to_brake(along)
+            )
             section += f", ORIENTATION=O{name}"
         lines += [section, f"{thickness:.12e}"]
     return lines
@@ -168,11 +181,18 @@ def _orientation(name: str, along: Floats | None) -> list[str]:
     if along is None:
         return [f"*ORIENTATION, NAME={name}, SYSTEM=CYLINDRICAL", "0., 0., 0., 0., 0., 1."]
     x, y = along
-    return [f"*ORIENTATION, NAME={name}, SYSTEM=RECTANGULAR", f"{y:.12e}, {-x:.12e}, 0., {x:.12e}, {y:.12e}, 0."]
+    return [
+        f"*ORIENTATION, NAME={name}, SYSTEM=RECTANGULAR",
+        f"{y:.12e}, {-x:.12e}, 0., {x:.12e}, {y:.12e}, 0.",
+    ]
 
 
-def contact(brake: Brake, loaded: Loaded, setting: Setting, slave: list[str], master: str) -> list[str]:
-    """Contact of the lining's faces `slave` (lines "element, face") with the face `master` of the drum's elements."""
+def contact(
+    brake: Brake, loaded: Loaded, setting: Setting, slave: list[str], master: str
+) -> list[str]:
+    """Contact of the lining's faces `slave` (lines "element, face") with the face `master` of the
+    drum's elements.
+    """
     lining = loaded.shoe.lining
     unit = lining.material.E_through * MPA / (lining.thickness * MM)
     return [
@@ -191,8 +211,9 @@ def contact(brake: Brake, loaded: Loaded, setting: Setting, slave: list[str], ma
 
 
 def hinge(loaded: Loaded, grid: Grid) -> list[str]:
-    """The hinge's nodes move as a rigid line with the pin's node and the turn; stiff springs bear the pin, since
-    CalculiX prints no reaction of a node that equations tie."""
+    """The hinge's nodes move as a rigid line with the pin's node and the turn; stiff springs bear
+    the pin, since CalculiX prints no reaction of a node that equations tie.
+    """
     lines = ["** the hinge's line turns about the pin", "*EQUATION"]
     for i in np.unique(grid.edges["hinge"]):
         x, y = grid.xy[i] - loaded.shoe.pin.xy * MM
@@ -207,12 +228,21 @@ def hinge(loaded: Loaded, grid: Grid) -> list[str]:
 
 
 def step(brake: Brake, setting: Setting, grid: Grid, drum_xy: Floats, load: list[str]) -> list[str]:
-    """Load (lines of nodal forces) and rotation together, and what is printed; the drum's nodes are at (n, 2) [mm]."""
-    lines = ["*STEP, INC=1000", "*STATIC", f"{1 / setting.steps:.12e}, 1.", "*CONTROLS, PARAMETERS=FIELD"]
+    """Load (lines of nodal forces) and rotation together, and what is printed; the drum's nodes are
+    at (n, 2) [mm].
+    """
+    lines = [
+        "*STEP, INC=1000",
+        "*STATIC",
+        f"{1 / setting.steps:.12e}, 1.",
+        "*CONTROLS, PARAMETERS=FIELD",
+    ]
     lines += [f"{setting.accuracy:.12e}, {setting.accuracy:.12e}", "*CLOAD", *load]
     angle = brake.spin * setting.rotation
     lines.append("*BOUNDARY")
-    for label, (x, y) in enumerate(angle * drum_xy @ np.array([[0, 1], [-1, 0]]), start=grid.turn + 1):
+    for label, (x, y) in enumerate(
+        angle * drum_xy @ np.array([[0, 1], [-1, 0]]), start=grid.turn + 1
+    ):
         lines += [f"{label}, 1, 1, {x:.12e}", f"{label}, 2, 2, {y:.12e}"]
     for nodes, value in (("PIN", "U"), ("TURN", "U"), ("NDRUM", "RF")):
         lines += [f"*NODE PRINT, NSET={nodes}, FREQUENCY=1000", value]
@@ -221,14 +251,23 @@ def step(brake: Brake, setting: Setting, grid: Grid, drum_xy: Floats, load: list
 
 
 def _load(loaded: Loaded, setting: Setting, grid: Grid) -> list[str]:
-    """The actuation, as nodal forces of drumlin's traction on the loaded end, or on the rigid shoe itself."""
+    """The actuation, as nodal forces of drumlin's traction on the loaded end, or on the rigid shoe
+    itself.
+    """
     shoe, parts, size = loaded.shoe, loaded.parts, setting.thickness
     if "actuation" in grid.edges:
         unit, _ = end_loads(parts.basis, parts.mesh.boundaries["actuation"])
         nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
         forces = size * shoe.frame.to_brake(nodal)
-        return [f"{i + 1}, {c + 1}, {forces[i, c]:.12e}" for i in np.unique(grid.edges["actuation"]) for c in range(2)]
-    force, couple = size * shoe.frame.to_brake(loaded.force), size * shoe.frame.sense * loaded.couple * MM
+        return [
+            f"{i + 1}, {c + 1}, {forces[i, c]:.12e}"
+            for i in np.unique(grid.edges["actuation"])
+            for c in range(2)
+        ]
+    force, couple = (
+        size * shoe.frame.to_brake(loaded.force),
+        size * shoe.frame.sense * loaded.couple * MM,
+    )
     lines = [f"{grid.pin}, {c + 1}, {force[c]:.12e}" for c in range(2)]
     return [*lines, f"{grid.turn}, 1, {couple:.12e}"]
 
@@ -247,7 +286,9 @@ def header(brake: Brake, loaded: Loaded, setting: Setting, name: str) -> list[st
 
 
 def counter_clockwise(xy: Floats, cells: Ints, corners: int) -> Ints:
-    """Cells (m, 2 corners) of nodes xy (n, 2), corners first, each turned so that it runs counter-clockwise."""
+    """Cells (m, 2 corners) of nodes xy (n, 2), corners first, each turned so that it runs
+    counter-clockwise.
+    """
     x, y = xy[cells[:, :corners]].transpose(2, 0, 1)
     area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
     back = [0, *range(corners - 1, 0, -1)]
@@ -256,7 +297,9 @@ def counter_clockwise(xy: Floats, cells: Ints, corners: int) -> Ints:
 
 
 def faces(cells: Ints, along: Ints, corners: int) -> list[str]:
-    """Lines "element, S<face>" of the edges `along` (3, m) (nodes from end to end); faces run between corners."""
+    """Lines "element, S<face>" of the edges `along` (3, m) (nodes from end to end); faces run
+    between corners.
+    """
     wanted = {tuple(sorted(ends)) for ends in along[[0, -1]].T.tolist()}
     lines = []
     for number, row in enumerate(cells[:, :corners].tolist(), start=1):
@@ -267,8 +310,9 @@ def faces(cells: Ints, along: Ints, corners: int) -> list[str]:
 
 
 def drum_angles(loaded: Loaded) -> Floats:
-    """Angles theta of the nodes of the drum's arc [rad]: those of the lining, so that no gap is left between their
-    edges, and a few elements beyond its ends."""
+    """Angles theta of the nodes of the drum's arc [rad]: those of the lining, so that no gap is
+    left between their edges, and a few elements beyond its ends.
+    """
     theta = np.sort(loaded.shoe.frame.theta(loaded.parts.line.phi))
     beyond = min(BEYOND, 0.49 * (2 * math.pi - np.ptp(theta)))  # the ends of the arc must not meet
     more = np.linspace(0.0, beyond, 2 * BEYOND_ELEMENTS + 1)[1:]
@@ -276,9 +320,11 @@ def drum_angles(loaded: Loaded) -> Floats:
 
 
 def drum(brake: Brake, loaded: Loaded, first: tuple[int, int]) -> tuple[list[str], Floats]:
-    """Lines of the drum's nodes and elements, numbered from `first` (node, element), and its nodes (n, 2) [mm].
+    """Lines of the drum's nodes and elements, numbered from `first` (node, element), and its nodes
+    (n, 2) [mm].
 
-    One layer of CPS8 along the arc; their face S1 (of an internal shoe) or S3 lies on the friction surface.
+    One layer of CPS8 along the arc; their face S1 (of an internal shoe) or S3 lies on the friction
+    surface.
     """
     shoe, R = loaded.shoe, brake.size
     theta = drum_angles(loaded)

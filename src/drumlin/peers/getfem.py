@@ -1,7 +1,9 @@
-"""GetFEM as a peer: the brake goes to a script as numbers, another Python runs it, its answer comes back.
+"""GetFEM as a peer: the brake goes to a script as numbers, another Python runs it, its answer comes
+back.
 
-The script, getfem_brake.py beside this module, needs a Python that imports getfem (a Debian package, for the
-system's Python) and nothing of drumlin. Lengths go in drum radii, stresses in moduli of the lining.
+The script, getfem_brake.py beside this module, needs a Python that imports getfem (a Debian
+package, for the system's Python) and nothing of drumlin. Lengths go in drum radii, stresses in
+moduli of the lining.
 """
 
 import functools
@@ -57,7 +59,12 @@ def python() -> str:
     """A Python that imports getfem: `python3` on the PATH, or the system's. Raises PeerMissing."""
     for name in ("python3", "/usr/bin/python3"):
         path = shutil.which(name)
-        if path and not subprocess.run([path, "-c", "import getfem"], capture_output=True, check=False).returncode:
+        if (
+            path
+            and not subprocess.run(
+                [path, "-c", "import getfem"], capture_output=True, check=False
+            ).returncode
+        ):
             return path
     raise PeerMissing(INSTALL)
 
@@ -71,13 +78,16 @@ def solve(
     formulation: str = "full slip",
     repeats: int = 1,
 ) -> Peer:
-    """A brake by GetFEM on drumlin's mesh: `formulation` "full slip" or "coulomb" (its own brick of contact).
+    """A brake by GetFEM on drumlin's mesh: `formulation` "full slip" or "coulomb" (its own brick of
+    contact).
 
-    Seconds are medians of `repeats` solves from the beginning in one process. Raises PeerMissing, BadInput for a brake
-    with a ring or without friction, NoAnswer where it does not converge.
+    Seconds are medians of `repeats` solves from the beginning in one process. Raises PeerMissing,
+    BadInput for a brake with a ring or without friction, NoAnswer where it does not converge.
     """
     if formulation not in FORMULATIONS:
-        raise BadInput(f"formulation = {formulation!r}: unknown; allowed: {', '.join(FORMULATIONS)}")
+        raise BadInput(
+            f"formulation = {formulation!r}: unknown; allowed: {', '.join(FORMULATIONS)}"
+        )
     interpreter = python()
     meshed = meshed_shoes(brake, elements, kind, mesher)
     runs: list[_Run] = []
@@ -90,19 +100,29 @@ def solve(
     answers: dict[str, Stood] = {}
     if brake.actuation is not None and brake.actuation.is_cam:
         both = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed}
-        answers |= _under_cam(brake.actuation.total, both, lambda shoes: _standing(brake, shoes, meshed, run))
+        answers |= _under_cam(
+            brake.actuation.total, both, lambda shoes: _standing(brake, shoes, meshed, run)
+        )
     while len(answers) < len(brake.shoes):  # along chains of struts, shoe by shoe
         ready = {}
         for i, shoe in enumerate(brake.shoes):
-            if shoe.name in answers or pushed.get(shoe.name, shoe.name) not in {*answers, shoe.name}:
+            if shoe.name in answers or pushed.get(shoe.name, shoe.name) not in {
+                *answers,
+                shoe.name,
+            }:
                 continue
             strut = pushed.get(shoe.name)
-            force = None if strut is None else float(np.hypot(*answers[strut].response.hinge_reaction))
+            force = (
+                None if strut is None else float(np.hypot(*answers[strut].response.hinge_reaction))
+            )
             ready[i] = shoe if force is None else shoe.under(force)
         answers |= _standing(brake, ready, meshed, run)
     each = [(answers[shoe.name].response, answers[shoe.name].balance) for shoe in brake.shoes]
     steps = max((answer["steps"] for ran in runs for answer in ran.result["answers"][0]), default=0)
-    cold, warm = (math.fsum(median(times[k] for times in ran.result["seconds"]) for ran in runs) for k in (0, 1))
+    cold, warm = (
+        math.fsum(median(times[k] for times in ran.result["seconds"]) for ran in runs)
+        for k in (0, 1)
+    )
     spent = math.fsum(ran.seconds - sum(map(sum, ran.result["seconds"])) for ran in runs)
     once = spent + cold  # the process of one solve, without the others in it
     response = brake_response("getfem", each, steps, {"getfem": cold})
@@ -133,15 +153,22 @@ class Stood(NamedTuple):
 def _under_cam(
     total: float, shoes: Mapping[int, Shoe], stood: Callable[[Mapping[int, Shoe]], dict[str, Stood]]
 ) -> dict[str, Stood]:
-    """The answers of two shoes whose tips a cam moves alike by forces of the sum `total` [N], by name.
+    """The answers of two shoes whose tips a cam moves alike by forces of the sum `total` [N], by
+    name.
 
-    Where linings fit the tips go in proportion to the forces, and the first step is the last. Raises NoAnswer.
+    Where linings fit the tips go in proportion to the forces, and the first step is the last.
+    Raises NoAnswer.
     """
     one, other = shoes
-    tried: list[tuple[float, float]] = []  # the part of the one, and by how much farther its tip goes
+    tried: list[
+        tuple[float, float]
+    ] = []  # the part of the one, and by how much farther its tip goes
     part = 0.5
     for _ in range(MOST_PARTS):
-        pushed = {one: shoes[one].under(part * total), other: shoes[other].under((1 - part) * total)}
+        pushed = {
+            one: shoes[one].under(part * total),
+            other: shoes[other].under((1 - part) * total),
+        }
         found = stood(pushed)
         a, b = (found[shoe.name].tip for shoe in shoes.values())
         if not min(a, b) > 0:
@@ -168,11 +195,15 @@ def _standing(
     meshed: list[tuple[int, Assembled]],
     run: Callable[[list[Loaded]], list[dict[str, Any]]],
 ) -> dict[str, Stood]:
-    """The shoes' answers by name, with the friction of abutments in the sense in which it stands. Raises NoAnswer."""
+    """The shoes' answers by name, with the friction of abutments in the sense in which it stands.
+    Raises NoAnswer.
+    """
     answers = {}
     left = dict(shoes)
     for attempt in range(max(len(shoe.senses) for shoe in shoes.values())):
-        tried = [under_force(brake, shoe, *meshed[i], shoe.senses[attempt]) for i, shoe in left.items()]
+        tried = [
+            under_force(brake, shoe, *meshed[i], shoe.senses[attempt]) for i, shoe in left.items()
+        ]
         touching = [loaded for loaded in tried if loaded.approaches]
         found = iter(run(touching) if touching else ())
         for i, loaded in zip(list(left), tried, strict=True):
@@ -188,7 +219,9 @@ def _standing(
                     raise
                 continue
             slide = own["amounts"][-1]
-            if loaded.shoe.stands(answer.response.hinge_reaction, loaded.shoe.senses[attempt], slide):
+            if loaded.shoe.stands(
+                answer.response.hinge_reaction, loaded.shoe.senses[attempt], slide
+            ):
                 answers[loaded.shoe.name] = answer
                 del left[i]
             elif last:
@@ -197,7 +230,9 @@ def _standing(
 
 
 def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) -> dict[str, Any]:
-    """Everything that the script needs, as arrays; lengths in drum radii, stresses in moduli of the lining."""
+    """Everything that the script needs, as arrays; lengths in drum radii, stresses in moduli of the
+    lining.
+    """
     R = brake.size
     arrays: dict[str, Any] = {}
     listed = []
@@ -205,7 +240,9 @@ def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) 
         shoe, parts, k = loaded.shoe, loaded.parts, loaded.body
         lining, E = shoe.lining, shoe.lining.material.E_through
         basis, mesh = parts.basis, parts.mesh
-        nodes = {name: np.unique(edge_nodes(basis, facets)) for name, facets in mesh.boundaries.items()}
+        nodes = {
+            name: np.unique(edge_nodes(basis, facets)) for name, facets in mesh.boundaries.items()
+        }
         constants, straight = np.zeros((4, mesh.nelements)), np.zeros((2, mesh.nelements))
         for name, elements in mesh.subdomains.items():
             layer = layers_of(shoe)[name]
@@ -214,8 +251,13 @@ def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) 
                 straight[:, elements] = layer.along[:, None]
         arrays |= {f"points{k}": basis.doflocs.T / R, f"cells{k}": basis.element_dofs.T}
         arrays |= {f"constants{k}": constants, f"straight{k}": straight}
-        arrays |= {f"{name}{k}": nodes[name] for name in ("contact", "hinge", "actuation") if name in nodes}
-        force, couple = loaded.force / (E * R * lining.width), loaded.couple / (E * R**2 * lining.width)
+        arrays |= {
+            f"{name}{k}": nodes[name] for name in ("contact", "hinge", "actuation") if name in nodes
+        }
+        force, couple = (
+            loaded.force / (E * R * lining.width),
+            loaded.couple / (E * R**2 * lining.width),
+        )
         motions, tests, sizes = _in_radii(loaded, R)
         work = loaded.work * (not loaded.on_body) / sizes / (E * R**2 * lining.width)
         listed.append({
@@ -234,10 +276,16 @@ def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) 
 
 
 def _in_radii(loaded: Loaded, R: float) -> tuple[Floats, Floats, Floats]:
-    """Motions and tests (k, 3) of a shoe, in drum radii and of size 1, and the sizes (k,) of the tests."""
+    """Motions and tests (k, 3) of a shoe, in drum radii and of size 1, and the sizes (k,) of the
+    tests.
+    """
     unit = np.array([R, R, 1.0])
     sizes = [np.linalg.norm(of / unit, axis=1) for of in (loaded.motions, loaded.tests)]
-    return loaded.motions / unit / sizes[0][:, None], loaded.tests / unit / sizes[1][:, None], sizes[1]
+    return (
+        loaded.motions / unit / sizes[0][:, None],
+        loaded.tests / unit / sizes[1][:, None],
+        sizes[1],
+    )
 
 
 def _run(interpreter: str, problem: dict[str, Any]) -> _Run:
@@ -245,8 +293,12 @@ def _run(interpreter: str, problem: dict[str, Any]) -> _Run:
     with tempfile.TemporaryDirectory(prefix="drumlin-getfem-") as folder:
         source, target = Path(folder) / "problem.npz", Path(folder) / "result.json"
         np.savez(source, **problem)
-        script = shutil.copy(SCRIPT, folder)  # beside this module `import getfem` would find this module
-        ended = run_process([interpreter, str(script), str(source), str(target)], Path(folder), LONGEST)
+        script = shutil.copy(
+            SCRIPT, folder
+        )  # beside this module `import getfem` would find this module
+        ended = run_process(
+            [interpreter, str(script), str(source), str(target)], Path(folder), LONGEST
+        )
         if ended.status or not target.is_file():
             said = (ended.output.strip() or "nothing").splitlines()[-1]
             raise NoAnswer(f"GetFEM: its process ended with status {ended.status}: {said[:200]}")
@@ -259,7 +311,9 @@ def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Stood:
     if not found["converged"]:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM did not converge in {found['steps']} steps")
     if not abs(found["slipping"] - 1) < 1 - SLIPPING:
-        raise NoAnswer(f"shoe {shoe.name!r}: GetFEM: it sticks, its shear is {found['slipping']:.3g} times mu p")
+        raise NoAnswer(
+            f"shoe {shoe.name!r}: GetFEM: it sticks, its shear is {found['slipping']:.3g} times mu p"
+        )
     E, b = shoe.lining.material.E_through, shoe.lining.width
     xy = np.array(found["xy"])
     phi = shoe.phi_of(xy, 1.0)
@@ -277,5 +331,9 @@ def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Stood:
     pressure = E * np.array(found["pressure"])[order]
     amounts = np.array(found["amounts"]) / unit
     own = shoe_response(loaded, phi[order], pressure, loaded.parts.line.order, forces, amounts)
-    tip = size * R * found["load_work"] / abs(shoe.actuation.force) if loaded.on_body else float(loaded.tip @ amounts)
+    tip = (
+        size * R * found["load_work"] / abs(shoe.actuation.force)
+        if loaded.on_body
+        else float(loaded.tip @ amounts)
+    )
     return Stood(*own, tip)

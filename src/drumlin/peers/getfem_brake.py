@@ -1,18 +1,20 @@
-"""The same brake through GetFEM: run by a Python that imports getfem, which needs nothing of drumlin.
+"""The same brake through GetFEM: run by a Python that imports getfem, which needs nothing of
+drumlin.
 
     python3 getfem_brake.py PROBLEM.npz RESULT.json
 
-PROBLEM.npz is written by drumlin.peers.getfem: for each body its mesh, and in the text "data" all numbers. Plane
-stress, each shoe in its own frame, everything per width of the lining; lengths in drum radii, stresses in moduli of
-the lining. Two formulations of full slip:
+PROBLEM.npz is written by drumlin.peers.getfem: for each body its mesh, and in the text "data" all
+numbers. Plane stress, each shoe in its own frame, everything per width of the lining; lengths in
+drum radii, stresses in moduli of the lining. Two formulations of full slip:
 
     "full slip"  the drum drags the lining by mu p wherever it touches: a weak form written by hand, with the pressure
                  p as multiplier and the law  p = max(0, p + r (u.n - g))
     "coulomb"    GetFEM's own brick of integral contact with friction on a rigid obstacle, the obstacle moved so far
                  that it slips everywhere
 
-The tangents are unsymmetric; MUMPS, a direct solver, takes each Newton step. Equal shoes share one model; another
-friction coefficient starts from each shoe's last state, and keeps mesh, model and elastic stiffness.
+The tangents are unsymmetric; MUMPS, a direct solver, takes each Newton step. Equal shoes share one
+model; another friction coefficient starts from each shoe's last state, and keeps mesh, model and
+elastic stiffness.
 """
 
 import json
@@ -34,8 +36,10 @@ UNKNOWNS = ("u", "hold", "p")  # and the amounts of the free motions
 
 
 class Kind(NamedTuple):
-    """GetFEM's names for a kind of cell: geometry, elements of displacement, constants and obstacle, integration
-    inside and on the contact; and its order of the nodes, in that of the problem file."""
+    """GetFEM's names for a kind of cell: geometry, elements of displacement, constants and
+    obstacle, integration inside and on the contact; and its order of the nodes, in that of the
+    problem file.
+    """
 
     geometry: str
     element: str
@@ -59,22 +63,32 @@ KINDS = {  # by the nodes of a cell
 
 
 class Body:
-    """A meshed body with its elastic model; load, gap and friction of a shoe are set before each solve."""
+    """A meshed body with its elastic model; load, gap and friction of a shoe are set before each
+    solve.
+    """
 
-    def __init__(self, problem: dict[str, Any], number: int, shoe: dict[str, Any], formulation: str) -> None:
+    def __init__(
+        self, problem: dict[str, Any], number: int, shoe: dict[str, Any], formulation: str
+    ) -> None:
         points, cells = problem[f"points{number}"], problem[f"cells{number}"]
         self.formulation, self.kind = formulation, KINDS[cells.shape[1]]
         self.mesh = gf.Mesh("empty", 2)
         numbers = self.mesh.add_convex(
             gf.GeoTrans(self.kind.geometry), points[cells[:, self.kind.order]].transpose(2, 1, 0)
         )
-        self.loaded, self.amounts = shoe["on_body"], [f"amount{k}" for k in range(len(shoe["motions"]))]
+        self.loaded, self.amounts = (
+            shoe["on_body"],
+            [f"amount{k}" for k in range(len(shoe["motions"]))],
+        )
         for region, name in GROUPS.items():
             if region != ACTUATION or self.loaded:
                 nodes = problem[f"{name}{number}"]
                 faces = self.mesh.faces_from_pid(self.mesh.pid_from_coords(points[nodes].T, 1e-12))
                 self.mesh.set_region(region, faces)
-        self.displacement, self.scalar = self.space(self.kind.element, 2), self.space(self.kind.element)
+        self.displacement, self.scalar = (
+            self.space(self.kind.element, 2),
+            self.space(self.kind.element),
+        )
         self.inside = gf.MeshIm(self.mesh, gf.Integ(self.kind.inside))
         self.surface = gf.MeshIm(self.mesh, gf.Integ(self.kind.surface))
         self.model = gf.Model("real")
@@ -107,23 +121,38 @@ class Body:
         self.model.add_isotropic_linearized_elasticity_brick(self.inside, "u", "lam", "shear")
         if not constants[2:].any():
             return
-        around = 1.0 - np.abs(straight).max(axis=0).round()  # a unit vector's larger component is 0.7 and more
-        fields = {"stiff1": constants[2], "stiff2": constants[3], "tx": straight[0], "ty": straight[1], "turns": around}
+        around = (
+            1.0 - np.abs(straight).max(axis=0).round()
+        )  # a unit vector's larger component is 0.7 and more
+        fields = {
+            "stiff1": constants[2],
+            "stiff2": constants[3],
+            "tx": straight[0],
+            "ty": straight[1],
+            "turns": around,
+        }
         for name, values in fields.items():
             self.model.add_initialized_fem_data(name, constant, values[place])
         self.model.add_macro("along1", "(turns*[-X(2); X(1)]/Norm(X) + [tx; ty])")
         self.model.add_macro("along2", "(turns*[X(1); X(2)]/Norm(X) + [-ty; tx])")
         for k in (1, 2):
-            stretch, tested = (f"(along{k}.({field}*along{k}))" for field in ("Grad_u", "Grad_Test_u"))
+            stretch, tested = (
+                f"(along{k}.({field}*along{k}))" for field in ("Grad_u", "Grad_Test_u")
+            )
             self.model.add_linear_term(self.inside, f"stiff{k}*{stretch}*{tested}")
 
     def _held(self, shoe: dict[str, Any]) -> None:
-        """The edge that is held moves by the sum of the shoe's free motions, by the traction `hold` that holds it. That
-        works on the tests what the loads on the holder do."""
-        held = gf.MeshFem("partial", self.displacement, self.displacement.basic_dof_on_region(HINGE))
+        """The edge that is held moves by the sum of the shoe's free motions, by the traction `hold`
+        that holds it. That works on the tests what the loads on the holder do.
+        """
+        held = gf.MeshFem(
+            "partial", self.displacement, self.displacement.basic_dof_on_region(HINGE)
+        )
         self.model.add_fem_variable("hold", held)
         self.model.add_initialized_data("pin", shoe["pin"])
-        self.model.add_macro("moved(m)", "[m(1) + m(3)*(pin(2) - X(2)); m(2) + m(3)*(X(1) - pin(1))]")
+        self.model.add_macro(
+            "moved(m)", "[m(1) + m(3)*(pin(2) - X(2)); m(2) + m(3)*(X(1) - pin(1))]"
+        )
         self.model.add_linear_term(self.inside, "-hold.Test_u - u.Test_hold", HINGE)
         length = self.integral("1", HINGE)
         for k, amount in enumerate(self.amounts):
@@ -137,7 +166,9 @@ class Body:
             )
 
     def _load(self, shoe: dict[str, Any]) -> None:
-        """A force and a couple about `centre`, as tractions on the loaded end; else what holds the shoe takes them."""
+        """A force and a couple about `centre`, as tractions on the loaded end; else what holds the
+        shoe takes them.
+        """
         for name, size in (("force", 2), ("couple", 1), ("drag", 1)):
             self.model.add_initialized_data(name, np.zeros(size))
         self.model.add_initialized_data("centre", shoe["centre"])
@@ -165,7 +196,9 @@ class Body:
                 CONTACT,
             )
             return
-        traction = gf.MeshFem("partial", self.displacement, self.displacement.basic_dof_on_region(CONTACT))
+        traction = gf.MeshFem(
+            "partial", self.displacement, self.displacement.basic_dof_on_region(CONTACT)
+        )
         self.obstacle = self.space(self.kind.obstacle)
         md.add_fem_variable("p", traction)
         md.add_fem_data("obstacle", self.obstacle)
@@ -189,7 +222,9 @@ class Body:
 
     def start(self, shoe: dict[str, Any]) -> dict[str, Any]:
         """At rest, with a pressure under which all of the lining counts as touching."""
-        values = {name: np.zeros(len(self.model.variable(name))) for name in (*UNKNOWNS, *self.amounts)}
+        values = {
+            name: np.zeros(len(self.model.variable(name))) for name in (*UNKNOWNS, *self.amounts)
+        }
         pressure = shoe["augment"] * max(shoe["gap"]) + float(np.hypot(*shoe["force"]))
         if self.formulation == "full slip":
             values["p"] += pressure
@@ -203,7 +238,11 @@ class Body:
         "slipping": its shear over mu p. The shoe keeps its state, from which its next solve starts.
         """
         md, drag = self.model, friction * shoe["drag_sense"]
-        for name, value in (("force", shoe["force"]), ("couple", [shoe["couple"]]), ("drag", [drag])):
+        for name, value in (
+            ("force", shoe["force"]),
+            ("couple", [shoe["couple"]]),
+            ("drag", [drag]),
+        ):
             md.set_variable(name, np.array(value))
         for k, held in enumerate(zip(shoe["motions"], shoe["tests"], shoe["work"], strict=True)):
             for name, given in zip(("motion", "test", "work"), held, strict=True):
@@ -220,7 +259,16 @@ class Body:
         for name, value in (shoe.get("state") or self.start(shoe)).items():
             md.set_variable(name, value)
         steps, converged = md.solve(
-            "max_iter", 60, "max_res", 1e-11, "lsolver", "mumps", "lsearch", "simplest", "alpha min", 1.0
+            "max_iter",
+            60,
+            "max_res",
+            1e-11,
+            "lsolver",
+            "mumps",
+            "lsearch",
+            "simplest",
+            "alpha min",
+            1.0,
         )
         shoe["state"] = {name: md.variable(name) for name in (*UNKNOWNS, *self.amounts)}
         p = shoe["state"]["p"]
@@ -242,7 +290,10 @@ class Body:
             "normal": self.integrals(f"-{pressed}*normal", CONTACT),
             "tangential": self.integrals(f"{shear}*along", CONTACT),
             "moment": self.integral(f"X(1)*{traction}(2) - X(2)*{traction}(1)", CONTACT),
-            "hold": [*self.integrals("hold", HINGE), self.integral("hold.[pin(2) - X(2); X(1) - pin(1)]", HINGE)],
+            "hold": [
+                *self.integrals("hold", HINGE),
+                self.integral("hold.[pin(2) - X(2); X(1) - pin(1)]", HINGE),
+            ],
         }
 
 
@@ -254,14 +305,18 @@ def normals(x: Any, shoe: dict[str, Any]) -> Any:
 
 
 def angles(x: Any, shoe: dict[str, Any]) -> Any:
-    """Polar angles of the points x (2, n), within pi of the lining's middle; on a plane their places along it."""
+    """Polar angles of the points x (2, n), within pi of the lining's middle; on a plane their
+    places along it.
+    """
     if shoe["flat"]:
         return x[0]
     return shoe["middle"] + np.angle(np.exp(-1j * shoe["middle"]) * (x[0] + 1j * x[1]))
 
 
 def brake(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
-    """All shoes at each friction coefficient in turn, bodies made once: answers and seconds (of processor) of each."""
+    """All shoes at each friction coefficient in turn, bodies made once: answers and seconds (of
+    processor) of each.
+    """
     bodies: dict[tuple[int, bool, int], Body] = {}
     shoes = [dict(shoe) for shoe in data["shoes"]]
     answers, seconds = [], []
@@ -288,7 +343,9 @@ def version() -> str:
 
 
 def main(source: str, target: str) -> None:
-    """Read the problem, solve it `repeats` times from the beginning, write the last answers and all times."""
+    """Read the problem, solve it `repeats` times from the beginning, write the last answers and all
+    times.
+    """
     gf.util_trace_level(0)
     gf.util_warning_level(0)
     with np.load(source) as file:

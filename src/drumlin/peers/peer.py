@@ -1,4 +1,6 @@
-"""What a peer answers, whichever it is, and what all of them need: shoes in their own frames, responses."""
+"""What a peer answers, whichever it is, and what all of them need: shoes in their own frames,
+responses.
+"""
 
 import math
 import os
@@ -33,9 +35,10 @@ class PeerMissing(BadInput):
 class Peer(NamedTuple):
     """A peer's answer for a brake, and what it took, in seconds of processor time on one thread.
 
-    `seconds`: its own computing, without the start of its process where it can be told apart; `process_seconds`: the
-    whole process or processes, of one solve; `further_seconds`: a further load case, another friction coefficient,
-    reusing what the peer can reuse. `unknowns`: of all its systems, equal shoes counted once where they share one.
+    `seconds`: its own computing, without the start of its process where it can be told apart;
+    `process_seconds`: the whole process or processes, of one solve; `further_seconds`: a further
+    load case, another friction coefficient, reusing what the peer can reuse. `unknowns`: of all its
+    systems, equal shoes counted once where they share one.
     """
 
     name: str
@@ -50,12 +53,14 @@ class Peer(NamedTuple):
 
 @dataclass(frozen=True)
 class Loaded:
-    """A meshed shoe under its force, in its own frame: `force` (2,) [N] and `couple` [N m] about `parts.load_centre`.
+    """A meshed shoe under its force, in its own frame: `force` (2,) [N] and `couple` [N m] about
+    `parts.load_centre`.
 
-    `drag`: mu times the sense in which the drum drags the lining, positive towards growing phi. `approaches`: whether
-    the force presses the shoe on the drum anywhere; else it does not touch. What holds it moves by a sum of `motions`
-    (k, 3), (dx, dy [m], turn) at the pin; on the `tests` (k, 3) the force works `work` (k,), its point goes along it by
-    `tip` (k,) a motion, see `Held.freedoms`.
+    `drag`: mu times the sense in which the drum drags the lining, positive towards growing phi.
+    `approaches`: whether the force presses the shoe on the drum anywhere; else it does not touch.
+    What holds it moves by a sum of `motions` (k, 3), (dx, dy [m], turn) at the pin; on the `tests`
+    (k, 3) the force works `work` (k,), its point goes along it by `tip` (k,) a motion, see
+    `Held.freedoms`.
     """
 
     shoe: Shoe
@@ -77,9 +82,13 @@ class Loaded:
 
     @property
     def radius(self) -> float:
-        """The mean one of its lining's face [m]; on a plane what a length along it makes an angle by."""
+        """The mean one of its lining's face [m]; on a plane what a length along it makes an angle
+        by.
+        """
         line = self.parts.line
-        return float(np.ptp(line.xy[0]) / np.ptp(line.phi) if self.shoe.flat else np.hypot(*line.xy).mean())
+        return float(
+            np.ptp(line.xy[0]) / np.ptp(line.phi) if self.shoe.flat else np.hypot(*line.xy).mean()
+        )
 
 
 def meshed_shoes(
@@ -87,12 +96,15 @@ def meshed_shoes(
 ) -> list[tuple[int, Assembled]]:
     """The shoes of a brake as drumlin meshes them, with a number for each distinct shape.
 
-    Raises BadInput for a brake with an elastic ring and without friction: peers get a rigid drum that slips.
+    Raises BadInput for a brake with an elastic ring and without friction: peers get a rigid drum
+    that slips.
     """
     if brake.ring is not None:
         raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
     if brake.friction == 0:
-        raise BadInput("friction = 0: the peers are given a drum that slips; must be greater than 0")
+        raise BadInput(
+            "friction = 0: the peers are given a drum that slips; must be greater than 0"
+        )
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
     made: dict[tuple[object, ...], tuple[int, Assembled]] = {}
     found = []
@@ -134,9 +146,11 @@ def loaded_shoes(
 
 
 class Forces(NamedTuple):
-    """What a peer found on one shoe, in the shoe's frame: forces of pressure and of friction (2,) [N] and the moment of
-    both about the origin [N m]; `held` (3,): force and moment about the pin of what holds the shoe, on the shoe; the
-    `torque` on the drum [N m], positive, on a plane the braking force [N]."""
+    """What a peer found on one shoe, in the shoe's frame: forces of pressure and of friction (2,)
+    [N] and the moment of both about the origin [N m]; `held` (3,): force and moment about the pin
+    of what holds the shoe, on the shoe; the `torque` on the drum [N m], positive, on a plane the
+    braking force [N].
+    """
 
     normal: Floats
     friction: Floats
@@ -148,23 +162,33 @@ class Forces(NamedTuple):
 def shoe_response(
     loaded: Loaded, phi: Floats, pressure: Floats, order: int, forces: Forces, amounts: Floats
 ) -> tuple[ShoeResponse, Balance]:
-    """A shoe's response from a peer's pressure [Pa] at growing angles phi [rad], piecewise of degree `order`.
+    """A shoe's response from a peer's pressure [Pa] at growing angles phi [rad], piecewise of
+    degree `order`.
 
-    amounts (k,): of its free motions. The balance is that of the peer's own forces on the shoe, their sum and their
-    moment about the origin, and of those on what holds it, whose work on the free motions is that of its loads.
+    amounts (k,): of its free motions. The balance is that of the peer's own forces on the shoe,
+    their sum and their moment about the origin, and of those on what holds it, whose work on the
+    free motions is that of its loads.
     """
     shoe, frame, pin, tests = loaded.shoe, loaded.shoe.frame, loaded.shoe.own_pin, loaded.tests
     arm = loaded.parts.load_centre - pin
-    load = np.array([*loaded.force, loaded.couple + float(cross(arm, loaded.force))])  # about the pin
+    load = np.array(
+        [*loaded.force, loaded.couple + float(cross(arm, loaded.force))]
+    )  # about the pin
     push, reaction = (load, forces.held) if loaded.on_body else (np.zeros(3), forces.held - load)
     normal_force = float(np.linalg.norm(forces.normal))
-    about = [float(cross(pin, of[:2])) for of in (forces.held, push)] + [float(forces.held[2]), float(push[2])]
+    about = [float(cross(pin, of[:2])) for of in (forces.held, push)] + [
+        float(forces.held[2]),
+        float(push[2]),
+    ]
     size = loaded.radius * normal_force
     balance = relative_balance(
-        [forces.normal, forces.friction, forces.held[:2], push[:2]], [forces.moment, *about, size, -size]
+        [forces.normal, forces.friction, forces.held[:2], push[:2]],
+        [forces.moment, *about, size, -size],
     )
     work = loaded.work * (not loaded.on_body)
-    left = np.abs(tests @ forces.held - work) / (np.hypot(*tests.T[:2]) + loaded.radius * np.abs(tests[:, 2]))
+    left = np.abs(tests @ forces.held - work) / (
+        np.hypot(*tests.T[:2]) + loaded.radius * np.abs(tests[:, 2])
+    )
     drag = np.array([*forces.friction, -float(cross(pin, forces.friction))])
     if not shoe.flat:
         drag[2] += math.copysign(forces.torque, loaded.drag)
@@ -204,9 +228,15 @@ class Ended(NamedTuple):
 
 
 def run_process(command: Sequence[str], folder: Path, longest: float) -> Ended:
-    """Run a peer in a folder, on one thread, away from this Python's paths. Raises NoAnswer after `longest` seconds."""
-    outside = {key: value for key, value in os.environ.items() if key not in {"PYTHONPATH", "PYTHONHOME"}}
-    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER"), "1")
+    """Run a peer in a folder, on one thread, away from this Python's paths. Raises NoAnswer after
+    `longest` seconds.
+    """
+    outside = {
+        key: value for key, value in os.environ.items() if key not in {"PYTHONPATH", "PYTHONHOME"}
+    }
+    threads = dict.fromkeys(
+        ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER"), "1"
+    )
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
         done = subprocess.run(
@@ -221,7 +251,10 @@ def run_process(command: Sequence[str], folder: Path, longest: float) -> Ended:
 
 
 def brake_response(
-    model: str, answers: Sequence[tuple[ShoeResponse, Balance]], iterations: int, seconds: dict[str, float]
+    model: str,
+    answers: Sequence[tuple[ShoeResponse, Balance]],
+    iterations: int,
+    seconds: dict[str, float],
 ) -> Response:
     """The response of the whole brake."""
     return Response(

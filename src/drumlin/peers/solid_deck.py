@@ -1,7 +1,9 @@
-"""Half a solid shoe against its drum as an input deck for CalculiX, from drumlin's own mesh; units mm, N, MPa.
+"""Half a solid shoe against its drum as an input deck for CalculiX, from drumlin's own mesh; units
+mm, N, MPa.
 
-Hexahedra with 20 nodes and reduced integration (C3D20R): drumlin's without the nodes in the middle of faces and cells.
-The mid-plane is held along z, forces are half the brake's; all else is as in the plane deck.
+Hexahedra with 20 nodes and reduced integration (C3D20R): drumlin's without the nodes in the middle
+of faces and cells. The mid-plane is held along z, forces are half the brake's; all else is as in
+the plane deck.
 """
 
 from functools import partial
@@ -38,8 +40,9 @@ from drumlin.peers.deck import (
 from drumlin.peers.peer import Loaded, Peer, brake_response, loaded_shoes, untouched_response
 
 ROTATION = 4e-3
-"""Of the drum [rad]. Friction has the direction of the slip: as it is pressed the lining widens, and what
-it creeps sideways, some ten micrometres, must be little beside the way of the drum."""
+"""Of the drum [rad]. Friction has the direction of the slip: as it is pressed the lining widens,
+and what it creeps sideways, some ten micrometres, must be little beside the way of the drum.
+"""
 HALF = 0.5  # of the shoe, which stands in the place of a thin layer's thickness
 FACES = [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
 WIDER = 1.1  # the drum, of half the lining's width
@@ -55,7 +58,9 @@ def export(
             apart.append(loaded.shoe.name)
             continue
         path = folder / f"{stem}_{loaded.shoe.name}_solid.inp".replace(" ", "_")
-        write_text(path, deck(brake, loaded, solid, Setting(rotation=ROTATION, thickness=HALF), path.stem))
+        write_text(
+            path, deck(brake, loaded, solid, Setting(rotation=ROTATION, thickness=HALF), path.stem)
+        )
         paths.append(path)
     return paths, apart
 
@@ -102,7 +107,9 @@ def deck(brake: Brake, loaded: Loaded, solid: Solid, setting: Setting, name: str
     """The deck of half a shoe, in the brake's frame. Raises BadInput for a clearance."""
     shoe, parts = loaded.shoe, loaded.parts
     if np.any(gap_at(parts.line.xy, parts.line.phi, brake, shoe)):
-        raise BadInput(f"shoe {shoe.name!r}: lining.clearance: CalculiX gets linings that fit the drum; must be 0")
+        raise BadInput(
+            f"shoe {shoe.name!r}: lining.clearance: CalculiX gets linings that fit the drum; must be 0"
+        )
     x = solid.basis.doflocs
     points = np.column_stack([shoe.frame.to_brake(x[:2].T), x[2]]) * MM
     cells = oriented(points, serendipity(solid.basis.element_dofs))
@@ -158,25 +165,39 @@ def _faces(cells: Ints, on: Ints) -> list[str]:
     """Lines "element, S<face>" of the faces whose four corners are all among the nodes `on`."""
     inside = np.isin(cells[:, :8], on)
     return [
-        f"{i + 1}, S{k + 1}" for k, corners in enumerate(FACES) for i in np.flatnonzero(inside[:, corners].all(axis=1))
+        f"{i + 1}, S{k + 1}"
+        for k, corners in enumerate(FACES)
+        for i in np.flatnonzero(inside[:, corners].all(axis=1))
     ]
 
 
 def _load(loaded: Loaded, solid: Solid, setting: Setting, grid: Grid) -> list[str]:
-    """The actuation on the end face, moved from the middles of its faces to their other nodes; or on the pin."""
+    """The actuation on the end face, moved from the middles of its faces to their other nodes; or
+    on the pin.
+    """
     shoe, size = loaded.shoe, setting.thickness
     if "actuation" in solid.section.boundaries:
         unit, _ = end_forces(solid)
         nodal = (unit @ np.array([*loaded.force, loaded.couple]))[:, :2]
         forces = size * shoe.frame.to_brake(_without_middles(solid, nodal))
-        return [f"{i + 1}, {c + 1}, {forces[i, c]:.12e}" for i in np.flatnonzero(forces.any(axis=1)) for c in range(2)]
-    force, couple = size * shoe.frame.to_brake(loaded.force), size * shoe.frame.sense * loaded.couple * MM
-    return [f"{grid.pin}, {c + 1}, {force[c]:.12e}" for c in range(2)] + [f"{grid.turn}, 1, {couple:.12e}"]
+        return [
+            f"{i + 1}, {c + 1}, {forces[i, c]:.12e}"
+            for i in np.flatnonzero(forces.any(axis=1))
+            for c in range(2)
+        ]
+    force, couple = (
+        size * shoe.frame.to_brake(loaded.force),
+        size * shoe.frame.sense * loaded.couple * MM,
+    )
+    return [f"{grid.pin}, {c + 1}, {force[c]:.12e}" for c in range(2)] + [
+        f"{grid.turn}, 1, {couple:.12e}"
+    ]
 
 
 def _without_middles(solid: Solid, forces: Floats) -> Floats:
-    """Nodal forces (n, 2) without those on middles of faces: a quadratic displacement is -1/4 of that of the corners
-    and 1/2 of that of the edges there."""
+    """Nodal forces (n, 2) without those on middles of faces: a quadratic displacement is -1/4 of
+    that of the corners and 1/2 of that of the edges there.
+    """
     at, dofs = skfem.ElementHex2.doflocs, solid.basis.element_dofs
     moved, done = forces.copy(), set[int]()
     for middle in np.flatnonzero((at == 0.5).sum(axis=1) == 2):
@@ -195,10 +216,11 @@ def _without_middles(solid: Solid, forces: Floats) -> Floats:
 
 
 def drum(brake: Brake, loaded: Loaded, first: tuple[int, int]) -> tuple[list[str], Floats]:
-    """Lines of the drum's nodes and elements, numbered from `first` (node, element), and its nodes (n, 2) [mm].
+    """Lines of the drum's nodes and elements, numbered from `first` (node, element), and its nodes
+    (n, 2) [mm].
 
-    One element over half the width and a little more; its face S1 lies on the friction surface, whose nodes come
-    first: those of z = 0, of the middle and of the outer side.
+    One element over half the width and a little more; its face S1 lies on the friction surface,
+    whose nodes come first: those of z = 0, of the middle and of the outer side.
     """
     shoe, R = loaded.shoe, brake.size
     theta = drum_angles(loaded)
@@ -207,17 +229,36 @@ def drum(brake: Brake, loaded: Loaded, first: tuple[int, int]) -> tuple[list[str
     ends = theta[::2]
     rows = [(R, theta, 0.0), (R, ends, outer / 2), (R, theta, outer), (back, theta, 0.0), (back, ends, outer / 2),
             (back, theta, outer), ((R + back) / 2, ends, 0.0), ((R + back) / 2, ends, outer)]  # fmt: skip
-    xyz = np.concatenate([np.column_stack([r * np.cos(t), r * np.sin(t), np.full(len(t), z)]) for r, t, z in rows]) * MM
+    xyz = (
+        np.concatenate(
+            [
+                np.column_stack([r * np.cos(t), r * np.sin(t), np.full(len(t), z)])
+                for r, t, z in rows
+            ]
+        )
+        * MM
+    )
     begins = first[0] + np.cumsum([0, *(len(t) for _, t, _ in rows)])
     f0, fm, f1, b0, bm, b1, m0, m1 = (int(i) for i in begins[:-1])
-    lines = ["*NODE, NSET=NDRUM", *(_node(label, at) for label, at in enumerate(xyz, start=first[0]))]
+    lines = [
+        "*NODE, NSET=NDRUM",
+        *(_node(label, at) for label, at in enumerate(xyz, start=first[0])),
+    ]
     lines.append("*ELEMENT, TYPE=C3D20, ELSET=DRUM")
     for k in range(len(ends) - 1):
         i = 2 * k
-        front = [f0 + i, f0 + i + 2, f1 + i + 2, f1 + i], [f0 + i + 1, fm + k + 1, f1 + i + 1, fm + k]
-        behind_ = [b0 + i, b0 + i + 2, b1 + i + 2, b1 + i], [b0 + i + 1, bm + k + 1, b1 + i + 1, bm + k]
+        front = (
+            [f0 + i, f0 + i + 2, f1 + i + 2, f1 + i],
+            [f0 + i + 1, fm + k + 1, f1 + i + 1, fm + k],
+        )
+        behind_ = (
+            [b0 + i, b0 + i + 2, b1 + i + 2, b1 + i],
+            [b0 + i + 1, bm + k + 1, b1 + i + 1, bm + k],
+        )
         between = [m0 + k, m0 + k + 1, m1 + k + 1, m1 + k]
-        turn = slice(None) if shoe.sign > 0 else [0, 3, 2, 1]  # from the friction face to the back: a positive volume
+        turn = (
+            slice(None) if shoe.sign > 0 else [0, 3, 2, 1]
+        )  # from the friction face to the back: a positive volume
         turn_edges = slice(None) if shoe.sign > 0 else [3, 2, 1, 0]
         corners = np.concatenate([np.array(front[0])[turn], np.array(behind_[0])[turn]])
         edges = np.concatenate([np.array(front[1])[turn_edges], np.array(behind_[1])[turn_edges]])
@@ -226,7 +267,9 @@ def drum(brake: Brake, loaded: Loaded, first: tuple[int, int]) -> tuple[list[str
 
 
 def along(loaded: Loaded, forces: Floats) -> Floats:
-    """Forces (n, 2) on the nodes of the drum's arc, summed over the width; they are those of a quadratic line."""
+    """Forces (n, 2) on the nodes of the drum's arc, summed over the width; they are those of a
+    quadratic line.
+    """
     count = len(drum_angles(loaded))
     ends = (count + 1) // 2
     total = forces[:count] + forces[count + ends : 2 * count + ends]

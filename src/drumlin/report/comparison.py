@@ -34,12 +34,20 @@ def panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
         responses = {model: response.shoes[i] for model, response in comparison.responses.items()}
         if responses:
             helps = any(response.self_energising for response in responses.values())
-            made.append((f"{shoe.name}, {brake.sense}: friction {'assists' if helps else 'opposes'}", responses))
+            made.append(
+                (
+                    f"{shoe.name}, {brake.sense}: friction {'assists' if helps else 'opposes'}",
+                    responses,
+                )
+            )
     return made
 
 
-def draw_fields(brake: Brake, response: Response, folder: Path, name: str, **options: Any) -> str | None:
-    """Write name.vtu and, where off-screen rendering works, name.png; says why there is no picture, None if there is.
+def draw_fields(
+    brake: Brake, response: Response, folder: Path, name: str, **options: Any
+) -> str | None:
+    """Write name.vtu and, where off-screen rendering works, name.png; says why there is no picture,
+    None if there is.
 
     `options`: those of the scene. A page shows what came of it by the macro `fields`.
     """
@@ -58,7 +66,9 @@ def draw_fields(brake: Brake, response: Response, folder: Path, name: str, **opt
 
 
 def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
-    """Every number of some comparisons as JSON text, with versions; seconds of each model are medians."""
+    """Every number of some comparisons as JSON text, with versions; seconds of each model are
+    medians.
+    """
     cases = [
         {
             "case": c.case,
@@ -66,7 +76,11 @@ def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
             "friction": c.brake.friction,
             "models": [
                 {
-                    **(o.response.as_dict() if o.response else {"model": o.model, "failed": o.failure}),
+                    **(
+                        o.response.as_dict()
+                        if o.response
+                        else {"model": o.model, "failed": o.failure}
+                    ),
                     "run_time": o.seconds,
                     "repeats": o.repeats,
                 }
@@ -79,7 +93,8 @@ def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
 
 
 def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str, Any]) -> Written:
-    """Compare all models that apply to a brake and write page, CSV, JSON, figure, fields into `folder`.
+    """Compare all models that apply to a brake and write page, CSV, JSON, figure, fields into
+    `folder`.
 
     Raises NoAnswer, and writes nothing, where no model has an answer.
     """
@@ -89,7 +104,9 @@ def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str,
     table = comparison.rows
     write_text(folder / "results.csv", as_csv(table))
     write_text(folder / "results.json", results_json([comparison]))
-    figures.save(figures.pressures(panels(comparison), surface=brake.surface), folder / "pressure.svg")
+    figures.save(
+        figures.pressures(panels(comparison), surface=brake.surface), folder / "pressure.svg"
+    )
     fem = comparison.responses.get("fem")
     drawn, not_drawn = False, None
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
@@ -97,9 +114,16 @@ def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str,
         chosen = {k: v for k, v in options.items() if k in {"elements", "kind"}}
         drawn_as = finite_width(brake) if options.get("finite_width") else brake
         not_drawn = draw_fields(drawn_as, fem, folder, "fields", **chosen)
-    notes = [f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes]
+    notes = [
+        f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes
+    ]
     notes += [f"{name}: does not apply: {reason}" for name, reason in refusals(brake).items()]
-    left = [f"{o.model} left out {line}" for o in comparison.outcomes if o.response for line in o.response.left_out]
+    left = [
+        f"{o.model} left out {line}"
+        for o in comparison.outcomes
+        if o.response
+        for line in o.response.left_out
+    ]
     page = fill(
         Path(__file__).with_name("comparison.html"),
         folder / "index.html",

@@ -1,7 +1,7 @@
 """A brake as a drawing by matplotlib: drum, shoes, pins and forces to scale, axes in mm.
 
-What a brake file leaves out is drawn as a sign, not to scale: a rigid shoe as a grey stroke, a force as an
-arrow of fixed length.
+What a brake file leaves out is drawn as a sign, not to scale: a rigid shoe as a grey stroke, a
+force as an arrow of fixed length.
 """
 
 import math
@@ -17,7 +17,20 @@ from drumlin.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Actuation, Bar, Beam
-from drumlin.report.signs import BLOCK, BODY, DRUM, FAINT, FORCE, INK, LINING, MM, MOTION, arms, between, held
+from drumlin.report.signs import (
+    BLOCK,
+    BODY,
+    DRUM,
+    FAINT,
+    FORCE,
+    INK,
+    LINING,
+    MM,
+    MOTION,
+    arms,
+    between,
+    held,
+)
 
 
 def draw_brake(axes: Axes, brake: Brake) -> None:
@@ -59,7 +72,9 @@ def _outermost(brake: Brake) -> float:
 
 
 def _ring_depth(brake: Brake) -> float:
-    """Thickness [m] of the ring; without one, or where the file does not say, a tenth of the radius."""
+    """Thickness [m] of the ring; without one, or where the file does not say, a tenth of the
+    radius.
+    """
     ring = brake.ring
     return ring.thickness if ring and ring.thickness else 0.1 * brake.size
 
@@ -68,7 +83,9 @@ def _drum(axes: Axes, brake: Brake, unit: float) -> None:
     R = brake.size * MM
     ring = _ring_depth(brake) * MM
     if brake.shoes[0].side == "internal":
-        axes.add_patch(Wedge((0, 0), R + ring, 0, 360, width=ring, facecolor=DRUM, edgecolor="none"))
+        axes.add_patch(
+            Wedge((0, 0), R + ring, 0, 360, width=ring, facecolor=DRUM, edgecolor="none")
+        )
     elif brake.ring:
         axes.add_patch(Wedge((0, 0), R, 0, 360, width=ring, facecolor=DRUM, edgecolor="none"))
     else:
@@ -83,7 +100,13 @@ def _drum(axes: Axes, brake: Brake, unit: float) -> None:
     turn, reach = 2.6 * unit, math.radians(220)
     start = math.pi / 2 - brake.spin * reach / 2
     angles = start + brake.spin * np.linspace(0, reach, 60)
-    axes.plot(turn * np.cos(angles[:-3]), turn * np.sin(angles[:-3]), color=MOTION, lw=2, solid_capstyle="round")
+    axes.plot(
+        turn * np.cos(angles[:-3]),
+        turn * np.sin(angles[:-3]),
+        color=MOTION,
+        lw=2,
+        solid_capstyle="round",
+    )
     tip, back = (turn * np.array([math.cos(a), math.sin(a)]) for a in (angles[-1], angles[-8]))
     _arrow(axes, back, tip, MOTION, width=0.1)
 
@@ -105,7 +128,14 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool) -> N
     start, end = (math.degrees(angle) for angle in (shoe.lining.start, shoe.lining.end))
     if shoe.body is None:
         for stroke in _strokes(shoe, R):
-            axes.plot(*stroke.T, color=BODY, lw=7, solid_capstyle="round", solid_joinstyle="round", zorder=2)
+            axes.plot(
+                *stroke.T,
+                color=BODY,
+                lw=7,
+                solid_capstyle="round",
+                solid_joinstyle="round",
+                zorder=2,
+            )
     lining = shoe.lining.thickness * MM
     _layer(axes, shoe, R, 0.0, lining, (start, end), LINING)
     own = shoe.mesh is not None  # then only the mesh knows what is behind the lining
@@ -142,11 +172,23 @@ def _beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
 
 
 def _layer(
-    axes: Axes, shoe: Shoe, R: float, depth: float, thickness: float, arc: tuple[float, float], color: str
+    axes: Axes,
+    shoe: Shoe,
+    R: float,
+    depth: float,
+    thickness: float,
+    arc: tuple[float, float],
+    color: str,
 ) -> None:
-    """A layer of a shoe, from `depth` to `depth + thickness` [mm] behind the friction surface, over an arc [deg]."""
+    """A layer of a shoe, from `depth` to `depth + thickness` [mm] behind the friction surface, over
+    an arc [deg].
+    """
     outer = R - depth if shoe.sign > 0 else R + depth + thickness
-    axes.add_patch(Wedge((0, 0), outer, *arc, width=thickness, facecolor=color, edgecolor=INK, lw=0.8, zorder=3))
+    axes.add_patch(
+        Wedge(
+            (0, 0), outer, *arc, width=thickness, facecolor=color, edgecolor=INK, lw=0.8, zorder=3
+        )
+    )
 
 
 def _back(shoe: Shoe, R: float) -> float:
@@ -155,7 +197,9 @@ def _back(shoe: Shoe, R: float) -> float:
 
 
 def _strokes(shoe: Shoe, R: float) -> list[Floats]:
-    """Lines (n, 2) [mm] that stand for a rigid shoe: its back, to the hinge, to the force; or its lever."""
+    """Lines (n, 2) [mm] that stand for a rigid shoe: its back, to the hinge, to the force; or its
+    lever.
+    """
     angles = np.linspace(shoe.lining.start, shoe.lining.end, 80)
     back = _back(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
     hinge, load = shoe.pin.xy * MM, _loaded_point(shoe, R)
@@ -163,20 +207,26 @@ def _strokes(shoe: Shoe, R: float) -> list[Floats]:
         pivot = shoe.pivot.xy * MM
         return [back, np.array([back[40], pivot]), np.array([hinge, pivot, load])]
     lever = load - hinge
-    along = float(np.clip((back[40] - hinge) @ lever / (lever @ lever), 0.0, 1.0)) if lever.any() else 0.0
+    along = (
+        float(np.clip((back[40] - hinge) @ lever / (lever @ lever), 0.0, 1.0))
+        if lever.any()
+        else 0.0
+    )
     foot = hinge + along * lever
     clear = np.linalg.norm(np.linspace(hinge, load, 50), axis=1)
     if np.all(clear > R) and shoe.sign < 0:  # a straight lever outside the drum
         return [back, np.array([hinge, load]), np.array([back[40], foot])]
-    near, far = (back, back[::-1])[int(np.linalg.norm(back[0] - hinge) > np.linalg.norm(back[-1] - hinge))][[0, -1]]
+    near, far = (back, back[::-1])[
+        int(np.linalg.norm(back[0] - hinge) > np.linalg.norm(back[-1] - hinge))
+    ][[0, -1]]
     return [back, np.array([hinge, near]), np.array([far, load])]
 
 
 def _loaded_point(shoe: Shoe, R: float) -> Floats:
     """Where the force is drawn (2,) [mm].
 
-    At its point if that lies outside the drum beside an external shoe, else where its line of action comes
-    to the shoe's end: from outside onto its back, from inside nearest to it.
+    At its point if that lies outside the drum beside an external shoe, else where its line of
+    action comes to the shoe's end: from outside onto its back, from inside nearest to it.
     """
     point = shoe.actuation.point.xy * MM
     if shoe.sign < 0 and np.linalg.norm(point) > R:
@@ -196,7 +246,9 @@ def _loaded_point(shoe: Shoe, R: float) -> Floats:
 
 
 def _tip(shoe: Shoe, R: float, unit: float) -> Floats:
-    """The tip (2,) [mm] of the force's arrow; of one that pulls an external shoe its tail is where it acts."""
+    """The tip (2,) [mm] of the force's arrow; of one that pulls an external shoe its tail is where
+    it acts.
+    """
     load, tail = _loaded_point(shoe, R), _tail(shoe.actuation, unit)
     middle = R * np.array([math.cos(shoe.lining.middle), math.sin(shoe.lining.middle)])
     return load + tail if shoe.sign < 0 and (load - middle) @ tail > 0 else load
@@ -219,11 +271,15 @@ def _draw_flat(axes: Axes, brake: Brake) -> None:
     left, right = min(pins + ends) * MM, max(pins + ends) * MM
     unit = (right - left) / 20
     left, right = left - 2 * unit, right + 2 * unit
-    axes.add_patch(Rectangle((left, -2 * unit), right - left, 2 * unit, facecolor=DRUM, edgecolor="none"))
+    axes.add_patch(
+        Rectangle((left, -2 * unit), right - left, 2 * unit, facecolor=DRUM, edgecolor="none")
+    )
     axes.plot([left, right], [0, 0], color=INK, lw=1.6)
     middle = 0.5 * (left + right)
     half = 2.2 * unit * brake.spin
-    _arrow(axes, np.array([middle - half, -unit]), np.array([middle + half, -unit]), MOTION, width=0.14)
+    _arrow(
+        axes, np.array([middle - half, -unit]), np.array([middle + half, -unit]), MOTION, width=0.14
+    )
     places = [np.array([[left, -2 * unit], [right, 0]])]
     elastic = brake.unmeshable() is None
     struts = {link.source for link in brake.links}
@@ -248,7 +304,15 @@ def _flat_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
             layers += [(*body, plate.thickness, BODY) for plate in shoe.body.plates.values()]
         top = 0.0
         for left, right, thickness, color in layers:
-            box = Rectangle((left, top), right - left, thickness * MM, facecolor=color, edgecolor=INK, lw=0.8, zorder=3)
+            box = Rectangle(
+                (left, top),
+                right - left,
+                thickness * MM,
+                facecolor=color,
+                edgecolor=INK,
+                lw=0.8,
+                zorder=3,
+            )
             axes.add_patch(box)
             top += thickness * MM
     else:
@@ -257,7 +321,13 @@ def _flat_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
     _label(axes, np.array([end + 1.2 * unit, 1.0 * unit]), shoe.name, ha="left")
     if shoe.hinge is not None and shoe.pivot is None:
         x, h = shoe.hinge.xy * MM
-        axes.annotate("", (x, 0), (x, h), arrowprops={"arrowstyle": "<->", "color": FAINT, "lw": 0.8}, zorder=4)
+        axes.annotate(
+            "",
+            (x, 0),
+            (x, h),
+            arrowprops={"arrowstyle": "<->", "color": FAINT, "lw": 0.8},
+            zorder=4,
+        )
         _label(axes, np.array([x - 1.6 * unit, 0.4 * h]), f"h = {h:.4g} mm")
 
 
@@ -265,12 +335,16 @@ def _flat_sign(axes: Axes, shoe: Shoe, unit: float) -> None:
     """A rigid shoe: its lining, and a block up to the lever."""
     start, end, top = shoe.lining.start * MM, shoe.lining.end * MM, 0.8 * unit
     pin, load = shoe.pin.xy * MM, shoe.actuation.point.xy * MM
-    axes.add_patch(Rectangle((start, 0), end - start, top, facecolor=LINING, edgecolor=INK, lw=0.8, zorder=3))
+    axes.add_patch(
+        Rectangle((start, 0), end - start, top, facecolor=LINING, edgecolor=INK, lw=0.8, zorder=3)
+    )
     lever = load - pin
     share = np.clip((np.array([start, end]) - pin[0]) / lever[0], 0, 1) if lever[0] else np.zeros(2)
     feet = pin + share[:, None] * lever
     block = [(start, top), *feet.tolist(), (end, top)]
-    axes.add_patch(PathPatch(Outline(np.array([*block, block[0]])), facecolor=BODY, edgecolor="none", zorder=2))
+    axes.add_patch(
+        PathPatch(Outline(np.array([*block, block[0]])), facecolor=BODY, edgecolor="none", zorder=2)
+    )
     axes.plot(*np.array([pin, load]).T, color=BODY, lw=7, solid_capstyle="round", zorder=2)
 
 
@@ -280,12 +354,17 @@ def _flat_sign(axes: Axes, shoe: Shoe, unit: float) -> None:
 def _tail(actuation: Actuation, unit: float) -> Floats:
     """From an arrow's tail to its tip (2,) [mm]."""
     sense = -1.0 if actuation.force < 0 else 1.0
-    return 4 * unit * sense * np.array([math.cos(actuation.direction), math.sin(actuation.direction)])
+    return (
+        4 * unit * sense * np.array([math.cos(actuation.direction), math.sin(actuation.direction)])
+    )
 
 
-def _beside(actuation: Actuation, tip: Floats, unit: float, *, inside: bool = False) -> tuple[Floats, str]:
-    """Where the words of an arrow stand (2,) [mm]: above it, or to its right, inside a drum towards the centre; and
-    their alignment."""
+def _beside(
+    actuation: Actuation, tip: Floats, unit: float, *, inside: bool = False
+) -> tuple[Floats, str]:
+    """Where the words of an arrow stand (2,) [mm]: above it, or to its right, inside a drum towards
+    the centre; and their alignment.
+    """
     along = _tail(actuation, unit)
     left = np.array([-along[1], along[0]]) / np.linalg.norm(along)
     up = left if left[1] > 1e-9 or (abs(left[1]) <= 1e-9 and left[0] > 0) else -left
@@ -295,14 +374,20 @@ def _beside(actuation: Actuation, tip: Floats, unit: float, *, inside: bool = Fa
 
 
 def _forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: float) -> None:
-    """The forces on the shoes with their sizes, of a cam their sum; equal ones beside each other have their size once.
+    """The forces on the shoes with their sizes, of a cam their sum; equal ones beside each other
+    have their size once.
 
     That of a strut is drawn with it.
     """
     pushed = [shoe for shoe in brake.shoes if shoe.actuation.force]
     if brake.actuation is not None and brake.actuation.is_cam:
         middle = 0.5 * sum(tips[shoe.name] for shoe in pushed)
-        _label(axes, middle - np.array([0.0, 1.6 * unit]), f"{_size(brake.actuation.total)} in all", color=FORCE)
+        _label(
+            axes,
+            middle - np.array([0.0, 1.6 * unit]),
+            f"{_size(brake.actuation.total)} in all",
+            color=FORCE,
+        )
         return
     inside = not brake.surface.straight and brake.shoes[0].sign > 0
     labels: list[tuple[Floats, str, str]] = []
@@ -311,7 +396,14 @@ def _forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: float) -
         _arrow(axes, tip - _tail(shoe.actuation, unit), tip, FORCE, width=0.12)
         place, alignment = _beside(shoe.actuation, tip, unit, inside=inside)
         text = _size(shoe.actuation.force)
-        k = next((k for k, one in enumerate(labels) if one[1] == text and math.dist(one[0], place) < 5 * unit), None)
+        k = next(
+            (
+                k
+                for k, one in enumerate(labels)
+                if one[1] == text and math.dist(one[0], place) < 5 * unit
+            ),
+            None,
+        )
         if k is None:
             labels.append((place, text, alignment))
         else:

@@ -1,4 +1,6 @@
-"""One self-contained HTML page: text, figures, tables, sources, with versions and machine at its foot."""
+"""One self-contained HTML page: text, figures, tables, sources, with versions and machine at its
+foot.
+"""
 
 import base64
 import datetime
@@ -59,11 +61,11 @@ _PERCENT = re.compile(r"(?<=[0-9]) %")
 def fill(template: Path, page: Path, **values: Any) -> Path:
     """Fill a jinja template with values and write the page whole or not at all; returns `page`.
 
-    The template extends base.html (blocks title, lead, body) and imports what it needs of blocks.html: figure, table,
-    source, fields; pictures are files beside the page and are embedded. In it `Column` makes a table's column, `pi` is
-    there, the filter `form` writes a number: {{ error|form("+.1%") }}, and `tex` a formula: {{ tex("p_0") }}. Values
-    are escaped; a number and its % stay on one line. Figures and tables are numbered; the sections (h2) get a list
-    of links.
+    The template extends base.html (blocks title, lead, body) and imports what it needs of
+    blocks.html: figure, table, source, fields; pictures are files beside the page and are embedded.
+    In it `Column` makes a table's column, `pi` is there, the filter `form` writes a number: {{
+    error|form("+.1%") }}, and `tex` a formula: {{ tex("p_0") }}. Values are escaped; a number and
+    its % stay on one line. Figures and tables are numbered; the sections (h2) get a list of links.
 
     Raises jinja2.UndefinedError where the template asks for what is not given.
     """
@@ -113,14 +115,25 @@ _HEADING = re.compile(r"<h2>(.*?)</h2>", re.DOTALL)
 def with_contents(text: str) -> str:
     """A page whose sections can be linked, with their list after its lead where there are some."""
     titles = [striptags(title) for title in _HEADING.findall(text)]
-    names = [re.sub(r"[^a-z0-9]+", "-", html.unescape(title).lower()).strip("-") for title in titles]
-    names = [name if name and names.index(name) == i else f"{name}-{i + 1}" for i, name in enumerate(names)]
+    names = [
+        re.sub(r"[^a-z0-9]+", "-", html.unescape(title).lower()).strip("-") for title in titles
+    ]
+    names = [
+        name if name and names.index(name) == i else f"{name}-{i + 1}"
+        for i, name in enumerate(names)
+    ]
     each = iter(names)
-    text = _HEADING.sub(lambda found: f'<h2 id="{(name := next(each))}"><a href="#{name}">{found[1]}</a></h2>', text)
+    text = _HEADING.sub(
+        lambda found: f'<h2 id="{(name := next(each))}"><a href="#{name}">{found[1]}</a></h2>', text
+    )
     if len(titles) < LEAST_SECTIONS:
         return text
-    links = "".join(f'<li><a href="#{name}">{title}</a></li>' for name, title in zip(names, titles, strict=True))
-    return text.replace("<!-- contents -->", f'<nav aria-label="Contents"><ul>{links}</ul></nav>', 1)
+    links = "".join(
+        f'<li><a href="#{name}">{title}</a></li>' for name, title in zip(names, titles, strict=True)
+    )
+    return text.replace(
+        "<!-- contents -->", f'<nav aria-label="Contents"><ul>{links}</ul></nav>', 1
+    )
 
 
 def striptags(text: str) -> str:

@@ -1,4 +1,6 @@
-"""The colours of all figures: nine that deuteranopes and protanopes tell apart, too, and line styles as second code."""
+"""The colours of all figures: nine that deuteranopes and protanopes tell apart, too, and line
+styles as second code.
+"""
 
 from typing import Any
 

@@ -1,7 +1,8 @@
 """A picture of the fields, rendered off-screen by pyvista in a process of its own.
 
-Off-screen rendering needs OpenGL or its software stand-in. Where there is none VTK may end the whole process
-instead of raising, so `render` starts this module as another one and says what came of it.
+Off-screen rendering needs OpenGL or its software stand-in. Where there is none VTK may end the
+whole process instead of raising, so `render` starts this module as another one and says what came
+of it.
 """
 
 import json
@@ -32,7 +33,9 @@ class NoPicture(Exception):
 
 
 def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
-    """Draw a .vtu file of fields into a .png; returns None, or one line that says why there is no picture."""
+    """Draw a .vtu file of fields into a .png; returns None, or one line that says why there is no
+    picture.
+    """
     surface, size = _surface(brake)
     marks = {
         "surface": surface.tolist(),
@@ -46,9 +49,14 @@ def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
 
 
 def picture_by(module: str, fields: Path, picture: Path, argument: str) -> str | None:
-    """Have a module's `main` draw a .vtu file into a .png, in a process of its own; None, or why there is none."""
-    child = f"import sys; sys.path.append(sys.argv.pop(1)); from {module} import main; sys.exit(main())"
-    # With -P nothing is imported from the current folder; drumlin itself from where it is, if it is not installed.
+    """Have a module's `main` draw a .vtu file into a .png, in a process of its own; None, or why
+    there is none.
+    """
+    child = (
+        f"import sys; sys.path.append(sys.argv.pop(1)); from {module} import main; sys.exit(main())"
+    )
+    # With -P nothing is imported from the current folder; drumlin itself from where it is, if it is
+    # not installed.
     command = [sys.executable, "-P", "-c", child, str(Path(__file__).parents[2]), str(fields)]
     try:
         with replacing(picture) as partial:
@@ -61,8 +69,9 @@ def picture_by(module: str, fields: Path, picture: Path, argument: str) -> str |
 
 
 def _surface(brake: Brake) -> tuple[Floats, float]:
-    """The friction surface as a line (n, 2) [m], and the length that signs go by: the drum's radius, or half of what is
-    in a brake on a plane."""
+    """The friction surface as a line (n, 2) [m], and the length that signs go by: the drum's
+    radius, or half of what is in a brake on a plane.
+    """
     if brake.surface.straight:
         pins = [x for shoe in brake.shoes for x in (shoe.pin.x, shoe.actuation.point.x)]
         ends = [*pins, *(x for shoe in brake.shoes for x in (shoe.lining.start, shoe.lining.end))]
@@ -89,7 +98,9 @@ def drawn(command: list[str]) -> None:
 
 
 def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
-    """Render in this process: von Mises stress on deformed shoes, arrows of pressure, pins, forces, drum or plane."""
+    """Render in this process: von Mises stress on deformed shoes, arrows of pressure, pins, forces,
+    drum or plane.
+    """
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
     radius, around = float(marks["size"]), np.array(marks["surface"])
@@ -108,7 +119,9 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     }  # fmt: skip
     top = _round_up(float(np.percentile(grid.point_data[SCALAR], 99.5)))
     surface = deformed.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=3)
-    plotter.add_mesh(surface, scalars=SCALAR, cmap="viridis", clim=(0, top), lighting=False, scalar_bar_args=bar)
+    plotter.add_mesh(
+        surface, scalars=SCALAR, cmap="viridis", clim=(0, top), lighting=False, scalar_bar_args=bar
+    )
     plotter.add_mesh(_outline(grid), color="#888888", line_width=2)
     line = np.column_stack([around, np.zeros(len(around))])
     plotter.add_mesh(pv.lines_from_points(line), color="black", line_width=5)
@@ -122,17 +135,30 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
                              tip_radius=0.06, shaft_radius=0.02)  # fmt: skip
             plotter.add_mesh(arrow, color="#1d2733")
     for x, y in marks["pins"]:
-        plotter.add_mesh(pv.Disc(center=(x, y, 0), inner=0, outer=0.035 * radius, c_res=40), color="#1d2733")
-    text = f"{marks['title']}\nDisplacements x {factor:g} (undeformed outline grey), {face} black.\n"
+        plotter.add_mesh(
+            pv.Disc(center=(x, y, 0), inner=0, outer=0.035 * radius, c_res=40), color="#1d2733"
+        )
+    text = (
+        f"{marks['title']}\nDisplacements x {factor:g} (undeformed outline grey), {face} black.\n"
+    )
     text += f"Red arrows: pressure of the {face} on the lining. Black arrows: actuation. Discs: pins and feet."
     plotter.add_text(text, position="upper_left", font_size=12, color="black")
     plotter.view_xy()
     plotter.enable_parallel_projection()
     # All of the scene to the left of the colour bar and below the text.
     places = np.array(
-        [around.min(axis=0), around.max(axis=0), *marks["pins"], *ends, *np.reshape(deformed.bounds[:4], (2, 2)).T]
+        [
+            around.min(axis=0),
+            around.max(axis=0),
+            *marks["pins"],
+            *ends,
+            *np.reshape(deformed.bounds[:4], (2, 2)).T,
+        ]
     )
-    (left, bottom), (right, top_edge) = places.min(axis=0) - 0.2 * radius, places.max(axis=0) + 0.2 * radius
+    (left, bottom), (right, top_edge) = (
+        places.min(axis=0) - 0.2 * radius,
+        places.max(axis=0) + 0.2 * radius,
+    )
     scale = max((top_edge - bottom) / 2 / 0.9, (right - left) / 2 / 0.84 * 1300 / 1500)
     x = (left + right) / 2 + 0.13 * scale * 1500 / 1300
     y = (bottom + top_edge) / 2 + 0.09 * scale
@@ -145,7 +171,9 @@ def _outline(grid: Any) -> Any:
     """The undeformed outline: boundary edges of the cells, with the nodes of a shared edge merged."""
     flat = grid.copy()
     flat.clear_data()
-    surface = flat.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=1).clean(tolerance=1e-7)
+    surface = flat.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=1).clean(
+        tolerance=1e-7
+    )
     return surface.extract_feature_edges(
         boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
     )
@@ -159,8 +187,13 @@ def _add_pressure(plotter: Any, grid: Any, radius: float, *, flat: bool) -> None
     touching = np.flatnonzero(p > 0)
     if not len(touching):
         return
-    points, push = np.asarray(grid.points)[touching], np.asarray(grid.point_data["push of the drum [Pa]"])[touching]
-    turns = (points[:, 0] / radius if flat else np.arctan2(points[:, 1], points[:, 0])) / math.radians(2.5)
+    points, push = (
+        np.asarray(grid.points)[touching],
+        np.asarray(grid.point_data["push of the drum [Pa]"])[touching],
+    )
+    turns = (
+        points[:, 0] / radius if flat else np.arctan2(points[:, 1], points[:, 0])
+    ) / math.radians(2.5)
     slot = np.round(turns)
     order = np.lexsort((np.abs(turns - slot), slot))  # of each slot the node nearest its middle
     chosen = order[np.unique(slot[order], return_index=True)[1]]
@@ -176,7 +209,9 @@ def _add_pressure(plotter: Any, grid: Any, radius: float, *, flat: bool) -> None
 def _round_down(value: float) -> float:
     """The largest 1, 2 or 5 times a power of ten that is not above `value`."""
     power = 10.0 ** math.floor(math.log10(value))
-    return max((step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)), default=power)
+    return max(
+        (step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)), default=power
+    )
 
 
 def _round_up(value: float) -> float:

@@ -1,4 +1,6 @@
-"""Signs for how shoes are held and pushed: pin, lever's pivot, abutment, guide, grip, strut, cam, rigid arm."""
+"""Signs for how shoes are held and pushed: pin, lever's pivot, abutment, guide, grip, strut, cam,
+rigid arm.
+"""
 
 import math
 from collections.abc import Mapping
@@ -39,7 +41,9 @@ def held(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None
 
 
 def face(axes: Axes, at: Floats, direction: float, unit: float, *, ground: bool) -> None:
-    """The face of an abutment at a point [mm], its normal in the direction [rad]: a line, hatched behind on ground."""
+    """The face of an abutment at a point [mm], its normal in the direction [rad]: a line, hatched
+    behind on ground.
+    """
     n = np.array([math.cos(direction), math.sin(direction)])
     t = np.array([-n[1], n[0]])
     axes.plot(*(at + np.outer([-unit, unit], t)).T, color=INK, lw=2.5, zorder=5)
@@ -49,8 +53,10 @@ def face(axes: Axes, at: Floats, direction: float, unit: float, *, ground: bool)
 
 
 def arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> None:
-    """Rigid arms, dashed, where what holds or pushes an elastic shoe stands off its body, and what a pivot or guide
-    grips of its back, as a line; radius [m], the size of the brake; the force's point (2,) [mm]."""
+    """Rigid arms, dashed, where what holds or pushes an elastic shoe stands off its body, and what
+    a pivot or guide grips of its back, as a line; radius [m], the size of the brake; the force's
+    point (2,) [mm].
+    """
     if not isinstance(shoe.body, Bar) or shoe.mesh is not None:
         return
     grip = shoe.grip(radius)
@@ -61,7 +67,11 @@ def arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> N
         back = shoe.points(shoe.at(np.array(shoe.depth), np.linspace(*grip, 20), radius)) * MM
         axes.plot(*back, color=INK, lw=3, solid_capstyle="butt", zorder=4)
         held_at = [shoe.pin.xy * MM, force] if shoe.pivot is None else [shoe.pivot.xy * MM]
-        ends = zip([shoe.at(np.array(shoe.depth), np.array(0.5 * sum(grip)), radius)] * 2, held_at, strict=False)
+        ends = zip(
+            [shoe.at(np.array(shoe.depth), np.array(0.5 * sum(grip)), radius)] * 2,
+            held_at,
+            strict=False,
+        )
     for middle, to in ends:
         line = np.array([shoe.points(middle[:, None])[:, 0] * MM, to])
         if float(np.linalg.norm(line[1] - line[0])) > 0.2 * unit:
@@ -69,7 +79,9 @@ def arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> N
 
 
 def between(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float) -> None:
-    """What shoes share: a strut from one to the other, a cam between their tips; `loaded`: where each is pushed."""
+    """What shoes share: a strut from one to the other, a cam between their tips; `loaded`: where
+    each is pushed.
+    """
     shoes = {shoe.name: shoe for shoe in brake.shoes}
     for link in brake.links:
         source = shoes[link.source]
@@ -80,18 +92,33 @@ def between(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float)
         tips = [loaded[shoe.name] for shoe in brake.shoes if shoe.actuation.force]
         middle, size = 0.5 * (tips[0] + tips[1]), brake.actuation.radius or 0.0
         axes.plot(*np.array(tips).T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
-        axes.add_patch(Circle(tuple(middle), max(size * MM, 0.5 * unit), facecolor=BODY, edgecolor=INK, zorder=5))
+        axes.add_patch(
+            Circle(
+                tuple(middle), max(size * MM, 0.5 * unit), facecolor=BODY, edgecolor=INK, zorder=5
+            )
+        )
 
 
 def pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
     """A pin: on hatched ground, or on the lever."""
     x, y = point.xy * MM
     if fixed:
-        foot = np.array([[x, y], [x - 0.7 * unit, y - 1.1 * unit], [x + 0.7 * unit, y - 1.1 * unit], [x, y]])
+        foot = np.array(
+            [[x, y], [x - 0.7 * unit, y - 1.1 * unit], [x + 0.7 * unit, y - 1.1 * unit], [x, y]]
+        )
         axes.fill(*foot.T, facecolor="white", edgecolor=INK, lw=1, zorder=4)
         ground = (x - unit, y - 1.45 * unit)
         axes.add_patch(
-            Rectangle(ground, 2 * unit, 0.35 * unit, facecolor="none", edgecolor=FAINT, hatch="////", lw=0, zorder=4)
+            Rectangle(
+                ground,
+                2 * unit,
+                0.35 * unit,
+                facecolor="none",
+                edgecolor=FAINT,
+                hatch="////",
+                lw=0,
+                zorder=4,
+            )
         )
         axes.plot([x - unit, x + unit], [y - 1.1 * unit] * 2, color=INK, lw=1, zorder=4)
     axes.add_patch(Circle((x, y), 0.32 * unit, facecolor="white", edgecolor=INK, lw=1.4, zorder=5))

@@ -13,12 +13,16 @@ MOST = 0.05  # of the drum's radius, which the largest displacement is drawn as
 
 
 def render(fields: Path, picture: Path, title: str) -> str | None:
-    """Draw the .vtu file of solid shoes into a .png; returns None, or one line that says why there is no picture."""
+    """Draw the .vtu file of solid shoes into a .png; returns None, or one line that says why there
+    is no picture.
+    """
     return picture_by(__name__, fields, picture, title)
 
 
 def draw(fields: Path, picture: Path, title: str) -> None:
-    """Render in this process: von Mises stress on the deformed solids, both halves of each, the section in front."""
+    """Render in this process: von Mises stress on the deformed solids, both halves of each, the
+    section in front.
+    """
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
     grid = pv.read(fields)
@@ -41,7 +45,9 @@ def draw(fields: Path, picture: Path, title: str) -> None:
     for i, half in enumerate(halves):
         plotter.add_mesh(half, scalars=SCALAR, cmap="viridis", clim=(0, top), scalar_bar_args=bar,
                          show_scalar_bar=i == 0, smooth_shading=False, ambient=0.35)  # fmt: skip
-    plotter.add_text(f"{title}\nDisplacements x {factor:g}.", position="upper_left", font_size=13, color="black")
+    plotter.add_text(
+        f"{title}\nDisplacements x {factor:g}.", position="upper_left", font_size=13, color="black"
+    )
     plotter.view_vector((0.35, 0.55, 1.0), viewup=(0, 1, 0))
     plotter.enable_parallel_projection()
     plotter.reset_camera()

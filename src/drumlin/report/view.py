@@ -17,7 +17,9 @@ PARTS = {"shoe": "#c9d3dc", "table": "#b3c0cc", "backing": "#d9c39a", "lining": 
 
 
 def draw(brake: Brake, **options: Any) -> Figure:
-    """The brake with drum, pins, forces and what moves, and over it the meshes of its shoes, if it can be meshed."""
+    """The brake with drum, pins, forces and what moves, and over it the meshes of its shoes, if it
+    can be meshed.
+    """
     figure = Figure(figsize=(7.5, 7.5), layout="constrained")
     axes = figure.subplots()
     draw_brake(axes, brake)
@@ -30,14 +32,20 @@ def draw(brake: Brake, **options: Any) -> Figure:
         for name, elements in body.mesh.subdomains.items():
             axes.add_collection(
                 PolyCollection(
-                    list(xy[around[:, elements].T]), facecolor=PARTS[name], edgecolor="#40505f", lw=0.25, zorder=3.5
+                    list(xy[around[:, elements].T]),
+                    facecolor=PARTS[name],
+                    edgecolor="#40505f",
+                    lw=0.25,
+                    zorder=3.5,
                 )
             )
     return figure
 
 
 def _around(body: Body) -> Ints:
-    """Nodes around each element of a mesh, corners and the middles of quadratic edges (k, elements)."""
+    """Nodes around each element of a mesh, corners and the middles of quadratic edges (k,
+    elements).
+    """
     corners = len(body.mesh.t)
     around = body.basis.element_dofs[: 2 * corners]
     if len(around) == 2 * corners:

@@ -1,4 +1,5 @@
-"""What every model returns: one Response with a ShoeResponse a shoe, its figures of merit, resultants and distances.
+"""What every model returns: one Response with a ShoeResponse a shoe, its figures of merit,
+resultants and distances.
 
 Imports the brake and nothing that computes one.
 """

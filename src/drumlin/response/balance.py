@@ -1,4 +1,6 @@
-"""Equilibrium of what a model returns: sums of forces and moments, relative to their largest members."""
+"""Equilibrium of what a model returns: sums of forces and moments, relative to their largest
+members.
+"""
 
 import math
 from typing import TypeVar
@@ -12,7 +14,9 @@ B = TypeVar("B", bound=Brake)
 
 
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
-    """What the surface does to shoe `index`: the integrals of the response's own p, or what its law lumps."""
+    """What the surface does to shoe `index`: the integrals of the response's own p, or what its law
+    lumps.
+    """
     if response.lumped is not None:
         return response.lumped
     shoe = brake.shoes[index]
@@ -33,7 +37,10 @@ def loaded(brake: B, response: Response) -> B:
     forces = [shoe.force for shoe in response.shoes]
     if all(force is None for force in forces):
         return brake
-    shoes = tuple(shoe if force is None else shoe.under(force) for shoe, force in zip(brake.shoes, forces, strict=True))
+    shoes = tuple(
+        shoe if force is None else shoe.under(force)
+        for shoe, force in zip(brake.shoes, forces, strict=True)
+    )
     return brake.model_copy(update={"shoes": shoes})
 
 
@@ -54,18 +61,23 @@ def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
         response.reaction_moment,
     ]
     if shoe.guide is not None:
-        moments += borne(shoe.actuation.force, brake.scale_factor * (shoe.lining.end - shoe.lining.start))
+        moments += borne(
+            shoe.actuation.force, brake.scale_factor * (shoe.lining.end - shoe.lining.start)
+        )
     return relative_balance(forces, moments)
 
 
 def borne(force: float, length: float) -> list[float]:
-    """Two moments [N m] that say what is a small one where a guide may bear none at all: the force's in the middle of
-    a lining of this length [m], of either half."""
+    """Two moments [N m] that say what is a small one where a guide may bear none at all: the
+    force's in the middle of a lining of this length [m], of either half.
+    """
     return [0.5 * force * length, -0.5 * force * length]
 
 
 def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
-    """Sums of forces (2,) [N] and of moments [N m], each relative to its largest member; 0 where all are 0."""
+    """Sums of forces (2,) [N] and of moments [N m], each relative to its largest member; 0 where
+    all are 0.
+    """
     both = [force.tolist() for force in forces]
     largest_force = max((math.hypot(*force) for force in both), default=0.0)
     largest_moment = max((abs(m) for m in moments), default=0.0)

@@ -1,4 +1,6 @@
-"""Where a model's assumptions end: a warning beyond small strains, and where shoes lie in each other."""
+"""Where a model's assumptions end: a warning beyond small strains, and where shoes lie in each
+other.
+"""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -7,17 +9,24 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.errors import NoAnswer
 
 LARGE_STRAIN = 0.05
-"""Strain p/E of a lining through its thickness above which a note says that small displacements are off
-by about as much."""
-LARGEST_STRAIN = 10.0  # in the mean; beyond it no scaled load is meant: the force or its unit is wrong
+"""Strain p/E of a lining through its thickness above which a note says that small displacements are
+off by about as much.
+"""
+LARGEST_STRAIN = (
+    10.0  # in the mean; beyond it no scaled load is meant: the force or its unit is wrong
+)
 
 
 def check_strain(shoe: Shoe, scale_factor: float, force: float, contact: float) -> None:
-    """Raise NoAnswer where a force [N] on a contact of a length would press the lining in by many times its
-    thickness: in the mean, and where the contact is shorter than that, over as much as the lining has. Its peak may be
-    at a corner, where it only tells how fine the mesh is. scale_factor: of the brake's surface."""
+    """Raise NoAnswer where a force [N] on a contact of a length would press the lining in by many
+    times its thickness: in the mean, and where the contact is shorter than that, over as much as
+    the lining has. Its peak may be at a corner, where it only tells how fine the mesh is.
+    scale_factor: of the brake's surface.
+    """
     lining = shoe.lining
-    length = max(scale_factor * contact, min(lining.thickness, scale_factor * (lining.end - lining.start)))
+    length = max(
+        scale_factor * contact, min(lining.thickness, scale_factor * (lining.end - lining.start))
+    )
     strain = force / (lining.width * length * lining.material.E_through)
     if strain > LARGEST_STRAIN:
         raise NoAnswer(
@@ -35,7 +44,8 @@ def warnings(brake: Brake, peaks: dict[str, float]) -> tuple[str, ...]:
         f"warning: shoe {shoe.name!r}: the lining is strained by up to {100 * peaks[shoe.name] / E:.2g} %; "
         f"small displacements are taken, good up to some {100 * LARGE_STRAIN:g} %"
         for shoe in brake.shoes
-        if shoe.lining.material is not None and peaks[shoe.name] > LARGE_STRAIN * (E := shoe.lining.material.E_through)
+        if shoe.lining.material is not None
+        and peaks[shoe.name] > LARGE_STRAIN * (E := shoe.lining.material.E_through)
     ]
     return (*strained, *_overlaps(brake))
 

@@ -13,8 +13,10 @@ from drumlin.response.resultants import GAUSS, WEIGHTS, edge_left_out
 
 @dataclass(frozen=True)
 class Difference:
-    """p_a - p_b: `off` (pieces, points) [Pa] at the angles theta [rad] of a Gauss rule on the pieces of both, with its
-    `weight`, and p_b, `pressure`, there; of two shoes' responses `a` and `b`."""
+    """p_a - p_b: `off` (pieces, points) [Pa] at the angles theta [rad] of a Gauss rule on the
+    pieces of both, with its `weight`, and p_b, `pressure`, there; of two shoes' responses `a` and
+    `b`.
+    """
 
     b: ShoeResponse
     theta: Floats
@@ -33,7 +35,9 @@ class Difference:
         half = 0.5 * np.diff(knots)[:, None]
         theta = knots[:-1, None] + half * (1 + GAUSS)
         pa, pb = a.pressure_at(theta.ravel()), b.pressure_at(theta.ravel())
-        return cls(b, theta, half * WEIGHTS, (pa - pb).reshape(theta.shape), pb.reshape(theta.shape))
+        return cls(
+            b, theta, half * WEIGHTS, (pa - pb).reshape(theta.shape), pb.reshape(theta.shape)
+        )
 
     def inside(self, zone: float) -> Bools:
         """Which pieces (pieces,) are more than one of those zones from the lining's ends."""
@@ -41,7 +45,9 @@ class Difference:
         return np.asarray((middle > ends[0] + zone) & (middle < ends[-1] - zone))
 
     def distance(self, zone: float) -> float:
-        """In L2 inside the zone, relative to p_b; where this presses nowhere: 0 if neither does p_a, else infinite."""
+        """In L2 inside the zone, relative to p_b; where this presses nowhere: 0 if neither does
+        p_a, else infinite.
+        """
         on = self.inside(zone)
         weight, off, p = self.weight[on], self.off[on], self.pressure[on]
         size = float(np.vdot(weight, p**2))
@@ -52,15 +58,21 @@ class Difference:
     @property
     def columns(self) -> Ints:
         """The column of b that each piece (pieces,) is in."""
-        return np.asarray(np.searchsorted(self.b.theta[:: self.b.order], self.theta[:, 0], side="right") - 1)
+        return np.asarray(
+            np.searchsorted(self.b.theta[:: self.b.order], self.theta[:, 0], side="right") - 1
+        )
 
     def by_chance(self) -> float:
-        """The part of the integral of p_b by which it would differ if that of each column had a sign by chance."""
+        """The part of the integral of p_b by which it would differ if that of each column had a
+        sign by chance.
+        """
         columns = np.bincount(self.columns, (self.weight * self.off).sum(axis=1))
         return float(np.linalg.norm(columns) / np.vdot(self.weight, self.pressure))
 
     def at_peak(self, zone: float) -> float:
-        """The largest difference in the column where p_b is largest inside the zone, in parts of the peak."""
+        """The largest difference in the column where p_b is largest inside the zone, in parts of
+        the peak.
+        """
         inside, columns = self.inside(zone), self.columns
         highest = np.where(inside, self.pressure.max(axis=1), -math.inf).argmax()
         off = self.off[inside & (columns == columns[highest])]
@@ -68,10 +80,11 @@ class Difference:
 
 
 def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE) -> float:
-    """L2 norm over theta of p_a - p_b, relative to that of p_b, outside zones of `edge` [rad] at the lining's ends.
+    """L2 norm over theta of p_a - p_b, relative to that of p_b, outside zones of `edge` [rad] at
+    the lining's ends.
 
-    Where half of p_b's force is within those zones, over the whole lining; where it presses nowhere: 0 if neither does
-    p_a, else infinite.
+    Where half of p_b's force is within those zones, over the whole lining; where it presses
+    nowhere: 0 if neither does p_a, else infinite.
     """
     edge = edge_left_out(b.theta, b.pressure, b.order, edge)
     return Difference.of(a, b, edge).distance(edge)

@@ -1,4 +1,6 @@
-"""Resultants of a pressure distribution, and where it ends: integrals of piecewise polynomials over an arc."""
+"""Resultants of a pressure distribution, and where it ends: integrals of piecewise polynomials over
+an arc.
+"""
 
 import math
 from dataclasses import dataclass
@@ -15,8 +17,9 @@ GAUSS, WEIGHTS = legendre.leggauss(12)
 
 
 class Resultant(NamedTuple):
-    """What the surface does to the lining: forces of pressure and of friction (2,) [N], moment [N m] about the
-    origin."""
+    """What the surface does to the lining: forces of pressure and of friction (2,) [N], moment [N
+    m] about the origin.
+    """
 
     normal: Floats
     friction: Floats
@@ -35,25 +38,37 @@ def cross(a: Floats, b: Floats) -> Floats:
 
 @cache
 def lobatto(order: int) -> Floats:
-    """Gauss-Lobatto points (order + 1,) on [-1, 1]: the nodes of a polynomial of this degree; up to 2 evenly spaced."""
-    inner = np.sort(legendre.legroots(legendre.legder(np.eye(order + 1)[order])).real) if order > 1 else np.zeros(0)
+    """Gauss-Lobatto points (order + 1,) on [-1, 1]: the nodes of a polynomial of this degree; up to
+    2 evenly spaced.
+    """
+    inner = (
+        np.sort(legendre.legroots(legendre.legder(np.eye(order + 1)[order])).real)
+        if order > 1
+        else np.zeros(0)
+    )
     return np.concatenate([[-1.0], 0.5 * (inner - inner[::-1]), [1.0]])
 
 
 @cache
 def _coefficients(order: int) -> Floats:
-    """Coefficients in Legendre's polynomials of the shape functions: (order + 1, order + 1), a column each."""
+    """Coefficients in Legendre's polynomials of the shape functions: (order + 1, order + 1), a
+    column each.
+    """
     return np.asarray(np.linalg.inv(legendre.legvander(lobatto(order), order)), dtype=float)
 
 
 def shape(order: int, xi: Floats) -> Floats:
-    """Lagrange shape functions of degree `order` on the nodes `lobatto` at xi (any shape): (order + 1, *xi.shape)."""
+    """Lagrange shape functions of degree `order` on the nodes `lobatto` at xi (any shape): (order +
+    1, *xi.shape).
+    """
     rows = _legendre(order, xi)
     return (_coefficients(order).T @ rows.reshape(order + 1, -1)).reshape(rows.shape)
 
 
 def _legendre(order: int, xi: Floats) -> Floats:
-    """Legendre's polynomials up to a degree at xi (any shape), by their recurrence: (order + 1, *xi.shape)."""
+    """Legendre's polynomials up to a degree at xi (any shape), by their recurrence: (order + 1,
+    *xi.shape).
+    """
     rows = np.ones((order + 1, *np.shape(xi)))
     if order > 0:
         rows[1] = xi
@@ -64,8 +79,9 @@ def _legendre(order: int, xi: Floats) -> Floats:
 
 @cache
 def _integrals(order: int) -> Floats:
-    """Coefficients in Legendre's polynomials of the integrals of the shape functions from -1 on: a row each,
-    (order + 1, order + 2)."""
+    """Coefficients in Legendre's polynomials of the integrals of the shape functions from -1 on: a
+    row each, (order + 1, order + 2).
+    """
     return np.ascontiguousarray(legendre.legint(_coefficients(order), lbnd=-1).T)
 
 
@@ -88,10 +104,16 @@ def _weights(order: int) -> Floats:
 
 
 def gauss_points(theta: Floats, values: Floats, order: int) -> tuple[Floats, Floats, Floats]:
-    """Angles, values and weights (pieces, points) of a Gauss rule on every piece of a piecewise polynomial."""
+    """Angles, values and weights (pieces, points) of a Gauss rule on every piece of a piecewise
+    polynomial.
+    """
     ends = theta[::order]
     half = 0.5 * (ends[1:] - ends[:-1])[:, None]
-    return ends[:-1, None] + half * (1 + GAUSS), by_piece(values, order) @ at_gauss(order)[0], half * WEIGHTS
+    return (
+        ends[:-1, None] + half * (1 + GAUSS),
+        by_piece(values, order) @ at_gauss(order)[0],
+        half * WEIGHTS,
+    )
 
 
 def by_piece(values: Floats, order: int) -> Floats:
@@ -113,8 +135,9 @@ def _at_samples(order: int) -> Floats:
 
 @dataclass(frozen=True)
 class Inside:
-    """The part of a line more than `zone` [rad] from its ends, for all piecewise polynomials on its nodes theta (n,),
-    growing; none where nothing is so far away."""
+    """The part of a line more than `zone` [rad] from its ends, for all piecewise polynomials on its
+    nodes theta (n,), growing; none where nothing is so far away.
+    """
 
     theta: Floats
     order: int
@@ -127,8 +150,12 @@ class Inside:
         zone = min(self.zone, 0.5 * float(ends[-1] - ends[0]))
         half = 0.5 * (ends[1:] - ends[:-1])
         at = np.array([ends[0], ends[0] + zone, ends[-1] - zone, ends[-1]])
-        xi = np.minimum(np.maximum((at[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)  # in each piece
-        up_to = half[:, None] * (_integrals(order) @ _legendre(order + 1, xi).swapaxes(0, 1)).swapaxes(1, 2)
+        xi = np.minimum(
+            np.maximum((at[:, None] - ends[:-1]) / half - 1, -1.0), 1.0
+        )  # in each piece
+        up_to = half[:, None] * (
+            _integrals(order) @ _legendre(order + 1, xi).swapaxes(0, 1)
+        ).swapaxes(1, 2)
         own = up_to[3:1:-1] - up_to[:2]
         found = np.zeros((2, len(self.theta)))
         found[:, :-1] = own[:, :, :-1].reshape(2, -1)
@@ -142,8 +169,9 @@ class Inside:
 
     @cached_property
     def samples(self) -> tuple[slice, Ints, Floats]:
-        """The pieces that reach inside; which of these zones cut (c,), and the shape functions (c, order + 1, s) where
-        what is left of them is looked at."""
+        """The pieces that reach inside; which of these zones cut (c,), and the shape functions (c,
+        order + 1, s) where what is left of them is looked at.
+        """
         ends, whole = self.theta[:: self.order], 2 * self.zone >= self.theta[-1] - self.theta[0]
         start, end, zone = ends[:-1], ends[1:], 0.0 if whole else self.zone
         low, high = np.maximum(start, ends[0] + zone), np.minimum(end, ends[-1] - zone)
@@ -163,7 +191,10 @@ class Inside:
         i, j = divmod(int(found.argmax()), len(SAMPLES))
         if j in {0, len(SAMPLES) - 1}:
             return float(found[i, j])
-        (before, x, after), (below, top, beyond) = SAMPLES[j - 1 : j + 2].tolist(), found[i, j - 1 : j + 2].tolist()
+        (before, x, after), (below, top, beyond) = (
+            SAMPLES[j - 1 : j + 2].tolist(),
+            found[i, j - 1 : j + 2].tolist(),
+        )
         left, right = (top - below) / (x - before), (beyond - top) / (after - x)
         bend = (right - left) / (after - before)
         slope = left + bend * (x - before)
@@ -171,7 +202,11 @@ class Inside:
 
     def peak(self, pressure: Floats) -> float:
         """The largest value inside; everywhere where less than half of the force is there."""
-        return self.largest(pressure) if self.part(pressure) > 0.5 else largest(self.theta, pressure, self.order)
+        return (
+            self.largest(pressure)
+            if self.part(pressure) > 0.5
+            else largest(self.theta, pressure, self.order)
+        )
 
 
 def largest(theta: Floats, values: Floats, order: int) -> float:
@@ -180,7 +215,9 @@ def largest(theta: Floats, values: Floats, order: int) -> float:
 
 
 def edge_left_out(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
-    """The zone [rad] at the ends that may be left out of judging p(theta): none where half of the force is there."""
+    """The zone [rad] at the ends that may be left out of judging p(theta): none where half of the
+    force is there.
+    """
     return zone if Inside(theta, order, zone).part(pressure) > 0.5 else 0.0
 
 
@@ -201,17 +238,15 @@ def resultant(
     sign: int,
     drag: float,
 ) -> Resultant:
-    """Resultant on the lining of the traction -p n + drag p t, n out of the lining, t along the surface, drag = mu s.
+    """Resultant on the lining of the traction -p n + drag p t, n out of the lining, t along the
+    surface, drag = mu s.
 
     Parameters
     ----------
-    surface : what the lining lies on
-    theta, pressure : (n,), places in the surface's coordinate and pressures [Pa], piecewise of degree `order`
-    order : degree of the pieces
-    size : of the brake [m]
-    per_place : area of the lining per unit of the coordinate
-    sign : +1 of an internal lining, -1 of an external one
-    drag : friction per pressure along growing places
+    surface : what the lining lies on theta, pressure : (n,), places in the surface's coordinate and
+    pressures [Pa], piecewise of degree `order` order : degree of the pieces size : of the brake [m]
+    per_place : area of the lining per unit of the coordinate sign : +1 of an internal lining, -1 of
+    an external one drag : friction per pressure along growing places
     """
     place, p, w = gauss_points(theta, pressure, order)
     load = p * w * per_place
@@ -227,10 +262,11 @@ def resultant(
 def contact_arcs(
     theta: Floats, pressure: Floats, order: int, *, located: bool = True
 ) -> tuple[tuple[float, float], ...]:
-    """Arcs [rad] in which the lining is pressed; theta (n,) [rad], pressure (n,) [Pa], piecewise of degree `order`.
+    """Arcs [rad] in which the lining is pressed; theta (n,) [rad], pressure (n,) [Pa], piecewise of
+    degree `order`.
 
-    Nodes next to a pressed one belong to its arc; an end without pressure is then located within its step, unless
-    not `located`.
+    Nodes next to a pressed one belong to its arc; an end without pressure is then located within
+    its step, unless not `located`.
     """
     pressed = pressure > 0
     steps = np.zeros(len(theta) + 1, dtype=bool)
@@ -248,11 +284,12 @@ def contact_arcs(
 
 
 def _end(theta: Floats, pressure: Floats, node: int, order: int) -> float:
-    """The end between `node` and the next one of an arc that begins at `node`, where nothing presses.
+    """The end between `node` and the next one of an arc that begins at `node`, where nothing
+    presses.
 
-    The pressure of a smooth contact falls to its end e as sqrt(theta - e), so that F = Int_e p dtheta has
-    F^(2/3) linear in theta: the line through its values at the ends of the first two elements gives e. Integrals
-    of the pressure scatter far less than its nodal values.
+    The pressure of a smooth contact falls to its end e as sqrt(theta - e), so that F = Int_e p
+    dtheta has F^(2/3) linear in theta: the line through its values at the ends of the first two
+    elements gives e. Integrals of the pressure scatter far less than its nodal values.
     """
     i = node // order * order
     near, far = i + order, i + 2 * order

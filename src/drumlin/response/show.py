@@ -1,4 +1,6 @@
-"""A response as a person sees it in a session: its words, a short table as text or HTML, its pressure as a plot."""
+"""A response as a person sees it in a session: its words, a short table as text or HTML, its
+pressure as a plot.
+"""
 
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -16,7 +18,9 @@ POINTS = 20  # of a curve in each piece of the pressure
 def arcs_text(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
     """Contact arcs as text: numbers in the unit in which a person sees places of the surface."""
     factor = surface.shown
-    return ", ".join(f"{a * factor:.1f} to {b * factor:.1f}" for a, b in shoe.contact_arcs) or "none"
+    return (
+        ", ".join(f"{a * factor:.1f} to {b * factor:.1f}" for a, b in shoe.contact_arcs) or "none"
+    )
 
 
 def rows_of(response: "Response") -> list[tuple[str, ...]]:
@@ -49,7 +53,10 @@ def as_text(response: "Response") -> str:
     """The table with its columns aligned, headed by the model."""
     table = rows_of(response)
     widths = [max(len(row[k]) for row in table) for k in range(len(table[0]))]
-    lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in table]
+    lines = [
+        "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
+        for row in table
+    ]
     return "\n".join([_title(response), *lines])
 
 
@@ -66,7 +73,9 @@ def as_html(response: "Response") -> str:
 
 
 def plot(response: "Response", axes: Any = None) -> Any:
-    """Draw p of every shoe, in MPa over degrees (on a plane mm), into matplotlib `axes`, or new ones; returns them."""
+    """Draw p of every shoe, in MPa over degrees (on a plane mm), into matplotlib `axes`, or new
+    ones; returns them.
+    """
     if axes is None:
         from matplotlib import pyplot as plt  # noqa: PLC0415  (matplotlib loads when something is drawn)
 

@@ -1,7 +1,7 @@
 """Sweeps: many cases, solved by whatever executor there is, each kept in a journal as it finishes.
 
-A row depends on its case alone: not on who solved it, nor on what was solved before, so that a sweep that was
-stopped and went on ends with the same rows as one that was not.
+A row depends on its case alone: not on who solved it, nor on what was solved before, so that a
+sweep that was stopped and went on ends with the same rows as one that was not.
 """
 
 import hashlib
@@ -34,12 +34,27 @@ QUIET = 20.0  # s without an answer, then it is said that workers are waited for
 CHUNK_SECONDS = 0.1  # of work sent to a worker at a time: what a kill can lose of it
 MOST_IN_CHUNK = 64
 OTHER = "executor: its workers run another drumlin, or other libraries, than this one; install the same there"
-LOADS = ("title", "rotation", "friction", "clearance", "misfit", "out_of_round", "angle", "force", "direction", "point")
-"""Keys that leave the bodies as they are: cases that differ in others are solved one group after the other."""
+LOADS = (
+    "title",
+    "rotation",
+    "friction",
+    "clearance",
+    "misfit",
+    "out_of_round",
+    "angle",
+    "force",
+    "direction",
+    "point",
+)
+"""Keys that leave the bodies as they are: cases that differ in others are solved one group after
+the other.
+"""
 
 
 class Case(NamedTuple):
-    """A brake with some keys changed (as `vary` takes them), the model that answers and its options."""
+    """A brake with some keys changed (as `vary` takes them), the model that answers and its
+    options.
+    """
 
     brake: Brake
     changes: Mapping[str, Any]
@@ -48,7 +63,8 @@ class Case(NamedTuple):
 
 
 def respond(case: Case, cache: Cache | None = None) -> tuple[Brake, Response]:
-    """The brake of a case and its response; elements and solids take bodies from the cache and put theirs there.
+    """The brake of a case and its response; elements and solids take bodies from the cache and put
+    theirs there.
 
     Raises BadInput, NoAnswer.
     """
@@ -60,7 +76,9 @@ def respond(case: Case, cache: Cache | None = None) -> tuple[Brake, Response]:
 
 
 class Answer(NamedTuple):
-    """A row, whether it is the case's own (kept in a journal), and else whether a further attempt may change it."""
+    """A row, whether it is the case's own (kept in a journal), and else whether a further attempt
+    may change it.
+    """
 
     row: Row
     lasting: bool = True
@@ -75,14 +93,25 @@ def solved(case: Case, cache: Cache | None = None) -> Row:
 def attempt(case: Case, cache: Cache | None = None) -> Answer:
     """The answer to a case. Never raises.
 
-    Answers and refusals of physics and input last; want of memory, files and workers passes; faults of drumlin neither.
+    Answers and refusals of physics and input last; want of memory, files and workers passes; faults
+    of drumlin neither.
     """
     try:
         return Answer(row_of(*respond(case, cache)))
-    except Exception as error:  # a fault of one case must not cost the others; its row says what it was
-        said = str(error) if isinstance(error, DrumlinError) else f"unexpected {type(error).__name__}: {error}"
+    except (
+        Exception
+    ) as error:  # a fault of one case must not cost the others; its row says what it was
+        said = (
+            str(error)
+            if isinstance(error, DrumlinError)
+            else f"unexpected {type(error).__name__}: {error}"
+        )
         passing, files = _passing(error), mesh_files(case.brake, case.changes)
-        lasting = isinstance(error, DrumlinError) and not passing and "none" not in map(content_digest, files)
+        lasting = (
+            isinstance(error, DrumlinError)
+            and not passing
+            and "none" not in map(content_digest, files)
+        )
         return Answer({"status": f"failed: {' '.join(said.split())}"}, lasting, passing)
 
 
@@ -98,11 +127,12 @@ def _passing(error: BaseException | None) -> bool:
 def row_of(brake: Brake, response: Response) -> Row:
     """What a row says of a response, in SI; of shoe NAME as "NAME.torque" and so on.
 
-    "torque" [N m] of the whole brake (on a plane: "braking_force" [N]), "brake_factor" T/(F R) with the mean force F
-    of its actuation (on a plane: braking force / F), "peak_pressure" [Pa] the largest of its shoes, "balance" the worse
-    of forces and moments; where they are estimated, the relative errors "error_pressure", "error_torque", "error_peak"
-    and "error_reaction" (see `Response.error`). Of each shoe: torque, peak_pressure, shoe_factor T/(F R),
-    hinge_reaction [N], contact_start and contact_end [rad; on a plane m] from where to where it touches, contact_arcs
+    "torque" [N m] of the whole brake (on a plane: "braking_force" [N]), "brake_factor" T/(F R) with
+    the mean force F of its actuation (on a plane: braking force / F), "peak_pressure" [Pa] the
+    largest of its shoes, "balance" the worse of forces and moments; where they are estimated, the
+    relative errors "error_pressure", "error_torque", "error_peak" and "error_reaction" (see
+    `Response.error`). Of each shoe: torque, peak_pressure, shoe_factor T/(F R), hinge_reaction [N],
+    contact_start and contact_end [rad; on a plane m] from where to where it touches, contact_arcs
     how many arcs that is.
     """
     name = brake.surface.key
@@ -128,7 +158,10 @@ def row_of(brake: Brake, response: Response) -> Row:
                 "contact_arcs": len(shoe.contact_arcs),
             }.items()
         }
-    return {key: value if value is None or isinstance(value, str | int) else float(value) for key, value in row.items()}
+    return {
+        key: value if value is None or isinstance(value, str | int) else float(value)
+        for key, value in row.items()
+    }
 
 
 def run(
@@ -142,17 +175,20 @@ def run(
 ) -> list[Row]:
     """The rows of the cases, in their order.
 
-    executor: who solves, in chunks, at most a few for each of its `workers` at a time; None: this process. journal:
-    where each row is kept as it comes; cases that it has are not solved again. done: told how many cases have
-    finished. say: told in a line when workers are waited for. What fails for a passing reason (no memory, a dead
-    worker) is tried twice more, alone; if it fails still, its row says why and is not kept.
+    executor: who solves, in chunks, at most a few for each of its `workers` at a time; None: this
+    process. journal: where each row is kept as it comes; cases that it has are not solved again.
+    done: told how many cases have finished. say: told in a line when workers are waited for. What
+    fails for a passing reason (no memory, a dead worker) is tried twice more, alone; if it fails
+    still, its row says why and is not kept.
 
-    Raises NoAnswer where no workers are left (what has finished is in the journal), BadInput where they run another
-    drumlin.
+    Raises NoAnswer where no workers are left (what has finished is in the journal), BadInput where
+    they run another drumlin.
     """
     journal = Journal() if journal is None else journal
     keys = list(keys_of(cases))
-    missing = list({json.dumps(key): i for i, key in enumerate(keys) if key not in journal}.values())
+    missing = list(
+        {json.dumps(key): i for i, key in enumerate(keys) if key not in journal}.values()
+    )
     missing.sort(key=lambda i: (cases[i].model, body_key(cases[i]), i))
     finished = len(cases) - len(missing)
     done(finished, len(cases))
@@ -180,7 +216,9 @@ def run(
 
 
 def keys_of(cases: Iterable[Case]) -> Iterator[dict[str, Any]]:
-    """What tells each case from others in a journal: its brake by a digest, its changes, model and options."""
+    """What tells each case from others in a journal: its brake by a digest, its changes, model and
+    options.
+    """
     digests: dict[int, str] = {}
     content = cache(content_digest)
     for case in cases:
@@ -189,7 +227,9 @@ def keys_of(cases: Iterable[Case]) -> Iterator[dict[str, Any]]:
         yield {
             "brake": digests[id(case.brake)],
             "changes": {
-                key: content(Path(value)) if names_mesh(key) and isinstance(value, str | Path) else value
+                key: content(Path(value))
+                if names_mesh(key) and isinstance(value, str | Path)
+                else value
                 for key, value in case.changes.items()
             },
             "model": case.model,
@@ -219,8 +259,14 @@ def mesh_files(brake: Brake, changes: Mapping[str, Any]) -> list[Path]:
 
 
 def body_key(case: Case) -> str:
-    """Equal for cases that share their bodies: what is changed besides loads, friction, rotation and clearance."""
-    others = {k: v for k, v in case.changes.items() if not set(k.replace("[", ".").split(".")) & set(LOADS)}
+    """Equal for cases that share their bodies: what is changed besides loads, friction, rotation
+    and clearance.
+    """
+    others = {
+        k: v
+        for k, v in case.changes.items()
+        if not set(k.replace("[", ".").split(".")) & set(LOADS)
+    }
     return json.dumps([others, dict(case.options)], sort_keys=True, default=str)
 
 
@@ -238,7 +284,9 @@ class _Chunk(NamedTuple):
     stamp: str
 
 
-_own = threading.local()  # the bodies that a worker keeps; a worker with threads keeps some for each
+_own = (
+    threading.local()
+)  # the bodies that a worker keeps; a worker with threads keeps some for each
 
 
 def solve_chunk(cases: Sequence[Case]) -> _Chunk:
@@ -256,9 +304,15 @@ def _stamp() -> str:
 
 
 def _by(
-    executor: Executor, workers: int, cases: Sequence[Case], missing: Sequence[int], alone: bool, say: Say
+    executor: Executor,
+    workers: int,
+    cases: Sequence[Case],
+    missing: Sequence[int],
+    alone: bool,
+    say: Say,
 ) -> Iterator[tuple[int, Answer]]:
-    """Answers as they come from an executor; chunks grow until each takes CHUNK_SECONDS. `alone`: one case at a time.
+    """Answers as they come from an executor; chunks grow until each takes CHUNK_SECONDS. `alone`:
+    one case at a time.
 
     What a worker takes with it as it dies fails for a passing reason.
     """
@@ -289,11 +343,15 @@ def _by(
                 except ImportError as error:
                     raise BadInput(f"{OTHER} ({error})") from error
                 except Exception as error:
-                    row = {"status": f"failed: its worker was lost ({type(error).__name__}: {error})"}
+                    row = {
+                        "status": f"failed: its worker was lost ({type(error).__name__}: {error})"
+                    }
                     answers = [Answer(row, False, True)] * len(part)
                 yield from zip(part, answers, strict=True)
     except BrokenExecutor as error:
-        raise NoAnswer(f"sweep: the workers died ({error}); what has finished is kept, the same run goes on") from error
+        raise NoAnswer(
+            f"sweep: the workers died ({error}); what has finished is kept, the same run goes on"
+        ) from error
     finally:
         for future in sent:
             future.cancel()
@@ -303,7 +361,9 @@ class _Chunks:
     """Cases by the bodies that they share; a chunk takes a few of one group, or small groups whole."""
 
     def __init__(self, cases: Sequence[Case], missing: Sequence[int]) -> None:
-        self._groups = [list(group) for _, group in groupby(missing, lambda i: body_key(cases[i]))][::-1]
+        self._groups = [list(group) for _, group in groupby(missing, lambda i: body_key(cases[i]))][
+            ::-1
+        ]
 
     @property
     def left(self) -> bool:

@@ -1,7 +1,9 @@
-"""Sweep files: TOML that says which keys of a brake file take which values, and which models answer.
+"""Sweep files: TOML that says which keys of a brake file take which values, and which models
+answer.
 
-Listed values and ranges are combined; distributions are drawn, `cases` times for each combination. The draws of a key
-depend on `seed` and the key alone: another key more, or more cases, leaves the draws there were as they are.
+Listed values and ranges are combined; distributions are drawn, `cases` times for each combination.
+The draws of a key depend on `seed` and the key alone: another key more, or more cases, leaves the
+draws there were as they are.
 """
 
 import hashlib
@@ -62,7 +64,9 @@ class Triangular(Uniform):
 
 
 class Normal(Distribution):
-    """`mean`, by default the brake file's value, and standard `deviation`, which may be in % of the mean."""
+    """`mean`, by default the brake file's value, and standard `deviation`, which may be in % of the
+    mean.
+    """
 
     mean: float | str | None = None
     deviation: float | str
@@ -93,12 +97,16 @@ class SweepFile(Part):
     cases: Annotated[int, Field(ge=1, le=MOST_CASES)] | None = None
     seed: Annotated[int, Field(ge=0)] = 0
     pressure: Literal["Pa", "MPa"] = "Pa"
-    model: Annotated[dict[str, dict[str, Any]], Field(default_factory=lambda: {"fem": {}}, min_length=1)]
+    model: Annotated[
+        dict[str, dict[str, Any]], Field(default_factory=lambda: {"fem": {}}, min_length=1)
+    ]
     vary: Annotated[dict[str, Any], Field(min_length=1)]
 
 
 class Sweep(NamedTuple):
-    """A sweep made ready: title, base brake, SI unit of each varied key (None: words), cases, unit of its stresses."""
+    """A sweep made ready: title, base brake, SI unit of each varied key (None: words), cases, unit
+    of its stresses.
+    """
 
     title: str
     brake: Brake
@@ -113,8 +121,8 @@ Done = Callable[[int, int], None]
 def read_sweep(path: Path, done: Done = lambda judged, of: None) -> Sweep:
     """The sweep described by the TOML file `path`.
 
-    done: told how many values have been judged, and of how many. Raises BadInput with one line that names the key, the
-    value and what is allowed.
+    done: told how many values have been judged, and of how many. Raises BadInput with one line that
+    names the key, the value and what is allowed.
     """
     try:
         data = read_toml(path)
@@ -137,22 +145,38 @@ def _check_size(data: Any, depth: int = 0) -> None:
         _check_size(item, depth + 1)
 
 
-def sweep_from(data: Mapping[str, Any], base: Path = Path(), done: Done = lambda judged, of: None) -> Sweep:
-    """A sweep from nested data as a sweep file has it; `base`: folder that the paths of brake and meshes start from.
+def sweep_from(
+    data: Mapping[str, Any], base: Path = Path(), done: Done = lambda judged, of: None
+) -> Sweep:
+    """A sweep from nested data as a sweep file has it; `base`: folder that the paths of brake and
+    meshes start from.
 
     done: as of `read_sweep`. Raises BadInput with one line.
     """
     file = validated(SweepFile, data)
     brake = _base_brake(file.brake, base)
     models = _models(file.model, brake)
-    specs = {key: spec for name, value in file.vary.items() for key, spec in _specs(brake, name, value, base).items()}
+    specs = {
+        key: spec
+        for name, value in file.vary.items()
+        for key, spec in _specs(brake, name, value, base).items()
+    }
     drawn = [key for key, spec in specs.items() if file.combine == "random" or spec.values is None]
     if drawn and file.cases is None:
         raise BadInput(f"cases: is missing: how many times {drawn[0]} is drawn, such as 1000")
     if not drawn and file.cases is not None:
-        raise BadInput(f'cases = {file.cases}: only for distributions and combine = "random"; nothing is drawn here')
-    listed = {key: spec.values for key, spec in specs.items() if key not in drawn and spec.values is not None}
-    draws, repeats = {key: _draw(specs[key], key, file.seed, file.cases or 1) for key in drawn}, file.cases or 1
+        raise BadInput(
+            f'cases = {file.cases}: only for distributions and combine = "random"; nothing is drawn here'
+        )
+    listed = {
+        key: spec.values
+        for key, spec in specs.items()
+        if key not in drawn and spec.values is not None
+    }
+    draws, repeats = (
+        {key: _draw(specs[key], key, file.seed, file.cases or 1) for key in drawn},
+        file.cases or 1,
+    )
     lengths = [len(values) for values in listed.values()]
     count = math.prod(lengths) if file.combine == "grid" else max(lengths, default=1)
     if count * repeats * len(models) > MOST_CASES:
@@ -163,7 +187,8 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path(), done: Done = lambda
         for i in range(repeats)
     ]
     middle = {key: spec.at(np.array([0.5]))[0] for key, spec in specs.items() if key not in listed}
-    # Distributions are judged by their medians. A draw that is no brake becomes a failed case of the table.
+    # Distributions are judged by their medians. A draw that is no brake becomes a failed case of
+    # the table.
     vary(brake, middle)
     steps = _steps(file.combine, lengths, repeats)
     for (key, values), step in zip(listed.items(), steps, strict=True):
@@ -172,7 +197,9 @@ def sweep_from(data: Mapping[str, Any], base: Path = Path(), done: Done = lambda
         reason = MODELS[name].why_not(brake)
         if reason is not None:
             raise BadInput(f"model.{name}: does not apply to this brake: {reason}")
-    cases = [Case(brake, change, name, options) for change in changes for name, options in models.items()]
+    cases = [
+        Case(brake, change, name, options) for change in changes for name, options in models.items()
+    ]
     named = [value for key, spec in specs.items() if names_mesh(key) for value in spec.values or ()]
     meshes = {*mesh_files(brake, {}), *(Path(value) for value in named if isinstance(value, str))}
     for path in sorted(meshes):
@@ -199,14 +226,18 @@ def _models(given: Mapping[str, Mapping[str, Any]], brake: Brake) -> dict[str, d
     for name, options in given.items():
         if name not in MODELS:
             raise BadInput(f"model.{name}: unknown model; allowed: {', '.join(MODELS)}")
-        models[name] = _part(f"model.{name}", OPTIONS.get(name, Part), options).model_dump(exclude_none=True)
+        models[name] = _part(f"model.{name}", OPTIONS.get(name, Part), options).model_dump(
+            exclude_none=True
+        )
         if "lift" in models[name] and not brake.surface.straight:
             lifted(brake, models[name]["lift"])
     return models
 
 
 class _Spec(NamedTuple):
-    """What a key takes: `values` one by one (None: only draws), and `at`: its values for u (n,) even in (0, 1)."""
+    """What a key takes: `values` one by one (None: only draws), and `at`: its values for u (n,)
+    even in (0, 1).
+    """
 
     values: list[Any] | None
     at: Callable[[Floats], list[Any]]
@@ -238,12 +269,16 @@ def _specs(brake: Brake, name: str, given: Any, base: Path) -> dict[str, _Spec]:
         return {name: _range(said, ends, span)}
     kind = given["distribution"]
     if not isinstance(kind, str) or kind not in DISTRIBUTIONS:
-        raise BadInput(f"{said}.distribution = {kind!r}: unknown; allowed: {', '.join(DISTRIBUTIONS)}")
+        raise BadInput(
+            f"{said}.distribution = {kind!r}: unknown; allowed: {', '.join(DISTRIBUTIONS)}"
+        )
     law = _part(said, DISTRIBUTIONS[kind], given)
     if not law.each_shoe:
         return {name: _Spec(None, _law(said, law, unit, values_of(brake, name)))}
     if not name.startswith("shoe."):
-        raise BadInput(f"{said}.each_shoe = true: only for a key of every shoe, such as shoe.lining.thickness")
+        raise BadInput(
+            f"{said}.each_shoe = true: only for a key of every shoe, such as shoe.lining.thickness"
+        )
     keys = [f"shoe[{i}]{name.removeprefix('shoe')}" for i in range(len(brake.shoes))]
     return {key: _Spec(None, _law(said, law, unit, values_of(brake, key))) for key in keys}
 
@@ -264,7 +299,9 @@ def _value(said: str, value: Any, unit: str | None) -> Any:
         return value
     if isinstance(value, list):
         if unit and not all(
-            isinstance(leaf, str) for row in value for leaf in (row if isinstance(row, list) else [row])
+            isinstance(leaf, str)
+            for row in value
+            for leaf in (row if isinstance(row, list) else [row])
         ):
             raise BadInput(f"{said}: {value}: every number of a table needs its unit")
         return value
@@ -292,13 +329,17 @@ def _range(said: str, ends: list[float], span: Range) -> _Spec:
     return _Spec(np.geomspace(a, b, span.count).tolist(), lambda u: (a * (b / a) ** u).tolist())
 
 
-def _law(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Callable[[Floats], list[float]]:
+def _law(
+    said: str, law: Distribution, unit: str, nominal: Sequence[Any]
+) -> Callable[[Floats], list[float]]:
     """The inverse of a distribution's cumulative one: u (n,) in (0, 1) -> values."""
     inverse = _inverse(said, law, unit, nominal)
     return lambda u: inverse(u).tolist()
 
 
-def _inverse(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) -> Callable[[Floats], Floats]:
+def _inverse(
+    said: str, law: Distribution, unit: str, nominal: Sequence[Any]
+) -> Callable[[Floats], Floats]:
     """The same, arrays; without scipy.stats, which takes a second to load."""
     from scipy.special import ndtri  # noqa: PLC0415  (0.1 s)
 
@@ -307,7 +348,9 @@ def _inverse(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) ->
         if given is not None:
             return _number(f"{said}.{name}", given, unit)
         if len(set(nominal)) > 1 or not isinstance(nominal[0], float):
-            raise BadInput(f"{said}.{name}: is missing, and the brake file has no single number there")
+            raise BadInput(
+                f"{said}.{name}: is missing, and the brake file has no single number there"
+            )
         return float(nominal[0])
 
     def end(name: str, given: float | str) -> float:
@@ -317,7 +360,9 @@ def _inverse(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) ->
         mean = middle("mean", law.mean)
         deviation = _deviation(f"{said}.deviation", law.deviation, mean, unit)
         if isinstance(law, TruncatedNormal):
-            low, high = ((end(*pair) - mean) / deviation for pair in (("from", law.start), ("to", law.to)))
+            low, high = (
+                (end(*pair) - mean) / deviation for pair in (("from", law.start), ("to", law.to))
+            )
             if not low < high:
                 raise BadInput(f"{said}.to = {law.to!r}: must be greater than from = {law.start!r}")
             return lambda u: mean + deviation * _cut_normal(u, low, high)
@@ -338,17 +383,23 @@ def _inverse(said: str, law: Distribution, unit: str, nominal: Sequence[Any]) ->
     if not a <= c <= b:
         raise BadInput(f"{said}.mode = {c:g}: must be from {a:g} to {b:g}")
     top = (c - a) / (b - a)
-    return lambda u: a + (b - a) * np.where(u < top, np.sqrt(top * u), 1 - np.sqrt((1 - top) * (1 - u)))
+    return lambda u: (
+        a + (b - a) * np.where(u < top, np.sqrt(top * u), 1 - np.sqrt((1 - top) * (1 - u)))
+    )
 
 
 def _cut_normal(u: Floats, low: float, high: float) -> Floats:
-    """The normal distribution's inverse between two ends, by the logarithms of the tail that is nearer to them."""
+    """The normal distribution's inverse between two ends, by the logarithms of the tail that is
+    nearer to them.
+    """
     from scipy.special import log_ndtr, ndtri_exp  # noqa: PLC0415  (0.1 s)
 
     if low > 0:
         return -_cut_normal(1 - u, -high, -low)
     below, above = log_ndtr(low), log_ndtr(high)
-    found: Floats = ndtri_exp(np.logaddexp(below, np.log(u) + above + np.log1p(-np.exp(below - above))))
+    found: Floats = ndtri_exp(
+        np.logaddexp(below, np.log(u) + above + np.log1p(-np.exp(below - above)))
+    )
     return found
 
 
@@ -362,13 +413,17 @@ def _deviation(said: str, given: float | str, mean: float, unit: str) -> float:
     else:
         value = _number(said, given, unit)
     if not 0 < value < math.inf:
-        raise BadInput(f"{said} = {given!r}: must be greater than 0{' (the mean is 0)' if mean == 0 else ''}")
+        raise BadInput(
+            f"{said} = {given!r}: must be greater than 0{' (the mean is 0)' if mean == 0 else ''}"
+        )
     return value
 
 
 def _draw(spec: _Spec, key: str, seed: int, count: int) -> list[Any]:
     """The draws of a key, by its own stream of random numbers."""
-    stream = int.from_bytes(hashlib.sha256(key.encode()).digest()[:8])  # in steps of 2^-53; 0 would be -infinity
+    stream = int.from_bytes(
+        hashlib.sha256(key.encode()).digest()[:8]
+    )  # in steps of 2^-53; 0 would be -infinity
     return spec.at(np.maximum(np.random.default_rng([seed, stream]).random(count), 2.0**-54))
 
 
@@ -377,14 +432,19 @@ def _combined(combine: str, listed: Mapping[str, list[Any]]) -> Iterator[dict[st
     lengths = {key: len(values) for key, values in listed.items()}
     if combine == "zip" and len(set(lengths.values())) > 1:
         raise BadInput(f'combine = "zip": needs as many values of each key; there are {lengths}')
-    rows = zip(*listed.values(), strict=True) if combine == "zip" and listed else itertools.product(*listed.values())
+    rows = (
+        zip(*listed.values(), strict=True)
+        if combine == "zip" and listed
+        else itertools.product(*listed.values())
+    )
     for row in rows:
         yield dict(zip(listed, row, strict=True))
 
 
 def _steps(combine: str, lengths: Sequence[int], repeats: int) -> list[int]:
-    """Of each listed key how many cases lie between its values: the case with the value k, first of all, is k times
-    that many cases after the first one."""
+    """Of each listed key how many cases lie between its values: the case with the value k, first of
+    all, is k times that many cases after the first one.
+    """
     if combine != "grid":
         return [repeats] * len(lengths)
     return [repeats * math.prod(lengths[i + 1 :]) for i in range(len(lengths))]
@@ -402,9 +462,11 @@ def _check(
     middle: Mapping[str, Any],
     done: Done,
 ) -> None:
-    """Raise BadInput for a listed value that no brake can have: neither the base brake nor the first case with it.
+    """Raise BadInput for a listed value that no brake can have: neither the base brake nor the
+    first case with it.
 
-    Of many numbers the extremes alone are judged, where the key `is_interval` and the base brake takes them.
+    Of many numbers the extremes alone are judged, where the key `is_interval` and the base brake
+    takes them.
 
     Parameters
     ----------
@@ -419,7 +481,8 @@ def _check(
     try:
         for i in ends:
             vary(brake, {key: values[i]})
-    # The base brake does not take all values. Each may still fit together with values of the other keys.
+    # The base brake does not take all values. Each may still fit together with values of the other
+    # keys.
     except BadInput:
         places = list(dict.fromkeys([*ends, *range(len(values))]))
     for number, i in enumerate(places):

@@ -47,4 +47,8 @@ class FoundationOptions(Part):
     lift: list[str] | None = None
 
 
-OPTIONS: Mapping[str, type[Part]] = {"fem": FemOptions, "solid": SolidOptions, "foundation": FoundationOptions}
+OPTIONS: Mapping[str, type[Part]] = {
+    "fem": FemOptions,
+    "solid": SolidOptions,
+    "foundation": FoundationOptions,
+}

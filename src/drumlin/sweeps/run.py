@@ -18,8 +18,8 @@ def sweep(path: Path | str, *, jobs: int = 1) -> list[Row]:
 
     Returns
     -------
-    one row a case, in the file's order: its changed keys, then its numbers in SI, and "status", which says why a case
-    has none
+    one row a case, in the file's order: its changed keys, then its numbers in SI, and "status",
+    which says why a case has none
 
     Raises
     ------

@@ -27,7 +27,9 @@ def sweep_schema() -> dict[str, Any]:
     properties["model"] = {
         "description": "the models that answer, each with its options; default: fem",
         "type": "object",
-        "properties": {name: _of(OPTIONS[name]) if name in OPTIONS else {"type": "object"} for name in MODELS},
+        "properties": {
+            name: _of(OPTIONS[name]) if name in OPTIONS else {"type": "object"} for name in MODELS
+        },
         "additionalProperties": False,
     }
     return {"$schema": DIALECT, "title": "drumlin sweep file", **written(made)}

@@ -21,11 +21,14 @@ UNITS = {
 }
 
 
-def table(cases: Sequence[Case], rows: Sequence[Row], base: Path | None = None, pressure: str = "Pa") -> list[Row]:
-    """Cases and their rows as one table in SI, columns headed with name and unit: "shoe.lining.thickness [m]".
+def table(
+    cases: Sequence[Case], rows: Sequence[Row], base: Path | None = None, pressure: str = "Pa"
+) -> list[Row]:
+    """Cases and their rows as one table in SI, columns headed with name and unit:
+    "shoe.lining.thickness [m]".
 
-    A changed value that is a table itself stands as JSON, a mesh file by its path from the folder `base`; stresses
-    stand in the unit `pressure`, "Pa" or "MPa".
+    A changed value that is a table itself stands as JSON, a mesh file by its path from the folder
+    `base`; stresses stand in the unit `pressure`, "Pa" or "MPa".
     """
     units: dict[str, str] = {}
     made = []
@@ -40,7 +43,11 @@ def table(cases: Sequence[Case], rows: Sequence[Row], base: Path | None = None, 
         line |= {"model": case.model, "status": row["status"]}
         for name, value in row.items():
             last = name.rpartition(".")[2]
-            unit = case.brake.surface.unit if last in {"contact_start", "contact_end"} else UNITS.get(last)
+            unit = (
+                case.brake.surface.unit
+                if last in {"contact_start", "contact_end"}
+                else UNITS.get(last)
+            )
             line[_headed(name, unit)] = value
         made.append(line if pressure == "Pa" else _in_megapascal(line))
     return made

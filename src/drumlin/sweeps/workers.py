@@ -1,7 +1,7 @@
 """Who solves the cases of a sweep: processes of this machine, or the workers of a Dask cluster.
 
-Loads no numpy: a worker limits its threads before it does. Workers that die, stop or never answer are replaced, or
-become one line within the limits below.
+Loads no numpy: a worker limits its threads before it does. Workers that die, stop or never answer
+are replaced, or become one line within the limits below.
 """
 
 import importlib
@@ -23,7 +23,9 @@ from drumlin.errors import BadInput, NoAnswer
 OLDEST_DASK = "2025.4"
 """The oldest Dask whose scheduler names all its workers when it is asked for them."""
 CONNECT = 5.0
-"""Seconds within which a scheduler must take a connection. One that is just starting is tried again until then."""
+"""Seconds within which a scheduler must take a connection. One that is just starting is tried again
+until then.
+"""
 ANSWER = 30.0  # s within which a scheduler answers, and a process starts
 HEARD = 300.0  # s within which a Dask worker is heard of: a long factorisation can silence one for minutes
 FIRST = 60.0  # s to wait for a worker where there is none
@@ -31,7 +33,8 @@ STARTS = 3  # times that a process is started anew before it is given up
 MAX_JOBS = 1000
 LOGGERS = ("distributed", "tornado", "asyncio")  # what they say of a lost cluster fills the screen
 
-# The dense systems are many and small: more BLAS threads make them slower, by far where processes share the cores.
+# The dense systems are many and small: more BLAS threads make them slower, by far where processes
+# share the cores.
 THREADS = {"OPENBLAS_NUM_THREADS": "1"}
 
 Say = Callable[[str], None]
@@ -45,15 +48,20 @@ class Workers(NamedTuple):
 
 
 @contextmanager
-def executor(jobs: int | None = None, scheduler: str | None = None, say: Say = lambda _: None) -> Iterator[Workers]:
-    """Workers while a block runs: `jobs` processes, by default one a core, or those of a Dask `scheduler`.
+def executor(
+    jobs: int | None = None, scheduler: str | None = None, say: Say = lambda _: None
+) -> Iterator[Workers]:
+    """Workers while a block runs: `jobs` processes, by default one a core, or those of a Dask
+    `scheduler`.
 
-    say: told in a line where workers are waited for. Raises BadInput where they cannot be had, NoAnswer where they are
-    lost.
+    say: told in a line where workers are waited for. Raises BadInput where they cannot be had,
+    NoAnswer where they are lost.
     """
     if scheduler is not None:
         if jobs is not None:
-            raise BadInput(f"--jobs = {jobs}: the scheduler has its own workers; leave out --jobs or --scheduler")
+            raise BadInput(
+                f"--jobs = {jobs}: the scheduler has its own workers; leave out --jobs or --scheduler"
+            )
         with _dask(scheduler, say) as found:
             yield found
         return
@@ -149,13 +157,15 @@ class _Process:
         self._process = spawn.Process(target=_serve, args=(far_end,), daemon=True)
         with _environment():
             self._process.start()
-        # The process has a copy of its own. With this one closed the pipe ends when the process dies.
+        # The process has a copy of its own. With this one closed the pipe ends when the process
+        # dies.
         far_end.close()
 
     def ask(self, work: Any, limit: float | None = None) -> tuple[bool, Any]:
         """Whether a function has returned, and what it has returned or raised.
 
-        Any exception here says that the process died. `limit` is how long the function may take [s].
+        Any exception here says that the process died. `limit` is how long the function may take
+        [s].
         """
         self._pipe.send(work)
         if not self._pipe.poll(limit):
@@ -232,12 +242,16 @@ def _dask(address: str, say: Say) -> Iterator[Workers]:
 
 
 def _client(distributed: Any, address: str) -> Any:
-    """A client of the scheduler at an address. Raises BadInput where none answers within CONNECT seconds."""
+    """A client of the scheduler at an address. Raises BadInput where none answers within CONNECT
+    seconds.
+    """
     found: Future[Any] = Future()
 
     class Client(distributed.Client):  # type: ignore[misc]
         def __del__(self) -> None:
-            """Nothing: whoever has the client closes it. One that was never connected would be waited for here."""
+            """Nothing: whoever has the client closes it. One that was never connected would be
+            waited for here.
+            """
 
     def connect() -> None:
         try:
@@ -246,14 +260,24 @@ def _client(distributed: Any, address: str) -> Any:
             found.set_exception(error)
 
     start = time.monotonic()
-    threading.Thread(target=connect, daemon=True).start()  # a port that accepts and is silent may hold it for ever
+    threading.Thread(
+        target=connect, daemon=True
+    ).start()  # a port that accepts and is silent may hold it for ever
     try:
         return found.result(CONNECT)
     except Exception as error:
         found.add_done_callback(_close)
         tried = time.monotonic() - start > 0.9 * CONNECT
-        why = f" (tried for {CONNECT:g} s)" if tried else f" ({error})" if isinstance(error, ValueError) else ""
-        raise BadInput(f"--scheduler = {address!r}: no Dask scheduler answers there{why}") from error
+        why = (
+            f" (tried for {CONNECT:g} s)"
+            if tried
+            else f" ({error})"
+            if isinstance(error, ValueError)
+            else ""
+        )
+        raise BadInput(
+            f"--scheduler = {address!r}: no Dask scheduler answers there{why}"
+        ) from error
 
 
 def _close(found: "Future[Any]") -> None:
@@ -280,17 +304,25 @@ def _first_workers(client: Any, address: str, say: Say) -> int:
 def _ask(client: Any, address: str) -> dict[str, Any]:
     """The scheduler's workers. Raises NoAnswer where it does not answer."""
     try:
-        known: dict[str, Any] = client.sync(client.scheduler.identity, n_workers=-1, callback_timeout=ANSWER)["workers"]
+        known: dict[str, Any] = client.sync(
+            client.scheduler.identity, n_workers=-1, callback_timeout=ANSWER
+        )["workers"]
     # An older scheduler answers that it does not know what it is asked.
     except TypeError as error:
-        raise NoAnswer(f"--scheduler = {address!r}: is of a Dask older than {OLDEST_DASK} ({error})") from error
+        raise NoAnswer(
+            f"--scheduler = {address!r}: is of a Dask older than {OLDEST_DASK} ({error})"
+        ) from error
     except Exception as error:
-        raise NoAnswer(f"--scheduler = {address!r}: the scheduler was lost, or does not answer") from error
+        raise NoAnswer(
+            f"--scheduler = {address!r}: the scheduler was lost, or does not answer"
+        ) from error
     return known
 
 
 class _Dask(Executor):
-    """Work for a client's workers. What waits fails in one line once the scheduler or all workers are lost."""
+    """Work for a client's workers. What waits fails in one line once the scheduler or all workers
+    are lost.
+    """
 
     def __init__(self, client: Any, address: str, distributed: Any) -> None:
         self._client, self._address, self._dask = client, address, distributed
@@ -322,7 +354,9 @@ class _Dask(Executor):
             self._waiting.clear()
 
     def _loss(self) -> NoAnswer:
-        return NoAnswer(f"--scheduler = {self._address!r}: the scheduler was lost, or does not answer")
+        return NoAnswer(
+            f"--scheduler = {self._address!r}: the scheduler was lost, or does not answer"
+        )
 
     def _answer(self, future: "Future[Any]", inner: "Future[Any]") -> None:
         """Pass on what came of some work."""
@@ -335,7 +369,9 @@ class _Dask(Executor):
             except CancelledError:
                 future.set_exception(self._loss())
             except self._dask.KilledWorker as error:
-                future.set_exception(BrokenExecutor(f"its workers died again and again ({type(error).__name__})"))
+                future.set_exception(
+                    BrokenExecutor(f"its workers died again and again ({type(error).__name__})")
+                )
             except BaseException as error:
                 future.set_exception(error)
 
@@ -352,7 +388,9 @@ class _Dask(Executor):
                 seen = now
                 limit = HEARD if workers else FIRST
                 if time.monotonic() - heard > limit:
-                    raise NoAnswer(f"--scheduler = {self._address!r}: none of its workers is heard of for {limit:g} s")
+                    raise NoAnswer(
+                        f"--scheduler = {self._address!r}: none of its workers is heard of for {limit:g} s"
+                    )
             except NoAnswer as error:
                 with self._lock:
                     self._lost = error
@@ -363,7 +401,9 @@ class _Dask(Executor):
 
 
 def call(work: bytes) -> Any:
-    """In a Dask worker: unpack a function and its arguments, which load numpy, once the threads are limited."""
+    """In a Dask worker: unpack a function and its arguments, which load numpy, once the threads are
+    limited.
+    """
     if "numpy" not in sys.modules:
         for name, value in THREADS.items():
             os.environ.setdefault(name, value)
@@ -373,7 +413,9 @@ def call(work: bytes) -> Any:
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """Without what Dask logs: a lost cluster is said in a line here, and its log ends where the block ends well."""
+    """Without what Dask logs: a lost cluster is said in a line here, and its log ends where the
+    block ends well.
+    """
     loggers = [logging.getLogger(name) for name in (*LOGGERS, *logging.root.manager.loggerDict)]
     before = {logger: logger.level for logger in loggers if logger.name.split(".")[0] in LOGGERS}
     for logger in before:

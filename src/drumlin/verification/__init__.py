@@ -1,4 +1,5 @@
-"""Verification: reference values, error against run time, extreme and random brakes, independent discretisations.
+"""Verification: reference values, error against run time, extreme and random brakes, independent
+discretisations.
 
 Stands on everything that computes; nothing that computes stands on it.
 """

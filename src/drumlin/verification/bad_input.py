@@ -1,7 +1,8 @@
-"""Bad input at scale: brake files and meshes broken in every way at hand, and what drumlin makes of each.
+"""Bad input at scale: brake files and meshes broken in every way at hand, and what drumlin makes of
+each.
 
-Every input ends as an answer that is sound, or as one line that refuses it. A traceback, a warning, a run beyond
-LONGEST seconds and a number for an input that `must_fail` are faults.
+Every input ends as an answer that is sound, or as one line that refuses it. A traceback, a warning,
+a run beyond LONGEST seconds and a number for an input that `must_fail` are faults.
 """
 
 import random
@@ -35,9 +36,17 @@ from drumlin.verification.broken_files import (
     huge_file,
     noisy_text,
 )
-from drumlin.verification.broken_meshes import cut_mesh, lying_mesh, mislabelled_mesh, noisy_mesh, wrong_mesh
+from drumlin.verification.broken_meshes import (
+    cut_mesh,
+    lying_mesh,
+    mislabelled_mesh,
+    noisy_mesh,
+    wrong_mesh,
+)
 
-LONGEST = 10.0  # s of processor time that an input may take: neighbours on the machine do not lengthen it
+LONGEST = (
+    10.0  # s of processor time that an input may take: neighbours on the machine do not lengthen it
+)
 ELEMENTS = 8  # of the finite elements that try a brake file
 CHUNK = 50  # inputs a process takes at a time
 FAULTS = ("traceback", "hang", "wrong number")
@@ -86,14 +95,19 @@ def judge(given: Input) -> Verdict:
             for name, data in given.files.items():
                 (Path(folder) / name).write_bytes(data)
             # The laws have no mesh: a broken one is the finite elements' affair alone.
-            failing = () if not given.must_fail else ("fem",) if len(given.files) > 1 else tuple(MODELS)
+            failing = (
+                () if not given.must_fail else ("fem",) if len(given.files) > 1 else tuple(MODELS)
+            )
             outcome, line = _try(Path(folder) / "brake.toml", failing)
             line = line.replace(folder + "/", "")
     except _Late:
         outcome, line = "hang", f"longer than {LONGEST:g} s"
     except BaseException as error:  # this is what is looked for
         place = traceback.extract_tb(error.__traceback__)[-1]
-        outcome, line = "traceback", f"{type(error).__name__}: {error} ({Path(place.filename).name}:{place.lineno})"
+        outcome, line = (
+            "traceback",
+            f"{type(error).__name__}: {error} ({Path(place.filename).name}:{place.lineno})",
+        )
     seconds = time.process_time() - start
     if seconds > LONGEST and outcome not in FAULTS:
         outcome, line = "hang", f"{seconds:.1f} s: {line}"
@@ -105,7 +119,11 @@ def _try(path: Path, failing: tuple[str, ...]) -> tuple[str, str]:
     try:
         brake = read_any(path)
     except BadInput as error:
-        return ("traceback", f"more than one line: {error}") if "\n" in str(error) else ("refused", str(error))
+        return (
+            ("traceback", f"more than one line: {error}")
+            if "\n" in str(error)
+            else ("refused", str(error))
+        )
     refusals, answers = [], 0
     for model in applicable(brake):
         try:
@@ -129,10 +147,18 @@ def _try(path: Path, failing: tuple[str, ...]) -> tuple[str, str]:
 
 
 def unsound(brake: Any, response: Response) -> str:
-    """Why an answer cannot be: not finite, out of balance, or its torque is not that of its pressure. Else empty."""
+    """Why an answer cannot be: not finite, out of balance, or its torque is not that of its
+    pressure. Else empty.
+    """
     numbers = [response.torque, response.balance.force, response.balance.moment]
     for shoe in response.shoes:
-        numbers += [shoe.torque, shoe.normal_force, shoe.peak_pressure, *shoe.hinge_reaction, *shoe.pressure]
+        numbers += [
+            shoe.torque,
+            shoe.normal_force,
+            shoe.peak_pressure,
+            *shoe.hinge_reaction,
+            *shoe.pressure,
+        ]
     if not np.isfinite(numbers).all():
         return "not finite"
     if response.torque < 0 or any((shoe.pressure < 0).any() for shoe in response.shoes):
@@ -143,7 +169,8 @@ def unsound(brake: Any, response: Response) -> str:
         return ""
     for i, shoe in enumerate(response.shoes):
         by_pressure = abs(contact_resultant(brake, i, shoe).moment)
-        # A mesh may lie off the drum by 1 % of its radius; its lining is as much longer, with as much more lever.
+        # A mesh may lie off the drum by 1 % of its radius; its lining is as much longer, with as
+        # much more lever.
         if abs(by_pressure - shoe.torque) > 0.03 * shoe.torque + 1e-300:
             return f"torque {shoe.torque:g} N m, of its pressure {by_pressure:g} N m"
     return ""
@@ -172,14 +199,25 @@ def judge_many(sound: Sound, chunk: dict[str, Any]) -> dict[str, Any]:
 
 
 def judge_all(
-    count: int, sound: Sound, journal: Journal, say: Callable[[str], None] = lambda _: None, processes: int = 0
+    count: int,
+    sound: Sound,
+    journal: Journal,
+    say: Callable[[str], None] = lambda _: None,
+    processes: int = 0,
 ) -> list[Verdict]:
-    """Try `count` inputs, the same ones each time, in this process or in several; a chunk is a case of the journal."""
+    """Try `count` inputs, the same ones each time, in this process or in several; a chunk is a case
+    of the journal.
+    """
     chunks: list[dict[str, Any]] = [
-        {"of": "bad input", "first": first, "count": min(CHUNK, count - first)} for first in range(0, count, CHUNK)
+        {"of": "bad input", "first": first, "count": min(CHUNK, count - first)}
+        for first in range(0, count, CHUNK)
     ]
     left = [chunk for chunk in chunks if chunk not in journal]
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) if processes else nullcontext() as pool:
+    with (
+        ProcessPoolExecutor(processes, mp_context=get_context("spawn"))
+        if processes
+        else nullcontext() as pool
+    ):
         try_chunk = partial(judge_many, sound)
         found = pool.map(try_chunk, left) if pool else map(try_chunk, left)
         for chunk, verdicts in zip(left, found, strict=True):
@@ -197,7 +235,10 @@ def count_kinds(verdicts: list[Verdict]) -> list[dict[str, Any]]:
             {
                 "kind": kind,
                 "inputs": len(own),
-                **{name: sum(v.outcome == name for v in own) for name in ("answer", "refused", "no answer")},
+                **{
+                    name: sum(v.outcome == name for v in own)
+                    for name in ("answer", "refused", "no answer")
+                },
                 "faults": sum(v.outcome in FAULTS for v in own),
                 "longest": max(v.seconds for v in own),
             }
@@ -210,11 +251,15 @@ COUNTS = ("inputs", "answer", "refused", "no answer", "faults")
 
 
 def refusal_lines(verdicts: list[Verdict], count: int = 40) -> str:
-    """The refusals that come most often, one of each form (numbers and quoted texts apart), most frequent first."""
+    """The refusals that come most often, one of each form (numbers and quoted texts apart), most
+    frequent first.
+    """
     forms: dict[str, list[str]] = {}
     for verdict in verdicts:
         if verdict.outcome in {"refused", "no answer"}:
-            form = re.sub(r"'[^']*'|[-+]?\d[\d.e+-]*", "…", verdict.line.removeprefix("brake.toml: "))
+            form = re.sub(
+                r"'[^']*'|[-+]?\d[\d.e+-]*", "…", verdict.line.removeprefix("brake.toml: ")
+            )
             forms.setdefault(form, []).append(verdict.line.removeprefix("brake.toml: "))
     most = sorted(forms.values(), key=len, reverse=True)[:count]
     return "\n".join(f"{len(lines):5d}  {min(lines, key=len)[:160]}" for lines in most)

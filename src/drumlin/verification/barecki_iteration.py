@@ -1,8 +1,9 @@
-"""The paper's own way to the same answer: displacements as unknowns, contact revised until it agrees.
+"""The paper's own way to the same answer: displacements as unknowns, contact revised until it
+agrees.
 
-For every station inside the beam (12), for every sector (17), and M_0 = 0 (19), with k* = k where the sector is
-pressed, t = w cos(theta) - z - Delta > 0, and else k* = 0 (20). The terms in z and Delta have the signs that
-follow from t; they are printed with that of the terms in w.
+For every station inside the beam (12), for every sector (17), and M_0 = 0 (19), with k* = k where
+the sector is pressed, t = w cos(theta) - z - Delta > 0, and else k* = 0 (20). The terms in z and
+Delta have the signs that follow from t; they are printed with that of the terms in w.
 """
 
 from typing import NamedTuple
@@ -19,7 +20,9 @@ MOST_ROUNDS = 100
 
 
 class Iterated(NamedTuple):
-    """Displacements w (m,) [m] at the stations, z (n,) [m] and forces N (n,) [N] at the sectors; rounds taken."""
+    """Displacements w (m,) [m] at the stations, z (n,) [m] and forces N (n,) [N] at the sectors;
+    rounds taken.
+    """
 
     w: Floats
     z: Floats
@@ -42,7 +45,9 @@ def iterate(brake: Brake, index: int, sections: int) -> Iterated:
         if np.array_equal(t > 0, pressed):
             return Iterated(w, z, np.where(pressed, p.k * t, 0.0), rounds)
         pressed = t > 0
-    raise NoAnswer(f"shoe {brake.shoes[index].name!r}: not converged: the contact still changes after {rounds} rounds")
+    raise NoAnswer(
+        f"shoe {brake.shoes[index].name!r}: not converged: the contact still changes after {rounds} rounds"
+    )
 
 
 def _displacements(p: Post, c: Floats, k: Floats) -> tuple[Floats, Floats]:

@@ -1,4 +1,6 @@
-"""Brakes of every kind by finite elements and by their rigid-shoe law, new and worn in, in both senses of motion."""
+"""Brakes of every kind by finite elements and by their rigid-shoe law, new and worn in, in both
+senses of motion.
+"""
 
 import math
 from collections.abc import Mapping
@@ -26,7 +28,9 @@ EXACT = 1e-9  # below it the effect is no matter of the pressure
 
 
 class Case(NamedTuple):
-    """A brake in one sense of motion: by its law, new, and worn in; `others`: by the other models that apply."""
+    """A brake in one sense of motion: by its law, new, and worn in; `others`: by the other models
+    that apply.
+    """
 
     file: str
     brake: Brake
@@ -42,8 +46,8 @@ def both_ways(brake: Brake) -> tuple[Brake, Brake]:
 
 
 def case(file: str, brake: Brake, elements: int, *, solid: bool = False) -> Case:
-    """A brake by law and finite elements; elements: along the worn-in linings; solid: also with solid shoes, where
-    these apply. Raises NoAnswer.
+    """A brake by law and finite elements; elements: along the worn-in linings; solid: also with
+    solid shoes, where these apply. Raises NoAnswer.
     """
     by_law = law(brake)
     others = [model for model in applicable(brake) if model.name not in {"fem", by_law.model}]
@@ -60,7 +64,9 @@ def case(file: str, brake: Brake, elements: int, *, solid: bool = False) -> Case
 
 
 def mu_lock(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
-    """The friction [1] up to which the elastic brake has an answer; inf where there is one up to `most`."""
+    """The friction [1] up to which the elastic brake has an answer; inf where there is one up to
+    `most`.
+    """
     try:
         found = limits(prepare(brake, elements=elements), brake, most, penalty=1e6)
     except NoAnswer:
@@ -69,7 +75,9 @@ def mu_lock(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
 
 
 def row_of(found: Case, limit: float | None) -> dict[str, Any]:
-    """One row of the table of brakes; `factor`, `factor_worn`: brake factors by finite elements, new and worn in."""
+    """One row of the table of brakes; `factor`, `factor_worn`: brake factors by finite elements,
+    new and worn in.
+    """
     brake, new = found.brake, found.new
     size = new.effect
 
@@ -99,7 +107,9 @@ def row_of(found: Case, limit: float | None) -> dict[str, Any]:
 
 
 def others_of(found: Case) -> list[dict[str, Any]]:
-    """A row for each other model that applies: how far its effect is from finite elements, new and worn in."""
+    """A row for each other model that applies: how far its effect is from finite elements, new and
+    worn in.
+    """
     base: dict[str, Any] = {"file": found.file, "motion": found.brake.sense}
     rows: list[dict[str, Any]] = []
     for name, outcome in found.others.items():
@@ -113,10 +123,12 @@ def others_of(found: Case) -> list[dict[str, Any]]:
 
 
 def cam_factor(brake: Brake) -> float:
-    """4 B1 B2/(B1 + B2) of an S-cam brake with equal displacement of both tips: T/(F R) of rigid worn-in shoes, from
-    the shoe factors B = T/(F R) that each has alone."""
+    """4 B1 B2/(B1 + B2) of an S-cam brake with equal displacement of both tips: T/(F R) of rigid
+    worn-in shoes, from the shoe factors B = T/(F R) that each has alone.
+    """
     one, two = (
-        law(brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})).torque / (1e3 * brake.size)
+        law(brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})).torque
+        / (1e3 * brake.size)
         for shoe in brake.shoes
     )
     return 4 * one * two / (one + two)
@@ -129,7 +141,13 @@ def verdict(rows: list[dict[str, Any]]) -> str:
 
     def judged(key: str) -> str:
         error = max(abs(row[key]) for row in rows)
-        word = "can be trusted" if error <= TRUSTED else "is an estimate" if error <= ROUGH else "cannot be trusted"
+        word = (
+            "can be trusted"
+            if error <= TRUSTED
+            else "is an estimate"
+            if error <= ROUGH
+            else "cannot be trusted"
+        )
         return f"{word} ({f'off by up to {100 * error:.2g}' if error > 1e-4 else 'off by less than 0.01'} %)"
 
     if all(abs(row["new"]) < EXACT for row in rows):
@@ -137,5 +155,8 @@ def verdict(rows: list[dict[str, Any]]) -> str:
             f"The {effect_} follows from equilibrium alone, whatever the pressure. The pressure of the law {name!r} "
             f"{judged('p')} new, and {judged('p_worn')} worn in."
         )
-    new, worn = (f"{judged(key)}, its pressure {judged(more)}" for key, more in (("new", "p"), ("worn", "p_worn")))
+    new, worn = (
+        f"{judged(key)}, its pressure {judged(more)}"
+        for key, more in (("new", "p"), ("worn", "p_worn"))
+    )
     return f"New, the {effect_} of the law {name!r} {new}; worn in, the {effect_} {worn}."

@@ -1,4 +1,6 @@
-"""Brake files broken on purpose: bytes lost or doubled, values out of all proportion, keys renamed, files too large."""
+"""Brake files broken on purpose: bytes lost or doubled, values out of all proportion, keys renamed,
+files too large.
+"""
 
 import math
 import random
@@ -41,13 +43,19 @@ def changed_values(rng: random.Random, sound: Sound) -> Input:
 def broken_structure(rng: random.Random, sound: Sound) -> Input:
     """A brake file with a key renamed or a value of another type: no brake any more."""
     data = tomllib.loads(rng.choice(sound.brakes).decode())
-    named = [place for place in _leaves(data) if isinstance(place[-1], str) and place[-1] not in {"title", "name"}]
+    named = [
+        place
+        for place in _leaves(data)
+        if isinstance(place[-1], str) and place[-1] not in {"title", "name"}
+    ]
     *parents, key = rng.choice(named)
     owner = _get(data, tuple(parents))
     if rng.random() < 0.5:
         owner[key + rng.choice(["_", "x", " "])] = owner.pop(key)
     else:
-        owner[key] = rng.choice([{"a": 1}, [], [[1, 2], 3], True, "", "12", "3 mm mm", "nan mm", "NaN", "1e999 m"])
+        owner[key] = rng.choice(
+            [{"a": 1}, [], [[1, 2], 3], True, "", "12", "3 mm mm", "nan mm", "NaN", "1e999 m"]
+        )
     return Input("brake file: structure", {"brake.toml": toml(data)}, True)
 
 
@@ -91,13 +99,25 @@ def _other_value(rng: random.Random, value: Any) -> Any:
     if isinstance(value, str) and value[:1] in "0123456789-+." and " " in value:
         number, unit = value.split(" ", 1)
         factor = rng.choice(
-            [0, -1, 1, 1e300, 1e-300, math.nan, math.inf, 10 ** rng.uniform(-9, 9), rng.uniform(0.3, 3)]
+            [
+                0,
+                -1,
+                1,
+                1e300,
+                1e-300,
+                math.nan,
+                math.inf,
+                10 ** rng.uniform(-9, 9),
+                rng.uniform(0.3, 3),
+            ]
         )
         shift = rng.choice([0, 0, 0, rng.uniform(-100, 100)])
         return f"{float(number) * factor + shift!r} {unit if rng.random() < 0.9 else rng.choice(UNITS)}"
     if isinstance(value, bool | str):
         return rng.choice([value, value, "clockwise", "external", "beam", "", "ü"])
-    return rng.choice([0, -1, value, rng.uniform(0, 5), 1e9, math.inf, math.nan, 10 ** rng.uniform(-12, 12)])
+    return rng.choice(
+        [0, -1, value, rng.uniform(0, 5), 1e9, math.inf, math.nan, 10 ** rng.uniform(-12, 12)]
+    )
 
 
 def _leaves(data: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
@@ -123,12 +143,18 @@ def _put(data: Any, place: tuple[Any, ...], value: Any) -> None:
 
 def toml(data: Any) -> bytes:
     """Nested data as TOML: everything below the top as inline tables."""
-    return "".join(f"{_quoted(str(key))} = {_inline(value)}\n" for key, value in data.items()).encode(errors="replace")
+    return "".join(
+        f"{_quoted(str(key))} = {_inline(value)}\n" for key, value in data.items()
+    ).encode(errors="replace")
 
 
 def _inline(value: Any) -> str:
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{_quoted(str(key))} = {_inline(item)}" for key, item in value.items()) + "}"
+        return (
+            "{"
+            + ", ".join(f"{_quoted(str(key))} = {_inline(item)}" for key, item in value.items())
+            + "}"
+        )
     if isinstance(value, list):
         return "[" + ", ".join(map(_inline, value)) + "]"
     if isinstance(value, bool):
@@ -140,7 +166,11 @@ def _inline(value: Any) -> str:
 
 def _quoted(text: str) -> str:
     plain = {'"': '\\"', "\\": "\\\\"}
-    return '"' + "".join(plain.get(c, c if c.isprintable() else f"\\U{ord(c):08x}") for c in text) + '"'
+    return (
+        '"'
+        + "".join(plain.get(c, c if c.isprintable() else f"\\U{ord(c):08x}") for c in text)
+        + '"'
+    )
 
 
 class Raw(NamedTuple):

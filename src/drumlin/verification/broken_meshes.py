@@ -1,4 +1,6 @@
-"""Mesh files broken on purpose: cut off, mislabelled, with counts that lie, torn, folded, doubled, without groups."""
+"""Mesh files broken on purpose: cut off, mislabelled, with counts that lie, torn, folded, doubled,
+without groups.
+"""
 
 import math
 import random
@@ -20,7 +22,9 @@ from drumlin.verification.broken_files import Input, Sound, noise, toml
 
 @cache
 def mesh_files(brake_file: bytes) -> dict[str, bytes]:
-    """Small sound meshes of a brake's first shoe, by suffix, and the brake file that will name one of them."""
+    """Small sound meshes of a brake's first shoe, by suffix, and the brake file that will name one
+    of them.
+    """
     data = tomllib.loads(brake_file.decode())
     data["shoe"] = data["shoe"][:1]
     brake = brake_from(data, unit_required=True)
@@ -49,20 +53,29 @@ def cut_mesh(rng: random.Random, sound: Sound) -> Input:
     """A mesh file of which less than three quarters are left."""
     suffix = rng.choice([".msh", ".inp", ".vtu"])
     text = mesh_files(sound.meshed)[suffix]
-    return meshed(f"mesh {suffix}: cut off", text[: rng.randrange(3 * len(text) // 4)], suffix, True, sound)
+    return meshed(
+        f"mesh {suffix}: cut off", text[: rng.randrange(3 * len(text) // 4)], suffix, True, sound
+    )
 
 
 def noisy_mesh(rng: random.Random, sound: Sound) -> Input:
     """A mesh file with bytes dropped, doubled, swapped or overwritten."""
     suffix = rng.choice([".msh", ".inp", ".vtu"])
-    return meshed(f"mesh {suffix}: bytes", noise(rng, mesh_files(sound.meshed)[suffix]), suffix, False, sound)
+    return meshed(
+        f"mesh {suffix}: bytes", noise(rng, mesh_files(sound.meshed)[suffix]), suffix, False, sound
+    )
 
 
 def mislabelled_mesh(rng: random.Random, sound: Sound) -> Input:
     """A mesh under the suffix of another format, or something that is no mesh at all."""
     suffix, other = rng.sample([".msh", ".inp", ".vtu"], 2)
     text = rng.choice(
-        [mesh_files(sound.meshed)[other], rng.choice(sound.brakes), b"", bytes(rng.randrange(256) for _ in range(99))]
+        [
+            mesh_files(sound.meshed)[other],
+            rng.choice(sound.brakes),
+            b"",
+            bytes(rng.randrange(256) for _ in range(99)),
+        ]
     )
     return meshed(f"mesh {suffix}: another format", text, suffix, True, sound)
 
@@ -124,14 +137,18 @@ def _doubled_node(rng: random.Random, points: Any, cells: Any, at: Any, on: Any)
     i, k = rng.randrange(len(cells)), rng.randrange(3)
     points = np.vstack([points, points[cells[i, k]]])
     on = {key: np.append(values, values[cells[i, k]]) for key, values in on.items()}
-    if np.count_nonzero(cells == cells[i, k]) == 1:  # a corner of one element only: nothing would be wrong
+    if (
+        np.count_nonzero(cells == cells[i, k]) == 1
+    ):  # a corner of one element only: nothing would be wrong
         return _inverted(rng, points, cells, at, on)
     cells[i, k] = len(points) - 1
     return points, cells, at, on
 
 
 def _not_finite(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
-    points[cells[rng.randrange(len(cells)), rng.randrange(3)], rng.randrange(2)] = rng.choice([math.nan, math.inf])
+    points[cells[rng.randrange(len(cells)), rng.randrange(3)], rng.randrange(2)] = rng.choice(
+        [math.nan, math.inf]
+    )
     return points, cells, at, on
 
 
@@ -143,11 +160,18 @@ def _folded(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Sp
 
 def _doubled_element(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
     i = rng.randrange(len(cells))
-    return points, np.vstack([cells, cells[i : i + 1]]), {k: np.append(v, v[i]) for k, v in at.items()}, on
+    return (
+        points,
+        np.vstack([cells, cells[i : i + 1]]),
+        {k: np.append(v, v[i]) for k, v in at.items()},
+        on,
+    )
 
 
 def _without_group(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
-    data, name = rng.choice([(at, "lining"), (at, "shoe"), (on, "contact"), (on, "hinge"), (on, "actuation")])
+    data, name = rng.choice(
+        [(at, "lining"), (at, "shoe"), (on, "contact"), (on, "hinge"), (on, "actuation")]
+    )
     if rng.random() < 0.5:
         del data[name]
     else:
@@ -172,7 +196,9 @@ def _not_plane(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) ->
 
 
 def _no_such_node(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
-    cells[rng.randrange(len(cells)), rng.randrange(cells.shape[1])] = rng.choice([-1, len(points), 2**40])
+    cells[rng.randrange(len(cells)), rng.randrange(cells.shape[1])] = rng.choice(
+        [-1, len(points), 2**40]
+    )
     return points, cells, at, on
 
 

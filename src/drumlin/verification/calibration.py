@@ -1,9 +1,11 @@
-"""The factors of the error estimate, fitted on random brakes of every kind, and the file that holds them.
+"""The factors of the error estimate, fitted on random brakes of every kind, and the file that holds
+them.
 
-Of each brake `observe` takes the levels of a solve one by one and writes down by how much they move,
-and how far each is from a far finer solution. `fit` finds the factors with which the stated errors
-of all brakes and levels are at least the true ones, but for a small share, 1 - QUANTILE. `as_text`
-writes the factors with what they were fitted on. The study `calibration` does all of this,
+Of each brake `observe` takes the levels of a solve one by one and writes down by how much they
+move, and how far each is from a far finer solution. `fit` finds the factors with which the stated
+errors of all brakes and levels are at least the true ones, but for a small share, 1 - QUANTILE.
+`as_text` writes the factors with what they were fitted on. The study `calibration` does all of
+this,
 
     make calibrate
 
@@ -37,22 +39,26 @@ FIRST_SEED, BRAKES = 300_000, 260
 stored truths (70000 and on) and of the study that judges (600000 and on) are others."""
 
 QUANTILE = 0.995
-"""Share of the true errors that the fit covers. Twice as many may be too small as README promises."""
+"""Share of the true errors that the fit covers. Twice as many may be too small as README promises.
+"""
 
 FITTED = 5
 """Number of levels that are fitted on. The one after them is as fine as the truth itself."""
 
 RELEVANT = 1e-6
-"""True error below which any stated error counts as large enough. No solve is asked for so small an error
-of p, and there the truth and the arithmetic are in doubt themselves."""
+"""True error below which any stated error counts as large enough. No solve is asked for so small an
+error of p, and there the truth and the arithmetic are in doubt themselves.
+"""
 
 WEIGHTS = tuple(2.0**-k for k in range(4, 14))
-"""Candidates for the weight of what chance signs would move a force by, over that of the step. The one
-with the sharpest estimate is taken."""
+"""Candidates for the weight of what chance signs would move a force by, over that of the step. The
+one with the sharpest estimate is taken.
+"""
 
 HALF = 0.999
-"""Share of the true errors that are at most twice what the factors alone state. A share QUANTILE bounds
-how many stated errors are too small; this bounds by how much."""
+"""Share of the true errors that are at most twice what the factors alone state. A share QUANTILE
+bounds how many stated errors are too small; this bounds by how much.
+"""
 
 DIGITS = 2
 """Significant digits of a factor. More would not be found again on other brakes."""
@@ -61,8 +67,8 @@ DIGITS = 2
 class Level(NamedTuple):
     """What is known of the answer of one level, of each of QUANTITIES.
 
-    `step`, `chance`: the worst shoe's of `Distances`; `beside`: penalty and round-off errors; `true`:
-    the error; `unsure`: the uncertainty of the true error.
+    `step`, `chance`: the worst shoe's of `Distances`; `beside`: penalty and round-off errors;
+    `true`: the error; `unsure`: the uncertainty of the true error.
     """
 
     step: Mapping[str, float]
@@ -86,7 +92,12 @@ def observe(seed: int) -> dict[str, Any]:
         levels = observed(brake, by_finer(brake), islice(steps(brake, respond), FITTED))
     except NoAnswer as error:
         return {"seed": seed, "kind": kind, "reason": str(error), "levels": []}
-    return {"seed": seed, "kind": kind, "reason": "", "levels": [level._asdict() for level in levels]}
+    return {
+        "seed": seed,
+        "kind": kind,
+        "reason": "",
+        "levels": [level._asdict() for level in levels],
+    }
 
 
 def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
@@ -120,7 +131,9 @@ def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
 
 
 def _worst(values: Floats) -> dict[str, float]:
-    """Of values (1 + 4 shoes,), in the order of `Distances`, the brake's torque and the worst shoe's others."""
+    """Of values (1 + 4 shoes,), in the order of `Distances`, the brake's torque and the worst
+    shoe's others.
+    """
     most = values[1:].reshape(-1, len(QUANTITIES)).max(axis=0).tolist()
     return dict(zip(QUANTITIES, most, strict=True)) | {"torque": float(values[0])}
 
@@ -142,11 +155,16 @@ class Samples(NamedTuple):
     def factor(self, weight: float) -> float:
         """The smallest factor of step + weight chance that covers what QUANTILE and HALF ask for.
 
-        Where the true error is not known well any factor counts as enough, as it does in the promise.
+        Where the true error is not known well any factor counts as enough, as it does in the
+        promise.
         """
         most = np.where(self.known, self.true - self.unsure - self.beside, 0.0)
-        needed = np.maximum(most, 0.0) / np.maximum(self.step + weight * self.chance, np.finfo(float).tiny)
-        return _up(max(float(np.quantile(needed, QUANTILE)), 0.5 * float(np.quantile(needed, HALF))))
+        needed = np.maximum(most, 0.0) / np.maximum(
+            self.step + weight * self.chance, np.finfo(float).tiny
+        )
+        return _up(
+            max(float(np.quantile(needed, QUANTILE)), 0.5 * float(np.quantile(needed, HALF)))
+        )
 
     def ratios(self, factor: float, weight: float) -> Floats:
         """Stated over true error, of the true errors that are known well."""
@@ -156,7 +174,9 @@ class Samples(NamedTuple):
 
 def samples(levels: Sequence[Level], quantity: str) -> Samples:
     """A quantity on all levels that have a true error of it."""
-    rows = [[of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])]
+    rows = [
+        [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
+    ]
     return Samples(*np.array(rows).reshape(-1, len(Level._fields)).T)
 
 
@@ -172,7 +192,9 @@ def fit(levels: Sequence[Level]) -> Factors:
         return max(of.factor(weight) for of in forces)
 
     def sharpness(weight: float) -> float:
-        return float(np.median(np.concatenate([of.ratios(factor(weight), weight) for of in forces])))
+        return float(
+            np.median(np.concatenate([of.ratios(factor(weight), weight) for of in forces]))
+        )
 
     weight = min(WEIGHTS, key=sharpness)
     pressure, peak = (samples(levels, name).factor(0.0) for name in ("pressure", "peak"))
@@ -199,8 +221,9 @@ MEANING = {
 
 
 class Provenance(NamedTuple):
-    """What factors were fitted on: the `seeds` in words, the number of `brakes` that had an answer, of their `levels`,
-    the `commit` of the code and its `date`."""
+    """What factors were fitted on: the `seeds` in words, the number of `brakes` that had an answer,
+    of their `levels`, the `commit` of the code and its `date`.
+    """
 
     seeds: str
     brakes: int
@@ -214,6 +237,9 @@ def as_text(factors: Factors, provenance: Provenance) -> str:
     data = {
         "written by": "make calibrate; read by drumlin.fem.hp.estimate; not to be edited by hand",
         "provenance": provenance._asdict() | {"quantile": QUANTILE},
-        **{name: {"value": value, "meaning": MEANING[name]} for name, value in factors._asdict().items()},
+        **{
+            name: {"value": value, "meaning": MEANING[name]}
+            for name, value in factors._asdict().items()
+        },
     }
     return json.dumps(data, indent=1) + "\n"

@@ -43,11 +43,12 @@ class Curve(NamedTuple):
 class Verdict(NamedTuple):
     """How far a shoe's curve is from its reference.
 
-    `distance`: relative L2 distance of p outside the edge zones, at the reference's angles; `largest`: largest
-    difference there over the peak pressure, and its place `at`, in words; `torque_error`: what these differences of p
-    change of the torque, relative; `torque` [N m], on a plane the braking force [N]: by trapezia of the curve's own
-    points, held even to the lining's ends, where a sharp edge may need finer ones; `floor`,
-    `torque_floor`: relative uncertainties of the reference.
+    `distance`: relative L2 distance of p outside the edge zones, at the reference's angles;
+    `largest`: largest difference there over the peak pressure, and its place `at`, in words;
+    `torque_error`: what these differences of p change of the torque, relative; `torque` [N m], on a
+    plane the braking force [N]: by trapezia of the curve's own points, held even to the lining's
+    ends, where a sharp edge may need finer ones; `floor`, `torque_floor`: relative uncertainties of
+    the reference.
     """
 
     shoe: str
@@ -61,7 +62,9 @@ class Verdict(NamedTuple):
 
 
 def curves_text(response: Response, surface: FrictionSurface = DRUM) -> str:
-    """The pressures of a response over the places of its surface, as a CSV table that `read_curves` takes."""
+    """The pressures of a response over the places of its surface, as a CSV table that `read_curves`
+    takes.
+    """
     place, per_unit = _place_heading(surface), surface.shown
     return as_csv(
         [
@@ -101,10 +104,14 @@ def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:
         if not any(cell.strip() for cell in line):
             continue
         if len(line) != len(lines[0]):
-            raise BadInput(f"{path}: line {number}: {len(line)} cells; must have {len(lines[0])} as the heading")
+            raise BadInput(
+                f"{path}: line {number}: {len(line)} cells; must have {len(lines[0])} as the heading"
+            )
         name = line[columns["shoe"][0]].strip() if "shoe" in columns else names[0]
         if name not in points:
-            raise BadInput(f"{path}: line {number}: shoe = {name!r}: unknown; allowed: {', '.join(names)}")
+            raise BadInput(
+                f"{path}: line {number}: shoe = {name!r}: unknown; allowed: {', '.join(names)}"
+            )
         theta, p = (_number(path, number, line, key, *columns[key]) for key in wanted)
         points[name].append((theta, p))
     return {shoe.name: _curve(path, shoe, points[shoe.name]) for shoe in brake.shoes}
@@ -122,16 +129,23 @@ def _columns(
             columns[name] = (place, 1.0)
         if name in wanted:
             try:
-                columns[name] = (place, to_si(f"1 {unit.strip()}", wanted[name], unit_required=True))
+                columns[name] = (
+                    place,
+                    to_si(f"1 {unit.strip()}", wanted[name], unit_required=True),
+                )
             except ValueError as error:
                 raise BadInput(f"{path}: line 1: {cell.strip()!r}: {error}") from error
     for name in wanted:
         if name not in columns:
-            raise BadInput(f"{path}: line 1: no column {name!r} with its unit; must have {_allowed(surface)}")
+            raise BadInput(
+                f"{path}: line 1: no column {name!r} with its unit; must have {_allowed(surface)}"
+            )
     return columns
 
 
-def _number(path: Path, number: int, line: Sequence[str], key: str, place: int, factor: float) -> float:
+def _number(
+    path: Path, number: int, line: Sequence[str], key: str, place: int, factor: float
+) -> float:
     try:
         value = float(line[place]) * factor
     except ValueError:
@@ -148,12 +162,16 @@ def _curve(path: Path, shoe: Shoe, points: list[tuple[float, float]]) -> Curve:
         raise BadInput(f"{path}: shoe {shoe.name!r}: {len(points)} points; must be 2 or more")
     theta, p = np.array(points).T
     if not shoe.flat:  # whole turns do not matter
-        theta = shoe.lining.middle + (theta - shoe.lining.middle + math.pi) % (2 * math.pi) - math.pi
+        theta = (
+            shoe.lining.middle + (theta - shoe.lining.middle + math.pi) % (2 * math.pi) - math.pi
+        )
     order = np.argsort(theta, kind="stable")
     theta, p = theta[order], p[order]
     same = np.diff(theta) <= 0
     if same.any():
-        raise BadInput(f"{path}: shoe {shoe.name!r}: {_place(shoe, theta[:-1][same][0])} stands twice")
+        raise BadInput(
+            f"{path}: shoe {shoe.name!r}: {_place(shoe, theta[:-1][same][0])} stands twice"
+        )
     return Curve(theta, p)
 
 
@@ -162,22 +180,28 @@ def _place(shoe: Shoe, at: float) -> str:
 
 
 def check(brake: Brake, known: Reference, curves: dict[str, Curve]) -> list[Verdict]:
-    """The verdict on each shoe. Raises BadInput where the reference is of another brake, or a curve does not reach
-    over its lining up to the edge zones."""
+    """The verdict on each shoe. Raises BadInput where the reference is of another brake, or a curve
+    does not reach over its lining up to the edge zones.
+    """
     if [shoe.name for shoe in known.shoes] != [shoe.name for shoe in brake.shoes]:
         said = ", ".join(shoe.name for shoe in known.shoes)
         raise BadInput(f"the reference is of another brake, with the shoes {said}")
     key = differing(brake, read_any(Path("brake_file"), known.text))
     if key is not None:
         raise BadInput(f"the reference is of another brake: {key} is not the same")
-    return [_verdict(brake, spec, shoe, curves[shoe.name]) for spec, shoe in zip(brake.shoes, known.shoes, strict=True)]
+    return [
+        _verdict(brake, spec, shoe, curves[shoe.name])
+        for spec, shoe in zip(brake.shoes, known.shoes, strict=True)
+    ]
 
 
 def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Verdict:
     inside = known.inside
     theta, p = known.theta[inside], known.pressure[inside]
     if not len(theta):
-        raise BadInput(f"shoe {known.name!r}: its lining is shorter than its edge zones; nothing to compare")
+        raise BadInput(
+            f"shoe {known.name!r}: its lining is shorter than its edge zones; nothing to compare"
+        )
     if curve.theta[0] > theta[0] + 1e-9 or curve.theta[-1] < theta[-1] - 1e-9:
         raise BadInput(
             f"shoe {known.name!r}: from {_place(spec, curve.theta[0])} to {_place(spec, curve.theta[-1])}: must reach "
@@ -194,7 +218,9 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Ve
         largest=abs(float(off[worst])) / peak if peak else math.inf if off.any() else 0.0,
         at=_place(spec, float(theta[worst])),
         torque=lever * _area(spec, curve),
-        torque_error=abs(lever * float(np.trapezoid(off, theta))) / known.torque.value if known.torque.value else 0.0,
+        torque_error=abs(lever * float(np.trapezoid(off, theta))) / known.torque.value
+        if known.torque.value
+        else 0.0,
         floor=known.distance,
         torque_floor=known.torque.relative,
     )
@@ -203,7 +229,9 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Ve
 def _area(shoe: Shoe, curve: Curve) -> float:
     """Int p dtheta over the lining, by trapezia of the curve's own points."""
     start, end = shoe.lining.start, shoe.lining.end
-    theta = np.concatenate([[start], curve.theta[(curve.theta > start) & (curve.theta < end)], [end]])
+    theta = np.concatenate(
+        [[start], curve.theta[(curve.theta > start) & (curve.theta < end)], [end]]
+    )
     return float(np.trapezoid(np.interp(theta, *curve), theta))
 
 
@@ -212,7 +240,9 @@ def within(verdicts: Sequence[Verdict], tolerance: float) -> bool:
     return all(max(v.distance, v.torque_error) <= tolerance for v in verdicts)
 
 
-def lines(verdicts: Sequence[Verdict], tolerance: float, surface: FrictionSurface = DRUM) -> list[str]:
+def lines(
+    verdicts: Sequence[Verdict], tolerance: float, surface: FrictionSurface = DRUM
+) -> list[str]:
     """The verdicts for people, the last line the verdict on all, of the effect of a surface."""
     effect, unit = surface.effect, surface.effect_unit
     said = [
@@ -221,4 +251,7 @@ def lines(verdicts: Sequence[Verdict], tolerance: float, surface: FrictionSurfac
         f"{effect} (known to {v.torque_floor:.1e}); {effect} of its points {v.torque:.7g} {unit}"
         for v in verdicts
     ]
-    return [*said, f"{'within' if within(verdicts, tolerance) else 'NOT within'} {tolerance:.3g} of the reference"]
+    return [
+        *said,
+        f"{'within' if within(verdicts, tolerance) else 'NOT within'} {tolerance:.3g} of the reference",
+    ]

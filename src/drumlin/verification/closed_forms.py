@@ -1,6 +1,7 @@
 """Closed forms of elasticity, contact, friction and wear: what the benchmark ladder is judged by.
 
-Plane stress, unit width unless said. Nothing here is computed by the parts of drumlin that it judges.
+Plane stress, unit width unless said. Nothing here is computed by the parts of drumlin that it
+judges.
 """
 
 import math
@@ -12,13 +13,17 @@ from drumlin.arrays import Floats
 
 
 def hertz(load: float, radius: float, modulus: float) -> tuple[float, float]:
-    """Half-width [m] and peak pressure [Pa] of a line contact (Hertz 1881): a^2 = 4 P R/(pi E*), p_0 = 2 P/(pi a)."""
+    """Half-width [m] and peak pressure [Pa] of a line contact (Hertz 1881): a^2 = 4 P R/(pi E*),
+    p_0 = 2 P/(pi a).
+    """
     half = math.sqrt(4 * load * radius / (math.pi * modulus))
     return half, 2 * load / (math.pi * half)
 
 
 def persson_clearance(b: float) -> float:
-    """E dR / Q of a disc in a hole of the same material, b = tan(eps/2) (Persson 1964; Ciavarella & Decuzzi 2001)."""
+    """E dR / Q of a disc in a hole of the same material, b = tan(eps/2) (Persson 1964; Ciavarella &
+    Decuzzi 2001).
+    """
     return (2 - 2 * b**4 - math.log(1 + b**2)) / (math.pi * b**2 * (1 + b**2))
 
 
@@ -33,7 +38,8 @@ def persson_pressure(b: float, theta: Floats) -> Floats:
 
 
 def westergaard(mean: float, full: float, psi: Floats) -> Floats:
-    """p at psi = pi x/lambda of a wavy half-plane under a mean pressure (Westergaard 1939), p* = `full`.
+    """p at psi = pi x/lambda of a wavy half-plane under a mean pressure (Westergaard 1939), p* =
+    `full`.
 
     For mean >= p* all is in contact, p = mean + p* cos 2 psi.
     """
@@ -45,7 +51,9 @@ def westergaard(mean: float, full: float, psi: Floats) -> Floats:
 
 
 def lame(inner: float, outer: float, pressure: float, E: float, nu: float) -> tuple[float, float]:
-    """Radial displacements [m] at both edges of a ring under inner pressure (Lame 1852), plane stress."""
+    """Radial displacements [m] at both edges of a ring under inner pressure (Lame 1852), plane
+    stress.
+    """
     c = pressure * inner**2 / (outer**2 - inner**2) / E
     return (
         c * ((1 - nu) * inner + (1 + nu) * outer**2 / inner),
@@ -54,10 +62,11 @@ def lame(inner: float, outer: float, pressure: float, E: float, nu: float) -> tu
 
 
 def ring_yield(n: int, free: float, held: float, E: float, nu: float) -> float:
-    """Radial displacement at r = free, over cos(n theta), under the pressure cos(n theta) there, held fast at r = held.
+    """Radial displacement at r = free, over cos(n theta), under the pressure cos(n theta) there,
+    held fast at r = held.
 
-    Michell's solution (1899; Barber, Elasticity, table 9.1), no shear at r = free: [m/Pa], negative where the ring
-    lies inside of its free edge.
+    Michell's solution (1899; Barber, Elasticity, table 9.1), no shear at r = free: [m/Pa], negative
+    where the ring lies inside of its free edge.
     """
     k, two_mu = (3 - nu) / (1 + nu), E / (1 + nu)
     if n == 0:
@@ -82,9 +91,24 @@ def ring_yield(n: int, free: float, held: float, E: float, nu: float) -> float:
             ]
         return np.array(
             [
-                [-n * r ** (n - 1), n * r ** (n - 1), -n * (n - 1) * r ** (n - 2), n * (n - 1) * r ** (n - 2)],
-                [(k - n - 1) * r ** (n + 1), (k + n + 1) * r ** (n + 1), -(n + 1) * (n - 2) * r**n, n * (n + 1) * r**n],
-                [n * r ** (-n - 1), n * r ** (-n - 1), -n * (n + 1) * r ** (-n - 2), -n * (n + 1) * r ** (-n - 2)],
+                [
+                    -n * r ** (n - 1),
+                    n * r ** (n - 1),
+                    -n * (n - 1) * r ** (n - 2),
+                    n * (n - 1) * r ** (n - 2),
+                ],
+                [
+                    (k - n - 1) * r ** (n + 1),
+                    (k + n + 1) * r ** (n + 1),
+                    -(n + 1) * (n - 2) * r**n,
+                    n * (n + 1) * r**n,
+                ],
+                [
+                    n * r ** (-n - 1),
+                    n * r ** (-n - 1),
+                    -n * (n + 1) * r ** (-n - 2),
+                    -n * (n + 1) * r ** (-n - 2),
+                ],
                 fourth,
             ]
         ).T
@@ -95,10 +119,11 @@ def ring_yield(n: int, free: float, held: float, E: float, nu: float) -> float:
 
 
 def corner_exponent(mu: float, nu: float) -> float:
-    """lambda of p ~ r^(lambda - 1) at a right-angled edge on a rigid plane that slides onto it, plane stress.
+    """lambda of p ~ r^(lambda - 1) at a right-angled edge on a rigid plane that slides onto it,
+    plane stress.
 
-    Williams' (1952) stress function r^(lambda + 1) F(theta): no traction at theta = pi/2; u_theta = 0 and shear
-    mu times pressure at theta = 0. The smallest root above 1/4; 1 without friction.
+    Williams' (1952) stress function r^(lambda + 1) F(theta): no traction at theta = pi/2; u_theta =
+    0 and shear mu times pressure at theta = 0. The smallest root above 1/4; 1 without friction.
     """
     if mu == 0:
         return 1.0
@@ -107,7 +132,12 @@ def corner_exponent(mu: float, nu: float) -> float:
     def determinant(e: float) -> float:
         """Of the conditions on A cos(e+1) + B sin(e+1) + C cos(e-1) + D sin(e-1)."""
         a, b = e + 1, e - 1
-        sa, ca, sb, cb = math.sin(a * right), math.cos(a * right), math.sin(b * right), math.cos(b * right)
+        sa, ca, sb, cb = (
+            math.sin(a * right),
+            math.cos(a * right),
+            math.sin(b * right),
+            math.cos(b * right),
+        )
         rows = [
             [0.0, a, 0.0, k + e],
             [mu * (e + 1), a, mu * (e + 1), b],  # s_rt = -e F', s_tt = e (e + 1) F
@@ -130,22 +160,33 @@ def capstan(mu: float, angle: float) -> float:
 
 
 def sine_shoe_limit(R: float, a: float, phi_1: float, phi_2: float) -> float:
-    """Friction at which a rigid shoe on a Winkler lining locks itself: moments of p ~ sin phi about its hinge."""
+    """Friction at which a rigid shoe on a Winkler lining locks itself: moments of p ~ sin phi about
+    its hinge.
+    """
     normal = a * ((phi_2 - phi_1) / 2 - (math.sin(2 * phi_2) - math.sin(2 * phi_1)) / 4)
-    friction = R * (math.cos(phi_1) - math.cos(phi_2)) - a * (math.sin(phi_2) ** 2 - math.sin(phi_1) ** 2) / 2
+    friction = (
+        R * (math.cos(phi_1) - math.cos(phi_2))
+        - a * (math.sin(phi_2) ** 2 - math.sin(phi_1) ** 2) / 2
+    )
     return normal / friction
 
 
 def bonded_layer(E: float, nu: float, thickness: float) -> float:
-    """Stiffness [Pa/m] of a thin layer that cannot spread along its back, plane stress: E/((1 - nu^2) t)."""
+    """Stiffness [Pa/m] of a thin layer that cannot spread along its back, plane stress: E/((1 -
+    nu^2) t).
+    """
     return E / ((1 - nu**2) * thickness)
 
 
 def flat_punch(load: float, half: float, x: Floats) -> Floats:
-    """p (n,) under a rigid frictionless flat punch (Sadowsky 1928): P/(pi sqrt(a^2 - x^2)), |x| < a."""
+    """p (n,) under a rigid frictionless flat punch (Sadowsky 1928): P/(pi sqrt(a^2 - x^2)), |x| <
+    a.
+    """
     return np.asarray(load / (math.pi * np.sqrt(half**2 - x**2)))
 
 
 def equivalent_block(half: float) -> float:
-    """mu'/mu of a block of this half-arc [rad] under p = p_0 cos: 4 sin/(2 half + sin 2 half) (NPTEL lesson 12.1)."""
+    """mu'/mu of a block of this half-arc [rad] under p = p_0 cos: 4 sin/(2 half + sin 2 half)
+    (NPTEL lesson 12.1).
+    """
     return 4 * math.sin(half) / (2 * half + math.sin(2 * half))

@@ -1,7 +1,7 @@
 """The end of a holding brake held against the sliding brake, on random brakes of all kinds.
 
-The drum is turned as the command `hold` turns it: to full slip, in a few increments. Its moment there must be the
-torque of `solve`, or a line of the last state says both and why they differ.
+The drum is turned as the command `hold` turns it: to full slip, in a few increments. Its moment
+there must be the torque of `solve`, or a line of the last state says both and why they differ.
 """
 
 import math
@@ -25,16 +25,18 @@ HOLD_STEPS = 4
 MESH_ELEMENTS = 12
 """Elements of the mesh, which both ways share, so that its error does not matter."""
 LOCKED_ROTATION = 1.0
-"""Rotation [rad] to which a brake is held that `solve` refuses: one that locks still sticks there."""
+"""Rotation [rad] to which a brake is held that `solve` refuses: one that locks still sticks there.
+"""
 SEVERAL = "more than one answer"
 """How the line of `full_slip_rotation` begins that has the moments of both ways."""
 
 
 def checks(seed: int) -> list[Check]:
-    """One row for the random brake of a seed: the torque held at full slip and that of the sliding brake.
+    """One row for the random brake of a seed: the torque held at full slip and that of the sliding
+    brake.
 
-    Seeds go through the kinds of both generators, on one mesh and on columns in turn. No row where the generator has no
-    brake of the seed, and for a brake without friction, which holds nothing.
+    Seeds go through the kinds of both generators, on one mesh and on columns in turn. No row where
+    the generator has no brake of the seed, and for a brake without friction, which holds nothing.
     """
     kinds = _kinds()
     generator, kind = kinds[seed % len(kinds)]
@@ -57,7 +59,9 @@ def _kinds() -> list[tuple[ModuleType, str]]:
 
 def _check(name: str, scene: Scene, brake: Brake) -> Check:
     """The row of a brake on a scene."""
-    row = Check(check=CHECK, brake=name, quantity="torque", difference=math.inf, allowed=TWO_ANSWERS)
+    row = Check(
+        check=CHECK, brake=name, quantity="torque", difference=math.inf, allowed=TWO_ANSWERS
+    )
     try:
         sliding = respond(scene, brake).torque
     except NoAnswer as error:

@@ -18,11 +18,13 @@ from drumlin.verification.standing_off import standing_off
 MESHES = 20, 40, 80
 """Elements along the lining of the three meshes."""
 ALIKE = 0.05
-"""Relative spread of the contact force up to which three meshes count as of one answer. Above it the
-meshes are too coarse for the contact and prove nothing."""
+"""Relative spread of the contact force up to which three meshes count as of one answer. Above it
+the meshes are too coarse for the contact and prove nothing.
+"""
 HELD_AGAINST = 10
-"""One brake in this many is held against the meshes although the default solve answers it. A refused
-one always is. The meshes of one brake cost a second or so."""
+"""One brake in this many is held against the meshes although the default solve answers it. A
+refused one always is. The meshes of one brake cost a second or so.
+"""
 
 
 def checks(seed: int) -> list[Check]:
@@ -40,7 +42,8 @@ def checks(seed: int) -> list[Check]:
     one_answer = len(forces) == len(MESHES) and spread(forces) <= ALIKE
     if isinstance(found, str):
         if one_answer:
-            # Columns of high degree lose more digits than a mesh, and drumlin says that this is why.
+            # Columns of high degree lose more digits than a mesh, and drumlin says that this is
+            # why.
             said = found if TOO_FAR in found else ""
             return [_row(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)]
         return [_row(brake, "an answer", 0.0, 0.0, said=found, refused=True)]
@@ -82,6 +85,14 @@ def _answer(brake: Brake, elements: int | None) -> Response | str:
 
 
 def _row(
-    brake: Brake, quantity: str, difference: float, allowed: float, *, said: str = "", refused: bool = False
+    brake: Brake,
+    quantity: str,
+    difference: float,
+    allowed: float,
+    *,
+    said: str = "",
+    refused: bool = False,
 ) -> Check:
-    return Check("default solve = three meshes", brake.title, quantity, difference, allowed, said, refused)
+    return Check(
+        "default solve = three meshes", brake.title, quantity, difference, allowed, said, refused
+    )

@@ -94,9 +94,13 @@ class Divided:
         """The torque of a brake, and on what it stands. Raises as `solve`."""
         scene = self.scene(brake)
         response = respond(scene, brake)
-        bodies = [body.unknowns for body in scene.bodies] + ([scene.ring.basis.N] if scene.ring else [])
+        bodies = [body.unknowns for body in scene.bodies] + (
+            [scene.ring.basis.N] if scene.ring else []
+        )
         return TorqueOnDivision(
-            response.torque, tuple(bodies), tuple((shoe.pressure > 0).tobytes() for shoe in response.shoes)
+            response.torque,
+            tuple(bodies),
+            tuple((shoe.pressure > 0).tobytes() for shoe in response.shoes),
         )
 
     def slopes(self, brake: Brake) -> Sensitivity:
@@ -111,7 +115,9 @@ def scaled(key: str, value: float) -> Changes:
 
 def scaled_moduli(key: str, material: AnyMaterial) -> Changes:
     """Changes of all moduli of the material of the part `key` by one part of their values."""
-    return lambda s: {f"{key}material.{name}": value * (1 + s) for name, value in material.moduli.items()}
+    return lambda s: {
+        f"{key}material.{name}": value * (1 + s) for name, value in material.moduli.items()
+    }
 
 
 def shifted(key: str, value: float) -> Changes:
@@ -131,7 +137,11 @@ def slopes_of(brake: Brake, found: Sensitivity) -> list[Slope]:
     ring = brake.ring
     if ring is not None and found.ring is not None and ring.material is not None:
         table.append(Slope("E of the ring", found.ring, scaled_moduli("drum.ring.", ring.material)))
-    if ring is not None and found.ring_bending_stiffness is not None and ring.bending_stiffness is not None:
+    if (
+        ring is not None
+        and found.ring_bending_stiffness is not None
+        and ring.bending_stiffness is not None
+    ):
         EI = scaled("drum.ring.bending_stiffness", ring.bending_stiffness)
         table.append(Slope("bending_stiffness of the ring", found.ring_bending_stiffness, EI))
     for i in range(len(brake.shoes)):
@@ -156,19 +166,36 @@ def _of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
     if own.force is not None and own.torque and brake.actuation is None and not behind_strut:
         force = shoe.actuation.force
         yield Slope("force", own.force * force, scaled(f"{key}actuation.force", force))
-    yield Slope("E of the lining", own.moduli["lining"], scaled_moduli(f"{key}lining.", lining.material))
+    yield Slope(
+        "E of the lining", own.moduli["lining"], scaled_moduli(f"{key}lining.", lining.material)
+    )
     if "backing" in own.moduli and shoe.backing is not None:
-        yield Slope("E of the backing", own.moduli["backing"], scaled_moduli(f"{key}backing.", shoe.backing.material))
+        yield Slope(
+            "E of the backing",
+            own.moduli["backing"],
+            scaled_moduli(f"{key}backing.", shoe.backing.material),
+        )
     if "shoe" in own.moduli and body is not None and body.material is not None:
-        yield Slope("E of the body", own.moduli["shoe"], scaled_moduli(f"{key}body.", body.material))
-    if own.bending_stiffness is not None and body is not None and isinstance(body.bending_stiffness, float):
+        yield Slope(
+            "E of the body", own.moduli["shoe"], scaled_moduli(f"{key}body.", body.material)
+        )
+    if (
+        own.bending_stiffness is not None
+        and body is not None
+        and isinstance(body.bending_stiffness, float)
+    ):
         EI = scaled(f"{key}body.bending_stiffness", body.bending_stiffness)
         yield Slope("bending_stiffness of the body", own.bending_stiffness, EI)
     if isinstance(lining.clearance, float):
         force = abs(shoe.actuation.force) or max(abs(each.actuation.force) for each in brake.shoes)
         area = brake.scale_factor * (lining.end - lining.start) * lining.width
         squeezed = force / area * lining.thickness / lining.material.E_through
-        yield Slope("clearance", own.clearance, shifted(f"{key}lining.clearance", lining.clearance), squeezed)
+        yield Slope(
+            "clearance",
+            own.clearance,
+            shifted(f"{key}lining.clearance", lining.clearance),
+            squeezed,
+        )
     for what, value in own.held.items():
         at: Any = brake.shoes[i]
         for name in what.split("."):
@@ -178,10 +205,17 @@ def _of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
             yield Slope(what, float(value[0]), shifted(f"{key}{what}", at), size)
             continue
         for way, axis in enumerate("xy"):
-            yield Slope(f"{what} along {axis}", float(value[way]), moved(f"{key}{what}", at.x, at.y, way), radius)
+            yield Slope(
+                f"{what} along {axis}",
+                float(value[way]),
+                moved(f"{key}{what}", at.x, at.y, way),
+                radius,
+            )
 
 
-def difference(brake: Brake, slope: Slope, divided: Divided, base: TorqueOnDivision) -> float | None:
+def difference(
+    brake: Brake, slope: Slope, divided: Divided, base: TorqueOnDivision
+) -> float | None:
     """The largest relative difference of a slope from the central differences over three steps.
 
     None where a step of each size changes the contact set, or the number of elements, so that there
@@ -218,7 +252,9 @@ def brake_of(seed: int) -> tuple[str, Brake]:
     while brake.friction == 0:
         seed += 10**6
         brake = draw(seed, kind)
-    return kind, brake if seed // len(KINDS) % 2 else _with_bending_stiffness(brake, np.random.default_rng(seed))
+    return kind, brake if seed // len(KINDS) % 2 else _with_bending_stiffness(
+        brake, np.random.default_rng(seed)
+    )
 
 
 def _with_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:

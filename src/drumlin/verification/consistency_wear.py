@@ -92,7 +92,9 @@ def checks(seed: int) -> list[Check]:
 def _drawn(seed: int, kind: str) -> Brake:
     if kind in random_brake.KINDS:
         return random_brake.random_brake(seed, kind)
-    return random_kinds.random_kind(seed, kind.removeprefix("rigid "), rigid=kind.startswith("rigid "))
+    return random_kinds.random_kind(
+        seed, kind.removeprefix("rigid "), rigid=kind.startswith("rigid ")
+    )
 
 
 def _beginning(name: str, brake: Brake) -> list[Check]:
@@ -126,18 +128,29 @@ def _later(name: str, brake: Brake) -> list[Check]:
         states = run_in(setup)
     except NoAnswer as error:
         return _rows(name, "wear's end = worn in", setup, (partial(_refused, error), set_up))
-    rows = _rows(name, "wear's end = worn in", setup, (partial(_of, states[-1]), set_up), END_REACHED, END_REACHED)
+    rows = _rows(
+        name,
+        "wear's end = worn in",
+        setup,
+        (partial(_of, states[-1]), set_up),
+        END_REACHED,
+        END_REACHED,
+    )
     rows += _rows(name, "worn in = law", setup, (set_up, by_law), LAW_TORQUE, LAW_PRESSURE)
     middle = states[len(states) // 2]
     if middle.s == 0:
         return rows
     then = partial(_solved, setup, scene, worn(setup, middle))
-    rows += _rows(name, "wear's middle = solve of the worn linings", setup, (partial(_of, middle), then))
+    rows += _rows(
+        name, "wear's middle = solve of the worn linings", setup, (partial(_of, middle), then)
+    )
     other = brake.reversed()
     return rows + _turned_back(name, setup, fem_setup(scene, other), scene, middle.s)
 
 
-def _turned_back(name: str, setup: WearSetup, backward: WearSetup, scene: Scene, s: float) -> list[Check]:
+def _turned_back(
+    name: str, setup: WearSetup, backward: WearSetup, scene: Scene, s: float
+) -> list[Check]:
     """The linings as the drum begins to turn back after the distance s [m]."""
     forward = run_in(setup, distance=s)[-1]
 
@@ -163,7 +176,9 @@ def _solved(setup: WearSetup, scene: Scene, brake: Brake) -> _Bearing:
 
 
 def _borne(setup: WearSetup, response: Response) -> _Bearing:
-    by_lining = [response.shoes[surface.shoe].pressure[surface.forward] for surface in setup.surfaces]
+    by_lining = [
+        response.shoes[surface.shoe].pressure[surface.forward] for surface in setup.surfaces
+    ]
     said = next((note for note in response.notes if REFINED in note), "")
     return _Bearing(response.torque, np.concatenate(by_lining), said)
 

@@ -1,4 +1,5 @@
-"""Stated and true errors of brakes that press with a corner alone or under a tip: a table of their own.
+"""Stated and true errors of brakes that press with a corner alone or under a tip: a table of their
+own.
 
 They are kept apart from the random brakes by which the promise on stated errors is judged: their p
 has no bound, and where friction makes it steep enough no solution reaches a small error.
@@ -21,7 +22,8 @@ TOLERANCES = (5e-3, 1e-3, 1e-4)
 FIRST_CORNER = 410_000
 """Seed of the first brake. The rules for corners and tips were found on seeds 400000 to 400099."""
 STEEP = -0.3
-"""Power of p at a corner below which 0.1 % of p cannot be had with angles as floating-point numbers.
+"""Power of p at a corner below which 0.1 % of p cannot be had with angles as floating-point
+numbers.
 
 The smallest piece of p is 1e-12 rad (`corner.SMALLEST_PIECE`), 1e-10 of a contact of half a degree.
 Of x^a it leaves `left_by_power` (1e-10)^(a + 1/2) of p: 0.13 % at a = -0.3 and degree 7, 0.8 % at
@@ -31,14 +33,17 @@ Of x^a it leaves `left_by_power` (1e-10)^(a + 1/2) of p: 0.13 % at a = -0.3 and 
 
 
 def rows(seed: int) -> list[dict[str, Any]]:
-    """Stated against true errors of the brake of a seed, one row a tolerance: as of `stated_true.row`.
+    """Stated against true errors of the brake of a seed, one row a tolerance: as of
+    `stated_true.row`.
 
     Besides its `kind`, and as `power` the smallest of p at its pressed corners, 0 without one.
     """
     try:
         brake = random_corner(seed)
     except NoAnswer as error:
-        return [{"seed": seed, "kind": "none", "power": 0.0, "outcome": "failed", "reason": str(error)}]
+        return [
+            {"seed": seed, "kind": "none", "power": 0.0, "outcome": "failed", "reason": str(error)}
+        ]
     kind = brake.title.removeprefix("random ").removesuffix(f" {seed}")
     failure, true = "", None
     try:
@@ -52,15 +57,22 @@ def rows(seed: int) -> list[dict[str, Any]]:
 def power_of(brake: Brake) -> float:
     """The smallest power of p at the pressed corners of a brake, 0 without one."""
     found = solve(brake).shoes
-    return min((power for i, one in enumerate(found) for _, power in steep_corners(brake, i, one)), default=0.0)
+    return min(
+        (power for i, one in enumerate(found) for _, power in steep_corners(brake, i, one)),
+        default=0.0,
+    )
 
 
 def by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """For each kind and tolerance: brakes, the share that reaches it, and stated over true errors of p.
+    """For each kind and tolerance: brakes, the share that reaches it, and stated over true errors
+    of p.
 
     Two last groups hold all brakes, and all but those that press with a corner steeper than STEEP.
     """
-    kinds = {kind: [one for one in rows if one["kind"] == kind] for kind in sorted({one["kind"] for one in rows})}
+    kinds = {
+        kind: [one for one in rows if one["kind"] == kind]
+        for kind in sorted({one["kind"] for one in rows})
+    }
     gentle = [one for one in rows if one["power"] >= STEEP]
     table = []
     for kind, mine in {**kinds, "all": list(rows), "all but the steepest corners": gentle}.items():
@@ -73,7 +85,8 @@ def by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
                     "kind": kind,
                     "tolerance": tolerance,
                     "brakes": len(own),
-                    "reached": sum(one["outcome"] in {"reached", "no truth"} for one in own) / max(1, len(own)),
+                    "reached": sum(one["outcome"] in {"reached", "no truth"} for one in own)
+                    / max(1, len(own)),
                     "judged": len(known),
                     "smallest": float(known.min()) if len(known) else None,
                     "median": float(np.median(known)) if len(known) else None,

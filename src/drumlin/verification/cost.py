@@ -1,4 +1,6 @@
-"""What a solve costs against the least that it could: assembly, one factorisation, one back-substitution."""
+"""What a solve costs against the least that it could: assembly, one factorisation, one
+back-substitution.
+"""
 
 import math
 import multiprocessing
@@ -31,10 +33,11 @@ FITTED = 600_000  # the exponent is fitted to the sizes up to here
 
 
 class Cost(NamedTuple):
-    """Seconds, medians of repeats: whole solve, further load case, and the three parts of the baseline.
+    """Seconds, medians of repeats: whole solve, further load case, and the three parts of the
+    baseline.
 
-    `contact_nodes`: of all distinct bodies; `memory`: largest resident memory of the process up to the end of the
-    first solve [bytes].
+    `contact_nodes`: of all distinct bodies; `memory`: largest resident memory of the process up to
+    the end of the first solve [bytes].
     """
 
     unknowns: int
@@ -85,7 +88,13 @@ def cost(
         K = K[free][:, free].tocsc()
         right = np.ones(K.shape[0])
 
-        factorise = partial(splu, K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        factorise = partial(
+            splu,
+            K,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
         phases += [
             _time(partial(_assemble, body.mesh, shoe), repeats),
             _time(factorise, repeats),
@@ -95,7 +104,12 @@ def cost(
         sum(body.unknowns for body, _ in bodies.values()),
         sum(len(body.line.nodes) for body, _ in bodies.values()),
         memory,
-        _time(lambda: respond(prepare(brake, elements=elements, mesher=mesher), brake, penalty=penalty), repeats)
+        _time(
+            lambda: respond(
+                prepare(brake, elements=elements, mesher=mesher), brake, penalty=penalty
+            ),
+            repeats,
+        )
         if repeats > 1
         else first,
         _time(lambda: respond(scene, other, penalty=penalty), max(repeats, 3)),
@@ -113,7 +127,8 @@ def proportional(unknowns: int, shoe: Shoe, radius: float) -> object:
 
 
 def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
-    """Cost against unknowns as lines for people, as they come, and the exponent of N to which the time grows.
+    """Cost against unknowns as lines for people, as they come, and the exponent of N to which the
+    time grows.
 
     Each size is measured in a process of its own, so that its peak memory is its own.
     """
@@ -131,19 +146,27 @@ def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
         )
     fitted = [c for c in costs if c.unknowns <= FITTED]
     if len(fitted) > 1:
-        exponent = float(np.polyfit(np.log([c.unknowns for c in fitted]), np.log([c.solve for c in fitted]), 1)[0])
+        exponent = float(
+            np.polyfit(np.log([c.unknowns for c in fitted]), np.log([c.solve for c in fitted]), 1)[
+                0
+            ]
+        )
         yield f"solve ~ N^{exponent:.2f} up to {fitted[-1].unknowns} unknowns"
 
 
 def solid_table(brake: Brake, elements: Sequence[int] = SOLID_ELEMENTS) -> Iterator[str]:
-    """Cost of solid shoes against unknowns as lines for people, in seconds of processor time, as they come.
+    """Cost of solid shoes against unknowns as lines for people, in seconds of processor time, as
+    they come.
 
-    Further: another friction coefficient on the same bodies. Each size is measured in a process of its own.
+    Further: another friction coefficient on the same bodies. Each size is measured in a process of
+    its own.
     """
     yield "unknowns  contact nodes  solve [s]  further [s]  peak memory [GiB]"
     for count in elements:
         with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as process:
-            unknowns, nodes, memory, first, further = process.submit(_solid_cost, brake, count).result()
+            unknowns, nodes, memory, first, further = process.submit(
+                _solid_cost, brake, count
+            ).result()
         yield f"{unknowns:8d}  {nodes:13d}  {first:9.2f}  {further:11.2f}  {memory / 2**30:17.2f}"
 
 
@@ -157,7 +180,10 @@ def _solid_cost(brake: Brake, elements: int) -> tuple[int, int, int, float, floa
     memory, start = peak_memory(), time.process_time()
     respond(scene, brake.model_copy(update={"friction": 0.9 * brake.friction}))
     bodies = {id(body): body for body in scene.bodies}.values()
-    unknowns, nodes = sum(body.unknowns for body in bodies), sum(len(body.line.nodes) for body in bodies)
+    unknowns, nodes = (
+        sum(body.unknowns for body in bodies),
+        sum(len(body.line.nodes) for body in bodies),
+    )
     return unknowns, nodes, memory, first, time.process_time() - start
 
 
@@ -174,7 +200,9 @@ def measure(brake: Brake, **options: Any) -> list[str]:
 
 
 def peak_memory() -> int:
-    """Largest resident memory of this process [bytes]; Linux's getrusage would count what started it, too."""
+    """Largest resident memory of this process [bytes]; Linux's getrusage would count what started
+    it, too.
+    """
     status = Path("/proc/self/status")
     if status.exists():
         line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))

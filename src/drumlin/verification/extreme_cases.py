@@ -1,7 +1,8 @@
 """Brakes with their knobs turned to the ends: a designed set of cases, and what became of each.
 
-A case starts from one internal shoe like that of a car's rear brake and changes a few knobs of it. The set sweeps each
-knob to its ends, crosses pairs of ends, and adds a Latin hypercube over all of them at once.
+A case starts from one internal shoe like that of a car's rear brake and changes a few knobs of it.
+The set sweeps each knob to its ends, crosses pairs of ends, and adds a Latin hypercube over all of
+them at once.
 """
 
 import dataclasses
@@ -26,7 +27,8 @@ RADIUS, WIDTH = 0.15, 0.04  # m
 PIN = (0.125, math.radians(-75.0))  # radius [m], angle
 MODULUS = 3e8  # Pa, of the lining
 
-# Clearance in mm over the arc, from the end at the hinge (0, the heel) to the loaded one (1, the toe).
+# Clearance in mm over the arc, from the end at the hinge (0, the heel) to the loaded one (1, the
+# toe).
 CLEARANCES: dict[str, tuple[tuple[float, float], ...]] = {
     "toe": ((0, 3.0), (0.7, 1.0), (1, 0.0)),
     "heel": ((0, 0.0), (0.3, 1.0), (1, 6.0)),
@@ -40,11 +42,12 @@ CLEARANCES: dict[str, tuple[tuple[float, float], ...]] = {
 class Case:
     """The knobs of a case. SI, but for the arc [deg] and what is relative.
 
-    `knob`: which sweep it belongs to; `assisted`: whether friction turns the shoe as its actuation does; `shoes`: 1, or
-    2 as each other's mirror image; `shoe`, `ring`: modulus of shoe and drum ring over that of the lining, None: rigid;
-    `thickness`: of the lining over R; `arc` of the lining [deg]; `clearance` [m] or a name of CLEARANCES; `lever`:
-    distance of the line of force from the pin [m]; `aspect`: length of the elements at the heel's surface over
-    their depth, None: as meshed otherwise; `size`: factor of all lengths, with `pressure`, that of all moduli.
+    `knob`: which sweep it belongs to; `assisted`: whether friction turns the shoe as its actuation
+    does; `shoes`: 1, or 2 as each other's mirror image; `shoe`, `ring`: modulus of shoe and drum
+    ring over that of the lining, None: rigid; `thickness`: of the lining over R; `arc` of the
+    lining [deg]; `clearance` [m] or a name of CLEARANCES; `lever`: distance of the line of force
+    from the pin [m]; `aspect`: length of the elements at the heel's surface over their depth, None:
+    as meshed otherwise; `size`: factor of all lengths, with `pressure`, that of all moduli.
     """
 
     knob: str = "base"
@@ -71,12 +74,17 @@ class Case:
     def changes(self) -> dict[str, Any]:
         """The knobs that are not at their first value."""
         base = dataclasses.asdict(Case())
-        return {key: value for key, value in dataclasses.asdict(self).items() if value != base[key] and key != "knob"}
+        return {
+            key: value
+            for key, value in dataclasses.asdict(self).items()
+            if value != base[key] and key != "knob"
+        }
 
     def brake(self) -> Brake:
         """The brake; raises BadInput where the knobs make none."""
         data: dict[str, Any] = {
-            "title": ", ".join(f"{key} {value}" for key, value in self.changes.items())[:80] or "base",
+            "title": ", ".join(f"{key} {value}" for key, value in self.changes.items())[:80]
+            or "base",
             "rotation": "counter-clockwise" if not self.assisted else "clockwise",
             "friction": self.friction,
             "drum": {"radius": RADIUS * self.size},
@@ -98,7 +106,9 @@ class Case:
         pin = PIN[0] * size * np.array([math.cos(PIN[1]), math.sin(PIN[1])])
 
         def placed(a: float, b: float) -> dict[str, float]:
-            return {"start": a, "end": b} if side > 0 else {"start": math.pi - b, "end": math.pi - a}
+            return (
+                {"start": a, "end": b} if side > 0 else {"start": math.pi - b, "end": math.pi - a}
+            )
 
         clearance: Any = self.clearance
         if isinstance(clearance, str):
@@ -138,7 +148,9 @@ class Case:
 
 
 def _slender(case: Case, shoe: Shoe, radius: float) -> Any:
-    """The mesh whose elements at the heel's surface have the case's aspect ratio, growing tenfold from there."""
+    """The mesh whose elements at the heel's surface have the case's aspect ratio, growing tenfold
+    from there.
+    """
     division = divide(shoe, radius, case.elements)
     start, end = shoe.arc
     step = (end - start) / case.elements
@@ -160,10 +172,14 @@ def _growing(first: float, whole: float) -> Floats:
 
 
 def cases(*, short: bool = False) -> list[Case]:
-    """The designed set; `short`: the ends and the middle of every sweep and a tenth of the crossed ones, coarser."""
+    """The designed set; `short`: the ends and the middle of every sweep and a tenth of the crossed
+    ones, coarser.
+    """
     sweeps = [_sweep(knob, settings) for knob, settings in _sweeps().items()]
     if not short:
-        return [case for sweep in sweeps for case in sweep] + _corners() + _grids() + _hypercube(100)
+        return (
+            [case for sweep in sweeps for case in sweep] + _corners() + _grids() + _hypercube(100)
+        )
     ends = [sweep[i] for sweep in sweeps for i in sorted({0, len(sweep) // 2, len(sweep) - 1})]
     chosen = ends + _corners()[::8] + _grids()[::12] + _hypercube(8)
     coarse = (dataclasses.replace(case, elements=min(case.elements, SHORT)) for case in chosen)
@@ -182,15 +198,45 @@ def _sweeps() -> dict[str, list[dict[str, Any]]]:
     """Each knob to its ends."""
     arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
     gaps = [-1e-2, -1e-3, -1e-4, -1e-6, -1e-9, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2]
-    mu = [0.0, 1e-9, 0.05, 0.2, 0.5, 0.8, 1.0, 1.1, 1.15, 1.17, 1.18, 1.19, 1.2, 1.3, 1.5, 2.0, 3.0, 5.0]
+    mu = [
+        0.0,
+        1e-9,
+        0.05,
+        0.2,
+        0.5,
+        0.8,
+        1.0,
+        1.1,
+        1.15,
+        1.17,
+        1.18,
+        1.19,
+        1.2,
+        1.3,
+        1.5,
+        2.0,
+        3.0,
+        5.0,
+    ]
     moduli = _decades(-8, 8)
     return {
-        "shoe over lining": _over("shoe", moduli) + _over("shoe", moduli, assisted=False) + [{"shoe": None}],
-        "ring over lining": _over("ring", moduli[::2], shoes=2) + _over("ring", moduli[::2], shoes=2, support="free"),
+        "shoe over lining": _over("shoe", moduli)
+        + _over("shoe", moduli, assisted=False)
+        + [{"shoe": None}],
+        "ring over lining": _over("ring", moduli[::2], shoes=2)
+        + _over("ring", moduli[::2], shoes=2, support="free"),
         "penalty": _over("penalty", [*_decades(-2, 16), math.inf])
-        + _over("penalty", [*_decades(-2, 6), 1e9, 1e12, math.inf], clearance=1e-4, assisted=False, shoe=70.0),
+        + _over(
+            "penalty",
+            [*_decades(-2, 6), 1e9, 1e12, math.inf],
+            clearance=1e-4,
+            assisted=False,
+            shoe=70.0,
+        ),
         "friction": _over("friction", mu) + _over("friction", mu[1:], assisted=False),
-        "lining thickness": _over("thickness", [*(1 / t for t in (1e5, 1e4, 1e3, 100, 30, 10, 5, 3))])
+        "lining thickness": _over(
+            "thickness", [*(1 / t for t in (1e5, 1e4, 1e3, 100, 30, 10, 5, 3))]
+        )
         + _over("thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf),
         "arc": _over("arc", arcs) + _over("arc", arcs, assisted=False),
         "clearance": _over("clearance", gaps),
@@ -198,7 +244,8 @@ def _sweeps() -> dict[str, list[dict[str, Any]]]:
         "contact": _over("clearance", list(CLEARANCES))
         + _over("clearance", list(CLEARANCES), assisted=False, penalty=math.inf)
         + _over("clearance", list(CLEARANCES), elements=2),
-        "aspect": _over("aspect", [*_decades(0, 4), *_decades(-4, -1)]) + _over("aspect", [1e4, 1e-4], kind="tri2"),
+        "aspect": _over("aspect", [*_decades(0, 4), *_decades(-4, -1)])
+        + _over("aspect", [1e4, 1e-4], kind="tri2"),
         "elements": [
             *_over("elements", [1, 2, 3, 5, 10, 20, 80, 160]),
             *_over("elements", [320, 640], shoe=None),
@@ -207,13 +254,17 @@ def _sweeps() -> dict[str, list[dict[str, Any]]]:
         "Poisson's ratio": _over("nu", [-0.99, -0.5, 0.0, 0.4, 0.45, 0.49, 0.499, 0.4999]),
         "lever": _over("lever", [*_decades(-12, -1), 0.0, -1e-6]),
         "size": [
-            *({"size": 1e3, "pressure": 1e-6, **more} for more in ({}, {"penalty": math.inf}, {"thickness": 1e-4})),
+            *(
+                {"size": 1e3, "pressure": 1e-6, **more}
+                for more in ({}, {"penalty": math.inf}, {"thickness": 1e-4})
+            ),
             {"size": 1e3, "pressure": 1e-6, "shoes": 2, "ring": 400.0},
             {"size": 1e-6, "force": 2e-9},
             {"size": 1e3, "force": 2e9},
             {"size": 1e-3, "force": 2e-3, "kind": "tri2"},
         ],
-        "kind": _over("kind", ["quad1", "tri2", "tri1"]) + _over("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
+        "kind": _over("kind", ["quad1", "tri2", "tri1"])
+        + _over("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
     }
 
 
@@ -231,7 +282,8 @@ def _corners() -> list[Case]:
         "friction": (0.01, 0.6),
     }
     return [
-        Case(knob="corners", **dict(zip(ends, chosen, strict=True))) for chosen in itertools.product(*ends.values())
+        Case(knob="corners", **dict(zip(ends, chosen, strict=True)))
+        for chosen in itertools.product(*ends.values())
     ]
 
 
@@ -241,7 +293,11 @@ def _grids() -> list[Case]:
     thicknesses, penalties = [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1 / 3], [*_decades(-2, 16, 3), math.inf]
     return [
         *(Case(knob="shoe × friction", shoe=E, friction=f) for E in moduli for f in mu),
-        *(Case(knob="thickness × penalty", thickness=t, penalty=a) for t in thicknesses for a in penalties),
+        *(
+            Case(knob="thickness × penalty", thickness=t, penalty=a)
+            for t in thicknesses
+            for a in penalties
+        ),
     ]
 
 
@@ -256,8 +312,17 @@ def _hypercube(count: int) -> list[Case]:
         def log(low: float, high: float, u: Any = u) -> float:
             return float(f"{10 ** (low + (high - low) * next(u)):.3g}")
 
-        shoe, penalty, thickness, arc = log(-8, 8), log(-2, 16), log(-5, math.log10(1 / 3)), log(-1, math.log10(340))
-        force, lever, elements = log(-9, 12), log(-6, math.log10(0.25)), round(log(math.log10(2), 2))
+        shoe, penalty, thickness, arc = (
+            log(-8, 8),
+            log(-2, 16),
+            log(-5, math.log10(1 / 3)),
+            log(-1, math.log10(340)),
+        )
+        force, lever, elements = (
+            log(-9, 12),
+            log(-6, math.log10(0.25)),
+            round(log(math.log10(2), 2)),
+        )
         gap = log(-8, -2)
         friction = round(5 * next(u) ** 2.5, 3)
         found.append(

@@ -1,4 +1,5 @@
-"""The benchmark ladder: cases with known answers, from a textbook's brake up to frictional contact of two bodies.
+"""The benchmark ladder: cases with known answers, from a textbook's brake up to frictional contact
+of two bodies.
 
 Each is judged by a closed form, a balance or a published number; none by what drumlin gave before.
 """

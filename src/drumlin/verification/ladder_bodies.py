@@ -1,4 +1,6 @@
-"""The ladder's elastic bodies and numerical methods: stiffness, orders, rings, extrapolation, equations."""
+"""The ladder's elastic bodies and numerical methods: stiffness, orders, rings, extrapolation,
+equations.
+"""
 
 import math
 from functools import cache, partial
@@ -50,7 +52,9 @@ def _stiff(mesh: Any, material: Material) -> tuple[Any, Any]:
 
 
 def solved(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
-    """Displacements (2 nodes,) under the forces f (2 nodes,), the unknowns `held` at the values `at`."""
+    """Displacements (2 nodes,) under the forces f (2 nodes,), the unknowns `held` at the values
+    `at`.
+    """
     u = np.zeros(len(f))
     u[held] = at
     free = np.setdiff1d(np.arange(len(f)), held)
@@ -67,7 +71,9 @@ def _stretched() -> float:
 
 
 def _bent() -> float:
-    """End moment of a bar of height 1 bent to the curvature 1e-3: u = -k x y, v = k (x^2 + nu y^2)/2."""
+    """End moment of a bar of height 1 bent to the curvature 1e-3: u = -k x y, v = k (x^2 + nu
+    y^2)/2.
+    """
     basis, K = _rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
     u = 1e-3 * np.column_stack([-x * y, 0.5 * (x**2 + STEEL.nu * y**2)]).ravel()
@@ -76,7 +82,8 @@ def _bent() -> float:
 
 
 def _cantilever() -> float:
-    """Tip force of a beam, length 4, height 1, over the closed form, from its displacements on both ends.
+    """Tip force of a beam, length 4, height 1, over the closed form, from its displacements on both
+    ends.
 
     Timoshenko & Goodier, art. 21: cubic displacements, so that the elements have an error.
     """
@@ -99,7 +106,10 @@ def _curved_bar() -> float:
     grid = skfem.MeshQuad.init_tensor(np.linspace(1, 2, 13), np.linspace(0, math.pi / 2, 25))
     mesh = skfem.MeshQuad2.from_mesh(grid)
     r, phi = mesh.doflocs
-    basis, K = _stiff(skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t), Material(E=1e4, nu=0.25))
+    basis, K = _stiff(
+        skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t),
+        Material(E=1e4, nu=0.25),
+    )
     x, y = basis.doflocs
     base, tip = np.flatnonzero(np.abs(x) < 1e-12), np.flatnonzero(np.abs(y) < 1e-12)
     pinned = base[np.argmin(np.abs(y[base] - 1))]
@@ -128,7 +138,9 @@ def _lame() -> tuple[float, float]:
 
 @cache
 def _thin_ring() -> tuple[float, float]:
-    """Changes of both diameters of a thin ring under a diametral pair of forces, times EI/(F R^3): t/R = .02."""
+    """Changes of both diameters of a thin ring under a diametral pair of forces, times EI/(F R^3):
+    t/R = .02.
+    """
     R, t, E = 1.0, 0.02, 1e9
     mesh = closed(np.linspace(-math.pi, math.pi, 241)[:-1], np.array([0.0, t]), R - t / 2, 1)
     basis, K = _stiff(mesh, Material(E=E, nu=0.0))
@@ -165,7 +177,9 @@ def _rate(kind: str) -> float:
         edge = basis.get_dofs().flatten()
         held = np.concatenate([2 * edge, 2 * edge + 1])
         u = solved(K, f.ravel(), held, exact.T.ravel()[held])
-        off = np.array([np.asarray(basis.interpolate(u[c::2])) for c in (0, 1)]) - _manufactured(*points)
+        off = np.array([np.asarray(basis.interpolate(u[c::2])) for c in (0, 1)]) - _manufactured(
+            *points
+        )
         errors.append(math.sqrt(float(((off**2).sum(axis=0) * basis.dx).sum())))
     return math.log2(errors[0] / errors[1])
 
@@ -182,7 +196,9 @@ def _murty() -> float:
 
 
 def _lever() -> float:
-    """Force of the outer one of two equal springs at 1 and 2 m on a hinged rigid lever under 3 N at 2 m."""
+    """Force of the outer one of two equal springs at 1 and 2 m on a hinged rigid lever under 3 N at
+    2 m.
+    """
     B = -np.array([[1.0], [2.0]])
     problem = Problem(np.eye(2), np.zeros(2), B, B.T.copy(), np.array([-6.0]))
     return float(active_set.solve(problem).p[1])

@@ -11,10 +11,12 @@ MODEL = "limit of the model"
 
 @dataclass(frozen=True)
 class Case:
-    """A known answer. `family`: what kind of case; `shows`: what of drumlin it judges; `source`: of `expected`.
+    """A known answer. `family`: what kind of case; `shows`: what of drumlin it judges; `source`: of
+    `expected`.
 
-    `tolerance`: relative; `tier`: why it is as large as it is: EXACT, PRINTED (digits of the source), DISCRETE (a mesh
-    of finite size) or MODEL (a limit that drumlin's case only tends to). `found`: what drumlin gives.
+    `tolerance`: relative; `tier`: why it is as large as it is: EXACT, PRINTED (digits of the
+    source), DISCRETE (a mesh of finite size) or MODEL (a limit that drumlin's case only tends to).
+    `found`: what drumlin gives.
     """
 
     family: str

@@ -1,4 +1,6 @@
-"""The ladder's contact without friction history: half-planes, discs, rings, layers, sharp sliding edges."""
+"""The ladder's contact without friction history: half-planes, discs, rings, layers, sharp sliding
+edges.
+"""
 
 import math
 from functools import cache, partial
@@ -13,7 +15,17 @@ from drumlin.fem.mesh.grading import graded
 from drumlin.response.resultants import integrate
 from drumlin.verification import closed_forms
 from drumlin.verification.ladder_case import DISCRETE, MODEL, Case
-from drumlin.verification.two_bodies import STEEL, Body, Pair, body, both_sides, closed, nested_start, sector, towards
+from drumlin.verification.two_bodies import (
+    STEEL,
+    Body,
+    Pair,
+    body,
+    both_sides,
+    closed,
+    nested_start,
+    sector,
+    towards,
+)
 
 A = 0.005  # half-width of the contacts of half-planes: thick sectors of radius 1, whose curvature is without effect
 RHO = 2.0
@@ -21,7 +33,9 @@ WAVES = 40
 
 
 def half_plane(sign: int, per_half: int, material: Material = STEEL) -> Body:
-    """A thick sector of radius 1 with even elements, `per_half` to the half-width A, near the contact."""
+    """A thick sector of radius 1 with even elements, `per_half` to the half-width A, near the
+    contact.
+    """
     angles = both_sides(2 * A, 4 * per_half, 1.35, 0.5)
     return body(sector(angles, towards(A / per_half, 1.3, 0.5), 1.0, sign), material)
 
@@ -41,9 +55,11 @@ def _hertz() -> float:
 
 @cache
 def _cylinder_on_block() -> tuple[float, float]:
-    """Peak pressure [N/mm^2] and half-width [mm] of the benchmark's steel cylinder on aluminium, 35 kN on 1 mm.
+    """Peak pressure [N/mm^2] and half-width [mm] of the benchmark's steel cylinder on aluminium, 35
+    kN on 1 mm.
 
-    Plane strain is plane stress of E/(1 - nu^2), nu/(1 - nu); lengths are scaled so that the half-width is A.
+    Plane strain is plane stress of E/(1 - nu^2), nu/(1 - nu); lengths are scaled so that the
+    half-width is A.
     """
     steel, aluminium = (Material(E=E / (1 - 0.3**2), nu=0.3 / 0.7) for E in (210e9, 70e9))
     scale = 6.21e-3 / A
@@ -69,7 +85,9 @@ def _flat_punch() -> float:
 
 @cache
 def _disc(half_angle: float) -> tuple[float, float]:
-    """Pressure in the middle and contact half-angle over Persson's, of a disc in a hole of a large plate."""
+    """Pressure in the middle and contact half-angle over Persson's, of a disc in a hole of a large
+    plate.
+    """
     eps, load = math.radians(half_angle), 1e6
 
     def angles(count: int) -> Floats:
@@ -89,7 +107,9 @@ def _disc(half_angle: float) -> tuple[float, float]:
 
 
 def _wavy(share: float) -> float:
-    """Pressure at the crests of a ring in a wavy ring over Westergaard's, mean pressure about `share` of p*."""
+    """Pressure at the crests of a ring in a wavy ring over Westergaard's, mean pressure about
+    `share` of p*.
+    """
     count = 12 * WAVES
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
     depths = towards(2 * math.pi / count, 1.4, 0.5)
@@ -116,7 +136,9 @@ def _rings() -> tuple[Pair, Floats]:
 
 @cache
 def _pressed_rings(n: int) -> tuple[float, float]:
-    """Mean and n-th harmonic [Pa] of p between the rings, where the gap is that of 3 MPa + 1 MPa cos(n theta)."""
+    """Mean and n-th harmonic [Pa] of p between the rings, where the gap is that of 3 MPa + 1 MPa
+    cos(n theta).
+    """
     pair, angle = _rings()
     soft = [
         closed_forms.ring_yield(k, 1.0, 0.6, STEEL.E, STEEL.nu)
@@ -130,7 +152,9 @@ def _pressed_rings(n: int) -> tuple[float, float]:
 
 
 def _bonded_layer() -> float:
-    """Stiffness [Pa/m] in the middle of a thin lining, held at its back, under a rigid drum pressed in evenly."""
+    """Stiffness [Pa/m] in the middle of a thin lining, held at its back, under a rigid drum pressed
+    in evenly.
+    """
     thickness, depth = 1e-3, 1e-6
     angles = np.linspace(-0.03, 0.03, 61)
     pair = Pair.of(body(sector(angles, np.linspace(0, thickness, 4), 1.0, -1), LINING), None)
@@ -140,10 +164,14 @@ def _bonded_layer() -> float:
 
 @cache
 def _strip(nu: float) -> Pair:
-    """A strip with sharp edges, rigid at its back; elements shrink to 1e-7 of its thickness at its ends and face."""
+    """A strip with sharp edges, rigid at its back; elements shrink to 1e-7 of its thickness at its
+    ends and face.
+    """
     fine = towards(1e-8, 1.45, 0.1)
     angles = np.concatenate([-0.1 + fine, (0.1 - fine)[::-1][1:]])
-    return Pair.of(body(sector(angles, towards(1e-8, 1.45, 0.05), 1.0, -1), Material(E=3e8, nu=nu)), None)
+    return Pair.of(
+        body(sector(angles, towards(1e-8, 1.45, 0.05), 1.0, -1), Material(E=3e8, nu=nu)), None
+    )
 
 
 def _edge_exponent(mu: float, nu: float) -> float:
@@ -160,7 +188,10 @@ def _edge_exponent(mu: float, nu: float) -> float:
 
 LINING = Material(E=3e8, nu=0.25)
 KONTER = "Konter, Advanced FE contact benchmarks (NAFEMS 2006), 2D cylinder; Hertz"
-MICHELL, PERSSON = "Michell 1899, rings held at .6 and 1.4", "Persson 1964; Ciavarella & Decuzzi 2001"
+MICHELL, PERSSON = (
+    "Michell 1899, rings held at .6 and 1.4",
+    "Persson 1964; Ciavarella & Decuzzi 2001",
+)
 CASES = (
     Case("equal cylinders", "contact of two bodies", "Hertz 1881", "p_0 over the closed form", 1.0, 4e-3, DISCRETE,
          _hertz),

@@ -1,4 +1,6 @@
-"""The ladder's friction and wear: stick and slip, belts, plates, self-locking, running in, a whole brake."""
+"""The ladder's friction and wear: stick and slip, belts, plates, self-locking, running in, a whole
+brake.
+"""
 
 import math
 from functools import cache, partial
@@ -39,12 +41,18 @@ def _spring(push: float, shift: float, k: float = 100.0) -> Problem:
 
 def _traction(shift: float) -> float:
     """Of one node under 10 N at mu = .5."""
-    return float(stick_slip.solve(_spring(10.0, shift), 0.5, History(np.zeros(1), np.zeros(1)), np.array([STICK])).t[0])
+    return float(
+        stick_slip.solve(
+            _spring(10.0, shift), 0.5, History(np.zeros(1), np.zeros(1)), np.array([STICK])
+        ).t[0]
+    )
 
 
 def _loop() -> float:
     """Energy that one node dissipates over a closed loop of the drum between +-.2 m."""
-    path = np.concatenate([np.linspace(0, 0.2, 21), np.linspace(0.2, -0.2, 41), np.linspace(-0.2, 0.2, 41)])
+    path = np.concatenate(
+        [np.linspace(0, 0.2, 21), np.linspace(0.2, -0.2, 41), np.linspace(-0.2, 0.2, 41)]
+    )
     history, state, lost = History(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
     for i, shift in enumerate(path):
         found = stick_slip.solve(_spring(10.0, shift), 0.5, history, state)
@@ -56,7 +64,9 @@ def _loop() -> float:
 def _along(normal: Floats, tangent: Floats) -> Directions:
     def directions(points: Floats) -> tuple[Floats, Floats]:
         shape = (2, *([1] * (points.ndim - 1)))
-        return normal.reshape(shape) * np.ones_like(points), tangent.reshape(shape) * np.ones_like(points)
+        return normal.reshape(shape) * np.ones_like(points), tangent.reshape(shape) * np.ones_like(
+            points
+        )
 
     return directions
 
@@ -76,7 +86,8 @@ def _wedge() -> float:
 def _cattaneo(share: float) -> float:
     """Half-width of the sticking zone over that of contact, under the tangential load share mu P.
 
-    From the tractions, which do not depend on where nodes lie: (1 - t/(mu p))^2 in the middle is c^2/a^2.
+    From the tractions, which do not depend on where nodes lie: (1 - t/(mu p))^2 in the middle is
+    c^2/a^2.
     """
     mu, load = 0.3, A**2 * math.pi * STEEL.E / 2 / (4 * RHO)
     pair = Pair.of(half_plane(-1, 14), half_plane(1, 12), motions="xy")
@@ -85,13 +96,16 @@ def _cattaneo(share: float) -> float:
     along = Pair(pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1])
     pressing = along.normal(gap, [load])
     state = np.where(active_set.solve(pressing, nested_start(pressing)).active, STICK, OPEN)
-    found = stick_slip.solve(pair.frictional(gap, [load, 0.0]), mu, History(np.zeros(n), np.zeros(n)), state)
+    found = stick_slip.solve(
+        pair.frictional(gap, [load, 0.0]), mu, History(np.zeros(n), np.zeros(n)), state
+    )
     for part in (0.5, 1.0):
         loads = [load, part * share * mu * load]
         found = stick_slip.solve(pair.frictional(gap, loads), mu, found.history, found.state)
     middle = np.abs(s) < 0.2 * A
     ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
-    # t/(mu p) in the middle: 1 - c/a to second order of the window, which the same window of the closed form takes off
+    # t/(mu p) in the middle: 1 - c/a to second order of the window, which the same window of the
+    # closed form takes off
     exact_p = np.sqrt(1 - (s[middle] / A) ** 2)
     c = math.sqrt(1 - share)
     exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * A)) ** 2)
@@ -99,7 +113,9 @@ def _cattaneo(share: float) -> float:
 
 
 class Flexible(NamedTuple):
-    """A body with some unknowns held: displacements (2 nodes, .) of its contact line under forces (2 nodes, .)."""
+    """A body with some unknowns held: displacements (2 nodes, .) of its contact line under forces
+    (2 nodes, .).
+    """
 
     basis: Any
     K: Any
@@ -108,11 +124,19 @@ class Flexible(NamedTuple):
     free: Ints
 
     @classmethod
-    def of(cls, mesh: Any, material: Material, held: Ints, directions: Directions, middle: float) -> "Flexible":
+    def of(
+        cls, mesh: Any, material: Material, held: Ints, directions: Directions, middle: float
+    ) -> "Flexible":
         basis = scalar_basis(mesh)
         K = stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
         line = contact_line(basis, mesh.boundaries["contact"], middle)
-        return cls(basis, K, line, couple(line, 1.0, directions), np.setdiff1d(np.arange(2 * basis.N), held))
+        return cls(
+            basis,
+            K,
+            line,
+            couple(line, 1.0, directions),
+            np.setdiff1d(np.arange(2 * basis.N), held),
+        )
 
     def spread(self, matrix: Floats) -> Floats:
         """Forces (2 nodes, n) of the columns of a coupling's matrix (n, 2 n)."""
@@ -128,7 +152,9 @@ class Flexible(NamedTuple):
 
 
 def _meshed(grid: Any, to: Any, held: Any) -> Any:
-    """Quadratic mesh of a tensor grid, its contact at the first coordinate's 0, moved to the places `to`."""
+    """Quadratic mesh of a tensor grid, its contact at the first coordinate's 0, moved to the places
+    `to`.
+    """
     middle = grid.p[:, grid.facets].mean(axis=1)
     mesh = skfem.MeshQuad2.from_mesh(grid)
     return skfem.MeshQuad2(
@@ -142,7 +168,9 @@ def _belt(mu: float, wrap: float) -> float:
     t = 0.002
     grid = skfem.MeshQuad.init_tensor(np.array([0.0, t]), np.linspace(0, wrap, 161))
     mesh = _meshed(
-        grid, lambda d, phi: np.array([(1 + d) * np.cos(phi), (1 + d) * np.sin(phi)]), lambda d, phi: phi > wrap - 1e-9
+        grid,
+        lambda d, phi: np.array([(1 + d) * np.cos(phi), (1 + d) * np.sin(phi)]),
+        lambda d, phi: phi > wrap - 1e-9,
     )
     at = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
     belt = Flexible.of(mesh, STEEL, np.concatenate([2 * at, 2 * at + 1]), radial(-1), wrap / 2)
@@ -156,7 +184,9 @@ def _belt(mu: float, wrap: float) -> float:
     on = np.column_stack([2 * belt.line.nodes, 2 * belt.line.nodes + 1]).ravel()
     n = len(N)
     p = active_set.solve(
-        equations.Problem(N @ u[on, 1:], -N @ u[on, 0], np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
+        equations.Problem(
+            N @ u[on, 1:], -N @ u[on, 0], np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
+        )
     ).p
     whole = u @ np.concatenate([[1.0], -p])
     reaction = (belt.K @ whole).reshape(-1, 2)[at].sum(axis=0)
@@ -164,22 +194,36 @@ def _belt(mu: float, wrap: float) -> float:
 
 
 def _flat_patch(turned: float) -> float:
-    """Largest pressure [Pa] of a strip of height 1, nu = 0, pressed by .05 on a plane at an inclination."""
+    """Largest pressure [Pa] of a strip of height 1, nu = 0, pressed by .05 on a plane at an
+    inclination.
+    """
     c, s = math.cos(turned), math.sin(turned)
     grid = skfem.MeshQuad.init_tensor(np.array([0, 0.4, 0.5, 1.0]), np.array([0, 0.3, 1.1, 2.0]))
-    mesh = _meshed(grid, lambda d, x: np.array([3 + c * x - s * d, 1 + s * x + c * d]), lambda d, x: d > 1 - 1e-9)
+    mesh = _meshed(
+        grid,
+        lambda d, x: np.array([3 + c * x - s * d, 1 + s * x + c * d]),
+        lambda d, x: d > 1 - 1e-9,
+    )
     top = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
     directions = _along(np.array([s, -c]), np.array([c, s]))
-    strip = Flexible.of(mesh, Material(E=2e6, nu=0.0), np.concatenate([2 * top, 2 * top + 1]), directions, 0.3)
+    strip = Flexible.of(
+        mesh, Material(E=2e6, nu=0.0), np.concatenate([2 * top, 2 * top + 1]), directions, 0.3
+    )
     N, M = strip.coupling.N, strip.coupling.M
     on, n = np.column_stack([2 * strip.line.nodes, 2 * strip.line.nodes + 1]).ravel(), len(M)
     A = N @ strip.moved(strip.spread(N))[on]
     none = np.zeros((n, 0))
-    return float(active_set.solve(equations.Problem(A, M @ np.full(n, -0.05), none, none.T, np.zeros(0))).p.max())
+    return float(
+        active_set.solve(
+            equations.Problem(A, M @ np.full(n, -0.05), none, none.T, np.zeros(0))
+        ).p.max()
+    )
 
 
 class Plate(NamedTuple):
-    """Moment of the plane's pressures about the plate's corner over that of all other forces; states of its nodes."""
+    """Moment of the plane's pressures about the plate's corner over that of all other forces;
+    states of its nodes.
+    """
 
     moment: float
     states: frozenset[int]
@@ -187,10 +231,12 @@ class Plate(NamedTuple):
 
 @cache
 def pressed_plate() -> Plate:
-    """An elastic plate, on a plane of symmetry at x = 0, pressed on a rigid plane at mu = 1 and pushed from its side.
+    """An elastic plate, on a plane of symmetry at x = 0, pressed on a rigid plane at mu = 1 and
+    pushed from its side.
 
-    After Raous, Chabrand & Lebon (1988): 40 by 40, nu = .2, 5 MPa downwards and 10 MPa from the side. About the corner
-    at O neither tractions along the plane nor what is held up there have a moment.
+    After Raous, Chabrand & Lebon (1988): 40 by 40, nu = .2, 5 MPa downwards and 10 MPa from the
+    side. About the corner at O neither tractions along the plane nor what is held up there have a
+    moment.
     """
     L, mu = 40.0, 1.0
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
@@ -201,7 +247,11 @@ def pressed_plate() -> Plate:
     corner = left[np.argmax(y[left])]
     held = np.concatenate([2 * left, [2 * corner + 1]])
     plate = Flexible.of(
-        mesh, Material(E=130e9, nu=0.2), held, _along(np.array([0.0, -1.0]), np.array([1.0, 0.0])), math.pi / 4
+        mesh,
+        Material(E=130e9, nu=0.2),
+        held,
+        _along(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
+        math.pi / 4,
     )
     f = np.zeros((basis.N, 2))
     f[:, 1] -= 5e6 * _edge(x, np.flatnonzero(y > L - 1e-9))
@@ -223,11 +273,16 @@ def pressed_plate() -> Plate:
     total[left] = (plate.K @ whole).reshape(-1, 2)[left]  # with what holds them
     others = float((x * total[:, 1] - y * total[:, 0]).sum())
     pressures = (-N.T @ found.p).reshape(-1, 2)
-    return Plate(float((plate.line.xy[0] * pressures[:, 1]).sum() / -others), frozenset(int(s) for s in found.state))
+    return Plate(
+        float((plate.line.xy[0] * pressures[:, 1]).sum() / -others),
+        frozenset(int(s) for s in found.state),
+    )
 
 
 def _edge(along: Floats, nodes: Ints) -> Floats:
-    """Consistent forces (nodes,) of a unit traction on a straight edge of quadratic elements, all its `nodes`."""
+    """Consistent forces (nodes,) of a unit traction on a straight edge of quadratic elements, all
+    its `nodes`.
+    """
     f = np.zeros(len(along))
     order = nodes[np.argsort(along[nodes])]
     for a, m, b in zip(order[0:-2:2], order[1::2], order[2::2], strict=True):
@@ -246,7 +301,9 @@ def _winkler(mu: float) -> tuple[WearInterface, Floats]:
     phi = np.linspace(*ARC, 49)
     xy = RADIUS * np.array([np.cos(phi), np.sin(phi)])
     coupling = couple(
-        ContactLine(np.arange(49), xy, phi, np.arange(0, 48, 2) + np.arange(3)[:, None]), WIDTH, radial(1)
+        ContactLine(np.arange(49), xy, phi, np.arange(0, 48, 2) + np.arange(3)[:, None]),
+        WIDTH,
+        radial(1),
     )
     turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
     closing = coupling.N @ turned
@@ -254,7 +311,9 @@ def _winkler(mu: float) -> tuple[WearInterface, Floats]:
         coupling.M / K, coupling.M @ (2e-6 * np.cos(3 * phi)), -closing[:, None],
         (mu * (coupling.T @ turned) - closing)[None], np.array([MOMENT]),
     )  # fmt: skip
-    interface = WearInterface(problem, np.zeros(49), coupling.M, np.ones(49), coupling.area, mu * coupling.lever)
+    interface = WearInterface(
+        problem, np.zeros(49), coupling.M, np.ones(49), coupling.area, mu * coupling.lever
+    )
     return interface, phi
 
 
@@ -282,7 +341,9 @@ def _volume() -> float:
     """Volume worn off over k times the normal force, integrated over the distance."""
     states, _ = _worn()
     area = _winkler(MU)[0].area
-    return float(area @ (states[-1].depth - states[0].depth) / (WEAR.coefficient * states[-1].pressed))
+    return float(
+        area @ (states[-1].depth - states[0].depth) / (WEAR.coefficient * states[-1].pressed)
+    )
 
 
 @cache

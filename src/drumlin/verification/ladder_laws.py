@@ -1,4 +1,6 @@
-"""The ladder's rigid-shoe laws: worked examples of textbooks, and limits of the laws in closed form."""
+"""The ladder's rigid-shoe laws: worked examples of textbooks, and limits of the laws in closed
+form.
+"""
 
 import math
 from functools import cache, partial
@@ -25,7 +27,13 @@ def _solve(model: str, brake: object) -> Response:
 
 def _shigley_16_2() -> float:
     """Torque [N m] of both shoes at 1 MPa on the helped one."""
-    shoe = {"R": 0.15, "a": math.hypot(0.112, 0.05), "arc": (0.0, radians(126)), "mu": 0.32, "width": 0.032}
+    shoe = {
+        "R": 0.15,
+        "a": math.hypot(0.112, 0.05),
+        "arc": (0.0, radians(126)),
+        "mu": 0.32,
+        "width": 0.032,
+    }
     helped = rated(hinged(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6)  # type: ignore[arg-type]
     opposed = hinged(**shoe, moment=helped.shoes[0].actuation.force, spin=1)  # type: ignore[arg-type]
     return _solve("sine", helped).torque + _solve("sine", opposed).torque
@@ -53,7 +61,13 @@ def _bhandari_12_7() -> Response:
 @cache
 def _bhandari_12_8() -> tuple[float, float]:
     """Force [N] and torque [N m]."""
-    shoe = {"R": 0.125, "a": math.hypot(0.0866, 0.05), "arc": (0.0, radians(120)), "mu": 0.32, "width": 0.04}
+    shoe = {
+        "R": 0.125,
+        "a": math.hypot(0.0866, 0.05),
+        "arc": (0.0, radians(120)),
+        "mu": 0.32,
+        "width": 0.04,
+    }
     helped = rated(hinged(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6)  # type: ignore[arg-type]
     moment = helped.shoes[0].actuation.force  # at a unit arm
     opposed = hinged(**shoe, moment=moment, spin=1)  # type: ignore[arg-type]
@@ -71,7 +85,9 @@ def _block_by_statics() -> float:
 
 
 def _lock_of_block() -> float:
-    brake = lever_block(R=0.125, arm=0.45, x=0.03, a=0.15, P=700.0, mu=0.1, half=radians(20), spin=1)
+    brake = lever_block(
+        R=0.125, arm=0.45, x=0.03, a=0.15, P=700.0, mu=0.1, half=radians(20), spin=1
+    )
     return float(locking_friction(brake, brake.shoes[0], LAWS["block"]))
 
 
@@ -88,11 +104,16 @@ def _double_block() -> float:
 
 
 def _gate() -> Response:
-    return _solve("short", lever_block(R=0.25, arm=1.0, x=0.5, a=0.2, P=100.0, mu=0.35, half=radians(10), spin=1))
+    return _solve(
+        "short",
+        lever_block(R=0.25, arm=1.0, x=0.5, a=0.2, P=100.0, mu=0.35, half=radians(10), spin=1),
+    )
 
 
 def _two_short_shoes() -> float:
-    """Both opposite each other at 90 deg from their pins, a = R: N = M/(R (1 -+ mu)), N_1 = 400, N_2 = 160 N."""
+    """Both opposite each other at 90 deg from their pins, a = R: N = M/(R (1 -+ mu)), N_1 = 400,
+    N_2 = 160 N.
+    """
     shoe = {"R": 0.2, "a": 0.2, "arc": (radians(88), radians(92)), "mu": 0.25, "side": "external"}
     turned = -math.pi / 2
     torques = [
@@ -106,14 +127,25 @@ M, H, X_1, X_2, PAD_MU = 90.0, 0.06, 0.05, 0.2, 0.4
 
 
 def _long_pad() -> float:
-    return _solve("linear", pad(h=H, span=(X_1, X_2), moment=M, mu=PAD_MU, width=0.03)).shoes[0].peak_pressure
+    return (
+        _solve("linear", pad(h=H, span=(X_1, X_2), moment=M, mu=PAD_MU, width=0.03))
+        .shoes[0]
+        .peak_pressure
+    )
 
 
 def _short_pad() -> float:
     return _solve("short", pad(h=H, span=(0.1, 0.16), moment=M, mu=PAD_MU)).shoes[0].normal_force
 
 
-NPTEL = {"R": 0.2, "a": 0.23, "arc": (radians(20), radians(130)), "mu": 0.3, "side": "external", "width": 0.05}
+NPTEL = {
+    "R": 0.2,
+    "a": 0.23,
+    "arc": (radians(20), radians(130)),
+    "mu": 0.3,
+    "side": "external",
+    "width": 0.05,
+}
 
 
 def _nptel_moment() -> float:
@@ -128,7 +160,13 @@ def _nptel_long_shoe() -> float:
     return _solve("sine", hinged(**NPTEL, moment=_nptel_moment(), spin=1)).torque  # type: ignore[arg-type]
 
 
-SHORT = {"R": 0.2, "a": 0.25, "arc": (radians(75) - 0.05, radians(75) + 0.05), "mu": 0.3, "side": "external"}
+SHORT = {
+    "R": 0.2,
+    "a": 0.25,
+    "arc": (radians(75) - 0.05, radians(75) + 0.05),
+    "mu": 0.3,
+    "side": "external",
+}
 
 
 def _sensitivity() -> float:
@@ -147,7 +185,10 @@ def _simscape(what: str) -> float:
 
 
 SHIGLEY, BHANDARI = "Shigley, Mechanical Engineering Design", "Bhandari, Design of Machine Elements"
-LESSON, UWA = "NPTEL, Machine Design II, lesson 12.1", "University of Western Australia, notes on brakes"
+LESSON, UWA = (
+    "NPTEL, Machine Design II, lesson 12.1",
+    "University of Western Australia, notes on brakes",
+)
 CASES = (
     Case("internal shoes rated by pressure", "sine law", f"{SHIGLEY}, ex. 16-2, its formulas", "torque [N m]",
          527.761, 1e-6, PRINTED, _shigley_16_2),

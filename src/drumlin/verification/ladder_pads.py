@@ -1,4 +1,6 @@
-"""The ladder's pads on a plane: brakes from the file up, against springs and the corner's exponents."""
+"""The ladder's pads on a plane: brakes from the file up, against springs and the corner's
+exponents.
+"""
 
 import math
 from functools import partial
@@ -24,8 +26,18 @@ def guided(thickness: float, mu: float, lining: Material) -> Brake:
     shoe = {
         "name": "pad",
         "guide": {"direction": -math.pi / 2},
-        "lining": {"start": 0.0, "end": LENGTH, "width": WIDTH, "thickness": thickness, "material": lining},
-        "actuation": {"force": FORCE, "direction": -math.pi / 2, "point": {"x": LENGTH / 2, "y": 0.1}},
+        "lining": {
+            "start": 0.0,
+            "end": LENGTH,
+            "width": WIDTH,
+            "thickness": thickness,
+            "material": lining,
+        },
+        "actuation": {
+            "force": FORCE,
+            "direction": -math.pi / 2,
+            "point": {"x": LENGTH / 2, "y": 0.1},
+        },
     }
     data = {"title": "pad", "friction": mu, "plane": {"sliding": "+x"}, "shoe": [shoe]}
     return any_from(data)

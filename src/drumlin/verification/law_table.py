@@ -1,4 +1,6 @@
-"""Brakes by every law that applies: what each says of every shoe, why the others do not, and whose words mean what."""
+"""Brakes by every law that applies: what each says of every shoe, why the others do not, and whose
+words mean what.
+"""
 
 from collections.abc import Sequence
 from typing import Any
@@ -18,7 +20,9 @@ Row = dict[str, Any]
 
 
 def law_rows(brake: Brake, file: str) -> list[Row]:
-    """One row a shoe for every law that applies to a brake, and a row with the reason for every other law."""
+    """One row a shoe for every law that applies to a brake, and a row with the reason for every
+    other law.
+    """
     rows: list[Row] = []
     for name in LAW_NAMES:
         reason = MODELS[name].why_not(brake)
@@ -64,21 +68,35 @@ def reasons(rows: Sequence[Row]) -> list[Row]:
     for row in rows:
         if row["status"] != "applies":
             laws.setdefault((row["file"], row["reason"]), []).append(row["law"])
-    return [{"file": file, "laws": ", ".join(names), "reason": why} for (file, why), names in laws.items()]
+    return [
+        {"file": file, "laws": ", ".join(names), "reason": why}
+        for (file, why), names in laws.items()
+    ]
 
 
 def word_rows(brake: Brake) -> list[Row]:
-    """The shoe factor that eq. 26 of Barecki & Scieszka gives the posts of a brake, by the word it uses for each."""
+    """The shoe factor that eq. 26 of Barecki & Scieszka gives the posts of a brake, by the word it
+    uses for each.
+    """
     rows = []
     for law in ("short", "cosine", "uniform", "sine"):
         response = MODELS[law].solve(brake)
         for shoe, data, merit in zip(response.shoes, brake.shoes, response.merits, strict=True):
-            assert isinstance(merit, Merit) and merit.resultant_angle is not None and merit.friction_radius is not None
+            assert (
+                isinstance(merit, Merit)
+                and merit.resultant_angle is not None
+                and merit.friction_radius is not None
+            )
             R = brake.size
             arm = abs(data.actuation.moment_about(data.pin) / data.actuation.force)
             angle = data.frame.phi(np.array(merit.resultant_angle))
             S = barecki_shoe_factor(
-                brake.friction, angle, merit.friction_radius, data.pin.radius / R, arm / R, merit.double_delta
+                brake.friction,
+                angle,
+                merit.friction_radius,
+                data.pin.radius / R,
+                arm / R,
+                merit.double_delta,
             )
             rows.append(
                 {
@@ -95,7 +113,9 @@ def word_rows(brake: Brake) -> list[Row]:
 
 
 def first_shoes(block: Brake, pad: Brake) -> dict[str, ShoeResponse]:
-    """The first shoe by every law: the drum laws and a pivot off its best place on a block, the flat shoe on a pad."""
+    """The first shoe by every law: the drum laws and a pivot off its best place on a block, the
+    flat shoe on a pad.
+    """
     shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS}
     pivoted = vary(block, {"shoe.pivot": {"radius": "140 mm", "angle": "84 deg"}})
     shoes["pivoted"] = MODELS["pivoted"].solve(pivoted).shoes[0]

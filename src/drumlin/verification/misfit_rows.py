@@ -1,4 +1,6 @@
-"""What misfit makes of a brake: one at a time, over a turn of the drum, and drawn from tolerances; rows of tables."""
+"""What misfit makes of a brake: one at a time, over a turn of the drum, and drawn from tolerances;
+rows of tables.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,13 +18,19 @@ from drumlin.response.response import Response
 from drumlin.sweeps.cases import Row, row_of
 from drumlin.sweeps.tolerances import PERCENTILES, Shares, Tolerance, numbers, spread
 
-QUANTITIES = {"torque": "torque [N m]", "brake_factor": "brake factor T/(F R)", "peak_pressure": "peak pressure [MPa]"}
+QUANTITIES = {
+    "torque": "torque [N m]",
+    "brake_factor": "brake factor T/(F R)",
+    "peak_pressure": "peak pressure [MPa]",
+}
 STATES = ("new", "worn in")
 LOBES = {"run-out": 1, "oval": 2, "three lobes": 3, "five lobes": 5}  # orders
 EXPANSION, WARMING = 11e-6, 100.0  # of the drum [1/K], [K]
 
 
-def single_rows(brake: Brake, law: Response, solve: Callable[[Brake], Response]) -> list[dict[str, Any]]:
+def single_rows(
+    brake: Brake, law: Response, solve: Callable[[Brake], Response]
+) -> list[dict[str, Any]]:
     """One misfit at a time, against the lining that fits and against the law."""
     fits = solve(brake)
     growth = clearance.thermal_growth(brake.size, EXPANSION, WARMING)
@@ -73,7 +81,9 @@ def touching(brake: Brake, response: Response) -> float:
 def turn_torques(
     brake: Brake, solve: Callable[[Brake], Response], amplitude: float, angles: Sequence[float]
 ) -> dict[str, Floats]:
-    """Torque [N m] (angles,) as a drum with lobes of the amplitude [m] stands at the angles [rad], by their names."""
+    """Torque [N m] (angles,) as a drum with lobes of the amplitude [m] stands at the angles [rad],
+    by their names.
+    """
     found = {}
     for name, order in LOBES.items():
         lobed = vary(brake, {"drum.out_of_round": [{"order": order, "amplitude": amplitude}]})
@@ -87,15 +97,21 @@ def peak_to_valley(torques: Mapping[str, Floats]) -> dict[str, float]:
     return {name: float(np.ptp(torque) / np.mean(torque)) for name, torque in torques.items()}
 
 
-def over_law(rows: Sequence[Row], brake: Brake, law: Response, shape: tuple[int, int]) -> dict[str, Floats]:
+def over_law(
+    rows: Sequence[Row], brake: Brake, law: Response, shape: tuple[int, int]
+) -> dict[str, Floats]:
     """Torque and peak pressure of rows over those of the law, minus 1, as maps of a shape."""
     nominal = row_of(brake, law)
-    return {name: numbers(rows, name).reshape(shape) / nominal[name] - 1 for name in ("torque", "peak_pressure")}
+    return {
+        name: numbers(rows, name).reshape(shape) / nominal[name] - 1
+        for name in ("torque", "peak_pressure")
+    }
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """Brakes drawn from tolerances: rows by state ("new", "worn in", "law": the same brakes by the sine law).
+    """Brakes drawn from tolerances: rows by state ("new", "worn in", "law": the same brakes by the
+    sine law).
 
     The first 2 n rows of each state are the independent samples A and B of `tolerances.draw`.
     """
@@ -114,7 +130,9 @@ class Drawn:
         return ratio
 
     def law_error(self, state: str) -> tuple[float, float]:
-        """The error of the law's torque against the brake's, as a fraction: 5th and 95th percentile."""
+        """The error of the law's torque against the brake's, as a fraction: 5th and 95th
+        percentile.
+        """
         low, high = np.percentile(1 / self.off_law(state), (5, 95))
         return low - 1, high - 1
 
@@ -128,7 +146,9 @@ class Drawn:
         return float(peaks.mean()), float(np.percentile(peaks, 95))
 
     def healed_variance(self) -> float:
-        """The share of the torque's variance that run-in takes away: all but friction, force, levers and the drum."""
+        """The share of the torque's variance that run-in takes away: all but friction, force,
+        levers and the drum.
+        """
         new, worn = (spread(self.sample(state, "torque")).deviation for state in STATES)
         return 1 - (worn / new) ** 2
 
@@ -140,16 +160,27 @@ def nominal(brake: Brake, law: Response) -> dict[str, float]:
 
 
 def spread_rows(drawn: Drawn) -> list[dict[str, Any]]:
-    """Distributions as rows; the last ones: torque over that of the sine law for the same friction, force and pins."""
-    values = {(QUANTITIES[name], state): drawn.sample(state, name) for name in QUANTITIES for state in (*STATES, "law")}
+    """Distributions as rows; the last ones: torque over that of the sine law for the same friction,
+    force and pins.
+    """
+    values = {
+        (QUANTITIES[name], state): drawn.sample(state, name)
+        for name in QUANTITIES
+        for state in (*STATES, "law")
+    }
     for state in STATES:
         values["torque over the sine law's of the same brake", state] = drawn.off_law(state)
     rows = []
     for (quantity, state), sample in values.items():
         found = spread(sample)
-        row: dict[str, Any] = {"quantity": quantity, "state": state if state != "law" else "sine law"}
+        row: dict[str, Any] = {
+            "quantity": quantity,
+            "state": state if state != "law" else "sine law",
+        }
         row |= {"mean": found.mean, "deviation": found.deviation, "relative": found.relative}
-        rows.append(row | {f"p{k}": value for k, value in zip(PERCENTILES, found.percentiles, strict=True)})
+        rows.append(
+            row | {f"p{k}": value for k, value in zip(PERCENTILES, found.percentiles, strict=True)}
+        )
     return rows
 
 
@@ -159,14 +190,19 @@ def share_rows(
     """Total Sobol indices as rows; shares: by state and quantity."""
     return [
         {"name": tolerance.name}
-        | {f"{state}_{name}": found[name][i].total.value for state, found in shares.items() for name in QUANTITIES}
+        | {
+            f"{state}_{name}": found[name][i].total.value
+            for state, found in shares.items()
+            for name in QUANTITIES
+        }
         for i, tolerance in enumerate(tolerances)
     ]
 
 
 def healed_after(distances: Sequence[float], torque: Floats, within: float) -> float:
-    """The distance from which on the 5th, 50th and 95th percentile of torque (brakes, distances) stay within a fraction
-    of their last values."""
+    """The distance from which on the 5th, 50th and 95th percentile of torque (brakes, distances)
+    stay within a fraction of their last values.
+    """
     ends = np.percentile(torque, (5, 50, 95), axis=0)
     off = np.abs(ends / ends[:, -1:] - 1).max(axis=0)
     return next(s for k, s in enumerate(distances) if off[k:].max() < within)

@@ -1,4 +1,6 @@
-"""Observed orders of convergence, error estimates against true errors, and the limit of a rigid shoe."""
+"""Observed orders of convergence, error estimates against true errors, and the limit of a rigid
+shoe.
+"""
 
 import math
 import time
@@ -23,17 +25,26 @@ from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.verification.reference import Refinement, responses
 
-RIGID = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}  # E x 10^4 of steel, lining of R/50
+RIGID = {
+    "shoe.body.material.E": 2.1e15,
+    "shoe.lining.thickness": 3e-3,
+}  # E x 10^4 of steel, lining of R/50
 Row = dict[str, Any]
 
 
 def distance(response: Response, reference: Response) -> float:
     """The largest of the shoes' relative L2 distances of p, outside the edge zones."""
-    return max(pressure_distance(a, b) for a, b in zip(response.shoes, reference.shoes, strict=True))
+    return max(
+        pressure_distance(a, b) for a, b in zip(response.shoes, reference.shoes, strict=True)
+    )
 
 
-def order_rows(brake: Brake, case: str, kind: str, sizes: Sequence[int], reference: Response) -> list[Row]:
-    """Errors on meshes that double, with the observed orders between each and the one before; exact contact."""
+def order_rows(
+    brake: Brake, case: str, kind: str, sizes: Sequence[int], reference: Response
+) -> list[Row]:
+    """Errors on meshes that double, with the observed orders between each and the one before; exact
+    contact.
+    """
     rows: list[Row] = []
     for n in sizes:
         response = solve(brake, elements=n, kind=kind, penalty=math.inf)
@@ -46,7 +57,9 @@ def order_rows(brake: Brake, case: str, kind: str, sizes: Sequence[int], referen
             "steps": response.iterations,
         }
         if rows:
-            row["order"] = math.log(rows[-1]["pressure"] / row["pressure"]) / math.log(n / rows[-1]["elements"])
+            row["order"] = math.log(rows[-1]["pressure"] / row["pressure"]) / math.log(
+                n / rows[-1]["elements"]
+            )
         rows.append(row)
     return rows
 
@@ -67,11 +80,13 @@ FINER = Refinement(
 
 
 def level_rows(brake: Brake, refinement: Refinement = FINER) -> list[Row]:
-    """Errors of columns, level by level, their ends of the contact known from the reference; exact contact.
+    """Errors of columns, level by level, their ends of the contact known from the reference; exact
+    contact.
 
-    `root`: the cube root of the unknowns of a shoe, over which the logarithm of the error falls straight where every
-    singular point is graded (Babuska & Guo 1986). Nothing is shown below twice the distance of the two divisions of the
-    reference, of which the finer one counts: there an error is known to within a half.
+    `root`: the cube root of the unknowns of a shoe, over which the logarithm of the error falls
+    straight where every singular point is graded (Babuska & Guo 1986). Nothing is shown below twice
+    the distance of the two divisions of the reference, of which the finer one counts: there an
+    error is known to within a half.
     """
     found = responses(brake, refinement)
     true, places = found.value, places_of(brake, found.value)
@@ -91,7 +106,9 @@ def level_rows(brake: Brake, refinement: Refinement = FINER) -> list[Row]:
 
 
 class Line(NamedTuple):
-    """log10 of the error = a - fall (unknowns)^(1/3), fitted, its correlation, and the `decades` that it spans."""
+    """log10 of the error = a - fall (unknowns)^(1/3), fitted, its correlation, and the `decades`
+    that it spans.
+    """
 
     fall: float
     correlation: float
@@ -101,13 +118,20 @@ class Line(NamedTuple):
 def line(rows: Sequence[Row]) -> Line:
     """The straight line of `level_rows`."""
     x, y = (
-        np.array(values) for values in zip(*((row["root"], math.log10(row["pressure"])) for row in rows), strict=True)
+        np.array(values)
+        for values in zip(
+            *((row["root"], math.log10(row["pressure"])) for row in rows), strict=True
+        )
     )
     return Line(-float(np.polyfit(x, y, 1)[0]), -float(np.corrcoef(x, y)[0, 1]), float(np.ptp(y)))
 
 
-def estimate_row(brake: Brake, case: str, tolerance: float, reference: Response, floor: float) -> Row:
-    """What was asked for, what was estimated, what is true as far as the reference knows, and the time of it."""
+def estimate_row(
+    brake: Brake, case: str, tolerance: float, reference: Response, floor: float
+) -> Row:
+    """What was asked for, what was estimated, what is true as far as the reference knows, and the
+    time of it.
+    """
     start = time.perf_counter()
     row: Row = {"case": case, "tolerance": tolerance}
     try:
@@ -125,13 +149,16 @@ def estimate_row(brake: Brake, case: str, tolerance: float, reference: Response,
         "torque_estimate": response.error["torque"],
         "torque_true": abs(relative(response.torque, reference.torque)),
         "seconds": seconds,
-        "status": "converged" if true > floor else "converged; truth below what the reference knows",
+        "status": "converged"
+        if true > floor
+        else "converged; truth below what the reference knows",
     }
 
 
 def convergence_rows(convergence: Convergence) -> list[Row]:
-    """Meshes that double: torque [N m] and its distance from the limit, and for each shoe, by its place in the brake,
-    the step of p to the next finer mesh; relative."""
+    """Meshes that double: torque [N m] and its distance from the limit, and for each shoe, by its
+    place in the brake, the step of p to the next finer mesh; relative.
+    """
     limit = convergence.torque.value
     steps = [convergence.pressure_steps(i) for i in range(len(convergence.responses[0].shoes))]
     names = [shoe.name for shoe in convergence.responses[0].shoes]
@@ -143,12 +170,16 @@ def convergence_rows(convergence: Convergence) -> list[Row]:
             **{name: of[k] if k < len(of) else None for name, of in zip(names, steps, strict=True)},
             "steps": response.iterations,
         }
-        for k, (n, response) in enumerate(zip(convergence.elements, convergence.responses, strict=True))
+        for k, (n, response) in enumerate(
+            zip(convergence.elements, convergence.responses, strict=True)
+        )
     ]
 
 
 def rigid_limit(brake: Brake, elements: int) -> list[Row]:
-    """Sine law against finite elements with a nearly rigid shoe and a thin lining: torque, and p / sin(phi)."""
+    """Sine law against finite elements with a nearly rigid shoe and a thin lining: torque, and p /
+    sin(phi).
+    """
     rigid = vary(brake, RIGID)
     law, fem = sine(rigid), solve(rigid, elements=elements)
     rows: list[Row] = []
@@ -179,5 +210,9 @@ def amplitude(phi: Floats, shoe: ShoeResponse, edge: float) -> Floats:
 
 
 def largest_residual(responses: Sequence[Response]) -> float:
-    """The largest relative force or moment residual of some responses; those without one are passed over."""
-    return max(max(r.balance.force, r.balance.moment) for r in responses if not math.isnan(r.balance.force))
+    """The largest relative force or moment residual of some responses; those without one are passed
+    over.
+    """
+    return max(
+        max(r.balance.force, r.balance.moment) for r in responses if not math.isnan(r.balance.force)
+    )

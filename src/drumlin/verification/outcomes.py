@@ -1,4 +1,6 @@
-"""What became of many trials (`verification.trial`): faults, counts, worst answers, times, soft penalties."""
+"""What became of many trials (`verification.trial`): faults, counts, worst answers, times, soft
+penalties.
+"""
 
 import math
 import statistics
@@ -29,7 +31,9 @@ def faults(rows: Sequence[Row]) -> list[Row]:
 
 def worst(rows: Sequence[Row], count: int = 10) -> list[Row]:
     """The answers with the fewest digits."""
-    return sorted((row for row in rows if row.get("digits") is not None), key=lambda row: row["digits"])[:count]
+    return sorted(
+        (row for row in rows if row.get("digits") is not None), key=lambda row: row["digits"]
+    )[:count]
 
 
 def counted(rows: Sequence[Row], key: str, names: Sequence[str]) -> list[Row]:
@@ -37,7 +41,13 @@ def counted(rows: Sequence[Row], key: str, names: Sequence[str]) -> list[Row]:
     table = []
     for knob in [*dict.fromkeys(row["knob"] for row in rows), "all"]:
         count = Counter(row.get(key) for row in rows if knob in (row["knob"], "all"))
-        table.append({"knob": knob, "cases": sum(count.values()), **{name: count[name] or None for name in names}})
+        table.append(
+            {
+                "knob": knob,
+                "cases": sum(count.values()),
+                **{name: count[name] or None for name in names},
+            }
+        )
     return table
 
 
@@ -59,19 +69,33 @@ def softening(rows: Sequence[Row]) -> dict[str, list[tuple[float, float]]]:
     """For each sweep of the penalty: its values and the relative change of the torque by each."""
     found: dict[str, list[tuple[float, float]]] = {}
     swept = [row for row in rows if row["knob"] == "penalty" and row["outcome"] == "answer"]
-    for clearance, name in ((0.0, "whole lining in contact, stiff shoe"), (1e-4, "partial contact, soft shoe")):
-        torque = {r["knobs"]["penalty"]: r["torque"] for r in swept if r["knobs"]["clearance"] == clearance}
+    for clearance, name in (
+        (0.0, "whole lining in contact, stiff shoe"),
+        (1e-4, "partial contact, soft shoe"),
+    ):
+        torque = {
+            r["knobs"]["penalty"]: r["torque"]
+            for r in swept
+            if r["knobs"]["clearance"] == clearance
+        }
         if math.inf in torque:
             exact = torque[math.inf]
-            found[name] = [(a, abs(t / exact - 1)) for a, t in sorted(torque.items()) if a < math.inf]
+            found[name] = [
+                (a, abs(t / exact - 1)) for a, t in sorted(torque.items()) if a < math.inf
+            ]
     return found
 
 
 def penalty_rows(rows: Sequence[Row]) -> list[Row]:
-    """The sweep of the penalty with the whole lining in contact, with the change of the torque by a finite one."""
+    """The sweep of the penalty with the whole lining in contact, with the change of the torque by a
+    finite one.
+    """
     swept = [row for row in rows if row["knob"] == "penalty" and row["knobs"]["clearance"] == 0]
     exact = next(row["torque"] for row in swept if math.isinf(row["knobs"]["penalty"]))
-    return [{**row, "penalty": row["knobs"]["penalty"], "change": row["torque"] / exact - 1} for row in swept]
+    return [
+        {**row, "penalty": row["knobs"]["penalty"], "change": row["torque"] / exact - 1}
+        for row in swept
+    ]
 
 
 def slope(values: Sequence[tuple[float, float]], low: float = 1e2, high: float = 1e6) -> float:

@@ -1,7 +1,8 @@
-"""How far plane stress is from a solid shoe: rows of errors, maps over widths and moduli, wear across the width.
+"""How far plane stress is from a solid shoe: rows of errors, maps over widths and moduli, wear
+across the width.
 
-Both models share the section's mesh, so that its error all but drops out of their difference; what it leaves is told
-by meshes that double.
+Both models share the section's mesh, so that its error all but drops out of their difference; what
+it leaves is told by meshes that double.
 """
 
 import time
@@ -56,11 +57,14 @@ class Three(NamedTuple):
 def solve(brake: Brake, elements: int, across: int | None = None) -> Three:
     """A brake by all three, on one mesh of the section."""
     other = finite_width(brake)
-    return Three(brake, _solid(brake, elements, across), _plane(brake, elements), _plane(other, elements))
+    return Three(
+        brake, _solid(brake, elements, across), _plane(brake, elements), _plane(other, elements)
+    )
 
 
 def uneven(shoe: ShoeResponse, zone: float) -> float:
-    """Standard deviation of p across the width over its mean, root mean square over the lining but for its ends.
+    """Standard deviation of p across the width over its mean, root mean square over the lining but
+    for its ends.
 
     zone [rad] at each end of the lining is left out.
     """
@@ -92,8 +96,8 @@ def highest(shoe: ShoeResponse, zone: float) -> float:
 def rows(three: Three, case: str = "") -> list[dict[str, Any]]:
     """One row a shoe: errors of plane stress against the solid, as it is and corrected.
 
-    `torque`, `pressure` (L2 of the mean over the width, off the ends), `peak` (plane stress against the largest on
-    the face), `reaction`, and `uneven`, how far p is from its mean across the width.
+    `torque`, `pressure` (L2 of the mean over the width, off the ends), `peak` (plane stress against
+    the largest on the face), `reaction`, and `uneven`, how far p is from its mean across the width.
     """
     table = []
     for i, (true, plane, other) in enumerate(
@@ -120,7 +124,9 @@ def rows(three: Three, case: str = "") -> list[dict[str, Any]]:
 
 
 def middle_over_side(shoe: ShoeResponse) -> float:
-    """Pressure at the mid-plane over that at the sides, in the middle of the lining's pressed nodes."""
+    """Pressure at the mid-plane over that at the sides, in the middle of the lining's pressed
+    nodes.
+    """
     p = surface_of(shoe).pressure
     pressed = np.flatnonzero((p > 0).all(axis=1))
     if not len(pressed):
@@ -136,7 +142,9 @@ def worst(table: Sequence[dict[str, Any]], key: str) -> float:
 
 @dataclass(frozen=True)
 class Map:
-    """Errors over two groups of the names `axes`: `x` (n,), `y` (m,), and by key (m, n) the worst shoe's, fractions."""
+    """Errors over two groups of the names `axes`: `x` (n,), `y` (m,), and by key (m, n) the worst
+    shoe's, fractions.
+    """
 
     name: str
     axes: tuple[str, str]
@@ -186,9 +194,15 @@ def chart(
 
 
 def shares(charts: Sequence[Map]) -> list[dict[str, Any]]:
-    """A row for each quantity of each chart: the share of the brakes within each of KNOWN, and the largest error."""
+    """A row for each quantity of each chart: the share of the brakes within each of KNOWN, and the
+    largest error.
+    """
     return [
-        {"map": chart.name, "quantity": QUANTITIES[key], "largest": float(np.abs(chart.errors[key]).max())}
+        {
+            "map": chart.name,
+            "quantity": QUANTITIES[key],
+            "largest": float(np.abs(chart.errors[key]).max()),
+        }
         | {f"within_{limit:g}": chart.share_within(limit, key) for limit in KNOWN}
         for chart in charts
         for key in QUANTITIES
@@ -196,8 +210,9 @@ def shares(charts: Sequence[Map]) -> list[dict[str, Any]]:
 
 
 class Certain(NamedTuple):
-    """A torque on three meshes, each twice as fine: `elements`, values [N m], and the index `found`; None
-    where no order shows."""
+    """A torque on three meshes, each twice as fine: `elements`, values [N m], and the index
+    `found`; None where no order shows.
+    """
 
     elements: tuple[int, ...]
     values: tuple[float, ...]
@@ -221,13 +236,19 @@ def certain(torque: Callable[[int], float], elements: Sequence[int]) -> Certain:
 
 
 def validation(plane: Certain, true: Certain) -> Validation:
-    """Plane stress against the solid as reference, E = S - D, each with the uncertainty of its meshes."""
-    return validate(plane.values[-1], true.values[-1], numerical=plane.uncertainty, of_data=true.uncertainty)
+    """Plane stress against the solid as reference, E = S - D, each with the uncertainty of its
+    meshes.
+    """
+    return validate(
+        plane.values[-1], true.values[-1], numerical=plane.uncertainty, of_data=true.uncertainty
+    )
 
 
 class Rung(NamedTuple):
-    """A way to solve a brake: seconds of processor time, and its errors of torque and pressure (L2 of the mean over the
-    width, off the ends), the worst shoe's, against the solid truth and against that of plane stress."""
+    """A way to solve a brake: seconds of processor time, and its errors of torque and pressure (L2
+    of the mean over the width, off the ends), the worst shoe's, against the solid truth and against
+    that of plane stress.
+    """
 
     method: str
     setting: str
@@ -239,12 +260,14 @@ class Rung(NamedTuple):
 
 
 def ladder(brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]) -> list[Rung]:
-    """Laws, the foundation model where it applies, plane stress on several `meshes`, corrected for the width, and
-    solids on several, against a `fine` solid and against plane stress to 1e-4."""
+    """Laws, the foundation model where it applies, plane stress on several `meshes`, corrected for
+    the width, and solids on several, against a `fine` solid and against plane stress to 1e-4.
+    """
     truths = _solid(brake, fine), by_elements(brake)
     other = finite_width(brake)
     ways: list[tuple[str, str, Callable[[], Response]]] = [
-        (name, "", partial(hinged.solve, LAWS[name], brake)) for name in ("sine", "cosine", "uniform")
+        (name, "", partial(hinged.solve, LAWS[name], brake))
+        for name in ("sine", "cosine", "uniform")
     ]
     if foundation.why_not(brake) is None:
         ways += [
@@ -258,7 +281,9 @@ def ladder(brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]
     found = []
     for method, setting, way in ways:
         seconds = []
-        for _ in range(1 if method == "solid" else 4):  # what is loaded and cached by a first call is not counted
+        for _ in range(
+            1 if method == "solid" else 4
+        ):  # what is loaded and cached by a first call is not counted
             start = time.process_time()
             response = way()
             seconds.append(time.process_time() - start)
@@ -293,8 +318,9 @@ def _pressure_off(a: ShoeResponse, b: ShoeResponse, shoe: Shoe, brake: Brake) ->
 
 
 class Worn(NamedTuple):
-    """A solid lining over the sliding distance, in 1/(k K): by shoe how uneven p is, and its mean's distance (L2) from
-    the sine law; `last`: the response as it is worn in."""
+    """A solid lining over the sliding distance, in 1/(k K): by shoe how uneven p is, and its mean's
+    distance (L2) from the sine law; `last`: the response as it is worn in.
+    """
 
     distance: tuple[float, ...]
     uneven: tuple[tuple[float, ...], ...]
@@ -302,7 +328,9 @@ class Worn(NamedTuple):
     last: tuple[ShoeResponse, ...]
 
 
-def wear(brake: Brake, elements: int, distances: Sequence[float], across: int | None = None) -> Worn:
+def wear(
+    brake: Brake, elements: int, distances: Sequence[float], across: int | None = None
+) -> Worn:
     """Run a brake's solid linings in by Archard's wear; the first of `distances` is 0."""
     scene = solid.prepare(brake, elements=elements, across=across)
     start, law = respond(scene, brake), sine(brake)
@@ -314,7 +342,10 @@ def wear(brake: Brake, elements: int, distances: Sequence[float], across: int | 
     zones = [edge_zone(brake.shoes[s.shoe], brake.scale_factor) for s in setup.surfaces]
     return Worn(
         tuple(distances),
-        tuple(tuple(uneven(shoe, zone) for shoe in each) for each, zone in zip(shoes, zones, strict=True)),
+        tuple(
+            tuple(uneven(shoe, zone) for shoe in each)
+            for each, zone in zip(shoes, zones, strict=True)
+        ),
         tuple(
             tuple(pressure_distance(shoe, law.shoes[s.shoe], zone) for shoe in each)
             for each, zone, s in zip(shoes, zones, setup.surfaces, strict=True)
@@ -323,12 +354,16 @@ def wear(brake: Brake, elements: int, distances: Sequence[float], across: int | 
     )
 
 
-def _worn(line: Any, first: ShoeResponse, part: slice, forward: slice, pressure: Floats) -> ShoeResponse:
+def _worn(
+    line: Any, first: ShoeResponse, part: slice, forward: slice, pressure: Floats
+) -> ShoeResponse:
     assert isinstance(line, ContactFace)
     p = pressure[part]
     _, mean = line.along(p)
     surface = line.surface(p)
-    return replace(first, pressure=mean[forward], surface=surface._replace(pressure=surface.pressure[forward]))
+    return replace(
+        first, pressure=mean[forward], surface=surface._replace(pressure=surface.pressure[forward])
+    )
 
 
 def plain(brake: Brake, width: float, modulus: float) -> Brake:
@@ -348,11 +383,17 @@ def along(curves: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
     """Of one brake over a quantity at a time: where plane stress is off most."""
     lines = []
     for name, points in curves.items():
-        most = {key: max(((abs(worst(table, key)), at) for at, table in points)) for key in ("torque", "pressure")}
+        most = {
+            key: max(((abs(worst(table, key)), at) for at, table in points))
+            for key in ("torque", "pressure")
+        }
         off = ", ".join(
-            f"{said} by {formatted(most[key][0], '.1%')} (at {most[key][1]:g})" for key, said in SAID.items()
+            f"{said} by {formatted(most[key][0], '.1%')} (at {most[key][1]:g})"
+            for key, said in SAID.items()
         )
-        lines.append(f"T-section over {name} from {points[0][0]:g} to {points[-1][0]:g}, off at most: {off}")
+        lines.append(
+            f"T-section over {name} from {points[0][0]:g} to {points[-1][0]:g}, off at most: {off}"
+        )
     return lines
 
 
@@ -363,8 +404,12 @@ def sentence(charts: Sequence[Map]) -> list[str]:
         worst_of = chart.errors["torque"].ravel()[np.abs(chart.errors["torque"]).argmax()]
         for key, said in SAID.items():
             found = [(limit, chart.where_within(limit, key)) for limit in KNOWN]
-            last = next((k for k, (_, where) in enumerate(found) if where == "everywhere"), len(found) - 1)
-            parts = "; ".join(f"{formatted(limit, '.0%')}: {where}" for limit, where in found[: last + 1])
+            last = next(
+                (k for k, (_, where) in enumerate(found) if where == "everywhere"), len(found) - 1
+            )
+            parts = "; ".join(
+                f"{formatted(limit, '.0%')}: {where}" for limit, where in found[: last + 1]
+            )
             end = f" (at worst {formatted(worst_of, '+.1%')})" if key == "torque" else ""
             lines.append(f"{chart.name}: plane stress has {said}{end} within {parts}")
     return lines

@@ -1,7 +1,9 @@
-"""The textbook way, as a baseline: penalty contact at quadrature points, one sparse factorisation a Newton step.
+"""The textbook way, as a baseline: penalty contact at quadrature points, one sparse factorisation a
+Newton step.
 
-At the q Gauss points of an edge (q = order + 1) the pressure is p = eps <-g>, g the gap of the deformed lining, and
-the drum drags it by mu p. Newton's method switches points on and off until none changes:
+At the q Gauss points of an edge (q = order + 1) the pressure is p = eps <-g>, g the gap of the
+deformed lining, and the drum drags it by mu p. Newton's method switches points on and off until
+none changes:
 
     [K + sum_on w eps psi_a psi_b (n - mu s e) n^T] u = f + sum_on w eps psi_a (n - mu s e) g0
 
@@ -39,7 +41,9 @@ from drumlin.response.response import Balance, Response, ShoeResponse, pressed_s
 from drumlin.response.resultants import cross
 
 PENALTY = 1e3
-"""Default penalty factor alpha: eps = alpha E/t. A stiffer one locks the points, which are more than the nodes."""
+"""Default penalty factor alpha: eps = alpha E/t. A stiffer one locks the points, which are more
+than the nodes.
+"""
 MOST_STEPS = 60
 
 
@@ -51,13 +55,17 @@ def solve(
     penalty: float = PENALTY,
     mesher: Mesher | None = None,
 ) -> Response:
-    """Mesh and solve a brake with a rigid drum, each shoe by itself and anew; see `drumlin.fem.model.solve`.
+    """Mesh and solve a brake with a rigid drum, each shoe by itself and anew; see
+    `drumlin.fem.model.solve`.
 
-    The pressure of the response is linear between the values at the Gauss points. Raises NoAnswer where the set of
-    touching points repeats itself or does not settle, BadInput for an elastic ring and for an infinite penalty.
+    The pressure of the response is linear between the values at the Gauss points. Raises NoAnswer
+    where the set of touching points repeats itself or does not settle, BadInput for an elastic ring
+    and for an infinite penalty.
     """
     if not 0 < penalty < math.inf:
-        raise BadInput(f"--penalty = {penalty}: must be greater than 0 and finite at quadrature points")
+        raise BadInput(
+            f"--penalty = {penalty}: must be greater than 0 and finite at quadrature points"
+        )
     if brake.ring is not None:
         raise BadInput("drum.ring: the pointwise penalty has a rigid drum only")
     seconds: Seconds = {}
@@ -74,9 +82,11 @@ def solve(
 
 @dataclass(frozen=True)
 class _Points:
-    """Quadrature points of the contact (q,): weight b ds [m^2], angle in the shoe's frame, radius [m], gap [m].
+    """Quadrature points of the contact (q,): weight b ds [m^2], angle in the shoe's frame, radius
+    [m], gap [m].
 
-    `closing`, `pushing` (q, unknowns): n . u at the points, and the nodal forces of unit forces there with their drag.
+    `closing`, `pushing` (q, unknowns): n . u at the points, and the nodal forces of unit forces
+    there with their drag.
     """
 
     weight: Floats
@@ -102,7 +112,9 @@ def _shoe(
         turned[-1] = 1.0
         if force == 0 or not (moment * (points.closing @ turned) > 0).any():
             return untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0
-        free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])  # the pin holds dx, dy of the frame
+        free = np.delete(
+            np.arange(A.shape[0]), [-FRAME, 1 - FRAME]
+        )  # the pin holds dx, dy of the frame
         load = force * (parts.loads @ unit)
         stiffness = contact_stiffness(shoe, penalty)
         u, on, steps = _newton(A, load, points, stiffness, free, shoe.name)
@@ -118,7 +130,11 @@ def _shoe(
          float(cross(shoe.own_pin, given[:2]))],
     )  # fmt: skip
     assists = float((points.weight * p) @ ((points.pushing + points.closing) @ turned)) * moment > 0
-    return _response(shoe, points, p, abs(drag), frame.to_brake(reaction), assists, float(u[-1])), balance, steps
+    return (
+        _response(shoe, points, p, abs(drag), frame.to_brake(reaction), assists, float(u[-1])),
+        balance,
+        steps,
+    )
 
 
 def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
@@ -136,10 +152,13 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
         edges, q = x.shape[1:]
         rows = np.broadcast_to(np.arange(edges * q).reshape(edges, q), (2, len(psi), edges, q))
         columns = np.broadcast_to(
-            first + 2 * line.pieces[None, :, :, None] + np.arange(2)[:, None, None, None], rows.shape
+            first + 2 * line.pieces[None, :, :, None] + np.arange(2)[:, None, None, None],
+            rows.shape,
         )
         values = np.einsum("aq,ceq->caeq", psi, vectors)
-        return sp.csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=(edges * q, unknowns))
+        return sp.csr_matrix(
+            (values.ravel(), (rows.ravel(), columns.ravel())), shape=(edges * q, unknowns)
+        )
 
     return _Points(
         weight=(shoe.lining.width * ds).ravel(),
@@ -175,20 +194,32 @@ def _newton(
                 options={"SymmetricMode": True},
             )
         except RuntimeError as error:
-            raise NoAnswer(f"shoe {name!r}: the pointwise contact has a singular tangent in step {step}") from error
+            raise NoAnswer(
+                f"shoe {name!r}: the pointwise contact has a singular tangent in step {step}"
+            ) from error
         u[free] = factors.solve(load[free] - pushing @ points.gap)
         touching = points.closing @ u > points.gap
         if (touching == on).all():
             return u, on, step
         if touching.tobytes() in seen:
-            raise NoAnswer(f"shoe {name!r}: not converged, the pointwise contact repeats itself after {step} steps")
+            raise NoAnswer(
+                f"shoe {name!r}: not converged, the pointwise contact repeats itself after {step} steps"
+            )
         seen.add(touching.tobytes())
         on = touching
-    raise NoAnswer(f"shoe {name!r}: not converged, the pointwise contact still changes after {MOST_STEPS} steps")
+    raise NoAnswer(
+        f"shoe {name!r}: not converged, the pointwise contact still changes after {MOST_STEPS} steps"
+    )
 
 
 def _response(
-    shoe: Shoe, points: _Points, p: Floats, friction: float, reaction: Floats, assists: bool, turn: float
+    shoe: Shoe,
+    points: _Points,
+    p: Floats,
+    friction: float,
+    reaction: Floats,
+    assists: bool,
+    turn: float,
 ) -> ShoeResponse:
     """The response, p linear between the Gauss points and constant beyond the outermost ones."""
     frame, by_angle = shoe.frame, np.argsort(points.phi)

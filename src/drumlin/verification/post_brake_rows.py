@@ -1,7 +1,8 @@
-"""A post brake by sine law, elastic foundation and finite elements: rows of tables, curves and maps of errors.
+"""A post brake by sine law, elastic foundation and finite elements: rows of tables, curves and maps
+of errors.
 
-What each simplification of the foundation model is worth, what clearances and friction do, where the model's
-assumptions end, and how fast its grids converge.
+What each simplification of the foundation model is worth, what clearances and friction do, where
+the model's assumptions end, and how fast its grids converge.
 """
 
 import math
@@ -58,7 +59,9 @@ NAMES = {
 
 @dataclass(frozen=True)
 class ErrorMap:
-    """The error of a model over two groups: `x` (n,), `y` (m,), `error` (m, n) as fractions, nan where none."""
+    """The error of a model over two groups: `x` (n,), `y` (m,), `error` (m, n) as fractions, nan
+    where none.
+    """
 
     title: str
     x: Floats
@@ -78,7 +81,9 @@ def worst(response: Response, true: Response) -> float:
 
 
 def lift_rows(brake: Brake, fem: Response) -> list[dict[str, Any]]:
-    """The paper's model with its simplifications lifted one at a time and together, against finite elements."""
+    """The paper's model with its simplifications lifted one at a time and together, against finite
+    elements.
+    """
     rows = []
     for lift in ((), *((name,) for name in foundation.LIFTS), ALL):
         response = foundation.solve(brake, lift=lift)
@@ -95,12 +100,16 @@ def gaps(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
     for i, shoe in enumerate(brake.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 181)
         axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
-        changes[f"shoe[{i}].lining.clearance"] = np.column_stack([theta, gap(axis.angle(theta))]).tolist()
+        changes[f"shoe[{i}].lining.clearance"] = np.column_stack(
+            [theta, gap(axis.angle(theta))]
+        ).tolist()
     return vary(brake, changes)
 
 
 def radius_gap(brake: Brake, larger: float) -> Brake:
-    """Linings of a radius `larger` [m] than the drum's, touching at their middles (< 0: at their ends)."""
+    """Linings of a radius `larger` [m] than the drum's, touching at their middles (< 0: at their
+    ends).
+    """
     end = math.cos(0.5 * (brake.shoes[0].lining.end - brake.shoes[0].lining.start))
     return gaps(brake, lambda theta: larger * ((1.0 if larger > 0 else end) - np.cos(theta)))
 
@@ -111,8 +120,12 @@ def clearance_rows(brake: Brake, scene: Scene) -> list[dict[str, Any]]:
         "fits": brake,
         "new lining, radius 1 mm larger": radius_gap(brake, 1e-3),
         "new lining, radius 1 mm smaller": radius_gap(brake, -1e-3),
-        "set 1 mm towards the loaded end": gaps(brake, lambda theta: 1e-3 * (np.sin(theta) - np.sin(theta).min())),
-        "set 1 mm towards the hinge": gaps(brake, lambda theta: 1e-3 * (np.sin(theta).max() - np.sin(theta))),
+        "set 1 mm towards the loaded end": gaps(
+            brake, lambda theta: 1e-3 * (np.sin(theta) - np.sin(theta).min())
+        ),
+        "set 1 mm towards the hinge": gaps(
+            brake, lambda theta: 1e-3 * (np.sin(theta).max() - np.sin(theta))
+        ),
         "worn in": worn_in_foundation(brake, lift=ALL),
     }
     nominal, rows = sine(brake), []
@@ -122,10 +135,24 @@ def clearance_rows(brake: Brake, scene: Scene) -> list[dict[str, Any]]:
             merits = with_merits(varied, response).merits
             for shoe, merit, law in zip(response.shoes, merits, nominal.shoes, strict=True):
                 assert isinstance(merit, Merit)
-                arcs = (f"{math.degrees(a):.0f} to {math.degrees(b):.0f}" for a, b in shoe.contact_arcs)
-                row = {"case": case, "model": NAMES[model], "shoe": shoe.name, "torque": shoe.torque}
-                row |= {"from_nominal": relative(shoe.torque, law.torque), "peak": shoe.peak_pressure}
-                row |= {"psi": merit.friction_radius, "angle": merit.resultant_angle, "S": merit.shoe_factor}
+                arcs = (
+                    f"{math.degrees(a):.0f} to {math.degrees(b):.0f}" for a, b in shoe.contact_arcs
+                )
+                row = {
+                    "case": case,
+                    "model": NAMES[model],
+                    "shoe": shoe.name,
+                    "torque": shoe.torque,
+                }
+                row |= {
+                    "from_nominal": relative(shoe.torque, law.torque),
+                    "peak": shoe.peak_pressure,
+                }
+                row |= {
+                    "psi": merit.friction_radius,
+                    "angle": merit.resultant_angle,
+                    "S": merit.shoe_factor,
+                }
                 rows.append(row | {"contact": ", ".join(arcs)})
     return rows
 
@@ -176,7 +203,9 @@ def with_arc(brake: Brake, half: float) -> dict[str, float]:
 
 
 def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
-    """From a brake that meets the model's assumptions, each left in turn: errors of the worst shoe's torque."""
+    """From a brake that meets the model's assumptions, each left in turn: errors of the worst
+    shoe's torque.
+    """
     base = vary(brake, MATCHED | with_arc(brake, 15))
     ring = brake.ring
     assert ring is not None
@@ -197,7 +226,9 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
     for case, changes in cases.items():
         varied = brake if case == "the brake of this study" else vary(base, changes)
         fem = solve(varied, elements=elements)
-        rows.append({"case": case} | {name: worst(TILT_AND_MODELS[name](varied), fem) for name in ERRORS})
+        rows.append(
+            {"case": case} | {name: worst(TILT_AND_MODELS[name](varied), fem) for name in ERRORS}
+        )
     return rows
 
 
@@ -207,13 +238,18 @@ def groups(brake: Brake) -> tuple[float, float]:
     assert shoe.backing is not None and shoe.body is not None and ring is not None
     lining = shoe.lining
     k = lining.width / (
-        lining.thickness / lining.material.E_through + shoe.backing.thickness / shoe.backing.material.E_through
+        lining.thickness / lining.material.E_through
+        + shoe.backing.thickness / shoe.backing.material.E_through
     )
     return k * R**4 / shoe.body.plates["shoe"].bending_stiffness, k * R**4 / ring.EI
 
 
-def error_maps(brake: Brake, points: int, elements: int) -> tuple[list[list[ErrorMap]], list[tuple[float, float]]]:
-    """Rows of maps, for block stiff or soft against the lining; in each the worst shoe's torque error of each model."""
+def error_maps(
+    brake: Brake, points: int, elements: int
+) -> tuple[list[list[ErrorMap]], list[tuple[float, float]]]:
+    """Rows of maps, for block stiff or soft against the lining; in each the worst shoe's torque
+    error of each model.
+    """
     x, y = np.geomspace(0.3, 300, points), np.geomspace(0.3, 300, points)
     rows, places = [], []
     for said, layers in (
@@ -229,7 +265,11 @@ def error_maps(brake: Brake, points: int, elements: int) -> tuple[list[list[Erro
         for i, at_y in enumerate(y.tolist()):
             for j, at_x in enumerate(x.tolist()):
                 varied = vary(
-                    soft, {"shoe.body.bending_stiffness": EI / at_x, "drum.ring.bending_stiffness": EI_r / at_y}
+                    soft,
+                    {
+                        "shoe.body.bending_stiffness": EI / at_x,
+                        "drum.ring.bending_stiffness": EI_r / at_y,
+                    },
                 )
                 try:
                     fem = solve(varied, elements=elements)
@@ -253,25 +293,38 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
     def numbers(response: Response) -> Floats:
         merit = response.merits[0]
         assert isinstance(merit, Merit)
-        return np.array([response.torque, response.shoes[0].normal_force, merit.friction_radius or 0.0])
+        return np.array(
+            [response.torque, response.shoes[0].normal_force, merit.friction_radius or 0.0]
+        )
 
     fine, rows, before = numbers(foundation.solve(fixed, sections=2880)), [], np.full(3, np.nan)
     for n in (45, 90, 180, 360, 720, 1440):
         errors = np.abs(numbers(foundation.solve(fixed, sections=n)) / fine - 1)
         outcome = timed("foundation", partial(foundation.solve, brake, sections=n), repeats)
         assert outcome.response is not None
-        row: dict[str, Any] = {"n": n, "steps": outcome.response.iterations, "seconds": outcome.seconds}
+        row: dict[str, Any] = {
+            "n": n,
+            "steps": outcome.response.iterations,
+            "seconds": outcome.seconds,
+        }
         if n <= 720:
             names = ("torque", "N", "psi")
             row |= dict(zip(names, errors.tolist(), strict=True))
-            row |= {f"{name}_ratio": ratio for name, ratio in zip(names, (before / errors).tolist(), strict=True)}
+            row |= {
+                f"{name}_ratio": ratio
+                for name, ratio in zip(names, (before / errors).tolist(), strict=True)
+            }
         rows.append(row)
         before = errors
     return rows
 
 
-def beam_curves(scene: Scene, brake: Brake, responses: Mapping[str, Response]) -> list[dict[str, Curve]]:
-    """For each shoe, by each elastic model, the deformation r [m] along its beam [m], off the line through its ends."""
+def beam_curves(
+    scene: Scene, brake: Brake, responses: Mapping[str, Response]
+) -> list[dict[str, Curve]]:
+    """For each shoe, by each elastic model, the deformation r [m] along its beam [m], off the line
+    through its ends.
+    """
     made, fem = [], respond(scene, brake)
     for i in range(len(brake.shoes)):
         x, w = beam_deflection(scene, brake, fem, i)
@@ -287,8 +340,9 @@ def beam_curves(scene: Scene, brake: Brake, responses: Mapping[str, Response]) -
 def rim_curves(
     scene: Scene, brake: Brake, responses: Mapping[str, Response]
 ) -> tuple[dict[str, Curve], dict[str, Curve]]:
-    """The rim's displacement [m] over the angle [rad]: the paper's rim of each shoe, and the one rim of all shoes by
-    the foundation with all lifted and by finite elements."""
+    """The rim's displacement [m] over the angle [rad]: the paper's rim of each shoe, and the one
+    rim of all shoes by the foundation with all lifted and by finite elements.
+    """
     turn = np.linspace(0, 2 * np.pi, 400)
     printed = foundation.rim(brake, responses["foundation"], turn)
     lifted = foundation.rim(brake, responses["lifted"], turn, ALL).sum(axis=0)

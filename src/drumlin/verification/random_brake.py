@@ -1,8 +1,8 @@
 """Random brakes of every kind that a brake file can express, drawn from a seed.
 
-Sizes are drawn on logarithmic scales: drums of 20 mm to 3 m, linings of R/1000 to R/3 and of 1 to 170 deg, moduli over
-decades. Forces follow from the pressures that linings are made for, clearances and misfits from the compression that
-these make, so that the contact is now whole, now partial.
+Sizes are drawn on logarithmic scales: drums of 20 mm to 3 m, linings of R/1000 to R/3 and of 1 to
+170 deg, moduli over decades. Forces follow from the pressures that linings are made for, clearances
+and misfits from the compression that these make, so that the contact is now whole, now partial.
 """
 
 import math
@@ -29,8 +29,9 @@ Draw = Callable[[np.random.Generator], dict[str, Any]]
 def random_brake(seed: int, kind: str | None = None) -> Brake:
     """The brake of a seed; `kind`: one of KINDS, by default seed modulo their number, or of WAYS.
 
-    Every shoe is pressed, and friction is 0 or below what locks. Of WAYS: one shoe, "locking" where the sine law locks
-    below mu = 1.5, "opposed" where it never does, with friction left to the caller.
+    Every shoe is pressed, and friction is 0 or below what locks. Of WAYS: one shoe, "locking" where
+    the sine law locks below mu = 1.5, "opposed" where it never does, with friction left to the
+    caller.
     """
     if kind in WAYS:
         return _one_shoe(seed, str(kind))
@@ -96,14 +97,26 @@ def _arc_shoe(
         "name": "shoe",
         "side": "internal" if inside else "external",
         "hinge": {"radius": R * (u(0.5, 0.9) if inside else u(1.1, 1.5)), "angle": origin},
-        "lining": {"start": start, "end": end, "thickness": t, "width": width, "material": _material(rng, *E)},
+        "lining": {
+            "start": start,
+            "end": end,
+            "thickness": t,
+            "width": width,
+            "material": _material(rng, *E),
+        },
         "actuation": {
             "direction": far + (0 if inside else math.pi) + u(-0.6, 0.6),
-            "point": {"radius": R * (u(0.6, 0.95) if inside else u(1.05, 1.5)), "angle": far + hand * u(0.0, 0.15)},
+            "point": {
+                "radius": R * (u(0.6, 0.95) if inside else u(1.05, 1.5)),
+                "angle": far + hand * u(0.0, 0.15),
+            },
         },
     }
     if backing:
-        shoe["backing"] = {"thickness": R * _log(rng, -2.3, -1.0), "material": _material(rng, 8.7, 11.3)}
+        shoe["backing"] = {
+            "thickness": R * _log(rng, -2.3, -1.0),
+            "material": _material(rng, 8.7, 11.3),
+        }
     if body:
         over = [gap * u(0.1, 0.9), u(0.005, 0.12)][::hand]
         shoe["body"] = {
@@ -181,7 +194,8 @@ def _mirrored(shoe: dict[str, Any], about: float) -> dict[str, Any]:
         "name": "other",
         "hinge": place(shoe["hinge"]),
         "lining": arc(shoe["lining"]),
-        "actuation": actuation | {"direction": 2 * about - actuation["direction"], "point": place(actuation["point"])},
+        "actuation": actuation
+        | {"direction": 2 * about - actuation["direction"], "point": place(actuation["point"])},
     }
     return other | ({"body": arc(shoe["body"])} if "body" in shoe else {})
 
@@ -211,7 +225,10 @@ def _backed(rng: np.random.Generator) -> dict[str, Any]:
 
 def _rigid(rng: np.random.Generator) -> dict[str, Any]:
     R = _radius(rng)
-    return {"drum": {"radius": R}, "shoe": [_arc_shoe(rng, R, body=False, backing=rng.random() < 0.5)]}
+    return {
+        "drum": {"radius": R},
+        "shoe": [_arc_shoe(rng, R, body=False, backing=rng.random() < 0.5)],
+    }
 
 
 def _post_brake(rng: np.random.Generator) -> dict[str, Any]:
@@ -253,7 +270,10 @@ def _misfitted(rng: np.random.Generator) -> dict[str, Any]:
     elif how == 2:
         lining["misfit"] = {"taper": float(size * u(-2, 2))}
     elif how == 3:
-        lining["misfit"] = {"radius": float(R + size * u(-4, 4)), "offset": {"x": float(size * u(-1, 1)), "y": 0.0}}
+        lining["misfit"] = {
+            "radius": float(R + size * u(-4, 4)),
+            "offset": {"x": float(size * u(-1, 1)), "y": 0.0},
+        }
     else:
         places = np.linspace(lining["start"], lining["end"], 4)[1:-1]
         lining["misfit"] = {"blocks": [[float(x), float(size * u(0, 1))] for x in places]}
@@ -265,14 +285,20 @@ def _out_of_round(rng: np.random.Generator) -> dict[str, Any]:
     shoe = _arc_shoe(rng, R, backing=rng.random() < 0.3)
     size = _compression(shoe, R)
     lobes = [
-        {"order": int(rng.integers(0, 9)), "amplitude": float(size * u(-1, 1)), "phase": float(u(0, 6))}
+        {
+            "order": int(rng.integers(0, 9)),
+            "amplitude": float(size * u(-1, 1)),
+            "phase": float(u(0, 6)),
+        }
         for _ in range(int(rng.integers(1, 4)))
     ]
     return {"drum": {"radius": R, "out_of_round": lobes, "angle": float(u(0, 6))}, "shoe": [shoe]}
 
 
 def _small_contact(rng: np.random.Generator) -> dict[str, Any]:
-    """A lining of another radius pressed in by a force for which Hertz has a contact of 0.5 to 8 deg."""
+    """A lining of another radius pressed in by a force for which Hertz has a contact of 0.5 to 8
+    deg.
+    """
     R, u = _radius(rng), rng.uniform
     shoe = _arc_shoe(rng, R, arc=(0.35, 1.2), lining=(-1.3, -0.6), body=rng.random() < 0.6)
     lining, inside = shoe["lining"], shoe["side"] == "internal"
@@ -339,8 +365,14 @@ def _one_shoe(seed: int, way: str, attempt: int = 0) -> Brake:
             brake = brake_from(data | {"rotation": rotation})
             law = locking_friction(brake, brake.shoes[0])
             if law < 1.5 if way == "locking" else math.isinf(law):
-                sine(vary(brake, {"friction": 0.1 * min(law, 1.0)}))  # is it pressed, and within what the law covers?
-                if solve(brake.model_copy(update={"friction": 0.0}), elements=COARSE).shoes[0].contact_arcs:
+                sine(
+                    vary(brake, {"friction": 0.1 * min(law, 1.0)})
+                )  # is it pressed, and within what the law covers?
+                if (
+                    solve(brake.model_copy(update={"friction": 0.0}), elements=COARSE)
+                    .shoes[0]
+                    .contact_arcs
+                ):
                     return brake
     except (BadInput, NoAnswer):
         pass

@@ -35,16 +35,18 @@ MORE_FRICTION = 1.2
 MOST_SCALINGS = 8
 """Solves in which the gap is scaled to the length of contact that was drawn."""
 FACTOR_DIGITS = 2
-"""Significant digits of the factor on a gap. A seed gives the same brake after a change of the solver
-that moves the length of contact by less than some percent."""
+"""Significant digits of the factor on a gap. A seed gives the same brake after a change of the
+solver that moves the length of contact by less than some percent.
+"""
 WITHIN = 1.25
 """Factor by which the length of contact may miss the one that was drawn."""
 FEW_LEVELS = 2
 """Levels of a solve that find the length of a contact well enough: within some percent."""
 SHORT_CONTACT = math.radians(0.1), math.radians(0.8)
 LONG_CONTACT = math.radians(0.8), math.radians(8.0)
-"""Lengths of contact [rad]: short ones, of which more than half is in the zones that are left out of
-the errors of other brakes, and long ones."""
+"""Lengths of contact [rad]: short ones, of which more than half is in the zones that are left out
+of the errors of other brakes, and long ones.
+"""
 SHORT_SHARE = 0.7
 """Share of the brakes whose contact is short."""
 AT_END = 1e-9
@@ -82,10 +84,10 @@ KINDS: dict[str, CornerKind] = {
 def random_corner(seed: int, kind: str | None = None) -> Brake:
     """The brake of a seed; `kind`: one of KINDS, by default seed modulo their number.
 
-    Every shoe is pressed, with its friction and with MORE_FRICTION times as much. One of them presses
-    with a corner or under a tip, as its kind says and the first FEW_LEVELS levels see it: friction
-    that drags towards the corner may lift the corner itself a little, which only finer levels see.
-    Raises NoAnswer for a seed without such a brake.
+    Every shoe is pressed, with its friction and with MORE_FRICTION times as much. One of them
+    presses with a corner or under a tip, as its kind says and the first FEW_LEVELS levels see it:
+    friction that drags towards the corner may lift the corner itself a little, which only finer
+    levels see. Raises NoAnswer for a seed without such a brake.
     """
     names = list(KINDS)
     kind = names[seed % len(names)] if kind is None else kind
@@ -111,7 +113,10 @@ def _drawn(rng: Rng, kind: str, seed: int) -> Callable[[float], Brake]:
     gaps = [_gap(rng, shoe, data["drum"]["radius"], KINDS[kind].presses) for shoe in data["shoe"]]
 
     def scaled(factor: float) -> Brake:
-        shoes = [shoe | {"lining": shoe["lining"] | gap(factor)} for shoe, gap in zip(data["shoe"], gaps, strict=True)]
+        shoes = [
+            shoe | {"lining": shoe["lining"] | gap(factor)}
+            for shoe, gap in zip(data["shoe"], gaps, strict=True)
+        ]
         return brake_from(data | {"shoe": shoes})
 
     return scaled
@@ -133,7 +138,9 @@ def _gap(rng: Rng, shoe: Mapping[str, Any], radius: float, presses: str) -> Call
     return _gap_to_tip(rng, lining, size) if presses == "tip" else _gap_of_rows(rng, lining, size)
 
 
-def _gap_to_corner(rng: Rng, lining: Mapping[str, Any], radius: float, size: float) -> Callable[[float], Gap]:
+def _gap_to_corner(
+    rng: Rng, lining: Mapping[str, Any], radius: float, size: float
+) -> Callable[[float], Gap]:
     """A gap that is closed, or nearly, at one corner of the lining, or at both."""
     way, sign = rng.random(), float(rng.choice([-1, 1]))
     if way < 0.4:
@@ -151,7 +158,9 @@ def _gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[f
     """A gap that opens to both sides of one place."""
     start, end = lining["start"], lining["end"]
     at, (left, right) = start + rng.uniform(0.1, 0.9) * (end - start), rng.uniform(0.2, 1.0, 2)
-    return lambda factor: {"clearance": [[start, factor * size * left], [at, 0.0], [end, factor * size * right]]}
+    return lambda factor: {
+        "clearance": [[start, factor * size * left], [at, 0.0], [end, factor * size * right]]
+    }
 
 
 def _gap_of_rows(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
@@ -167,10 +176,11 @@ def _rows(lining: Mapping[str, Any], gaps: Floats) -> list[list[float]]:
 
 
 def _scaled_to_length(rng: Rng, drawn: Callable[[float], Brake], presses: str) -> Brake | None:
-    """The brake whose shortest contact has a length that is drawn here; None where no factor gives it.
+    """The brake whose shortest contact has a length that is drawn here; None where no factor gives
+    it.
 
-    In a lining that is pressed on a wedge the length goes about as the inverse of the gap, and under
-    a curved one as its inverse root.
+    In a lining that is pressed on a wedge the length goes about as the inverse of the gap, and
+    under a curved one as its inverse root.
     """
     low, high = SHORT_CONTACT if rng.random() < SHORT_SHARE else LONG_CONTACT
     wanted, factor = math.exp(rng.uniform(math.log(low), math.log(high))), 3.0
@@ -217,4 +227,8 @@ def at_corner(shoe: Shoe, found: ShoeResponse) -> bool:
 
 def at_tip(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether the contact of a shoe holds a tip of its gap."""
-    return any(start < angle < end for angle, _ in clearance.tips(shoe.lining) for start, end in found.contact_arcs)
+    return any(
+        start < angle < end
+        for angle, _ in clearance.tips(shoe.lining)
+        for start, end in found.contact_arcs
+    )

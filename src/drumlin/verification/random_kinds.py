@@ -1,7 +1,8 @@
-"""Random brakes of every way to hold and push shoes, drawn from a seed; and brakes moved and scaled.
+"""Random brakes of every way to hold and push shoes, drawn from a seed; and brakes moved and
+scaled.
 
-Drawn about the x axis, then turned and mirrored at random. Linings, bodies and forces are of the sizes that brakes
-have: drums of 60 mm to 1.2 m, linings of R/60 to R/8, moduli over a decade.
+Drawn about the x axis, then turned and mirrored at random. Linings, bodies and forces are of the
+sizes that brakes have: drums of 60 mm to 1.2 m, linings of R/60 to R/8, moduli over a decade.
 """
 
 import math
@@ -27,8 +28,9 @@ Draw = Callable[[Rng], dict[str, Any]]
 
 
 def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> Brake:
-    """The brake of a seed; `kind`: one of KINDS, by default seed modulo their number; rigid: without bodies, with thin
-    linings that are alike. All shoes press, up to MARGIN of its friction."""
+    """The brake of a seed; `kind`: one of KINDS, by default seed modulo their number; rigid:
+    without bodies, with thin linings that are alike. All shoes press, up to MARGIN of its friction.
+    """
     names = list(KINDS)
     kind = names[seed % len(names)] if kind is None else kind
     for attempt in range(ATTEMPTS):
@@ -41,7 +43,10 @@ def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> B
             brake = placed(brake, turn=0.0 if brake.surface.straight else turn, mirrored=mirrored)
             for friction in (brake.friction, MARGIN * brake.friction):
                 other = vary(brake, {"friction": friction})
-                if not all(shoe.contact_arcs for shoe in (*law(other).shoes, *solve(other, elements=TRIED).shoes)):
+                if not all(
+                    shoe.contact_arcs
+                    for shoe in (*law(other).shoes, *solve(other, elements=TRIED).shoes)
+                ):
                     raise NoAnswer("a shoe does not press")
             return brake
         except (BadInput, NoAnswer):
@@ -51,10 +56,14 @@ def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> B
 
 def _rigid(data: dict[str, Any]) -> dict[str, Any]:
     size = data.get("drum", {"radius": 0.1})["radius"]
-    alike = {"thickness": size / 300, "material": data["shoe"][0]["lining"]["material"]}  # a cam's law asks for it
+    alike = {
+        "thickness": size / 300,
+        "material": data["shoe"][0]["lining"]["material"],
+    }  # a cam's law asks for it
     fits = {"clearance": 0.0, "misfit": {}}
     shoes = [
-        {key: part for key, part in shoe.items() if key != "body"} | {"lining": shoe["lining"] | alike | fits}
+        {key: part for key, part in shoe.items() if key != "body"}
+        | {"lining": shoe["lining"] | alike | fits}
         for shoe in data["shoe"]
     ]
     return data | {"shoe": shoes}
@@ -65,14 +74,18 @@ def log_between(rng: Rng, low: float, high: float) -> float:
     return float(f"{math.exp(rng.uniform(math.log(low), math.log(high))):.4g}")
 
 
-def _drum(rng: Rng, shoes: Callable[[Rng, float], list[dict[str, Any]]], **more: Any) -> dict[str, Any]:
+def _drum(
+    rng: Rng, shoes: Callable[[Rng, float], list[dict[str, Any]]], **more: Any
+) -> dict[str, Any]:
     R = log_between(rng, 0.06, 1.2)
     rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
     return {"rotation": rotation, "drum": {"radius": R}, "shoe": shoes(rng, R)} | more
 
 
 def _lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
-    """A shoe about the x axis without what holds and pushes it, now with an elastic body, now rigid."""
+    """A shoe about the x axis without what holds and pushes it, now with an elastic body, now
+    rigid.
+    """
     u = rng.uniform
     half, middle, width = u(0.45, 1.0), u(-0.1, 0.1), R * u(0.2, 0.6)
     thickness = R * log_between(rng, 1 / 60, 1 / 8)
@@ -92,7 +105,9 @@ def _lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
     return shoe
 
 
-def _push(rng: Rng, shoe: dict[str, Any], R: float, direction: float, at: tuple[float, float]) -> dict[str, Any]:
+def _push(
+    rng: Rng, shoe: dict[str, Any], R: float, direction: float, at: tuple[float, float]
+) -> dict[str, Any]:
     """Its actuation: a force that presses the lining by a thousandth or so of its modulus."""
     lining = shoe["lining"]
     area = R * (lining["end"] - lining["start"]) * lining["width"]
@@ -134,7 +149,9 @@ def _guided(rng: Rng, R: float) -> dict[str, Any]:
     u, inside = rng.uniform, bool(rng.random() < 0.5)
     shoe = _lining(rng, R, inside=inside)
     way = (0.0 if inside else math.pi) + u(-0.3, 0.3)
-    push = _push(rng, shoe, R, way + u(-0.2, 0.2), (u(0.7, 0.9) if inside else u(1.1, 1.3), u(-0.15, 0.15)))
+    push = _push(
+        rng, shoe, R, way + u(-0.2, 0.2), (u(0.7, 0.9) if inside else u(1.1, 1.3), u(-0.15, 0.15))
+    )
     return shoe | {"guide": {"direction": way}, "actuation": push}
 
 
@@ -149,23 +166,40 @@ def facing(shoe: dict[str, Any]) -> dict[str, Any]:
 
 
 def _cam(rng: Rng) -> dict[str, Any]:
-    make = _hinged if rng.random() < 0.6 else lambda rng, R: _abutted(rng, R, rough=bool(rng.random() < 0.5))
+    make = (
+        _hinged
+        if rng.random() < 0.6
+        else lambda rng, R: _abutted(rng, R, rough=bool(rng.random() < 0.5))
+    )
     data = _drum(rng, lambda rng, R: [make(rng, R), facing(make(rng, R))])
     force = 2 * min(shoe["actuation"]["force"] for shoe in data["shoe"])
-    return data | {"shoe": [_unforced(shoe) for shoe in data["shoe"]], "actuation": {"force": force}}
+    return data | {
+        "shoe": [_unforced(shoe) for shoe in data["shoe"]],
+        "actuation": {"force": force},
+    }
 
 
 def _cylinder(rng: Rng) -> dict[str, Any]:
     data = _drum(rng, lambda rng, R: [_abutted(rng, R, rough=True), facing(_hinged(rng, R))])
-    force, bore = min(shoe["actuation"]["force"] for shoe in data["shoe"]), data["drum"]["radius"] / 5
-    drive = {"pressure": force / (math.pi * bore**2 / 4) / 0.95, "diameter": bore, "efficiency": 0.95}
+    force, bore = (
+        min(shoe["actuation"]["force"] for shoe in data["shoe"]),
+        data["drum"]["radius"] / 5,
+    )
+    drive = {
+        "pressure": force / (math.pi * bore**2 / 4) / 0.95,
+        "diameter": bore,
+        "efficiency": 0.95,
+    }
     return data | {"shoe": [_unforced(shoe) for shoe in data["shoe"]], "actuation": drive}
 
 
 def _strut(rng: Rng) -> dict[str, Any]:
     def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
         u, second = rng.uniform, _lining(rng, R)
-        second |= {"hinge": _point(R, u(0.05, 0.3), u(0.65, 0.85)), "actuation": _push(rng, second, R, 0.0, (0.0, 0.0))}
+        second |= {
+            "hinge": _point(R, u(0.05, 0.3), u(0.65, 0.85)),
+            "actuation": _push(rng, second, R, 0.0, (0.0, 0.0)),
+        }
         other = facing(second)
         del other["actuation"]
         return [_abutted(rng, R, rough=False), other]
@@ -173,7 +207,9 @@ def _strut(rng: Rng) -> dict[str, Any]:
     return _drum(rng, shoes, link=[{"from": "first", "to": "second"}])
 
 
-def _elastic(rng: Rng, R: float, makes: Sequence[Callable[[Rng, float], dict[str, Any]]]) -> dict[str, Any]:
+def _elastic(
+    rng: Rng, R: float, makes: Sequence[Callable[[Rng, float], dict[str, Any]]]
+) -> dict[str, Any]:
     """A shoe by one of the makes that has a body."""
     make = makes[int(rng.integers(len(makes)))]
     while "body" not in (shoe := make(rng, R)):
@@ -213,7 +249,10 @@ def _chain(rng: Rng) -> dict[str, Any]:
             if "body" in shoe:
                 shoe["body"] |= {"start": ends["start"] - 0.03, "end": ends["end"] + 0.03}
             at = ends["end"] + 0.05
-            face = {"point": _point(R, strap * math.cos(at), strap * math.sin(at)), "direction": at + math.pi / 2}
+            face = {
+                "point": _point(R, strap * math.cos(at), strap * math.sin(at)),
+                "direction": at + math.pi / 2,
+            }
             shoe["abutment"] = face
             if not found:
                 point = strap * math.cos(pulled), strap * math.sin(pulled)
@@ -229,7 +268,13 @@ def _pad(rng: Rng, held: str) -> dict[str, Any]:
     long, start = log_between(rng, 0.04, 0.3), float(u(-0.3, 0.3))
     middle, width, t = start + long / 2, long * u(0.2, 0.8), long * log_between(rng, 1 / 40, 1 / 8)
     material = {"E": log_between(rng, 1e8, 1e10), "nu": round(float(u(0.1, 0.4)), 3)}
-    lining = {"start": start, "end": start + long, "thickness": t, "width": width, "material": material}
+    lining = {
+        "start": start,
+        "end": start + long,
+        "thickness": t,
+        "width": width,
+        "material": material,
+    }
     shoe: dict[str, Any] = {"name": "pad", "lining": lining}
     if rng.random() < 0.7:
         shoe["body"] = {
@@ -240,14 +285,24 @@ def _pad(rng: Rng, held: str) -> dict[str, Any]:
     pin, at = {"x": middle - away, "y": high}, {"x": middle + away, "y": high}
     down = -math.pi / 2
     if held == "pivot":
-        shoe |= {"hinge": pin, "pivot": {"x": middle + long * u(-0.1, 0.1), "y": long * u(0.05, 0.3)}}
+        shoe |= {
+            "hinge": pin,
+            "pivot": {"x": middle + long * u(-0.1, 0.1), "y": long * u(0.05, 0.3)},
+        }
     elif held == "hinge":
         shoe |= {"hinge": pin}
     else:
         at, down = {"x": middle + long * u(-0.1, 0.1), "y": high}, down + u(-0.1, 0.1)
-        face = {"point": {"x": start - 0.1 * long, "y": long * u(0.05, 0.2)}, "direction": u(-0.2, 0.2)}
+        face = {
+            "point": {"x": start - 0.1 * long, "y": long * u(0.05, 0.2)},
+            "direction": u(-0.2, 0.2),
+        }
         face["friction"] = round(float(u(0.0, 0.3)), 3)
-        shoe |= {"guide": {"direction": -math.pi / 2 + u(-0.2, 0.2)}} if held == "guide" else {"abutment": face}
+        shoe |= (
+            {"guide": {"direction": -math.pi / 2 + u(-0.2, 0.2)}}
+            if held == "guide"
+            else {"abutment": face}
+        )
     force = float(f"{material['E'] * long * width * log_between(rng, 1e-4, 3e-3):.4g}")
     shoe["actuation"] = {"force": force, "direction": down, "point": at}
     lining |= _ill_fitting(rng.spawn(1)[0], lining, force / (material["E"] * long * width) * t)
@@ -255,12 +310,19 @@ def _pad(rng: Rng, held: str) -> dict[str, Any]:
 
 
 def _ill_fitting(rng: Rng, lining: dict[str, Any], size: float) -> dict[str, Any]:
-    """Clearance and misfit of a pad of about this size [m], by which its force squeezes it; of most pads none."""
+    """Clearance and misfit of a pad of about this size [m], by which its force squeezes it; of most
+    pads none.
+    """
     u, long = rng.uniform, lining["end"] - lining["start"]
     way = int(rng.integers(10))
     if way == 0:
         radius = long**2 / (8 * size * u(0.2, 3.0)) * float(rng.choice([-1, 1]))
-        return {"misfit": {"radius": radius, "offset": {"x": long * u(-0.04, 0.04), "y": size * u(-1, 1)}}}
+        return {
+            "misfit": {
+                "radius": radius,
+                "offset": {"x": long * u(-0.04, 0.04), "y": size * u(-1, 1)},
+            }
+        }
     if way == 1:
         return {"misfit": {"taper": size * u(-2, 2)}, "clearance": size * u(0, 2)}
     if way == 2:
@@ -288,8 +350,12 @@ KINDS: dict[str, Draw] = {
 }
 
 
-def _shoe_placed(shoe: dict[str, Any], turn: float, *, mirrored: bool, shift: float = 0.0) -> dict[str, Any]:
-    """A shoe's data, mirrored about the x axis or not, then turned by an angle [rad] and shifted along x [m]."""
+def _shoe_placed(
+    shoe: dict[str, Any], turn: float, *, mirrored: bool, shift: float = 0.0
+) -> dict[str, Any]:
+    """A shoe's data, mirrored about the x axis or not, then turned by an angle [rad] and shifted
+    along x [m].
+    """
     sign = -1 if mirrored else 1
     c, s = math.cos(turn), math.sin(turn)
 
@@ -301,11 +367,15 @@ def _shoe_placed(shoe: dict[str, Any], turn: float, *, mirrored: bool, shift: fl
         found = part | {"direction": turn + sign * part["direction"]}
         return found | ({"point": place(part["point"])} if "point" in part else {})
 
-    def at(lining: float) -> float:  # on a plane a mirror image is one about y: mirrored and turned by 180 deg
+    def at(
+        lining: float,
+    ) -> float:  # on a plane a mirror image is one about y: mirrored and turned by 180 deg
         return turn + sign * lining if "side" in shoe else c * lining + shift
 
     def reach(part: dict[str, Any]) -> dict[str, Any]:
-        found = part | dict(zip(("start", "end"), sorted(at(part[key]) for key in ("start", "end")), strict=True))
+        found = part | dict(
+            zip(("start", "end"), sorted(at(part[key]) for key in ("start", "end")), strict=True)
+        )
         if isinstance(part.get("clearance"), list | tuple):
             found["clearance"] = sorted([at(x), gap] for x, gap in part["clearance"])
         if "misfit" in part:
@@ -324,14 +394,17 @@ def _shoe_placed(shoe: dict[str, Any], turn: float, *, mirrored: bool, shift: fl
 
 
 def placed(brake: Brake, *, turn: float = 0.0, mirrored: bool = False, shift: float = 0.0) -> Brake:
-    """The brake turned by an angle [rad], mirrored before about the x axis; on a plane shifted [m], mirrored about y.
+    """The brake turned by an angle [rad], mirrored before about the x axis; on a plane shifted [m],
+    mirrored about y.
 
     No blocks of linings' misfits. The struts' and cam's forces are as they were.
     """
     data = (brake.reversed() if mirrored else brake).model_dump(by_alias=True)
     if brake.surface.straight:
         turn = math.pi if mirrored else 0.0
-    data["shoe"] = [_shoe_placed(shoe, turn, mirrored=mirrored, shift=shift) for shoe in data["shoe"]]
+    data["shoe"] = [
+        _shoe_placed(shoe, turn, mirrored=mirrored, shift=shift) for shoe in data["shoe"]
+    ]
     return validated(type(brake), data)
 
 
@@ -340,7 +413,9 @@ FORCES = {"force"}
 
 
 def scaled(brake: Brake, length: float, modulus: float) -> Brake:
-    """The brake with all lengths and all moduli times a factor, and forces so that strains stay as they are."""
+    """The brake with all lengths and all moduli times a factor, and forces so that strains stay as
+    they are.
+    """
     flat = brake.surface.straight
 
     def part(value: Any) -> Any:
@@ -358,7 +433,11 @@ def scaled(brake: Brake, length: float, modulus: float) -> Brake:
         if key in {"E", "pressure"}:
             return value * modulus
         return (
-            value * modulus * length**2 if key in FORCES else value * modulus * length**3 if key == "torque" else value
+            value * modulus * length**2
+            if key in FORCES
+            else value * modulus * length**3
+            if key == "torque"
+            else value
         )
 
     return validated(type(brake), part(brake.model_dump(by_alias=True)))

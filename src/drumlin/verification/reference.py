@@ -1,8 +1,8 @@
 """Reference values of a brake that others can cite, and how far somebody's p(theta) is from them.
 
-The value comes from columns of high degree on the finer of two divisions, with exact contact. Its uncertainty is the
-larger of two distances: from the other division, of another degree and grading, and from curved triangles, which share
-nothing with it but the brake.
+The value comes from columns of high degree on the finer of two divisions, with exact contact. Its
+uncertainty is the larger of two distances: from the other division, of another degree and grading,
+and from curved triangles, which share nothing with it but the brake.
 """
 
 import importlib.metadata
@@ -43,8 +43,9 @@ ALONE = (
 
 
 class Refinement(NamedTuple):
-    """How finely a reference is solved: two divisions into columns, the second one cited, after `first` levels that
-    find the ends of the contact; the meshes of triangles, where there are any."""
+    """How finely a reference is solved: two divisions into columns, the second one cited, after
+    `first` levels that find the ends of the contact; the meshes of triangles, where there are any.
+    """
 
     first: int
     levels: tuple[Level, Level]
@@ -60,13 +61,15 @@ FINE = Refinement(
     ),
     triangles.LEVELS,
 )
-"""Sizes that grow slowly towards the ends of the layers and the hinge, where the torque feels them; thinner columns at
-the lining's ends would cost a stiff shoe more digits than they bring."""
+"""Sizes that grow slowly towards the ends of the layers and the hinge, where the torque feels them;
+thinner columns at the lining's ends would cost a stiff shoe more digits than they bring.
+"""
 
 
 class Trio(NamedTuple):
-    """The responses of a reference: `value` is cited, `before` on the other division, `other` by triangles, None where
-    these do not cover the brake."""
+    """The responses of a reference: `value` is cited, `before` on the other division, `other` by
+    triangles, None where these do not cover the brake.
+    """
 
     value: Response
     before: Response
@@ -79,23 +82,30 @@ class Trio(NamedTuple):
 
 
 def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
-    """The fine responses of a brake. Raises BadInput where finite elements do not apply or a mesh is given by a file,
-    NoAnswer where there is no equilibrium."""
+    """The fine responses of a brake. Raises BadInput where finite elements do not apply or a mesh
+    is given by a file, NoAnswer where there is no equilibrium.
+    """
     for shoe in brake.shoes:
         if shoe.mesh is not None:
-            raise BadInput(f"shoe {shoe.name!r} has a mesh file, which is not refined: no reference values")
+            raise BadInput(
+                f"shoe {shoe.name!r} has a mesh file, which is not refined: no reference values"
+            )
     respond_ = partial(respond, penalty=math.inf)
     *_, last = islice((step.response for step in steps(brake, respond_)), refinement.first)
     found = []
     for level in refinement.levels:
-        last = respond_(scene(brake, level, places_of(brake, last, error=level.error)), brake, start=last)
+        last = respond_(
+            scene(brake, level, places_of(brake, last, error=level.error)), brake, start=last
+        )
         found.append(last)
     before, value = found
     return Trio(value, before, _by_triangles(brake, value, refinement))
 
 
 def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Response | None:
-    """The finest solution by triangles in the form of `like`; None where they do not cover the brake, as on a plane."""
+    """The finest solution by triangles in the form of `like`; None where they do not cover the
+    brake, as on a plane.
+    """
     if not refinement.triangles or brake.surface.straight:
         return None
     try:
@@ -120,7 +130,9 @@ def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Respo
 
 
 def peak_away(response: ShoeResponse, edge: float, points: int = 2001) -> float:
-    """Largest pressure [Pa] outside zones of `edge` [rad] at the lining's ends, at evenly spread angles."""
+    """Largest pressure [Pa] outside zones of `edge` [rad] at the lining's ends, at evenly spread
+    angles.
+    """
     start, end = response.theta[0] + edge, response.theta[-1] - edge
     return float(response.pressure_at(np.linspace(start, end, points)).max())
 
@@ -143,10 +155,11 @@ class Sure:
 class ShoeReference:
     """What is known of one shoe.
 
-    `contact_force` (2,) [N]: of the drum on the lining, friction included. `peak_pressure` [Pa]: outside the zones of
-    `edge` [rad] at the lining's ends. `contact_arcs` (k, 2) [rad]. `theta` (n,) [rad], whole degrees; on a plane x [m]
-    in place of angles, whole millimetres, and the braking force [N] in place of the torque. `pressure` and
-    `uncertainty` (n,) [Pa]. `distance`: relative L2 distance of both pressures outside EDGE_ZONE at the ends.
+    `contact_force` (2,) [N]: of the drum on the lining, friction included. `peak_pressure` [Pa]:
+    outside the zones of `edge` [rad] at the lining's ends. `contact_arcs` (k, 2) [rad]. `theta`
+    (n,) [rad], whole degrees; on a plane x [m] in place of angles, whole millimetres, and the
+    braking force [N] in place of the torque. `pressure` and `uncertainty` (n,) [Pa]. `distance`:
+    relative L2 distance of both pressures outside EDGE_ZONE at the ends.
     """
 
     name: str
@@ -165,7 +178,9 @@ class ShoeReference:
     @property
     def inside(self) -> Bools:
         """Which angles are not in the edge zones."""
-        return np.asarray((self.theta > self.ends[0] + self.edge) & (self.theta < self.ends[1] - self.edge))
+        return np.asarray(
+            (self.theta > self.ends[0] + self.edge) & (self.theta < self.ends[1] - self.edge)
+        )
 
     @property
     def pressure_uncertainty(self) -> float:
@@ -192,23 +207,34 @@ class Reference:
 
 
 def reference(brake: Brake, text: str, command: str, trio: Trio | None = None) -> Reference:
-    """The reference values of a brake; `trio`: its fine responses, already there. Raises as responses."""
+    """The reference values of a brake; `trio`: its fine responses, already there. Raises as
+    responses.
+    """
     brake.check_meshable()
     trio = trio or responses(brake)
-    versions = {"drumlin": drumlin.__version__, **{name: importlib.metadata.version(name) for name in PACKAGES}}
+    versions = {
+        "drumlin": drumlin.__version__,
+        **{name: importlib.metadata.version(name) for name in PACKAGES},
+    }
     shoes = tuple(_shoe(brake, i, trio) for i in range(len(brake.shoes)))
-    torque = Sure(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))  # shoes do not cancel
+    torque = Sure(
+        trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes)
+    )  # shoes do not cancel
     method = ALONE if trio.other is None else METHOD
     return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
 
 
 def _sure(value: Any, *others: Any) -> Sure:
-    """A value whose uncertainty is its distance from the farthest of others; of arrays of another shape: infinite."""
+    """A value whose uncertainty is its distance from the farthest of others; of arrays of another
+    shape: infinite.
+    """
     value = np.asarray(value, dtype=float)
     apart = 0.0
     for other in others:
         off = np.asarray(other, dtype=float)
-        apart = max(apart, float(np.linalg.norm(value - off)) if value.shape == off.shape else math.inf)
+        apart = max(
+            apart, float(np.linalg.norm(value - off)) if value.shape == off.shape else math.inf
+        )
     return Sure(value.tolist(), apart)
 
 
@@ -217,7 +243,10 @@ def _contact_force(brake: Brake, index: int, found: ShoeResponse) -> Floats:
     shoe = brake.shoes[index]
     if not shoe.flat:
         return contact_resultant(brake, index, found).force
-    return -found.hinge_reaction - (shoe if found.force is None else shoe.under(found.force)).actuation.vector
+    return (
+        -found.hinge_reaction
+        - (shoe if found.force is None else shoe.under(found.force)).actuation.vector
+    )
 
 
 def _shoe(brake: Brake, index: int, trio: Trio) -> ShoeReference:
@@ -241,5 +270,7 @@ def _shoe(brake: Brake, index: int, trio: Trio) -> ShoeReference:
         theta=theta,
         pressure=pressure,
         uncertainty=np.max([np.abs(x.pressure_at(theta) - pressure) for x in own[1:]], axis=0),
-        distance=max(pressure_distance(x, a, edge_of(brake)) for x in own[1:]) if a.pressure.any() else 0.0,
+        distance=max(pressure_distance(x, a, edge_of(brake)) for x in own[1:])
+        if a.pressure.any()
+        else 0.0,
     )

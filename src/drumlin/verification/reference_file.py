@@ -1,4 +1,6 @@
-"""Reference values as files: written as JSON, read back without trust, found by the brake file that they belong to."""
+"""Reference values as files: written as JSON, read back without trust, found by the brake file that
+they belong to.
+"""
 
 import json
 import math
@@ -36,7 +38,10 @@ UNITS = {
 
 
 SURFACE_UNITS = {
-    surface: {"torque": surface.effect_unit, **dict.fromkeys(("contact_arcs", "edge", "theta"), surface.unit)}
+    surface: {
+        "torque": surface.effect_unit,
+        **dict.fromkeys(("contact_arcs", "edge", "theta"), surface.unit),
+    }
     for surface in (DRUM, PLANE)
 }
 
@@ -50,7 +55,10 @@ def _rounded(value: Any, digits: int = DIGITS) -> Any:
 
 def _sure_data(sure: Sure) -> dict[str, Any]:
     finite = math.isfinite(sure.uncertainty)
-    return {"value": _rounded(sure.value), "uncertainty": _rounded(sure.uncertainty, 3) if finite else None}
+    return {
+        "value": _rounded(sure.value),
+        "uncertainty": _rounded(sure.uncertainty, 3) if finite else None,
+    }
 
 
 def as_dict(found: Reference) -> dict[str, Any]:
@@ -60,7 +68,13 @@ def as_dict(found: Reference) -> dict[str, Any]:
             "name": shoe.name,
             **{
                 key: _sure_data(getattr(shoe, key))
-                for key in ("torque", "contact_force", "hinge_reaction", "peak_pressure", "contact_arcs")
+                for key in (
+                    "torque",
+                    "contact_force",
+                    "hinge_reaction",
+                    "peak_pressure",
+                    "contact_arcs",
+                )
             },
             "lining": _rounded(list(shoe.ends)),
             "edge": _rounded(shoe.edge),
@@ -108,13 +122,23 @@ def read_reference(path: Path) -> Reference:
             tuple(_shoe_from(shoe) for shoe in data["shoes"]),
             surface=PLANE if data["units"]["theta"] == PLANE.unit else DRUM,
         )
-    except (ValueError, LookupError, TypeError, AttributeError, RecursionError, OverflowError) as error:
-        raise BadInput(f"{path}: holds no reference values in the form of `drumlin reference`") from error
+    except (
+        ValueError,
+        LookupError,
+        TypeError,
+        AttributeError,
+        RecursionError,
+        OverflowError,
+    ) as error:
+        raise BadInput(
+            f"{path}: holds no reference values in the form of `drumlin reference`"
+        ) from error
 
 
 def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
-    """A row a shoe of reference values as plain data: what is known of it, and which of six digits of its torque and
-    four of p away from the edges it is short of."""
+    """A row a shoe of reference values as plain data: what is known of it, and which of six digits
+    of its torque and four of p away from the edges it is short of.
+    """
     rows = []
     for shoe in values["shoes"]:
         peak, (start, end), edge = shoe["peak_pressure"]["value"], shoe["lining"], shoe["edge"]
@@ -127,7 +151,10 @@ def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
         pressure = max(away) / peak
         short = [f"six digits of torque ({torque:.0e})"] * (torque > 1e-6)
         short += [f"four digits of p ({pressure:.0e})"] * (pressure > 1e-4)
-        arcs = [f"{math.degrees(a):.3f} to {math.degrees(b):.3f}" for a, b in shoe["contact_arcs"]["value"]]
+        arcs = [
+            f"{math.degrees(a):.3f} to {math.degrees(b):.3f}"
+            for a, b in shoe["contact_arcs"]["value"]
+        ]
         rows.append(
             {
                 "brake": name,
@@ -158,7 +185,9 @@ def _numbers(value: object, *shape: int) -> Floats:
     array = np.array(value, dtype=float)
     if array.size == 0:
         array = array.reshape([max(length, 0) for length in shape])
-    fits = array.ndim == len(shape) and all(n in {-1, m} for n, m in zip(shape, array.shape, strict=True))
+    fits = array.ndim == len(shape) and all(
+        n in {-1, m} for n, m in zip(shape, array.shape, strict=True)
+    )
     if not fits or not (np.abs(array) <= LARGEST).all():
         raise ValueError("not finite numbers of the shape that is needed")
     return array
@@ -166,7 +195,9 @@ def _numbers(value: object, *shape: int) -> Floats:
 
 def _sure_from(data: dict[str, Any], *shape: int) -> Sure:
     known = data["uncertainty"]
-    return Sure(_numbers(data["value"], *shape).tolist(), math.inf if known is None else _size(known))
+    return Sure(
+        _numbers(data["value"], *shape).tolist(), math.inf if known is None else _size(known)
+    )
 
 
 def _size(value: object) -> float:
@@ -179,7 +210,9 @@ def _size(value: object) -> float:
 
 def _shoe_from(data: dict[str, Any]) -> ShoeReference:
     theta = _numbers(data["theta"], -1)
-    pressure, uncertainty = (_numbers(data[key], len(theta)) for key in ("pressure", "pressure_uncertainty"))
+    pressure, uncertainty = (
+        _numbers(data[key], len(theta)) for key in ("pressure", "pressure_uncertainty")
+    )
     first, last = _numbers(data["lining"], 2).tolist()
     if not first < last or (np.diff(theta) <= 0).any():
         raise ValueError("angles that do not grow")
@@ -200,14 +233,19 @@ def _shoe_from(data: dict[str, Any]) -> ShoeReference:
 
 
 def stored(text: str, *folders: Path) -> Path | None:
-    """The file with reference values of a brake file that says what this text says, comments aside, in the first of
-    the folders that has one.
+    """The file with reference values of a brake file that says what this text says, comments aside,
+    in the first of the folders that has one.
     """
     asked = _said(text)
     for folder in folders:
         for path in sorted(folder.glob("*.json")):
             try:
-                if _said(json.loads(read_text(path, LARGEST_FILE, "reference values"))["brake_file"]) == asked:
+                if (
+                    _said(
+                        json.loads(read_text(path, LARGEST_FILE, "reference values"))["brake_file"]
+                    )
+                    == asked
+                ):
                     return path
             except (BadInput, ValueError, LookupError, TypeError, RecursionError):
                 continue  # another JSON file

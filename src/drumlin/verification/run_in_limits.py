@@ -1,8 +1,10 @@
-"""Whether brakes that run in end at the law of their rigid shoes, and whether the wear on the way can be trusted.
+"""Whether brakes that run in end at the law of their rigid shoes, and whether the wear on the way
+can be trusted.
 
-Rows of tables: a brake run in from new (`brake_row`, `ratio_row`), half the step (`half_row`), exponents of the
-pressure (`exponent_row`), a drum that turns both ways (`reversed_run`), and implicit against explicit steps
-(`step_rows`). Distances are in units of 1/(k K), K = E/t of the lining, k the wear coefficient.
+Rows of tables: a brake run in from new (`brake_row`, `ratio_row`), half the step (`half_row`),
+exponents of the pressure (`exponent_row`), a drum that turns both ways (`reversed_run`), and
+implicit against explicit steps (`step_rows`). Distances are in units of 1/(k K), K = E/t of the
+lining, k the wear coefficient.
 """
 
 import math
@@ -27,7 +29,18 @@ from drumlin.laws import hinged, law
 from drumlin.response.norms import relative
 from drumlin.wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
 from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup, guided
-from drumlin.wear.run_in import COEFFICIENT, Target, checks, distance, life, norm, run_in, target, unit_distance, worn
+from drumlin.wear.run_in import (
+    COEFFICIENT,
+    Target,
+    checks,
+    distance,
+    life,
+    norm,
+    run_in,
+    target,
+    unit_distance,
+    worn,
+)
 
 ARCHARD = WearLaw(COEFFICIENT)
 WITHIN = 0.01  # of the law: what "away from the law" means in the tables
@@ -57,14 +70,17 @@ class Run:
 def settle(name: str, setup: WearSetup, law: WearLaw = ARCHARD, **options: Any) -> Run:
     """Run in a setup until it is settled."""
     states = run_in(setup, law, **options)
-    return Run(name, setup, states, target(setup, law, options.get("torque")), unit_distance(setup, law))
+    return Run(
+        name, setup, states, target(setup, law, options.get("torque")), unit_distance(setup, law)
+    )
 
 
 def ways(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
-    """How a brake can be run in: words that follow its name, model, brake; and why finite elements cannot.
+    """How a brake can be run in: words that follow its name, model, brake; and why finite elements
+    cannot.
 
-    One shoe alone also with the drum turned back: of two, one is what the other is when the drum turns back. Rigid
-    external shoes also on a guide.
+    One shoe alone also with the drum turned back: of two, one is what the other is when the drum
+    turns back. Rigid external shoes also on a guide.
     """
     found, reason = list[tuple[str, str, Brake]](), why_not(brake)
     if reason is None:
@@ -102,7 +118,9 @@ def law_of(model: str, brake: Brake) -> tuple[str, float]:
     return "x cos" if model == "foundation" else "sin", hinged.sine(brake).torque
 
 
-def brake_row(name: str, model: str, brake: Brake, elements: int) -> tuple[dict[str, Any], Run | None]:
+def brake_row(
+    name: str, model: str, brake: Brake, elements: int
+) -> tuple[dict[str, Any], Run | None]:
     """How a brake runs in, as a row; a failure stays as a row."""
     row: dict[str, Any] = {"brake": name, "model": model}
     begin = time.perf_counter()
@@ -112,7 +130,11 @@ def brake_row(name: str, model: str, brake: Brake, elements: int) -> tuple[dict[
         row["law"], torque = law_of(model, brake)
     except NoAnswer as error:
         return {**row, "status": f"failed: {error}"}, None
-    row |= {"target": relative(one.goal.torque, torque), **run_row(one), "seconds": time.perf_counter() - begin}
+    row |= {
+        "target": relative(one.goal.torque, torque),
+        **run_row(one),
+        "seconds": time.perf_counter() - begin,
+    }
     if row["status"] == AT_LAW and abs(row["target"]) > TORQUE:
         row["status"] = "at its own limit, which is not the law"
     return row, one
@@ -151,7 +173,10 @@ def ratio_row(brake: Brake, ratio: float, elements: int) -> dict[str, Any]:
     body = brake.shoes[0].body
     assert body is not None and body.material is not None  # elastic shoes, whose modulus is known
     changed = vary(brake, {"shoe.lining.material.E": ratio * body.material.E_along})
-    return {"ratio": ratio, **run_row(settle("", fem_setup(prepare(changed, elements=elements), changed)))}
+    return {
+        "ratio": ratio,
+        **run_row(settle("", fem_setup(prepare(changed, elements=elements), changed))),
+    }
 
 
 def half_row(one: Run) -> dict[str, Any]:
@@ -196,9 +221,11 @@ def exponent_row(setup: WearSetup, m: float) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Reversals:
-    """A run under reversals every so often [1/(k K)]: its states, and how `far` p is in each from the law of its sense.
+    """A run under reversals every so often [1/(k K)]: its states, and how `far` p is in each from
+    the law of its sense.
 
-    `mean`: how far the wear of the last two reversals, one each way, is from that by the mean of both laws.
+    `mean`: how far the wear of the last two reversals, one each way, is from that by the mean of
+    both laws.
     """
 
     every: float
@@ -208,7 +235,9 @@ class Reversals:
 
     @property
     def row(self) -> dict[str, float]:
-        """What becomes of p in the second half of the run: right `after` a reversal, and at its best `before` one."""
+        """What becomes of p in the second half of the run: right `after` a reversal, and at its
+        best `before` one.
+        """
         later = self.far[len(self.far) // 2 :]
         return {"every": self.every, "after": max(later), "before": min(later), "mean": self.mean}
 
@@ -218,12 +247,25 @@ def reversed_run(scene: Scene, brake: Brake, every: float, turns: int) -> Revers
     setups = {True: fem_setup(scene, brake), False: fem_setup(scene, turned_back(brake))}
     goals = {sense: target(setup) for sense, setup in setups.items()}
     size = every * unit_distance(setups[True], ARCHARD)
-    states = run_in(setups[True], ARCHARD, backward=setups[False], reverse=size, distance=turns * size, tolerance=5e-3)
-    far = [distance(setups[state.forward], state, goals[state.forward]).pressure for state in states]
-    turned = [state for state, after in pairwise(states) if state.forward != after.forward] + states[-1:]
+    states = run_in(
+        setups[True],
+        ARCHARD,
+        backward=setups[False],
+        reverse=size,
+        distance=turns * size,
+        tolerance=5e-3,
+    )
+    far = [
+        distance(setups[state.forward], state, goals[state.forward]).pressure for state in states
+    ]
+    turned = [
+        state for state, after in pairwise(states) if state.forward != after.forward
+    ] + states[-1:]
     worn_off = turned[-1].depth - turned[-3].depth
     law = ARCHARD.coefficient * size * (goals[True].pressure + goals[False].pressure)
-    mean = max(norm(s, s.along(worn_off - law)) / norm(s, s.along(law)) for s in setups[True].surfaces)
+    mean = max(
+        norm(s, s.along(worn_off - law)) / norm(s, s.along(law)) for s in setups[True].surfaces
+    )
     return Reversals(every, states, far, mean)
 
 
@@ -236,8 +278,12 @@ class Board:
     ripple: float
 
 
-def step_rows(one: Run, end: float, steps: Sequence[float]) -> tuple[list[dict[str, Any]], list[Board]]:
-    """Implicit and explicit steps of equal size up to `end`, in 1/(k K): checkerboard, contact, torque."""
+def step_rows(
+    one: Run, end: float, steps: Sequence[float]
+) -> tuple[list[dict[str, Any]], list[Board]]:
+    """Implicit and explicit steps of equal size up to `end`, in 1/(k K): checkerboard, contact,
+    torque.
+    """
     exact = at(run_in(one.setup, ARCHARD, distance=end * one.unit, tolerance=1e-4), end * one.unit)
     rows, boards = list[dict[str, Any]](), list[Board]()
     for way, size, run in _ways_to_step(one, end, steps):
@@ -281,7 +327,9 @@ class Frame:
 
 
 def frames(scene: Scene, one: Run, count: int) -> list[Frame]:
-    """Moments of a run, evenly spread over the logarithm of the distance, with the fields of the shoes."""
+    """Moments of a run, evenly spread over the logarithm of the distance, with the fields of the
+    shoes.
+    """
     end = one.states[-1].s
     found = []
     for s in [0.0, *np.geomspace(3e-4 * end, end, count - 1)]:

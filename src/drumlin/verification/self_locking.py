@@ -1,4 +1,6 @@
-"""Self-locking of elastic brakes: limit, torque up to it, uniqueness of answers, slopes against differences."""
+"""Self-locking of elastic brakes: limit, torque up to it, uniqueness of answers, slopes against
+differences.
+"""
 
 import math
 from typing import Any
@@ -19,9 +21,18 @@ from drumlin.verification.random_brake import random_brake
 
 FAR = 3.0  # friction coefficient up to which the limit of a brake is looked for
 NEVER = 100.0  # and that of a random brake
-LARGEST = 1.0  # friction coefficient up to which a shoe that never locks is asked for its uniqueness
+LARGEST = (
+    1.0  # friction coefficient up to which a shoe that never locks is asked for its uniqueness
+)
 FRACTIONS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
-BEYOND = (1 + 1e-6, 1.01, 1.1, 1.5, 2.0, 3.0)  # parts of the limit at which there should be no answer
+BEYOND = (
+    1 + 1e-6,
+    1.01,
+    1.1,
+    1.5,
+    2.0,
+    3.0,
+)  # parts of the limit at which there should be no answer
 STARTS = 5  # random contact sets
 ELEMENTS = 16  # of the random brakes
 SMALL = 4  # elements of the brakes on which all contact sets are tried
@@ -43,7 +54,9 @@ def limit_row(brake: Brake, elements: int) -> Row:
 
 
 def torque_row(brake: Brake, name: str, elements: int) -> Row:
-    """Torque [N m] over friction up to the elastic limit, and by the sine law up to that of the law."""
+    """Torque [N m] over friction up to the elastic limit, and by the sine law up to that of the
+    law.
+    """
     scene = prepare(brake, elements=elements)
     end = min(found.friction for found in limits(scene, brake, FAR).values())
     law = _law(brake)
@@ -61,17 +74,21 @@ def _law(brake: Brake) -> float:
 
 
 def pole(row: Row) -> tuple[float, float]:
-    """T (mu_lock - mu) [N m] nearest to the limit, and by what part of itself it still changes from 1e-5 of it on.
+    """T (mu_lock - mu) [N m] nearest to the limit, and by what part of itself it still changes from
+    1e-5 of it on.
 
     `row`: of torque_row.
     """
     products = [T * (row["mu_lock"] - mu) for mu, T in zip(row["mu"], row["torque"], strict=True)]
-    near = [p for p, mu in zip(products, row["mu"], strict=True) if 1 - mu / row["mu_lock"] < 1.01e-5]
+    near = [
+        p for p, mu in zip(products, row["mu"], strict=True) if 1 - mu / row["mu_lock"] < 1.01e-5
+    ]
     return products[-1], abs(near[-1] / near[0] - 1)
 
 
 def uniqueness_row(seed: int, way: str) -> Row:
-    """One random brake: starts from all, no and random nodes at each fraction of its limit; beyond the limit.
+    """One random brake: starts from all, no and random nodes at each fraction of its limit; beyond
+    the limit.
 
     `way`: as `random_brake` takes it.
     """
@@ -124,7 +141,9 @@ def _clearance(brake: Brake) -> str:
 
 
 def slope_rows(brake: Brake, name: str, penalty: float) -> list[Row]:
-    """Slopes of the whole torque next to differences; S of the elastic brake and of the sine law in the first row."""
+    """Slopes of the whole torque next to differences; S of the elastic brake and of the sine law in
+    the first row.
+    """
     found, table = against_differences(brake, 1, elements=20, penalty=penalty)
     return [row | {"brake": name} | ({"S": found.S, "law": (found.law or (None,))[-1]} if k == 0 else {})
             for k, row in enumerate(table)]  # fmt: skip

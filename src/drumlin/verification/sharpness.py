@@ -1,10 +1,12 @@
-"""Whether stated errors are large enough, and no larger than they need to be, on the brakes with stored truths.
+"""Whether stated errors are large enough, and no larger than they need to be, on the brakes with
+stored truths.
 
-An error that is stated too small is a wrong number; one that is stated ten times too large costs a level of hp elements
-that nobody needed. Both are measured by the ratio of stated to true error. `judged` takes one brake through all levels
-once and reads from them what a solve states by default and at two tolerances. `sharpness` reduces the ratios of each
-quantity to two numbers, and `complaints` compares these with those that were written down when the factors of the
-estimate were last fitted,
+An error that is stated too small is a wrong number; one that is stated ten times too large costs a
+level of hp elements that nobody needed. Both are measured by the ratio of stated to true error.
+`judged` takes one brake through all levels once and reads from them what a solve states by default
+and at two tolerances. `sharpness` reduces the ratios of each quantity to two numbers, and
+`complaints` compares these with those that were written down when the factors of the estimate were
+last fitted,
 
     python -m drumlin.verification.sharpness FOLDER
 
@@ -39,12 +41,16 @@ PROMISED = 0.01
 """Largest share of stated errors that may be too small, as README promises."""
 
 SURE = 0.95
-"""Of as many stated errors as are judged, the number that may be too small is the one that a share PROMISED stays below
-with this probability: a promise that is kept must not turn a test red because few are judged."""
+"""Of as many stated errors as are judged, the number that may be too small is the one that a share
+PROMISED stays below with this probability: a promise that is kept must not turn a test red because
+few are judged.
+"""
 
 NEAR = 0.3
-"""How far the median and the smallest tenth of the ratios may be from the values that were written down, relative.
-Half of it would be within what a change of the levels moves them by; at twice it a factor of two would pass unseen."""
+"""How far the median and the smallest tenth of the ratios may be from the values that were written
+down, relative. Half of it would be within what a change of the levels moves them by; at twice it a
+factor of two would pass unseen.
+"""
 
 FILE = "sharpness.json"
 
@@ -62,7 +68,9 @@ class Judged(NamedTuple):
     unsure: Mapping[str, float]
 
     def ratio(self, quantity: str) -> float:
-        """Stated over true error, the true one less its uncertainty; inf where nothing is left, nan if unjudged."""
+        """Stated over true error, the true one less its uncertainty; inf where nothing is left, nan
+        if unjudged.
+        """
         kinds = {"stated": self.stated, "true": self.true, "unsure": self.unsure}
         return ratio({f"{kind}_{quantity}": of[quantity] for kind, of in kinds.items()}, quantity)
 
@@ -75,14 +83,18 @@ class Judged(NamedTuple):
 
 
 class Spread(NamedTuple):
-    """Of the ratios of stated to true error of one quantity: their median, and the value a tenth of them is below."""
+    """Of the ratios of stated to true error of one quantity: their median, and the value a tenth of
+    them is below.
+    """
 
     median: float
     tenth: float
 
 
 def judged(name: str, stored: StoredTruth) -> list[Judged]:
-    """Stated and true errors of the brake of a stored truth, one for each of ASKED that has an answer."""
+    """Stated and true errors of the brake of a stored truth, one for each of ASKED that has an
+    answer.
+    """
     brake = stored.brake
     sequences: tuple[Iterable[Step], ...] = tee(steps(brake, respond), len(ASKED))
     found = []
@@ -95,7 +107,9 @@ def judged(name: str, stored: StoredTruth) -> list[Judged]:
 
 
 def _answer(brake: Brake, tolerance: Tolerance, sequence: Iterable[Step]) -> Response | None:
-    """The answer that a solve would give, or None where it would say that the tolerance is not reached."""
+    """The answer that a solve would give, or None where it would say that the tolerance is not
+    reached.
+    """
     try:
         return adapt(brake, tolerance, respond, must=tolerance != DEFAULT, along=sequence).response
     except NoAnswer:
@@ -122,7 +136,8 @@ def sharpness(rows: Sequence[Judged]) -> dict[str, Spread]:
 
 
 def complaints(rows: Sequence[Judged], written: Mapping[str, Spread]) -> list[str]:
-    """What is wrong with the stated errors of `rows`, one line for each fault; none where all is well.
+    """What is wrong with the stated errors of `rows`, one line for each fault; none where all is
+    well.
 
     written: the spreads of the last calibration.
     """
@@ -132,16 +147,22 @@ def complaints(rows: Sequence[Judged], written: Mapping[str, Spread]) -> list[st
         known = [(value, one) for value, one in ratios if not math.isnan(value)]
         small = [f"{one.name} at {one.asked} ({value:.2f})" for value, one in known if value < 1]
         if len(small) > binom.ppf(SURE, len(known), PROMISED):
-            found.append(f"{quantity}: {len(small)} of {len(known)} stated errors are too small: {', '.join(small)}")
+            found.append(
+                f"{quantity}: {len(small)} of {len(known)} stated errors are too small: {', '.join(small)}"
+            )
         for which, value, before in zip(Spread._fields, spread, written[quantity], strict=True):
             if abs(value / before - 1) > NEAR:
-                found.append(f"{quantity}: {which} of stated over true error {value:.2f}, was {before:.2f}")
+                found.append(
+                    f"{quantity}: {which} of stated over true error {value:.2f}, was {before:.2f}"
+                )
     return found
 
 
 def scaled(rows: Iterable[Judged], quantity: str, factor: float) -> list[Judged]:
     """The rows with the stated errors of one quantity times a factor."""
-    return [one._replace(stated={**one.stated, quantity: factor * one.stated[quantity]}) for one in rows]
+    return [
+        one._replace(stated={**one.stated, quantity: factor * one.stated[quantity]}) for one in rows
+    ]
 
 
 def read_sharpness(folder: Path) -> dict[str, Spread]:

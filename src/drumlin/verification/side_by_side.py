@@ -40,7 +40,11 @@ def kept(
         What cases are called where `say` is told.
     """
     left = [case for case in cases if case not in journal]
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) if processes else nullcontext() as pool:
+    with (
+        ProcessPoolExecutor(processes, mp_context=get_context("spawn"))
+        if processes
+        else nullcontext() as pool
+    ):
         results = pool.map(work, left) if pool else map(work, left)
         for done, (case, found) in enumerate(zip(left, results, strict=True), 1):
             journal.add(case, found)

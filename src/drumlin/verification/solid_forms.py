@@ -1,4 +1,6 @@
-"""Closed forms in three dimensions for the solid shoe's parts: no brake, the same mesh, stiffness and contact face."""
+"""Closed forms in three dimensions for the solid shoe's parts: no brake, the same mesh, stiffness
+and contact face.
+"""
 
 import math
 from collections.abc import Mapping
@@ -25,7 +27,9 @@ PART = "lining"
 
 def _section(grid: Any, at: Floats, groups: Mapping[str, Any]) -> Any:
     """A section of quadratic quadrilaterals on a straight grid, its nodes moved to `at` (2, nodes)."""
-    return skfem.MeshQuad2(at, grid.t, _subdomains={PART: np.arange(grid.nelements)}, _boundaries=dict(groups))
+    return skfem.MeshQuad2(
+        at, grid.t, _subdomains={PART: np.arange(grid.nelements)}, _boundaries=dict(groups)
+    )
 
 
 def ring_sector(radii: Floats, angles: Floats, z: Floats) -> Solid:
@@ -39,18 +43,28 @@ def ring_sector(radii: Floats, angles: Floats, z: Floats) -> Solid:
     }
     quadratic = skfem.MeshQuad2.from_mesh(grid)
     r, phi = radii[-1] - quadratic.doflocs[0], quadratic.doflocs[1]
-    return extruded(_section(grid, np.array([r * np.cos(phi), r * np.sin(phi)]), groups), {PART: float(z[-1])}, z)
+    return extruded(
+        _section(grid, np.array([r * np.cos(phi), r * np.sin(phi)]), groups),
+        {PART: float(z[-1])},
+        z,
+    )
 
 
 def face_on(solid: Solid) -> ContactFace:
     """The contact face of a sector about angle 0."""
-    return contact_face(contact_line(solid.plane, solid.section.boundaries["contact"], 0.0), solid.node, solid.z)
+    return contact_face(
+        contact_line(solid.plane, solid.section.boundaries["contact"], 0.0), solid.node, solid.z
+    )
 
 
-def lame_error(elements: int, material: Material, radii: tuple[float, float] = (0.6, 1.0), half: float = 0.5) -> float:
-    """Error of a quarter ring under outer pressure, free faces z = +-half: largest of u over the largest u.
+def lame_error(
+    elements: int, material: Material, radii: tuple[float, float] = (0.6, 1.0), half: float = 0.5
+) -> float:
+    """Error of a quarter ring under outer pressure, free faces z = +-half: largest of u over the
+    largest u.
 
-    Plane stress holds exactly: u_r = A r + B/r, u_z = -nu/E (s_r + s_theta) z, whatever the width (Lame).
+    Plane stress holds exactly: u_r = A r + B/r, u_z = -nu/E (s_r + s_theta) z, whatever the width
+    (Lame).
     """
     a, b = radii
     solid = ring_sector(np.linspace(a, b, elements + 1), np.linspace(0, math.pi / 2, 3 * elements + 1),
@@ -59,7 +73,9 @@ def lame_error(elements: int, material: Material, radii: tuple[float, float] = (
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
     face, x = face_on(solid), solid.basis.doflocs
     load = np.zeros((solid.basis.N, 3))
-    load[face.nodes, :2] = -(face.couple(0.0, radial(1)).N.T @ np.full(len(face.nodes), p)).reshape(-1, 2)
+    load[face.nodes, :2] = -(face.couple(0.0, radial(1)).N.T @ np.full(len(face.nodes), p)).reshape(
+        -1, 2
+    )
     fixed = np.zeros((solid.basis.N, 3), dtype=bool)
     for c in range(3):
         fixed[np.abs(x[c]) < 1e-9, c] = True
@@ -74,10 +90,12 @@ def lame_error(elements: int, material: Material, radii: tuple[float, float] = (
 
 
 def patch_error(elements: int, material: Material) -> float:
-    """Nodal forces of a uniform pressure on the curved face by the coupling, against those of the uniform stress.
+    """Nodal forces of a uniform pressure on the curved face by the coupling, against those of the
+    uniform stress.
 
-    A body in the uniform strain of the hydrostatic pressure p = 1 needs the nodal forces K u everywhere on its
-    surface: on the inner nodes of the friction face they are -N^T p. Largest difference over the largest force.
+    A body in the uniform strain of the hydrostatic pressure p = 1 needs the nodal forces K u
+    everywhere on its surface: on the inner nodes of the friction face they are -N^T p. Largest
+    difference over the largest force.
     """
     z = np.array([0.0, 0.1, 0.15])
     solid = ring_sector(np.linspace(0.6, 1.0, 3), np.linspace(-0.5, 0.5, elements + 1), z)
@@ -86,13 +104,17 @@ def patch_error(elements: int, material: Material) -> float:
     forces = (K @ u.ravel()).reshape(-1, 3)
     face = face_on(solid)
     mine = -(face.couple(0.0, radial(1)).N.T @ np.ones(len(face.nodes))).reshape(-1, 2)
-    within = (np.abs(face.phi) < 0.5 - 1e-9) & (np.tile(face.z, len(face.line.nodes)) < z[-1] - 1e-9)
+    within = (np.abs(face.phi) < 0.5 - 1e-9) & (
+        np.tile(face.z, len(face.line.nodes)) < z[-1] - 1e-9
+    )
     wanted = forces[face.nodes, :2]
     return float(np.abs(mine - wanted)[within].max() / np.abs(wanted[within]).max())
 
 
 class Point(NamedTuple):
-    """Hertz's point contact: peak pressure and L2 distance of p over the closed form, number of unknowns."""
+    """Hertz's point contact: peak pressure and L2 distance of p over the closed form, number of
+    unknowns.
+    """
 
     peak: float
     distance: float
@@ -104,18 +126,24 @@ def _upwards(x: Floats) -> tuple[Floats, Floats]:
     return np.stack([zero, one]), np.stack([one, zero])
 
 
-def point_contact(per_radius: int, nu: float = 0.3, size: float = 6.0, growth: float = 1.6) -> Point:
-    """A rigid sphere of radius 1 pressed into a block so that the contact's radius is 1 (Hertz 1882).
+def point_contact(
+    per_radius: int, nu: float = 0.3, size: float = 6.0, growth: float = 1.6
+) -> Point:
+    """A rigid sphere of radius 1 pressed into a block so that the contact's radius is 1 (Hertz
+    1882).
 
-    `size`: half the block's edges, contact radii; `per_radius`: elements to the contact's radius. With
-    E' = E/(1 - nu^2), F = 4 E'/3 and the peak 3 F/(2 pi).
+    `size`: half the block's edges, contact radii; `per_radius`: elements to the contact's radius.
+    With E' = E/(1 - nu^2), F = 4 E'/3 and the peak 3 F/(2 pi).
     """
     h = 1.25 / round(1.25 * per_radius)
     s = np.concatenate([np.arange(0, 1.25, h), 1.25 + half_geometric(size - 1.25, h, growth, size)])
     depth = half_geometric(size, h, growth, size)
     grid = skfem.MeshQuad.init_tensor(np.concatenate([-s[:0:-1], s]), -depth[::-1])
     middle = grid.p[:, grid.facets].mean(axis=1)
-    groups = {"contact": np.flatnonzero(middle[1] > -1e-12), "hinge": np.flatnonzero(middle[1] < 1e-9 - size)}
+    groups = {
+        "contact": np.flatnonzero(middle[1] > -1e-12),
+        "hinge": np.flatnonzero(middle[1] < 1e-9 - size),
+    }
     section = _section(grid, skfem.MeshQuad2.from_mesh(grid).doflocs, groups)
     solid = extruded(section, {PART: size}, s)
     material = Material(E=1.0, nu=nu)
@@ -128,11 +156,21 @@ def point_contact(per_radius: int, nu: float = 0.3, size: float = 6.0, growth: f
     half = body.half(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
     load, area = 4 / 3 / (1 - nu**2), coupling.area
-    problem = Problem(A=half.T @ half, q=coupling.M @ (r**2 / 2), B=-area[:, None], C=area[None], h=np.array([load]))
+    problem = Problem(
+        A=half.T @ half,
+        q=coupling.M @ (r**2 / 2),
+        B=-area[:, None],
+        C=area[None],
+        h=np.array([load]),
+    )
     p = active_set.solve(problem, r < 1.05).p
     exact = 1.5 * load / math.pi * np.sqrt(np.maximum(1 - r**2, 0.0))
     off, size_ = p - exact, exact @ coupling.M @ exact
-    return Point(float(p[r.argmin()] / exact.max()), math.sqrt(off @ coupling.M @ off / size_), int(3 * solid.basis.N))
+    return Point(
+        float(p[r.argmin()] / exact.max()),
+        math.sqrt(off @ coupling.M @ off / size_),
+        int(3 * solid.basis.N),
+    )
 
 
 def _flat_line(solid: Solid) -> ContactLine:

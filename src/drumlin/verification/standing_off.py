@@ -25,9 +25,9 @@ CUT = 1.0, 300.0
 def standing_off(seed: int, kind: str | None = None) -> Brake:
     """The brake of a seed.
 
-    kind: one of the kinds of `random_kinds`, by default the seed modulo their number. The rigid-shoe
-    law has an answer in which all shoes press. Nothing is solved by finite elements, so some brakes
-    may have no answer there.
+    kind: one of the kinds of `random_kinds`, by default the seed modulo their number. The
+    rigid-shoe law has an answer in which all shoes press. Nothing is solved by finite elements, so
+    some brakes may have no answer there.
     """
     names = list(KINDS)
     kind = names[seed % len(names)] if kind is None else kind
@@ -50,8 +50,8 @@ def standing_off(seed: int, kind: str | None = None) -> Brake:
 def _off(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
     """The data of a brake with a clearance, other moduli of the linings and smaller forces.
 
-    The shoes of a cam are mirror images: it moves both tips alike, and of shoes that stand off differently it
-    would press one only.
+    The shoes of a cam are mirror images: it moves both tips alike, and of shoes that stand off
+    differently it would press one only.
     """
     cut = log_between(rng, *CUT)
     shoes = [_shoe_off(rng, shoe, data.get("drum"), cut) for shoe in data["shoe"]]
@@ -63,7 +63,9 @@ def _off(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _shoe_off(rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, cut: float) -> dict[str, Any]:
+def _shoe_off(
+    rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, cut: float
+) -> dict[str, Any]:
     lining = {key: value for key, value in shoe["lining"].items() if key != "misfit"}
     size = lining["end"] - lining["start"] if drum is None else drum["radius"]
     lining["clearance"] = size * log_between(rng, *CLEARANCE)
@@ -76,4 +78,7 @@ def _shoe_off(rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, cut: 
 
 def _cut(actuation: dict[str, Any], cut: float) -> dict[str, Any]:
     """An actuation whose force or pressure is divided by a factor."""
-    return {key: value / cut if key in {"force", "pressure"} else value for key, value in actuation.items()}
+    return {
+        key: value / cut if key in {"force", "pressure"} else value
+        for key, value in actuation.items()
+    }

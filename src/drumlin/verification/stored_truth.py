@@ -1,18 +1,21 @@
 """Solutions that are far finer than any answer of drumlin, kept as small files for the tests.
 
-A stated error is worth something only while a test would notice that it is too small, or needlessly large. The test
-needs the true error, and so a solution whose own uncertainty is small beside it. Making such a solution takes ten
-seconds a brake; so the solutions of some forty brakes of every kind are made once by this module's command,
+A stated error is worth something only while a test would notice that it is too small, or needlessly
+large. The test needs the true error, and so a solution whose own uncertainty is small beside it.
+Making such a solution takes ten seconds a brake; so the solutions of some forty brakes of every
+kind are made once by this module's command,
 
     python -m drumlin.verification.stored_truth FOLDER [NAME ...]
 
-and read by the tests. A file holds the brake itself, so that it does not depend on how random brakes are drawn.
+and read by the tests. A file holds the brake itself, so that it does not depend on how random
+brakes are drawn.
 
-Brakes on a drum are solved by the curved triangles of `verification.triangles`, which share nothing with the finite
-elements that are judged but the brake, on one level more than a study uses (`TRIANGLES`). The triangles do not cover
-brakes on a plane, nor some cylinders; there hp elements of a higher degree, smaller at every singular place than any
-level of a solve and with exact contact, stand for the truth (`FINER`). The last three levels of either sequence give
-the uncertainty that is stored with the solution.
+Brakes on a drum are solved by the curved triangles of `verification.triangles`, which share nothing
+with the finite elements that are judged but the brake, on one level more than a study uses
+(`TRIANGLES`). The triangles do not cover brakes on a plane, nor some cylinders; there hp elements
+of a higher degree, smaller at every singular place than any level of a solve and with exact
+contact, stand for the truth (`FINER`). The last three levels of either sequence give the
+uncertainty that is stored with the solution.
 """
 
 import json
@@ -49,8 +52,10 @@ from drumlin.verification.triangles.outline import Level as TriangleLevel
 from drumlin.verification.triangles.solution import ShoeSolution
 
 TRIANGLES = (*TRIANGLE_LEVELS, TriangleLevel(6, 17, 0.7, 0.8))
-"""Meshes of triangles: those of the studies and one of a higher degree, graded more steeply. On four brakes the fourth
-mesh lowered the uncertainty of p from 1e-5 to 2e-6 and that of the torque from 1e-10 to 1e-11; a fifth did not."""
+"""Meshes of triangles: those of the studies and one of a higher degree, graded more steeply. On
+four brakes the fourth mesh lowered the uncertainty of p from 1e-5 to 2e-6 and that of the torque
+from 1e-10 to 1e-11; a fifth did not.
+"""
 
 FINER = (
     # degree, zone, edge, end, ratio, opening, largest, back, hinge, through
@@ -58,22 +63,34 @@ FINER = (
     Level(7, 0.006, 0.004, 0.0003, 0.45, 0.27, 13 * DEG, 0.007, 0.004, 0.24),
     Level(8, 0.002, 0.0015, 0.0001, 0.48, 0.3, 11 * DEG, 0.0025, 0.0014, 0.28),
 )
-"""Divisions into hp elements of a degree that no level of a solve has. On 20 brakes that triangles answer too their
-pressures differ by at most 2e-5 (1e-4 where the lining presses with its corner), their torques by at most 2e-7."""
+"""Divisions into hp elements of a degree that no level of a solve has. On 20 brakes that triangles
+answer too their pressures differ by at most 2e-5 (1e-4 where the lining presses with its corner),
+their torques by at most 2e-7.
+"""
 
-DEEP = (TriangleLevel(4, 14, 0.7, 0.8), TriangleLevel(5, 18, 0.7, 0.8), TriangleLevel(6, 22, 0.7, 0.8))
-DEEPEST = (TriangleLevel(4, 16, 0.7, 0.8), TriangleLevel(5, 21, 0.7, 0.8), TriangleLevel(6, 26, 0.7, 0.8))
-"""Meshes of triangles for brakes that press with a corner, down to 2e-7 of the lining's thickness, and
-under a tip, down to 1e-8. In some brakes rounding turns over triangles so small; then DEEP has to do
-for a tip too, which leaves 1e-4 to 6e-4 of p unsure in place of 1e-5 to 2e-4."""
+DEEP = (
+    TriangleLevel(4, 14, 0.7, 0.8),
+    TriangleLevel(5, 18, 0.7, 0.8),
+    TriangleLevel(6, 22, 0.7, 0.8),
+)
+DEEPEST = (
+    TriangleLevel(4, 16, 0.7, 0.8),
+    TriangleLevel(5, 21, 0.7, 0.8),
+    TriangleLevel(6, 26, 0.7, 0.8),
+)
+"""Meshes of triangles for brakes that press with a corner, down to 2e-7 of the lining's thickness,
+and under a tip, down to 1e-8. In some brakes rounding turns over triangles so small; then DEEP has
+to do for a tip too, which leaves 1e-4 to 6e-4 of p unsure in place of 1e-5 to 2e-4.
+"""
 
 GIVE_WAY = 2e-3
 """Part of the contact at a pressed corner in which p gives way to the power of the corner: some ten
 triangles. On two brakes p with 10 and with 14 of them differs by 5e-6 and 4e-5."""
 
 CERTAIN = 4.0
-"""How many times its own uncertainty an error must be for a stored truth to judge it. Below, what is taken for the
-error of the answer may be that of the truth."""
+"""How many times its own uncertainty an error must be for a stored truth to judge it. Below, what
+is taken for the error of the answer may be that of the truth.
+"""
 
 DIGITS = 10
 """Significant digits of a stored pressure: its uncertainty is 1e-7 of the pressure at best."""
@@ -89,7 +106,9 @@ class StoredTruth(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """How the brake of a stored truth is drawn: kind and seed of a random brake, and the keys that change then."""
+    """How the brake of a stored truth is drawn: kind and seed of a random brake, and the keys that
+    change then.
+    """
 
     covers: str
     kind: str
@@ -98,49 +117,80 @@ class Drawn(NamedTuple):
 
     def brake(self) -> Brake:
         """The brake as a brake file has it."""
-        drawn = random_brake if self.kind in DRAWN_KINDS else random_corner if self.kind in CORNERS else random_kind
+        drawn = (
+            random_brake
+            if self.kind in DRAWN_KINDS
+            else random_corner
+            if self.kind in CORNERS
+            else random_kind
+        )
         found = drawn(self.seed, self.kind)
         return vary(found, dict(self.changes)) if self.changes else found
 
 
 SEED = 70_000
-"""Seed of the first brake of each kind. The factors of the error estimate are fitted on other seeds, those of
-`calibration.FIRST_SEED` and on, so that no fit has seen these brakes."""
+"""Seed of the first brake of each kind. The factors of the error estimate are fitted on other
+seeds, those of `calibration.FIRST_SEED` and on, so that no fit has seen these brakes.
+"""
 
 TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
-"""Clearance [m] over theta [rad] that points to the drum with a tip, of the lining of `random_kind(SEED + 1, "hinge")`.
-Its height is that by which the force compresses the lining, so that the whole lining presses nearly."""
+"""Clearance [m] over theta [rad] that points to the drum with a tip, of the lining of
+`random_kind(SEED + 1, "hinge")`. Its height is that by which the force compresses the lining, so
+that the whole lining presses nearly.
+"""
 
 BRAKES: dict[str, Drawn] = {
     "arc": Drawn("elastic arc on a hinge, partial contact", "arc", SEED + 0),
     "arc_second": Drawn("elastic arc on a hinge", "arc", SEED + 1),
-    "arc_incompressible": Drawn("Poisson's ratio 0.49", "arc", SEED + 2, {"shoe[0].lining.material.nu": 0.49}),
+    "arc_incompressible": Drawn(
+        "Poisson's ratio 0.49", "arc", SEED + 2, {"shoe[0].lining.material.nu": 0.49}
+    ),
     "arc_stiff_friction": Drawn("elastic arc, much friction", "arc", SEED + 3),
     "backed_corner": Drawn(
-        "lining on a backing, pressed with its corner: unbounded p at the lining's end", "backed", SEED + 0
+        "lining on a backing, pressed with its corner: unbounded p at the lining's end",
+        "backed",
+        SEED + 0,
     ),
     "backed": Drawn("lining on a backing", "backed", SEED + 1),
     "rigid": Drawn("rigid shoe", "rigid", SEED + 0),
     "rigid_second": Drawn("rigid shoe", "rigid", SEED + 2),
     "post": Drawn("straight post with a block", "post", SEED + 0),
     "post_second": Drawn("straight post with a block", "post", SEED + 1),
-    "post_on_free_ring": Drawn("post on an elastic ring with a free rim, no friction", "post on ring", SEED + 1),
-    "post_on_fixed_ring": Drawn("post on an elastic ring with a fixed rim", "post on ring", SEED + 2),
+    "post_on_free_ring": Drawn(
+        "post on an elastic ring with a free rim, no friction", "post on ring", SEED + 1
+    ),
+    "post_on_fixed_ring": Drawn(
+        "post on an elastic ring with a fixed rim", "post on ring", SEED + 2
+    ),
     "arc_on_fixed_ring": Drawn("arc on an elastic ring with a fixed rim", "arc on ring", SEED + 1),
     "arc_on_free_ring": Drawn("arc on an elastic ring with a free rim", "arc on ring", SEED + 2),
-    "linings_on_fixed_ring": Drawn("two shoes on one elastic ring with a fixed rim", "linings on ring", SEED + 2),
-    "linings_on_free_ring": Drawn("two shoes on one elastic ring with a free rim", "linings on ring", SEED + 3),
+    "linings_on_fixed_ring": Drawn(
+        "two shoes on one elastic ring with a fixed rim", "linings on ring", SEED + 2
+    ),
+    "linings_on_free_ring": Drawn(
+        "two shoes on one elastic ring with a free rim", "linings on ring", SEED + 3
+    ),
     "blocks": Drawn("lining of three blocks of unlike height on a post", "misfit", SEED + 0),
     "clearance_table": Drawn("clearance given as a table of two rows", "misfit", SEED + 1),
-    "radius_without_friction": Drawn("lining ground to another radius, no friction", "misfit", SEED + 2),
+    "radius_without_friction": Drawn(
+        "lining ground to another radius, no friction", "misfit", SEED + 2
+    ),
     "clearance": Drawn("even clearance under a post", "misfit", SEED + 3),
     "clearance_arc": Drawn("even clearance under an arc, much friction", "misfit", SEED + 4),
     "radius": Drawn("lining ground to another radius, on a post", "misfit", SEED + 5),
     "out_of_round": Drawn("drum out of round", "out of round", SEED + 0),
-    "out_of_round_second": Drawn("drum out of round, an opening in the contact", "out of round", SEED + 1),
-    "short_contact": Drawn("short contact of a lining of another radius", "small contact", SEED + 0, {"friction": 0.2}),
-    "short_contact_second": Drawn("short contact of a lining of another radius", "small contact", SEED + 3),
-    "extreme": Drawn("stiffnesses and thicknesses far apart", "extreme", SEED + 0, {"friction": 0.2}),
+    "out_of_round_second": Drawn(
+        "drum out of round, an opening in the contact", "out of round", SEED + 1
+    ),
+    "short_contact": Drawn(
+        "short contact of a lining of another radius", "small contact", SEED + 0, {"friction": 0.2}
+    ),
+    "short_contact_second": Drawn(
+        "short contact of a lining of another radius", "small contact", SEED + 3
+    ),
+    "extreme": Drawn(
+        "stiffnesses and thicknesses far apart", "extreme", SEED + 0, {"friction": 0.2}
+    ),
     "hinge": Drawn("drum brake shoe on a hinge", "hinge", SEED + 0),
     "tip": Drawn(
         "tip of the gap towards the drum",
@@ -164,23 +214,28 @@ BRAKES: dict[str, Drawn] = {
     "table_second": Drawn("T-section: table and web", "table", SEED + 1),
     "grip": Drawn("body held over a length of its back", "grip", SEED + 0),
     "chain": Drawn("blocks linked by straps", "chain", SEED + 0),
-    "corner_little_friction": Drawn("rigid shoe that presses with a corner", "corner of a rigid shoe", SEED + 0),
+    "corner_little_friction": Drawn(
+        "rigid shoe that presses with a corner", "corner of a rigid shoe", SEED + 0
+    ),
     "corner_dragged_inwards": Drawn(
         "corner that friction drags into the lining: p as x^-0.21",
         "corner of a rigid shoe",
         SEED + 1,
         {"friction": 0.2, "shoe[0].actuation.force": 708.0},
     ),
-    "corner_dragged_outwards": Drawn("elastic shoe that presses with its trailing corner", "corner", SEED + 3),
+    "corner_dragged_outwards": Drawn(
+        "elastic shoe that presses with its trailing corner", "corner", SEED + 3
+    ),
     "tip_short": Drawn("short contact under a tip of the gap", "tip of a rigid shoe", SEED + 1),
 }
 
 
 def make(name: str) -> StoredTruth:
-    """The truth of a brake of BRAKES: by triangles where these have an answer, else by finer hp elements.
+    """The truth of a brake of BRAKES: by triangles where these have an answer, else by finer hp
+    elements.
 
-    That of a brake which presses with a corner or under a tip by the deep ones. Raises NoAnswer where
-    none has an answer.
+    That of a brake which presses with a corner or under a tip by the deep ones. Raises NoAnswer
+    where none has an answer.
     """
     drawn = BRAKES[name]
     brake = drawn.brake()
@@ -204,8 +259,9 @@ def by_triangles(brake: Brake) -> Truth:
 def by_deep_triangles(brake: Brake) -> Truth:
     """The truth of a brake that presses with a corner or under a tip, by the meshes DEEP.
 
-    p is the power of the corner next to pressed corners, see `corner.power_at_corner`: no triangle is
-    small enough for it. What angles leave of the power counts as uncertainty. Raises as `triangles.solve`.
+    p is the power of the corner next to pressed corners, see `corner.power_at_corner`: no triangle
+    is small enough for it. What angles leave of the power counts as uncertainty. Raises as
+    `triangles.solve`.
     """
     begin = time.process_time()
     try:
@@ -236,7 +292,9 @@ def _steep(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
 
 
 def by_finer(brake: Brake) -> Truth:
-    """The truth of a brake by the divisions FINER with exact contact. Raises NoAnswer where one has no answer."""
+    """The truth of a brake by the divisions FINER with exact contact. Raises NoAnswer where one has
+    no answer.
+    """
     begin = time.process_time()
     answers = steps(brake, partial(respond, penalty=math.inf), levels=FINER)
     found = [step.response.shoes for step in answers]
@@ -291,12 +349,18 @@ def _shoe_from(data: Mapping[str, Any]) -> ShoeSolution:
 
 
 def main(folder: str, *names: str) -> None:
-    """Write the stored truths of the brakes `names`, by default of all BRAKES, into a folder, one file each."""
+    """Write the stored truths of the brakes `names`, by default of all BRAKES, into a folder, one
+    file each.
+    """
     for name in names or BRAKES:
         stored = make(name)
         write_text(Path(folder) / f"{name}.json", as_text(stored))
-        unsure = ", ".join(f"{quantity} {value:.1e}" for quantity, value in stored.true.unsure.items())
-        sys.stdout.write(f"{name}: by {stored.by} in {stored.true.seconds:.0f} s; uncertainty: {unsure}\n")
+        unsure = ", ".join(
+            f"{quantity} {value:.1e}" for quantity, value in stored.true.unsure.items()
+        )
+        sys.stdout.write(
+            f"{name}: by {stored.by} in {stored.true.seconds:.0f} s; uncertainty: {unsure}\n"
+        )
         sys.stdout.flush()
 
 

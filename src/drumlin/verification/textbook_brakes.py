@@ -23,7 +23,8 @@ def hinged(
     width: float = 0.04,
     pivot: tuple[float, float] | None = None,
 ) -> Brake:
-    """One shoe with its hinge at the angle `turned`, its lining on the `hand` side, pressed by `moment` [N m].
+    """One shoe with its hinge at the angle `turned`, its lining on the `hand` side, pressed by
+    `moment` [N m].
 
     The force is a unit of moment away: across the hinge's radius, through the point a + 1 m from O.
     """
@@ -65,7 +66,9 @@ def lever_block(
     half: float,
     spin: int,
 ) -> Brake:
-    """Block on top of the drum, its lever's pin x to the left and a above the line of friction, P down at the arm."""
+    """Block on top of the drum, its lever's pin x to the left and a above the line of friction, P
+    down at the arm.
+    """
     block = {
         "name": "block",
         "side": "external",
@@ -94,7 +97,9 @@ def pad(
     hand: int = 1,
     width: float = 0.04,
 ) -> Brake:
-    """One flat shoe, its hinge h above the plane at x = 0, its lining on the `hand` side, pressed by `moment`."""
+    """One flat shoe, its hinge h above the plane at x = 0, its lining on the `hand` side, pressed
+    by `moment`.
+    """
     start, end = sorted(hand * x for x in span)
     return any_from(
         {
@@ -106,7 +111,11 @@ def pad(
                     "name": "pad",
                     "hinge": {"x": 0.0, "y": h},
                     "lining": {"start": start, "end": end, "width": width},
-                    "actuation": {"force": moment, "direction": -math.pi / 2, "point": {"x": hand * 1.0, "y": h}},
+                    "actuation": {
+                        "force": moment,
+                        "direction": -math.pi / 2,
+                        "point": {"x": hand * 1.0, "y": h},
+                    },
                 }
             ],
         },

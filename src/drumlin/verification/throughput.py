@@ -1,4 +1,6 @@
-"""What sweeps cost: cases a second by processes and by Dask workers, and a sweep that is killed again and again."""
+"""What sweeps cost: cases a second by processes and by Dask workers, and a sweep that is killed
+again and again.
+"""
 
 import importlib
 import multiprocessing
@@ -19,14 +21,17 @@ from drumlin.journal import Journal
 from drumlin.sweeps.cases import Case, Row, run
 from drumlin.sweeps.workers import Workers, executor
 
-# glibc: freed memory below these sizes [bytes] is kept; the one that Dask sets turns off that the other adapts.
+# glibc: freed memory below these sizes [bytes] is kept; the one that Dask sets turns off that the
+# other adapts.
 KEEP = {"MALLOC_TRIM_THRESHOLD_": str(2**28), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
 
 
 class Throughput(NamedTuple):
-    """A sweep by some workers: seconds until all are there (`started`), and then for the cases (`seconds`).
+    """A sweep by some workers: seconds until all are there (`started`), and then for the cases
+    (`seconds`).
 
-    `processor`: seconds of all processes from start to end, which neighbours on the machine do not lengthen.
+    `processor`: seconds of all processes from start to end, which neighbours on the machine do not
+    lengthen.
     """
 
     by: str
@@ -52,12 +57,16 @@ def processes(cases: Sequence[Case], workers: int) -> Throughput:
 
 
 def dask(cases: Sequence[Case], workers: int) -> Throughput:
-    """The cases by a Dask scheduler and its workers, processes on the loopback interface, one thread each."""
+    """The cases by a Dask scheduler and its workers, processes on the loopback interface, one
+    thread each.
+    """
     return _dask("Dask workers", cases, workers, {})
 
 
 def dask_keeping(cases: Sequence[Case], workers: int) -> Throughput:
-    """The same, by workers that keep the memory that they free: Dask has it returned to the system at once."""
+    """The same, by workers that keep the memory that they free: Dask has it returned to the system
+    at once.
+    """
     return _dask("Dask workers that keep memory", cases, workers, KEEP)
 
 
@@ -67,7 +76,11 @@ def _dask(by: str, cases: Sequence[Case], workers: int, environment: dict[str, s
     with (
         _environment(environment),
         distributed.LocalCluster(
-            n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
+            n_workers=workers,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            dashboard_address=None,
+            silence_logs=50,
         ) as cluster,
         executor(scheduler=cluster.scheduler_address) as found,
     ):
@@ -77,8 +90,9 @@ def _dask(by: str, cases: Sequence[Case], workers: int, environment: dict[str, s
 
 @contextmanager
 def _environment(more: dict[str, str]) -> Iterator[None]:
-    """Environment variables of a block. Dask adds some of its own for its workers and leaves them: what is measured
-    after it would be slower by them."""
+    """Environment variables of a block. Dask adds some of its own for its workers and leaves them:
+    what is measured after it would be slower by them.
+    """
     before = dict(os.environ)
     os.environ.update(more)
     try:
@@ -94,16 +108,22 @@ def _processor() -> float:
 
 
 def _timed(by: str, cases: Sequence[Case], found: Workers, start: float) -> Throughput:
-    """The first cases are solved by the sine law before, to wake the workers; condensing shared bodies counts."""
+    """The first cases are solved by the sine law before, to wake the workers; condensing shared
+    bodies counts.
+    """
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
     run(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
     rows = run(cases, executor=found.executor, workers=found.workers)
-    return Throughput(by, found.workers, len(cases), ready - start, time.perf_counter() - ready, rows)
+    return Throughput(
+        by, found.workers, len(cases), ready - start, time.perf_counter() - ready, rows
+    )
 
 
 def rates(measured: Sequence[Throughput]) -> list[Row]:
-    """A row a measurement: all of it but the rows of its cases, cases a second (`rate`), `gain` over one worker."""
+    """A row a measurement: all of it but the rows of its cases, cases a second (`rate`), `gain`
+    over one worker.
+    """
     found = []
     for one in measured:
         alone = next(other for other in measured if other.by == one.by)
@@ -118,13 +138,16 @@ def torques(rows: Sequence[Row]) -> Floats:
 
 
 def coarser(cases: Sequence[Case], elements: Sequence[int | None], fine: int) -> list[Row]:
-    """Time a case, and the largest error of the torque against `fine`, by so many elements along each lining; None: by
-    the division that `solve` ends on."""
+    """Time a case, and the largest error of the torque against `fine`, by so many elements along
+    each lining; None: by the division that `solve` ends on.
+    """
     true = torques(run([case._replace(options={"elements": fine}) for case in cases]))
     rows = []
     for n in elements:
         start = time.process_time()
-        found = torques(run([case._replace(options={} if n is None else {"elements": n}) for case in cases]))
+        found = torques(
+            run([case._replace(options={} if n is None else {"elements": n}) for case in cases])
+        )
         spent = time.process_time() - start
         error = float(np.abs(found / true - 1).max())
         nodes = None if n is None else 2 * n + 1
@@ -133,7 +156,9 @@ def coarser(cases: Sequence[Case], elements: Sequence[int | None], fine: int) ->
 
 
 def torque_spread(rows: Sequence[Row]) -> Row:
-    """Mean [N m] and relative standard deviation of the torque, and what 2.5 % and 97.5 % of it are below [N m]."""
+    """Mean [N m] and relative standard deviation of the torque, and what 2.5 % and 97.5 % of it are
+    below [N m].
+    """
     torque = torques(rows)
     low, high = np.percentile(torque, [2.5, 97.5])
     return {
@@ -147,18 +172,26 @@ def torque_spread(rows: Sequence[Row]) -> Row:
 
 
 class Kill(NamedTuple):
-    """A run that was killed: how many rows it found in the journal, and how many there were when it was killed."""
+    """A run that was killed: how many rows it found in the journal, and how many there were when it
+    was killed.
+    """
 
     found: int
     left: int
 
 
 def killed(
-    cases: Sequence[Case], path: Path, kills: int, seed: int, say: Callable[[str], None] = lambda _: None
+    cases: Sequence[Case],
+    path: Path,
+    kills: int,
+    seed: int,
+    say: Callable[[str], None] = lambda _: None,
 ) -> tuple[list[Kill], list[Row]]:
-    """Run cases in a process of its own with a journal at `path`, kill -9 it at random moments; then let it finish.
+    """Run cases in a process of its own with a journal at `path`, kill -9 it at random moments;
+    then let it finish.
 
-    Returns what each killed run did, and the rows at the end. Raises NoAnswer where a run ends before its kill.
+    Returns what each killed run did, and the rows at the end. Raises NoAnswer where a run ends
+    before its kill.
     """
     at = sorted(random.Random(seed).sample(range(len(cases) // 20, 9 * len(cases) // 10), kills))
     spawn = multiprocessing.get_context("spawn")
@@ -170,7 +203,9 @@ def killed(
         with _process(spawn.Process(target=_run, args=(cases, path))) as process:
             while _rows_in(path) < moment:
                 if process.exitcode is not None:
-                    raise NoAnswer("killed: the run ended before it could be killed; take more cases")
+                    raise NoAnswer(
+                        "killed: the run ended before it could be killed; take more cases"
+                    )
                 time.sleep(0.001)
             process.kill()
             process.join()

@@ -1,8 +1,9 @@
 """A trial: what becomes of a case of `verification.extreme_cases`, and whether that is right.
 
-Every trial ends in one of OUTCOMES. An answer is right where its own forces balance and its pressures and gaps are
-complementary to 1e-8, and where six digits of its torque agree with the whole system refined in long double
-(`fem.refinement`), or as many as its condition allows. A refusal is right where it names a physical reason.
+Every trial ends in one of OUTCOMES. An answer is right where its own forces balance and its
+pressures and gaps are complementary to 1e-8, and where six digits of its torque agree with the
+whole system refined in long double (`fem.refinement`), or as many as its condition allows. A
+refusal is right where it names a physical reason.
 """
 
 import dataclasses
@@ -56,11 +57,15 @@ def trial(case: Case) -> dict[str, Any]:
             brake = case.brake()
             scene = prepare(brake, elements=case.elements, kind=case.kind, mesher=case.mesher())
             response = respond(scene, brake, penalty=case.penalty)
-        row["outcome"] = "answer" if any(shoe.contact_arcs for shoe in response.shoes) else "no contact"
+        row["outcome"] = (
+            "answer" if any(shoe.contact_arcs for shoe in response.shoes) else "no contact"
+        )
     except BadInput as error:
         row |= {"outcome": "bad input", "reason": str(error)}
     except NoAnswer as error:
-        outcome = next((why for words, why in REFUSALS.items() if words in str(error)), "not converged")
+        outcome = next(
+            (why for words, why in REFUSALS.items() if words in str(error)), "not converged"
+        )
         row |= {"outcome": outcome, "reason": str(error)}
     except Exception as error:  # what must never happen is a row of its own
         row |= {"outcome": "traceback", "reason": f"{type(error).__name__}: {error}"}
@@ -86,7 +91,8 @@ def trial(case: Case) -> dict[str, Any]:
 def said(case: Case) -> str:
     """What a case changes, in a few words."""
     return ", ".join(
-        f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in case.changes.items()
+        f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"
+        for key, value in case.changes.items()
     )
 
 
@@ -94,27 +100,38 @@ def sound(row: dict[str, Any]) -> bool:
     """Whether residuals and digits of an answer are as they must be, or as its condition allows."""
     if row["digits"] is None:
         return False
-    return max(row["balance"], row["complementarity"]) <= RESIDUAL and row["digits"] >= min(DIGITS, row["allowed"])
+    return max(row["balance"], row["complementarity"]) <= RESIDUAL and row["digits"] >= min(
+        DIGITS, row["allowed"]
+    )
 
 
 def worth(scene: Scene, brake: Brake, response: Response, penalty: float) -> dict[str, Any]:
     """Residuals, condition and digits of an answer, the worst over its groups of shoes.
 
-    `complementarity`: of the reported pressures with the gaps of the refined whole system, relative to their largest
-    terms; `condition`: 1-norm estimate of the equilibrated contact equations; `torque_condition`: the torque's own, and
-    the digits that it leaves to double precision `allowed`; `digits` of the torque that agree with the refined whole
-    system, at most 16 and at most what the refinement itself is sure of; `pressure_error`: in the maximum norm.
+    `complementarity`: of the reported pressures with the gaps of the refined whole system, relative
+    to their largest terms; `condition`: 1-norm estimate of the equilibrated contact equations;
+    `torque_condition`: the torque's own, and the digits that it leaves to double precision
+    `allowed`; `digits` of the torque that agree with the refined whole system, at most 16 and at
+    most what the refinement itself is sure of; `pressure_error`: in the maximum norm.
     """
     rows = [_worth(response, group) for group in groups_of(scene, brake, penalty)]
-    worst: dict[str, Any] = {key: max(row[key] for row in rows) for key in ("condition", "seconds_whole")}
+    worst: dict[str, Any] = {
+        key: max(row[key] for row in rows) for key in ("condition", "seconds_whole")
+    }
     known = [row for row in rows if row["digits"] is not None]
     if len(known) < len(rows):
-        return {**worst, "digits": None, "allowed": 0.0, "whole": next(r["whole"] for r in rows if r["whole"])}
+        return {
+            **worst,
+            "digits": None,
+            "allowed": 0.0,
+            "whole": next(r["whole"] for r in rows if r["whole"]),
+        }
     return worst | {
         "complementarity": max(row["complementarity"] for row in rows),
         "digits": min(row["digits"] for row in rows),
         "allowed": min(row["allowed"] for row in rows),
-        "torque_condition": max((row["torque_condition"] or 0.0 for row in rows), default=0.0) or None,
+        "torque_condition": max((row["torque_condition"] or 0.0 for row in rows), default=0.0)
+        or None,
         "pressure_error": max(row["pressure_error"] for row in rows),
         "sure": min(row["sure"] for row in rows),
         "sets": max(row["sets"] for row in rows),
@@ -124,7 +141,12 @@ def worth(scene: Scene, brake: Brake, response: Response, penalty: float) -> dic
 def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
     group, _ = group.settled()
     size, shoes = group.unit_force, [response.shoes[i] for i in group.members]
-    p = np.concatenate([r.pressure[:: s.frame.sense] for r, s in zip(shoes, group.shoes, strict=True)]) / size
+    p = (
+        np.concatenate(
+            [r.pressure[:: s.frame.sense] for r, s in zip(shoes, group.shoes, strict=True)]
+        )
+        / size
+    )
     active = p > 0
     row: dict[str, Any] = {
         "condition": condition(group.problem, active),
@@ -157,7 +179,9 @@ def digits_of(error: float) -> float:
 
 
 def beside(case: Case, brake: Brake, response: Response | None) -> dict[str, Any]:
-    """What the classical pointwise penalty makes of a case: outcome, difference of torque, steps, time."""
+    """What the classical pointwise penalty makes of a case: outcome, difference of torque, steps,
+    time.
+    """
     start = time.perf_counter()
     row: dict[str, Any] = {}
     try:
@@ -180,7 +204,9 @@ def beside(case: Case, brake: Brake, response: Response | None) -> dict[str, Any
     except BadInput:
         row["pointwise"] = "not for rings"
     except NoAnswer as error:
-        row["pointwise"] = next((why for words, why in POINTWISE.items() if words in str(error)), "does not end")
+        row["pointwise"] = next(
+            (why for words, why in POINTWISE.items() if words in str(error)), "does not end"
+        )
     except Exception as error:
         row["pointwise"] = f"{type(error).__name__}"
     return row | {"pointwise_seconds": time.perf_counter() - start}

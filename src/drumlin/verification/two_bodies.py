@@ -1,7 +1,8 @@
 """Two elastic bodies pressed together: made from drumlin's parts, without a brake.
 
-The inner body carries the pressure (as a lining does), the outer one is met on the common refinement of both
-angle grids. Each is held at its far side; the inner one's holder may move in `motions`.
+The inner body carries the pressure (as a lining does), the outer one is met on the common
+refinement of both angle grids. Each is held at its far side; the inner one's holder may move in
+`motions`.
 """
 
 from collections.abc import Sequence
@@ -38,7 +39,9 @@ def both_sides(fine_half: float, count: int, growth: float, end: float) -> Float
 
 
 def sector(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
-    """Mesh of a sector from `radius` to radius + sign depth; contact at depth 0, held at the far side."""
+    """Mesh of a sector from `radius` to radius + sign depth; contact at depth 0, held at the far
+    side.
+    """
     grid = skfem.MeshQuad.init_tensor(depths, angles)
     middle = grid.p[:, grid.facets].mean(axis=1)
     mesh = skfem.MeshQuad2.from_mesh(grid)
@@ -75,7 +78,9 @@ def body(mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0)
     line = contact_line(basis, mesh.boundaries["contact"], middle)
     ties = tie(basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2))
     K = stiffness(basis, {"body": ElasticLayer.of(material, width)})
-    return Body(basis, line, condense(K, ties, np.zeros((ties.matrix.shape[1], 0)), 2 * len(line.nodes)))
+    return Body(
+        basis, line, condense(K, ties, np.zeros((ties.matrix.shape[1], 0)), 2 * len(line.nodes))
+    )
 
 
 @dataclass(frozen=True)
@@ -90,14 +95,22 @@ class Pair:
 
     @classmethod
     def of(cls, inner: Body, outer: Body | None, sign: int = 1, motions: str = "") -> "Pair":
-        """An `inner` body against an outer one, or against a rigid drum; `motions` of the inner holder: "x", "xy"."""
+        """An `inner` body against an outer one, or against a rigid drum; `motions` of the inner
+        holder: "x", "xy".
+        """
         coupling = couple(inner.line, 1.0, radial(sign))
         halves = [_half(inner, -coupling.N), _half(inner, coupling.T)]
         if outer is not None:
             N, T = couple_ring(inner.line, outer.line, 1.0, sign)
-            halves = [np.vstack(both) for both in zip(halves, [_half(outer, -N), _half(outer, T)], strict=True)]
+            halves = [
+                np.vstack(both)
+                for both in zip(halves, [_half(outer, -N), _half(outer, T)], strict=True)
+            ]
         x = inner.line.xy[0]
-        moves = {"x": np.column_stack([np.ones_like(x), 0 * x]), "y": np.column_stack([0 * x, np.ones_like(x)])}
+        moves = {
+            "x": np.column_stack([np.ones_like(x), 0 * x]),
+            "y": np.column_stack([0 * x, np.ones_like(x)]),
+        }
         return cls(
             inner,
             coupling,
@@ -109,9 +122,17 @@ class Pair:
     def normal(self, gap: Floats, loads: Sequence[float] = ()) -> Problem:
         """Frictionless problem; `loads`: force on the inner body's holder along each motion."""
         B = -self.coupling.N @ self.motions
-        return Problem(self.pressed.T @ self.pressed, self.coupling.M @ gap, B, B.T.copy(), -np.asarray(loads, float))
+        return Problem(
+            self.pressed.T @ self.pressed,
+            self.coupling.M @ gap,
+            B,
+            B.T.copy(),
+            -np.asarray(loads, float),
+        )
 
-    def frictional(self, gap: Floats, loads: Sequence[float], penalty_compliance: float = 0.0) -> stick_slip.Problem:
+    def frictional(
+        self, gap: Floats, loads: Sequence[float], penalty_compliance: float = 0.0
+    ) -> stick_slip.Problem:
         """Stick-slip problem; slip is that of the outer body against the inner one, along e_phi."""
         n, B_s = len(gap), -self.coupling.T @ self.motions
         flat = self.normal(gap, loads)
@@ -137,11 +158,15 @@ class Pair:
 
 
 def nested_start(problem: Problem, share: int = 6) -> Bools:
-    """A starting contact set from the same problem with every `share`-th node, p linear between them."""
+    """A starting contact set from the same problem with every `share`-th node, p linear between
+    them.
+    """
     n = len(problem.q)
     kept = np.unique(np.round(np.linspace(0, n - 1, max(3, n // share))).astype(int))
     P = np.array([np.interp(np.arange(n), kept, row) for row in np.eye(len(kept))]).T
-    coarse = Problem(P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h)
+    coarse = Problem(
+        P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h
+    )
     start = nested_start(coarse) if len(kept) > 40 else None
     return np.asarray(P @ active_set.solve(coarse, start).p > 0)
 

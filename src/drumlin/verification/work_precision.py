@@ -1,8 +1,10 @@
-"""Error against run time of every way to solve a brake: laws, foundation, finite elements, textbook contact, peers.
+"""Error against run time of every way to solve a brake: laws, foundation, finite elements, textbook
+contact, peers.
 
-A method is data: a family, a name and options, so that it can be the key of a journal and be sent to another process.
-Its errors are those of its response against a reference; its time is the process's own, medians of repeats, each beside
-a unit of work that is measured at once, so that ratios hold where the machine's pace changes.
+A method is data: a family, a name and options, so that it can be the key of a journal and be sent
+to another process. Its errors are those of its response against a reference; its time is the
+process's own, medians of repeats, each beside a unit of work that is measured at once, so that
+ratios hold where the machine's pace changes.
 """
 
 import math
@@ -43,16 +45,21 @@ LEAST_SAMPLE = 2e-3  # s; what is faster is run several times a sample
 ALIKE = 1.2  # times that differ by less are taken as equal
 FURTHER = 0.9  # of the friction coefficient, in the further load case
 GRADED_FROM = 36
-"""Elements along a lining from which on the smallest ones of a `refined_mesh` shrink in proportion, so
-that its error goes on falling where the pressure is singular. Coarser meshes are graded as any other."""
+"""Elements along a lining from which on the smallest ones of a `refined_mesh` shrink in proportion,
+so that its error goes on falling where the pressure is singular. Coarser meshes are graded as any
+other.
+"""
 BEHIND = 4
-"""Least number of layers through backing and body each of a `refined_mesh`: their error stays below the
-lining's, where a mesh is to show how far refinement goes."""
+"""Least number of layers through backing and body each of a `refined_mesh`: their error stays below
+the lining's, where a mesh is to show how far refinement goes.
+"""
 ERRORS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
 
 
 class Method(NamedTuple):
-    """A way to solve a brake. `family`: of FAMILIES or PEER_FAMILIES; `options`: its own, plain data."""
+    """A way to solve a brake. `family`: of FAMILIES or PEER_FAMILIES; `options`: its own, plain
+    data.
+    """
 
     family: str
     name: str
@@ -86,7 +93,9 @@ def even_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
     """A mesh of a shoe that is graded nowhere."""
     depths = np.linspace(0, shoe.lining.thickness, lining_layers(elements) + 1)
     step = (shoe.arc[1] - shoe.arc[0]) / elements
-    return shoe_mesh(shoe, radius, Division(np.linspace(*shoe.arc, elements + 1), depths, step), kind)
+    return shoe_mesh(
+        shoe, radius, Division(np.linspace(*shoe.arc, elements + 1), depths, step), kind
+    )
 
 
 def refined_mesh(shoe: Shoe, radius: float, elements: int, layers: int, kind: str) -> Any:
@@ -95,7 +104,9 @@ def refined_mesh(shoe: Shoe, radius: float, elements: int, layers: int, kind: st
 
 
 def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> Division:
-    """Elements of at most 1/`elements` of the lining, graded to its edges: the more, the smaller the smallest."""
+    """Elements of at most 1/`elements` of the lining, graded to its edges: the more, the smaller
+    the smallest.
+    """
     (start, end), zone = shoe.arc, shoe.lining.thickness / radius
     fineness = max(1.0, elements / GRADED_FROM)
     half, smallest = (end - start) / 2, EDGE_SIZE / fineness
@@ -110,22 +121,33 @@ def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> D
 
 
 def _mesh(
-    brake: Brake, *, elements: int, kind: str = DEFAULT_KIND, even: bool = False, penalty: float = math.inf
+    brake: Brake,
+    *,
+    elements: int,
+    kind: str = DEFAULT_KIND,
+    even: bool = False,
+    penalty: float = math.inf,
 ) -> Solved:
     mesher = partial(even_mesh, elements=elements, kind=kind) if even else None
     scene = prepare(brake, elements=elements, kind=kind, mesher=mesher)
     response = respond(scene, brake, penalty=penalty)
-    return Solved(response, lambda: respond(scene, _other(brake), penalty=penalty), partial(_unknowns, scene))
+    return Solved(
+        response, lambda: respond(scene, _other(brake), penalty=penalty), partial(_unknowns, scene)
+    )
 
 
 def _unknowns(scene: Scene) -> int:
     """Of the distinct bodies and the ring."""
     bodies = {id(body): body for body in scene.bodies}.values()
-    return sum(body.unknowns for body in bodies) + (0 if scene.ring is None else int(2 * scene.ring.basis.N))
+    return sum(body.unknowns for body in bodies) + (
+        0 if scene.ring is None else int(2 * scene.ring.basis.N)
+    )
 
 
 def _columns(brake: Brake, *, level: int) -> Solved:
-    """Columns of a level without an estimate, after the coarsest one has found the ends of the contact."""
+    """Columns of a level without an estimate, after the coarsest one has found the ends of the
+    contact.
+    """
     answer = partial(respond, penalty=math.inf)
     *_, (scene, response) = steps(brake, answer, levels=(LEVELS[0], LEVELS[level])[-level - 1 :])
     return Solved(response, lambda: answer(scene, _other(brake)), partial(_unknowns, scene))
@@ -133,14 +155,21 @@ def _columns(brake: Brake, *, level: int) -> Solved:
 
 def _estimated(brake: Brake, *, tolerance: float) -> Solved:
     """Columns to a tolerance that is estimated; of the torque the default, where that is less."""
-    answer, allowed = partial(respond, penalty=math.inf), Tolerance(tolerance, min(tolerance, DEFAULT.torque))
+    answer, allowed = (
+        partial(respond, penalty=math.inf),
+        Tolerance(tolerance, min(tolerance, DEFAULT.torque)),
+    )
     scene, response = adapt(brake, allowed, answer)
     return Solved(response, lambda: answer(scene, _other(brake)), partial(_unknowns, scene))
 
 
 def _pointwise(brake: Brake, *, elements: int, penalty: float) -> Solved:
     solver = partial(pointwise.solve, elements=elements, penalty=penalty)
-    return Solved(solver(brake), lambda: solver(_other(brake)), lambda: _unknowns(prepare(brake, elements=elements)))
+    return Solved(
+        solver(brake),
+        lambda: solver(_other(brake)),
+        lambda: _unknowns(prepare(brake, elements=elements)),
+    )
 
 
 FAMILIES: Mapping[str, Callable[..., Solved]] = {
@@ -162,33 +191,44 @@ def solved(brake: Brake, method: Method) -> Solved:
 
 
 def errors(brake: Brake, response: Response, truth: Response) -> dict[str, float]:
-    """Relative errors against a truth: torque of the brake, and of the worst shoe the peak pressure and p in L2, both
-    away from the edges, and the hinge reaction."""
+    """Relative errors against a truth: torque of the brake, and of the worst shoe the peak pressure
+    and p in L2, both away from the edges, and the hinge reaction.
+    """
     found: dict[str, list[float]] = {key: [] for key in ERRORS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
         edge = edge_zone(spec, brake.scale_factor)
         found["peak_error"].append(abs(relative(peak_away(a, edge), peak_away(b, edge))))
         found["pressure_error"].append(pressure_distance(a, b))
         found["reaction_error"].append(vector_distance(a.hinge_reaction, b.hinge_reaction))
-    worst = {key: max((v for v in values if not math.isnan(v)), default=0.0) for key, values in found.items()}
+    worst = {
+        key: max((v for v in values if not math.isnan(v)), default=0.0)
+        for key, values in found.items()
+    }
     return {"torque_error": abs(relative(response.torque, truth.torque)), **worst}
 
 
 def floor(brake: Brake, trio: Trio) -> dict[str, float]:
-    """The largest distance of the other responses of a reference from its value: errors below it are not claimed.
+    """The largest distance of the other responses of a reference from its value: errors below it
+    are not claimed.
 
     That of the torque is the sum of the shoes' distances, which do not cancel.
     """
     found: dict[str, float] = {}
     for other in trio.others:
-        apart = math.fsum(abs(a.torque - b.torque) for a, b in zip(trio.value.shoes, other.shoes, strict=True))
-        own = errors(brake, other, trio.value) | {"torque_error": apart / trio.value.torque if apart else 0.0}
+        apart = math.fsum(
+            abs(a.torque - b.torque) for a, b in zip(trio.value.shoes, other.shoes, strict=True)
+        )
+        own = errors(brake, other, trio.value) | {
+            "torque_error": apart / trio.value.torque if apart else 0.0
+        }
         found = {name: max(value, found.get(name, 0.0)) for name, value in own.items()}
     return found
 
 
 class Timing(NamedTuple):
-    """Seconds of a call, median and quartiles of the repeats, and the median of its ratios to the unit beside it."""
+    """Seconds of a call, median and quartiles of the repeats, and the median of its ratios to the
+    unit beside it.
+    """
 
     seconds: float
     lower: float
@@ -202,7 +242,9 @@ def timing(call: Callable[[], object], unit: Callable[[], object], first: float)
     loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
     samples: list[float] = []
     ratios: list[float] = []
-    while len(samples) < REPEATS or (sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS):
+    while len(samples) < REPEATS or (
+        sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
+    ):
         beside = _spent(unit, 1)
         samples.append(_spent(call, loops))
         ratios.append(samples[-1] / beside)
@@ -225,8 +267,12 @@ def _spent(call: Callable[[], object], loops: int = 1) -> float:
     return (time.process_time() - start) / loops
 
 
-def measure(brake: Brake, method: Method, truth: Response, unit: Callable[[], object]) -> dict[str, Any]:
-    """One row: errors, times, memory, unknowns; a method that fails or is refused is a row that says why."""
+def measure(
+    brake: Brake, method: Method, truth: Response, unit: Callable[[], object]
+) -> dict[str, Any]:
+    """One row: errors, times, memory, unknowns; a method that fails or is refused is a row that
+    says why.
+    """
     row: dict[str, Any] = dict(method.case)
     start = time.process_time()
     try:
@@ -234,7 +280,9 @@ def measure(brake: Brake, method: Method, truth: Response, unit: Callable[[], ob
     except DrumlinError as error:
         return row | {"seconds": time.process_time() - start, "status": _said(error)}
     first = time.process_time() - start
-    row |= errors(brake, found.response, truth) | {"unknowns": None if found.unknowns is None else found.unknowns()}
+    row |= errors(brake, found.response, truth) | {
+        "unknowns": None if found.unknowns is None else found.unknowns()
+    }
     row |= timing(partial(solved, brake, method), unit, first)._asdict()
     try:
         again = timing(found.further, unit, _spent(found.further))
@@ -256,7 +304,9 @@ def memory(brake: Brake, method: Method) -> int:
 
 @cache
 def _context() -> Any:
-    """Processes that begin with the program loaded, where the system has such, and with nothing of this one."""
+    """Processes that begin with the program loaded, where the system has such, and with nothing of
+    this one.
+    """
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
@@ -271,8 +321,17 @@ def _grown(brake: Brake, method: Method) -> int:
 
 
 def process_seconds(brake_file: Path, *options: str, repeats: int = REPEATS) -> float:
-    """Wall-clock seconds of a whole `drumlin solve` of a brake file, from the start of its process; the median."""
-    command = [sys.executable, "-c", "from drumlin.cli import main; main()", "solve", str(brake_file), *options]
+    """Wall-clock seconds of a whole `drumlin solve` of a brake file, from the start of its process;
+    the median.
+    """
+    command = [
+        sys.executable,
+        "-c",
+        "from drumlin.cli import main; main()",
+        "solve",
+        str(brake_file),
+        *options,
+    ]
     samples = []
     for _ in range(repeats):
         start = time.perf_counter()
@@ -282,15 +341,23 @@ def process_seconds(brake_file: Path, *options: str, repeats: int = REPEATS) -> 
 
 
 def peer_row(
-    brake: Brake, method: Method, truth: Response, unit: Callable[[], object], repeats: int = REPEATS
+    brake: Brake,
+    method: Method,
+    truth: Response,
+    unit: Callable[[], object],
+    repeats: int = REPEATS,
 ) -> dict[str, Any]:
-    """The row of a peer, by drumlin.peers; times are those that it states, medians of the repeats, ratios to the unit
-    that is timed before each; options `even`: on a mesh that is graded nowhere, `layers`: on a `refined_mesh`."""
+    """The row of a peer, by drumlin.peers; times are those that it states, medians of the repeats,
+    ratios to the unit that is timed before each; options `even`: on a mesh that is graded nowhere,
+    `layers`: on a `refined_mesh`.
+    """
     row: dict[str, Any] = dict(method.case)
     options = dict(method.options)
     even, layers = options.pop("even", False), options.pop("layers", None)
     if even:
-        options["mesher"] = partial(even_mesh, elements=options["elements"], kind=options.get("kind", DEFAULT_KIND))
+        options["mesher"] = partial(
+            even_mesh, elements=options["elements"], kind=options.get("kind", DEFAULT_KIND)
+        )
     if layers is not None:
         options["mesher"] = partial(refined_mesh, layers=layers, **options)
     start = time.perf_counter()
@@ -318,13 +385,16 @@ def peer_row(
     }  # fmt: skip
 
 
-def enough(rows: Iterable[Mapping[str, Any]], key: str, target: float, floors: Mapping[str, float]) -> list[Any]:
-    """The rows whose error `key` is at most `target`, fastest first; of equally fast ones the most exact is first.
+def enough(
+    rows: Iterable[Mapping[str, Any]], key: str, target: float, floors: Mapping[str, float]
+) -> list[Any]:
+    """The rows whose error `key` is at most `target`, fastest first; of equally fast ones the most
+    exact is first.
 
     Times are compared as ratios to the unit beside them.
 
-    A mesh counts only where every finer one of its series is below the target as well: an error that passes through
-    zero is luck. Nothing is claimed below the floor of the reference.
+    A mesh counts only where every finer one of its series is below the target as well: an error
+    that passes through zero is luck. Nothing is claimed below the floor of the reference.
     """
     if target < floors[key]:
         return []
@@ -338,7 +408,9 @@ def enough(rows: Iterable[Mapping[str, Any]], key: str, target: float, floors: M
 
 
 def series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], list[Any]]:
-    """Converged rows by family and kind, coarse to fine: by unknowns or, where they are not counted, by tolerance."""
+    """Converged rows by family and kind, coarse to fine: by unknowns or, where they are not
+    counted, by tolerance.
+    """
     found: dict[tuple[str, str], list[Any]] = {}
     for row in rows:
         if row["status"] == "converged":
@@ -373,5 +445,11 @@ def unit_seconds(rows: Iterable[Mapping[str, Any]]) -> float:
 
 
 def spread(rows: Iterable[Mapping[str, Any]]) -> float:
-    """The interquartile range of the repeats over their median; the median of the rows with REPEATS or more."""
-    return median((row["upper"] - row["lower"]) / row["seconds"] for row in rows if row.get("repeats", 0) >= REPEATS)
+    """The interquartile range of the repeats over their median; the median of the rows with REPEATS
+    or more.
+    """
+    return median(
+        (row["upper"] - row["lower"]) / row["seconds"]
+        for row in rows
+        if row.get("repeats", 0) >= REPEATS
+    )

@@ -38,8 +38,12 @@ QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
     "torque, opposed shoe [N m]": lambda b, r: r.shoes[1].torque,
     "peak pressure, helped shoe [kPa]": lambda b, r: r.shoes[0].peak_pressure * 1e-3,
     "peak pressure, opposed shoe [kPa]": lambda b, r: r.shoes[1].peak_pressure * 1e-3,
-    "hinge reaction, helped shoe [N]": lambda b, r: float(np.linalg.norm(r.shoes[0].hinge_reaction)),
-    "hinge reaction, opposed shoe [N]": lambda b, r: float(np.linalg.norm(r.shoes[1].hinge_reaction)),
+    "hinge reaction, helped shoe [N]": lambda b, r: float(
+        np.linalg.norm(r.shoes[0].hinge_reaction)
+    ),
+    "hinge reaction, opposed shoe [N]": lambda b, r: float(
+        np.linalg.norm(r.shoes[1].hinge_reaction)
+    ),
     "normal force [N]": lambda b, r: r.shoes[0].normal_force,
     "pivot reaction, along [N]": lambda b, r: _pivot(r, 0),
     "pivot reaction, across [N]": lambda b, r: _pivot(r, 1),
@@ -49,7 +53,9 @@ QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
 
 
 def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
-    """One row a number given, for an example: its `law`, `file` in the folder, `changes`, `peak`, `given` numbers."""
+    """One row a number given, for an example: its `law`, `file` in the folder, `changes`, `peak`,
+    `given` numbers.
+    """
     law, source = example["law"], example["source"]
     solve = MODELS[law].solve
     brake = vary(read_any(folder / example["file"]), example.get("changes", {}))
@@ -64,9 +70,17 @@ def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
 
 
 def compared(
-    law: str, source: str, quantity: str, given: str, value: float, origin: str = "formula", remark: str = ""
+    law: str,
+    source: str,
+    quantity: str,
+    given: str,
+    value: float,
+    origin: str = "formula",
+    remark: str = "",
 ) -> Row:
-    """A row: given and computed value side by side; they agree within half a unit of the last digit given."""
+    """A row: given and computed value side by side; they agree within half a unit of the last digit
+    given.
+    """
     decimals = len(given.partition(".")[2])
     agrees = abs(value - float(given)) <= 0.5 * 10.0**-decimals * (1 + 1e-6)
     return {
@@ -82,9 +96,14 @@ def compared(
 
 
 def simscape_rows() -> list[Row]:
-    """The double-shoe block with its default parameters, per newton of force, both readings of theta_s."""
+    """The double-shoe block with its default parameters, per newton of force, both readings of
+    theta_s.
+    """
     rows = []
-    for reading, torque, mu_lock in (("end", "0.2176081", "0.823082"), ("span", "0.2211397", "0.794253")):
+    for reading, torque, mu_lock in (
+        ("end", "0.2176081", "0.823082"),
+        ("span", "0.2211397", "0.794253"),
+    ):
         block = DoubleShoe(reading="end" if reading == "end" else "span")
         source = f"Simscape defaults, theta_s as {reading}"
         leading, trailing = (float(T) for T in block.shoe_torques(1.0, 1.0))
@@ -102,6 +121,12 @@ def friction_rows() -> list[Row]:
     """The equivalent friction of a block over its half-arc."""
     printed = {15: "1.011408", 30: "1.045356", 45: "1.100214", 60: "1.170138", 90: "1.273240"}
     return [
-        compared("block", "mu'/mu", f"half-arc {angle} deg", text, float(equivalent_friction(math.radians(angle))))
+        compared(
+            "block",
+            "mu'/mu",
+            f"half-arc {angle} deg",
+            text,
+            float(equivalent_friction(math.radians(angle))),
+        )
         for angle, text in printed.items()
     ]

@@ -1,15 +1,17 @@
-"""Archard wear of linings in full slip, as a sequence of contact problems over the sliding distance.
+"""Archard wear of linings in full slip, as a sequence of contact problems over the sliding
+distance.
 
 The depth h worn off the lining opens the gap and grows where the lining is pressed:
 
     w = q + A x + B y + G h,   p = D x >= 0,  w >= 0,  p w = 0,   C x = h_load,      dh/ds = rate(p)
 
-with rate(p) = k p for the exponent 1. In time these equations are stiff: ripples of one element settle some thousand
-times faster than the bending of the shoe. An implicit step makes the wear a compliance, A + gamma ds G k D, as a
-soft contact does: one contact problem a stage, stable for any step, and no checkerboard. The steps are those of the
-L-stable, stiffly accurate diagonally implicit Runge-Kutta method of order 2 with gamma = 1 - 1/sqrt(2) (Alexander 1977,
-SIAM J. Numer. Anal. 14, 1006), with the first order embedded in it as a measure of the error: stages have p w = 0
-exactly, both weights are positive, so that h never shrinks and never grows where nothing presses.
+with rate(p) = k p for the exponent 1. In time these equations are stiff: ripples of one element
+settle some thousand times faster than the bending of the shoe. An implicit step makes the wear a
+compliance, A + gamma ds G k D, as a soft contact does: one contact problem a stage, stable for any
+step, and no checkerboard. The steps are those of the L-stable, stiffly accurate diagonally implicit
+Runge-Kutta method of order 2 with gamma = 1 - 1/sqrt(2) (Alexander 1977, SIAM J. Numer. Anal. 14,
+1006), with the first order embedded in it as a measure of the error: stages have p w = 0 exactly,
+both weights are positive, so that h never shrinks and never grows where nothing presses.
 
 Friction at a rough abutment opposes the slide of the foot one way or the other, or holds the foot.
 Each of these ways has a contact problem of its own, a `Footing`. Each stage of a step keeps the
@@ -112,7 +114,9 @@ class WearInterface(NamedTuple):
 
 
 class WearLaw(NamedTuple):
-    """dh/ds = coefficient p (p/reference)^(exponent - 1): coefficient [1/Pa] at the pressure `reference` [Pa]."""
+    """dh/ds = coefficient p (p/reference)^(exponent - 1): coefficient [1/Pa] at the pressure
+    `reference` [Pa].
+    """
 
     coefficient: float
     exponent: float = 1.0
@@ -133,10 +137,11 @@ class WearLaw(NamedTuple):
 class WearState:
     """The linings after the sliding distance `s` [m].
 
-    `depth` (n,) [m] worn off and `pressure` (n,) [Pa] at the contact unknowns of all interfaces, one after the other;
-    `torque` [N m] of all; `force`: factor on the actuation; `forward`: whether the drum turns as the brake says.
-    From the start on, by the method's own quadrature: `removed` [m^3] the integral of the rate, `pressed` [N m]
-    that of the normal force over s, and `work` [N m^2] that of the torque over s.
+    `depth` (n,) [m] worn off and `pressure` (n,) [Pa] at the contact unknowns of all interfaces,
+    one after the other; `torque` [N m] of all; `force`: factor on the actuation; `forward`: whether
+    the drum turns as the brake says. From the start on, by the method's own quadrature: `removed`
+    [m^3] the integral of the rate, `pressed` [N m] that of the normal force over s, and `work` [N
+    m^2] that of the torque over s.
     """
 
     s: float
@@ -164,20 +169,29 @@ def run(
     tolerance: float = TOLERANCE,
     until: Callable[[WearState], bool] = lambda _: False,
 ) -> list[WearState]:
-    """Wear linings in over the sliding `distance` [m], or until `until(state)`; states from the unworn one on.
+    """Wear linings in over the sliding `distance` [m], or until `until(state)`; states from the
+    unworn one on.
 
-    forward: the interfaces, each in equilibrium by itself; backward: the same with the drum turning back, which it
-    does every `reverse` [m]: the state is then there twice, before and after. torque [N m]: of all interfaces, held by
-    the actuation; else the actuation stays. Each step's error of p (L2) is below `tolerance`.
-    Raises BadInput, and NoAnswer: no equilibrium, not converged, self-locking.
+    forward: the interfaces, each in equilibrium by itself; backward: the same with the drum turning
+    back, which it does every `reverse` [m]: the state is then there twice, before and after. torque
+    [N m]: of all interfaces, held by the actuation; else the actuation stays. Each step's error of
+    p (L2) is below `tolerance`. Raises BadInput, and NoAnswer: no equilibrium, not converged,
+    self-locking.
     """
     if reverse < math.inf and not backward:
         raise BadInput(f"reverse = {reverse:g}: needs the interfaces of the drum turning backward")
-    for name, value in {"distance": distance, "reverse": reverse, "torque": 1.0 if torque is None else torque}.items():
+    for name, value in {
+        "distance": distance,
+        "reverse": reverse,
+        "torque": 1.0 if torque is None else torque,
+    }.items():
         if not value > 0:
             raise BadInput(f"{name} = {value:g}: must be greater than 0")
     _check(law, tolerance, distance)
-    machines = {True: _Machine(forward, law, torque), False: _Machine(backward or forward, law, torque)}
+    machines = {
+        True: _Machine(forward, law, torque),
+        False: _Machine(backward or forward, law, torque),
+    }
     turning = True
     state = machines[True].start()
     states = [state]
@@ -248,7 +262,9 @@ def together(interfaces: WearInterfaces) -> WearInterface:
         torque=np.concatenate([interface.torque for interface in interfaces]),
         stands=first.stands,
         others=tuple(others),
-        settle=partial(_all_settled, interfaces) if all(each.settle for each in interfaces) else None,
+        settle=partial(_all_settled, interfaces)
+        if all(each.settle for each in interfaces)
+        else None,
     )
 
 
@@ -374,8 +390,9 @@ def at_torque(interface: WearInterface, torque: float, problem: Problem | None =
 
     problem: of one of the footings, by default the first.
 
-    With q + (f - 1) loaded and C x = f h the first row of C gives f = (C x)_0 / h_0: put into the others, f becomes
-    part of A and C, and the torque's row takes the place of the first. The sign is that of the row it replaces.
+    With q + (f - 1) loaded and C x = f h the first row of C gives f = (C x)_0 / h_0: put into the
+    others, f becomes part of A and C, and the torque's row takes the place of the first. The sign
+    is that of the row it replaces.
     """
     A, q, B, C, h = interface.problem if problem is None else problem
     main = int(np.argmax(np.abs(h)))
@@ -450,12 +467,15 @@ class _Machine:
         p1, r1, _ = self._bear(state.depth, GAMMA * ds)
         p2, r2, tangents = self._bear(state.depth + (1 - GAMMA) * ds * r1, GAMMA * ds)
         depth = state.depth + ds * ((1 - GAMMA) * r1 + GAMMA * r2)
-        # The embedded rule ds r1 misses by GAMMA ds (r2 - r1); the stage's own tangent says what p makes of it.
+        # The embedded rule ds r1 misses by GAMMA ds (r2 - r1); the stage's own tangent says what p
+        # makes of it.
         miss = GAMMA * ds * (r2 - r1)
         dp = np.concatenate(
             [
                 interface.pressure * tangent(interface.weight @ miss[part])
-                for interface, part, tangent in zip(self.interfaces, self.parts, tangents, strict=True)
+                for interface, part, tangent in zip(
+                    self.interfaces, self.parts, tangents, strict=True
+                )
             ]
         )
         error = self._size(dp)
@@ -484,14 +504,20 @@ class _Machine:
         """The L2 norm of p (n,) over the linings."""
         return math.sqrt(float(np.abs(self.area) @ p**2))
 
-    def _state(self, s: float, depth: Floats, p: Floats, sums: tuple[float, float, float]) -> WearState:
+    def _state(
+        self, s: float, depth: Floats, p: Floats, sums: tuple[float, float, float]
+    ) -> WearState:
         force = 1.0
         if self.held is not None:
             force = self._force(0, p)
         return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *sums)
 
-    def _bear(self, depth: Floats, ds: float) -> tuple[Floats, Floats, list[Callable[[Floats], Floats]]]:
-        """p and rate (n,) that hold after a wear of ds rate(p) on top of `depth`, and the tangents dx(dw)."""
+    def _bear(
+        self, depth: Floats, ds: float
+    ) -> tuple[Floats, Floats, list[Callable[[Floats], Floats]]]:
+        """p and rate (n,) that hold after a wear of ds rate(p) on top of `depth`, and the tangents
+        dx(dw).
+        """
         found = [self._bear_one(i, depth[part], ds) for i, part in enumerate(self.parts)]
         return (
             np.concatenate([p for p, _, _ in found]),
@@ -508,7 +534,9 @@ class _Machine:
         main = int(np.argmax(np.abs(h)))
         return float(C[main] @ (p / interface.pressure)) / float(h[main])
 
-    def _bear_one(self, i: int, depth: Floats, ds: float) -> tuple[Floats, Floats, Callable[[Floats], Floats]]:
+    def _bear_one(
+        self, i: int, depth: Floats, ds: float
+    ) -> tuple[Floats, Floats, Callable[[Floats], Floats]]:
         """The same of one interface, with the footing that stands in the answer."""
         failure: NoAnswer | None = None
         before, footings = (self.footing[i], self.sets[i]), self.interfaces[i].footings
@@ -545,7 +573,9 @@ class _Machine:
             change, p = float(np.abs(new - p).max()), new
             if linear or change <= NEWTON * float(np.abs(p).max()):
                 return p, self.law.rate(p, rounded)[0], solved
-        raise NoAnswer(f"not converged: the pressure under wear of exponent {self.law.exponent:g} still changes")
+        raise NoAnswer(
+            f"not converged: the pressure under wear of exponent {self.law.exponent:g} still changes"
+        )
 
     def _guess(self, i: int, A: Floats, q: Floats, B: Floats, C: Floats, h: Floats) -> Floats:
         """A pressure to begin Newton's method with; any, where the rate is linear."""
@@ -576,11 +606,12 @@ def explicit(interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int) ->
 
 
 def ripple(p: Floats, margin: int = 5) -> float:
-    """Size of the checkerboard in nodal pressures p (n,): how much of them alternates from node to node.
+    """Size of the checkerboard in nodal pressures p (n,): how much of them alternates from node to
+    node.
 
-    The fourth difference (1, -4, 6, -4, 1)/16 answers 1 to an alternation of 1 and the fourth power of the spacing to a
-    smooth pressure; its L2 norm relative to that of p, without `margin` nodes at the lining's ends and at those of the
-    contact. nan where no such node is left.
+    The fourth difference (1, -4, 6, -4, 1)/16 answers 1 to an alternation of 1 and the fourth power
+    of the spacing to a smooth pressure; its L2 norm relative to that of p, without `margin` nodes
+    at the lining's ends and at those of the contact. nan where no such node is left.
     """
     # a single node out of contact is what a checkerboard makes: it does not end the contact
     use = _eroded(~_eroded(p <= 0, 1, beyond=True), margin, beyond=False)
@@ -591,7 +622,9 @@ def ripple(p: Floats, margin: int = 5) -> float:
 
 
 def _eroded(where: Bools, margin: int, *, beyond: bool) -> Bools:
-    """Places (n,) with `where` true up to `margin` places to either side; past the array's ends it is `beyond`."""
+    """Places (n,) with `where` true up to `margin` places to either side; past the array's ends it
+    is `beyond`.
+    """
     padded = np.pad(where, margin, constant_values=beyond)
     found: Bools = np.lib.stride_tricks.sliding_window_view(padded, 2 * margin + 1).min(axis=1)
     return found

@@ -1,4 +1,5 @@
-"""A brake as linings that wear: the contact problems of `wear`, from finite elements or the foundation model.
+"""A brake as linings that wear: the contact problems of `wear`, from finite elements or the
+foundation model.
 
 However the shoes are held and pushed.
 """
@@ -76,7 +77,9 @@ class WearSetup(NamedTuple):
 
 
 def fem_setup(scene: Scene, brake: Brake, *, penalty: float = math.inf) -> WearSetup:
-    """The setup of a brake on a prepared scene of finite elements. Raises NoAnswer where no shoe touches."""
+    """The setup of a brake on a prepared scene of finite elements. Raises NoAnswer where no shoe
+    touches.
+    """
     interfaces, surfaces = list[WearInterface](), list[Surface]()
     for group in groups_of(scene, brake, penalty):
         placed = [
@@ -111,7 +114,8 @@ def _interface(group: ShoeGroup) -> WearInterface:
         weight=group.masses,
         pressure=np.ones(len(gap)),
         area=np.concatenate([body.coupling.area for body in group.bodies]),
-        torque=group.brake.friction * np.concatenate([body.coupling.lever for body in group.bodies]),
+        torque=group.brake.friction
+        * np.concatenate([body.coupling.lever for body in group.bodies]),
         stands=partial(_stands, first),
         others=tuple(Footing(_in_newtons(way), partial(_stands, way)) for way in others),
         settle=settle,
@@ -155,8 +159,12 @@ def _stands(group: ShoeGroup, found: Contact) -> bool:
     return all(group.consistent(unit, k) for k in range(len(group.members)))
 
 
-def foundation_setup(brake: Brake, *, sections: int = foundation.SECTIONS, lift: Iterable[str] = ()) -> WearSetup:
-    """The setup of a post brake on the foundation model; options as of foundation.solve. Raises BadInput, NoAnswer."""
+def foundation_setup(
+    brake: Brake, *, sections: int = foundation.SECTIONS, lift: Iterable[str] = ()
+) -> WearSetup:
+    """The setup of a post brake on the foundation model; options as of foundation.solve. Raises
+    BadInput, NoAnswer.
+    """
     reason = foundation.why_not(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
@@ -167,8 +175,13 @@ def foundation_setup(brake: Brake, *, sections: int = foundation.SECTIONS, lift:
     for group in [touching] if together and touching else [[i] for i in touching]:
         posts, _, problem = foundation.system(brake, group, sections, names)
         widths = [brake.shoes[i].lining.width for i in group]
-        area = np.concatenate([b * brake.size * p.sector for b, p in zip(widths, posts, strict=True)])
-        placed = [(i, shoe_angles(p.axis, brake.shoes[i], p.theta), 1) for i, p in zip(group, posts, strict=True)]
+        area = np.concatenate(
+            [b * brake.size * p.sector for b, p in zip(widths, posts, strict=True)]
+        )
+        placed = [
+            (i, shoe_angles(p.axis, brake.shoes[i], p.theta), 1)
+            for i, p in zip(group, posts, strict=True)
+        ]
         surfaces += _surfaces(brake, surfaces, len(interfaces), placed)
         interfaces.append(
             WearInterface(
@@ -184,8 +197,9 @@ def foundation_setup(brake: Brake, *, sections: int = foundation.SECTIONS, lift:
 
 
 def guided(brake: B) -> B:
-    """The brake with its shoes on guides along the middle radius of their linings, on a plane along its normal, which
-    bear all else."""
+    """The brake with its shoes on guides along the middle radius of their linings, on a plane along
+    its normal, which bear all else.
+    """
     held = {"hinge": None, "pivot": None, "abutment": None}
 
     return vary(
@@ -221,7 +235,9 @@ def _surfaces(
     return found
 
 
-def _setup(brake: Brake, model: str, interfaces: list[WearInterface], surfaces: list[Surface]) -> WearSetup:
+def _setup(
+    brake: Brake, model: str, interfaces: list[WearInterface], surfaces: list[Surface]
+) -> WearSetup:
     if not interfaces:
         raise NoAnswer("no contact: no shoe is turned towards the drum, so that nothing wears")
     return WearSetup(brake, model, tuple(interfaces), tuple(surfaces))

@@ -1,9 +1,11 @@
-"""Running a brake in: its linings worn by Archard's law, from the elastic pressure of the new to the law of the rigid.
+"""Running a brake in: its linings worn by Archard's law, from the elastic pressure of the new to
+the law of the rigid.
 
-Whatever the elasticity, wear ends where every point of the lining wears as fast as the rigid motions of the shoe close
-the gap, p ~ approach^(1/m) with the exponent m of the wear law: for m = 1 sin(phi) of a hinged shoe, cos(phi) about
-its direction of a guided one, A cos + B sin of one on a pivot of a lever. What remains of elasticity then stands in
-the worn shape. The clearance of `worn` is that shape: every model solves the worn brake as it solves any other.
+Whatever the elasticity, wear ends where every point of the lining wears as fast as the rigid
+motions of the shoe close the gap, p ~ approach^(1/m) with the exponent m of the wear law: for m = 1
+sin(phi) of a hinged shoe, cos(phi) about its direction of a guided one, A cos + B sin of one on a
+pivot of a lever. What remains of elasticity then stands in the worn shape. The clearance of `worn`
+is that shape: every model solves the worn brake as it solves any other.
 """
 
 import math
@@ -26,8 +28,9 @@ from drumlin.wear.archard import WearLaw, WearState, steady
 from drumlin.wear.linings import Surface, WearSetup, worn_by
 
 COEFFICIENT = 1e-14
-"""k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings. In units of 1/(k E/t) nothing depends
-on it, nor does the part of life."""
+"""k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings. In units of 1/(k
+E/t) nothing depends on it, nor does the part of life.
+"""
 WORN_OUT = 0.8  # part of the lining's thickness that may wear off
 SETTLED = 1e-3
 
@@ -51,20 +54,33 @@ def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = 
         return discrete_end(setup, law, torque)
     under = rigid.forced(setup.brake)
     pressed = [rigid.press(under, under.shoes[surface.shoe]) for surface in setup.surfaces]
-    p = [rigid.pressure(found, surface.theta) for found, surface in zip(pressed, setup.surfaces, strict=True)]
-    size = sum(_torque(setup, surface, found) for found, surface in zip(pressed, setup.surfaces, strict=True) if found)
+    p = [
+        rigid.pressure(found, surface.theta)
+        for found, surface in zip(pressed, setup.surfaces, strict=True)
+    ]
+    size = sum(
+        _torque(setup, surface, found)
+        for found, surface in zip(pressed, setup.surfaces, strict=True)
+        if found
+    )
     return _held(np.concatenate(p), size, torque)
 
 
-def discrete_end(setup: WearSetup, law: WearLaw | None = None, torque: float | None = None) -> Target:
+def discrete_end(
+    setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
+) -> Target:
     """The end of wear on the mesh or the sections of a setup.
 
     It differs from the law where the law presses a part of a lining only, for that part ends
     within an element. torque [N m] and errors: as of `target`.
     """
     law = law or WearLaw(COEFFICIENT)
-    p = np.concatenate([interface.pressure * steady(interface, law).contact.p for interface in setup.interfaces])
-    size = sum(float(interface.torque @ p[setup.part(i)]) for i, interface in enumerate(setup.interfaces))
+    p = np.concatenate(
+        [interface.pressure * steady(interface, law).contact.p for interface in setup.interfaces]
+    )
+    size = sum(
+        float(interface.torque @ p[setup.part(i)]) for i, interface in enumerate(setup.interfaces)
+    )
     return _held(p, size, torque)
 
 
@@ -81,7 +97,9 @@ def _torque(setup: WearSetup, surface: Surface, found: Pressed) -> float:
 
 
 class Distance(NamedTuple):
-    """How far a state is from the target: of p (L2, the worst lining's, without one element at each end), of torque."""
+    """How far a state is from the target: of p (L2, the worst lining's, without one element at each
+    end), of torque.
+    """
 
     pressure: float
     torque: float
@@ -123,9 +141,11 @@ def run_in(
     until: Callable[[WearState], bool] | None = None,
     **options: Any,
 ) -> list[WearState]:
-    """Wear a brake in by `law`, by default Archard's: options as in archard.run; until settled, or over `distance`.
+    """Wear a brake in by `law`, by default Archard's: options as in archard.run; until settled, or
+    over `distance`.
 
-    backward: the setup of the same brake with the drum turning the other way, for `reverse`. Raises BadInput, NoAnswer.
+    backward: the setup of the same brake with the drum turning the other way, for `reverse`. Raises
+    BadInput, NoAnswer.
     """
     for surface in setup.surfaces:  # p is compared without one element at each end
         count = (len(surface.angles) - 1) // surface.order
@@ -137,7 +157,9 @@ def run_in(
     torque = options.get("torque")
     if until is None and "distance" not in options:
         if backward is not None:
-            raise BadInput("a brake whose drum turns both ways does not settle: a distance must be given")
+            raise BadInput(
+                "a brake whose drum turns both ways does not settle: a distance must be given"
+            )
         until = settled(setup, discrete_end(setup, law, torque))
     return archard.run(
         setup.interfaces,
@@ -149,7 +171,9 @@ def run_in(
 
 
 def unit_distance(setup: WearSetup, law: WearLaw) -> float:
-    """1/(k K) [m]: the sliding distance over which a rigid shoe's Winkler lining forgets its shape, by e."""
+    """1/(k K) [m]: the sliding distance over which a rigid shoe's Winkler lining forgets its shape,
+    by e.
+    """
     return 1 / (law.coefficient * setup.stiffness) if law.coefficient else math.inf
 
 
@@ -159,13 +183,20 @@ def worn(setup: WearSetup, state: WearState) -> Brake:
 
 
 def check_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
-    """Raise NoAnswer where more of a lining is worn off than it has, saying which was gone first and when."""
+    """Raise NoAnswer where more of a lining is worn off than it has, saying which was gone first
+    and when.
+    """
     s, gone = [state.s for state in states], []
     for surface in setup.surfaces:
         has = setup.brake.shoes[surface.shoe].lining.thickness
         deepest = [float(state.depth[surface.part].max()) for state in states]
         if deepest[-1] > has:
-            gone.append((float(np.interp(has, deepest, s)), f"shoe {surface.name!r}: its lining of {mm(has)}"))
+            gone.append(
+                (
+                    float(np.interp(has, deepest, s)),
+                    f"shoe {surface.name!r}: its lining of {mm(has)}",
+                )
+            )
     if gone:
         after, lining = min(gone)
         raise NoAnswer(
@@ -175,8 +206,8 @@ def check_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
 
 
 class Life(NamedTuple):
-    """The sliding distance [m] at which a lining is worn out, and the parts of it after which p and torque stay
-    within `within` of the law; above 1: they never come there.
+    """The sliding distance [m] at which a lining is worn out, and the parts of it after which p and
+    torque stay within `within` of the law; above 1: they never come there.
     """
 
     distance: float
@@ -194,8 +225,9 @@ def life(
 ) -> Life:
     """How much of a lining's life is spent away from the law.
 
-    The life ends where the deepest wear of a lining reaches `part` of its thickness; beyond the last state all wears
-    at the rate of the law. The lining's own loss of thickness is not fed back into its stiffness.
+    The life ends where the deepest wear of a lining reaches `part` of its thickness; beyond the
+    last state all wears at the rate of the law. The lining's own loss of thickness is not fed back
+    into its stiffness.
     """
     end = math.inf
     for surface in setup.surfaces:
@@ -212,11 +244,12 @@ def life(
 
 
 class Checks(NamedTuple):
-    """Balances of a run, relative: its worn volume against the integral of the wear rate (k Int Int p dA ds), and that
-    of the worn shape over the round lining against the energy, V = k W/mu.
+    """Balances of a run, relative: its worn volume against the integral of the wear rate (k Int Int
+    p dA ds), and that of the worn shape over the round lining against the energy, V = k W/mu.
 
-    `energy`: None without friction and for other exponents than 1. `ripple`: the largest checkerboard of any state
-    after the first, see archard.ripple; None where the linings have too few nodes.
+    `energy`: None without friction and for other exponents than 1. `ripple`: the largest
+    checkerboard of any state after the first, see archard.ripple; None where the linings have too
+    few nodes.
     """
 
     volume: float
@@ -235,10 +268,16 @@ def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Check
             brake.shoes[s.shoe].lining.width * brake.scale_factor * _integral(s, s.along(end.depth))
             for s in setup.surfaces
         )
-        by_energy = abs(shape - law.coefficient * end.work / (brake.friction * brake.scale_factor)) / scale
-    ripples = [archard.ripple(s.along(state.pressure)) for state in states[1:] for s in setup.surfaces]
+        by_energy = (
+            abs(shape - law.coefficient * end.work / (brake.friction * brake.scale_factor)) / scale
+        )
+    ripples = [
+        archard.ripple(s.along(state.pressure)) for state in states[1:] for s in setup.surfaces
+    ]
     seen = [ripple for ripple in ripples if not math.isnan(ripple)]
-    return Checks(abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=None))
+    return Checks(
+        abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=None)
+    )
 
 
 def _integral(surface: Surface, values: Floats) -> float:
@@ -251,11 +290,17 @@ def peak(setup: WearSetup, state: WearState) -> float:
     peaks = []
     for surface in setup.surfaces:
         theta, p = surface.angles, surface.along(state.pressure)
-        peaks.append(nodal_peak(theta, p, edge_zone(setup.brake.shoes[surface.shoe], setup.brake.scale_factor)))
+        peaks.append(
+            nodal_peak(
+                theta, p, edge_zone(setup.brake.shoes[surface.shoe], setup.brake.scale_factor)
+            )
+        )
     return max(peaks)
 
 
-def as_dict(setup: WearSetup, states: Sequence[WearState], goal: Target, law: WearLaw) -> dict[str, Any]:
+def as_dict(
+    setup: WearSetup, states: Sequence[WearState], goal: Target, law: WearLaw
+) -> dict[str, Any]:
     """A run as plain data for JSON: SI; values of each lining by growing theta."""
 
     def linings(values: Floats) -> list[list[float]]:
@@ -265,7 +310,9 @@ def as_dict(setup: WearSetup, states: Sequence[WearState], goal: Target, law: We
         "model": setup.model,
         "law": law._asdict(),
         "unit_distance": unit_distance(setup, law) if law.coefficient else None,
-        "shoes": [{"name": surface.name, "theta": surface.angles.tolist()} for surface in setup.surfaces],
+        "shoes": [
+            {"name": surface.name, "theta": surface.angles.tolist()} for surface in setup.surfaces
+        ],
         "worn_in": {"torque": goal.torque, "pressure": linings(goal.pressure)},
         "states": [
             {

@@ -67,16 +67,19 @@ to. A judgement; the pressure does not depend on it."""
 
 
 def solve(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
-    """The response of a brake of finite elements with linings that are worn in; `options` of `scene_of`."""
+    """The response of a brake of finite elements with linings that are worn in; `options` of
+    `scene_of`.
+    """
     scene = scene_of(brake, **options)
     return with_merits(brake, respond(scene, worn_in(scene, brake), penalty=penalty))
 
 
 def worn_in(scene: Scene, brake: Brake) -> Brake:
-    """The brake with every clearance and misfit of its linings replaced by those that wear ends with.
+    """The brake with every clearance and misfit of its linings replaced by those that wear ends
+    with.
 
-    A drum that is not round stays so: as it turns it wears the lining evenly, as far as the whole lining stays in
-    contact. Raises NoAnswer for a self-locking shoe.
+    A drum that is not round stays so: as it turns it wears the lining evenly, as far as the whole
+    lining stays in contact. Raises NoAnswer for a self-locking shoe.
     """
     setup = fem_setup(scene, fitted(brake, drum=True))
     gaps: dict[int, Rows] = {}
@@ -99,7 +102,9 @@ def _worn_gap(interface: WearInterface, linings: list[slice]) -> Floats:
     footing, M, p = interface.footings[end.footing], interface.weight, end.contact.p
     A, q, B, *_ = footing.problem
     # The motions that leave each rough foot where it is are those of the footing with the fewest.
-    resting = min((each.problem.B for each in interface.footings), key=lambda motions: motions.shape[1])
+    resting = min(
+        (each.problem.B for each in interface.footings), key=lambda motions: motions.shape[1]
+    )
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")
     opened, approach = solved[:, 0], -solved[:, 1:]
     # The motions y0 for which -M^-1 B y0 comes nearest to c and to 1, in least squares.
@@ -121,19 +126,26 @@ def _worn_gap(interface: WearInterface, linings: list[slice]) -> Floats:
 
 
 def fitted(brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool = False) -> Brake:
-    """The brake with linings that fit, but for the clearances `gaps` by shoe; drum: and on a round drum."""
+    """The brake with linings that fit, but for the clearances `gaps` by shoe; drum: and on a round
+    drum.
+    """
 
     def fit(i: int, shoe: Shoe) -> Shoe:
         clearance = (gaps or {}).get(i, 0.0)
-        lining = shoe.lining.model_copy(update={"clearance": clearance, "misfit": type(shoe.lining.misfit)()})
+        lining = shoe.lining.model_copy(
+            update={"clearance": clearance, "misfit": type(shoe.lining.misfit)()}
+        )
         return shoe.model_copy(update={"lining": lining})
 
     shoes = tuple(fit(i, shoe) for i, shoe in enumerate(brake.shoes))
     return (brake.round() if drum else brake).model_copy(update={"shoes": shoes})
 
 
-def worn_in_foundation(brake: Brake, *, sections: int = SECTIONS, lift: Iterable[str] = ()) -> Brake:
-    """The brake with every clearance and misfit replaced by that at which the foundation model bears by the sine law.
+def worn_in_foundation(
+    brake: Brake, *, sections: int = SECTIONS, lift: Iterable[str] = ()
+) -> Brake:
+    """The brake with every clearance and misfit replaced by that at which the foundation model
+    bears by the sine law.
 
     Raises NoAnswer for a self-locking shoe.
     """
@@ -143,18 +155,28 @@ def worn_in_foundation(brake: Brake, *, sections: int = SECTIONS, lift: Iterable
     shoes = list(range(len(brake.shoes)))
     for group in [shoes] if "own-pressure" in names else [[i] for i in shoes]:
         parts = system(fitting, group, sections, names)
-        angles = [shoe_angles(p.axis, brake.shoes[i], p.theta) for i, p in zip(group, parts.posts, strict=True)]
+        angles = [
+            shoe_angles(p.axis, brake.shoes[i], p.theta)
+            for i, p in zip(group, parts.posts, strict=True)
+        ]
         N = np.concatenate(
             [
-                law.shoes[i].pressure_at(theta) * brake.shoes[i].lining.width * brake.size * p.sector
+                law.shoes[i].pressure_at(theta)
+                * brake.shoes[i].lining.width
+                * brake.size
+                * p.sector
                 for i, theta, p in zip(group, angles, parts.posts, strict=True)
             ]
         )
-        closed = parts.problem.q + parts.problem.A @ N  # what the clearance and the shoe's turn must make up
+        closed = (
+            parts.problem.q + parts.problem.A @ N
+        )  # what the clearance and the shoe's turn must make up
         first = 0
         for i, theta, p in zip(group, angles, parts.posts, strict=True):
             own = closed[first : first + len(theta)]
             first += len(theta)
-            gap = p.closing[0] * np.max(own / p.closing[0]) - own  # made up for by a turn of the shoe
+            gap = (
+                p.closing[0] * np.max(own / p.closing[0]) - own
+            )  # made up for by a turn of the shoe
             gaps[i] = rows_of(theta[:: p.axis.sense], gap[:: p.axis.sense])
     return fitted(fitting, gaps)

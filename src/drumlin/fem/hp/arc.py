@@ -1,8 +1,8 @@
 """Columns of an arc or a pad, by their symmetric and their antisymmetric motions.
 
-Between circles about one centre the map of an element is a product, x = r(eta) c(xi), c(xi) the polynomial through
-nodes of the unit circle. So its stiffness is one too, of what hangs on the angle of its column, A, and on the radii of
-its layer, B:
+Between circles about one centre the map of an element is a product, x = r(eta) c(xi), c(xi) the
+polynomial through nodes of the unit circle. So its stiffness is one too, of what hangs on the angle
+of its column, A, and on the radii of its layer, B:
 
     K = sum_kl (lambda A_kl + 2 mu A'_kl) B_kl,   grad psi = t f'(xi) g(eta)/r + n f(xi) g'(eta)/(r_2 - r_1)
 
@@ -11,8 +11,9 @@ plane the radius does not change and n is its normal. The directions along and t
 on xi alone too, so that what a layer is stiffer in them (see fem.elasticity) adds two terms of the
 same form, a A''_kl B_kl + b A'''_kl B_kl.
 
-A column is its own mirror image. Its motions are the sum of symmetric ones, radial displacements even about its middle
-and tangential ones odd, and of antisymmetric ones. These two do no work on each other and have half the unknowns each.
+A column is its own mirror image. Its motions are the sum of symmetric ones, radial displacements
+even about its middle and tangential ones odd, and of antisymmetric ones. These two do no work on
+each other and have half the unknowns each.
 """
 
 from functools import cache
@@ -28,12 +29,14 @@ from drumlin.fem.hp.element import shape_functions, without_each
 
 
 class Functions(NamedTuple):
-    """Of degree p: Gauss points `x` (q,) of [0, 1] and their `weights`; the nodal functions' `values` and `slopes`
-    (p + 1, q) there; `sign` (2, 2 (p + 1)) by which displacements of the nodes, x and y together, count in the
-    symmetric and the antisymmetric unknowns, and in which of these (p + 1), `place` (2 (p + 1),): first those of the
-    two ends, then those of each pair further in; `fold` (2, p + 1, 2 (p + 1)): forces on nodes on these unknowns;
-    `outer`, `mixed`, `inner`: where the parts of a condensed element's stiffness are in that of unknowns (along, along,
-    across, across)."""
+    """Of degree p: Gauss points `x` (q,) of [0, 1] and their `weights`; the nodal functions'
+    `values` and `slopes` (p + 1, q) there; `sign` (2, 2 (p + 1)) by which displacements of the
+    nodes, x and y together, count in the symmetric and the antisymmetric unknowns, and in which of
+    these (p + 1), `place` (2 (p + 1),): first those of the two ends, then those of each pair
+    further in; `fold` (2, p + 1, 2 (p + 1)): forces on nodes on these unknowns; `outer`, `mixed`,
+    `inner`: where the parts of a condensed element's stiffness are in that of unknowns (along,
+    along, across, across).
+    """
 
     x: Floats
     weights: Floats
@@ -81,8 +84,9 @@ def functions(p: int) -> Functions:
 
 
 def _folded(V: Floats, p: int) -> Floats:
-    """Forces V (..., 2 (p + 1), m) on nodes, x and y together, on the symmetric and antisymmetric unknowns:
-    (2, ..., p + 1, m)."""
+    """Forces V (..., 2 (p + 1), m) on nodes, x and y together, on the symmetric and antisymmetric
+    unknowns: (2, ..., p + 1, m).
+    """
     fold = functions(p).fold
     return np.asarray(fold.reshape(2, *(1,) * (V.ndim - 2), *fold.shape[1:]) @ V)
 
@@ -103,25 +107,43 @@ def angular(angles: Floats, p: int, *, flat: bool = False, directed: bool = Fals
     root = np.sqrt(of.weights / (at[0] * by[1] - at[1] * by[0]))
     tangent, normal = np.array([-at[1], at[0]]) * root, np.array([by[1], -by[0]]) * root
     gradient = np.empty((2, count, 2, n, len(of.x)))
-    gradient[:, :, 0], gradient[:, :, 1] = tangent[:, :, None] * of.slopes, normal[:, :, None] * of.values
+    gradient[:, :, 0], gradient[:, :, 1] = (
+        tangent[:, :, None] * of.slopes,
+        normal[:, :, None] * of.values,
+    )
     turn = np.zeros((count, n))
-    turn[:, ::p] = 0.0 if flat else angles[:, ::p]  # of the sides along the radius and across it there
+    turn[:, ::p] = (
+        0.0 if flat else angles[:, ::p]
+    )  # of the sides along the radius and across it there
     c, s = np.array([np.cos(turn), np.sin(turn)])[:, :, None, :, None]
     (cx, cy), (sy, sx) = c * gradient, s * gradient[::-1]
-    strain = np.empty((count, 2, n, 2, 3, len(of.x)))  # xx, yy and xy times the root of 2, of either component
+    strain = np.empty(
+        (count, 2, n, 2, 3, len(of.x))
+    )  # xx, yy and xy times the root of 2, of either component
     strain[..., 0, 0, :], strain[..., 1, 0, :] = cx, -sx
     strain[..., 0, 1, :], strain[..., 1, 1, :] = sy, cy
     strain[..., 0, 2, :], strain[..., 1, 2, :] = np.sqrt(0.5) * (cy + sx), np.sqrt(0.5) * (cx - sy)
-    strain = _folded(strain.reshape(count, 2, 2 * n, -1), p).reshape(2 * count, 2 * n, 3, -1)  # (2 c, k a, 3, q)
-    trace, whole = strain[:, :, 0] + strain[:, :, 1], np.sqrt(2) * strain.reshape(2 * count, 2 * n, -1)
+    strain = _folded(strain.reshape(count, 2, 2 * n, -1), p).reshape(
+        2 * count, 2 * n, 3, -1
+    )  # (2 c, k a, 3, q)
+    trace, whole = (
+        strain[:, :, 0] + strain[:, :, 1],
+        np.sqrt(2) * strain.reshape(2 * count, 2 * n, -1),
+    )
     parts = [trace, whole]
     if directed:
-        x, y = np.tile(at / np.hypot(*at), (1, 2, 1))[:, :, None]  # the unit vector through the layers, (2 c, 1, q)
-        through = x**2 * strain[:, :, 0] + y**2 * strain[:, :, 1] + np.sqrt(2) * x * y * strain[:, :, 2]
+        x, y = np.tile(at / np.hypot(*at), (1, 2, 1))[
+            :, :, None
+        ]  # the unit vector through the layers, (2 c, 1, q)
+        through = (
+            x**2 * strain[:, :, 0] + y**2 * strain[:, :, 1] + np.sqrt(2) * x * y * strain[:, :, 2]
+        )
         parts += [trace - through, through]
     found = np.empty((2 * count, n, n, len(parts), 2, 2))
     for k, each in enumerate(parts):
-        found[:, :, :, k] = (each @ each.swapaxes(1, 2)).reshape(-1, 2, n, 2, n).transpose(0, 2, 4, 1, 3)
+        found[:, :, :, k] = (
+            (each @ each.swapaxes(1, 2)).reshape(-1, 2, n, 2, n).transpose(0, 2, 4, 1, 3)
+        )
     return found.reshape(2, count, n * n, 4 * len(parts))
 
 
@@ -136,12 +158,21 @@ def _across(radii: Floats, constants: Floats, p: int, plane: float | None) -> Fl
     r, size = radii[:-1, None, None] + step * x if plane is None else plane, np.abs(step)
     mixed = np.sign(step) * ((w * values) @ slopes.T)
     B = np.array(
-        [(size * w / r * values) @ values.T, mixed, mixed.swapaxes(1, 2), (w * r / size * slopes) @ slopes.T]
+        [
+            (size * w / r * values) @ values.T,
+            mixed,
+            mixed.swapaxes(1, 2),
+            (w * r / size * slopes) @ slopes.T,
+        ]
     ).swapaxes(0, 1)
-    return (constants[:, :, None, None, None] * B[:, None]).reshape(*constants.shape[:1], 4 * constants.shape[1], -1)
+    return (constants[:, :, None, None, None] * B[:, None]).reshape(
+        *constants.shape[:1], 4 * constants.shape[1], -1
+    )
 
 
-def elements(radii: Floats, A: Floats, elasticity: Floats, p: int, plane: float | None = None) -> Floats:
+def elements(
+    radii: Floats, A: Floats, elasticity: Floats, p: int, plane: float | None = None
+) -> Floats:
     """Stiffness (l, 2, c, 4 p, 4 p) of elements on their symmetric and their antisymmetric boundary
     unknowns.
 
@@ -164,7 +195,9 @@ def elements(radii: Floats, A: Floats, elasticity: Floats, p: int, plane: float 
     return found.reshape(len(constants), 2, -1, 4 * p, 4 * p)
 
 
-def arc_columns(parts: Floats, p: int, *, contact: bool, held: bool, loads: Floats | None = None) -> Floats:
+def arc_columns(
+    parts: Floats, p: int, *, contact: bool, held: bool, loads: Floats | None = None
+) -> Floats:
     """Columns (c, n, n) of `elements` (l, 2, c, 4 p, 4 p), on the unknowns of `columns.Piece`.
 
     loads (c, 2 (p + 1), m): unit loads on the innermost edge; they become m extra unknowns.
@@ -175,12 +208,20 @@ def arc_columns(parts: Floats, p: int, *, contact: bool, held: bool, loads: Floa
     K = K.reshape(2, -1, *K.shape[1:])
     extra = K.shape[-1] - of.sides
     own = extra + of.line
-    left, lines, middle, right = slice(own), slice(extra, own), slice(own, own + n), slice(own + n, None)
+    left, lines, middle, right = (
+        slice(own),
+        slice(extra, own),
+        slice(own, own + n),
+        slice(own + n, None),
+    )
     found, (S, A) = np.empty((K.shape[1], own + n + of.line, own + n + of.line)), K
     mirror = np.ones(of.line)
     mirror[1::2] = -1.0
     np.add(S[:, left, left], A[:, left, left], out=found[:, left, left])
-    for rows, along, to, by in ((left, lines, (left, right), mirror), (lines, left, (right, left), mirror[:, None])):
+    for rows, along, to, by in (
+        (left, lines, (left, right), mirror),
+        (lines, left, (right, left), mirror[:, None]),
+    ):
         part = found[:, *to]
         np.subtract(S[:, rows, along], A[:, rows, along], out=part)
         part *= by  # in place: half of the time is that of new memory

@@ -21,8 +21,8 @@ from drumlin.response.response import own_edge_zone
 
 
 def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
-    """All nodes and elements of a shoe; sets "hinge" and, of an elastic shoe, "actuation", from the lining's side
-    on.
+    """All nodes and elements of a shoe; sets "hinge" and, of an elastic shoe, "actuation", from the
+    lining's side on.
     """
     p, first, layers = div.degree, div.first, div.layers
     depth, along = line_of(div.depths, p), line_of(div.angles, p)
@@ -36,7 +36,9 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
         if len(ends) == 1:
             continue
         places = line_of(ends, p)
-        inner = np.arange(count, count + (rows - first * p) * (len(places) - 1)).reshape(rows - first * p, -1)
+        inner = np.arange(count, count + (rows - first * p) * (len(places) - 1)).reshape(
+            rows - first * p, -1
+        )
         count += inner.size
         nodes = np.concatenate([faces[k][:, None], inner], axis=1)
         blocks.append(Block(nodes, depth[first * p :], places, div.part[first:]))
@@ -49,8 +51,12 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
     return Grid(p, tuple(blocks), shoes.map_of(shoe, radius), sets, count)
 
 
-def condensed(shoe: Shoe, div: Division, found: shoes.Condensed, line: ContactLine, grid: Grid) -> Condensed:
-    """What `shoe.condense` found, as the coupling needs it. Raises NoAnswer for a singular stiffness."""
+def condensed(
+    shoe: Shoe, div: Division, found: shoes.Condensed, line: ContactLine, grid: Grid
+) -> Condensed:
+    """What `shoe.condense` found, as the coupling needs it. Raises NoAnswer for a singular
+    stiffness.
+    """
     S, loads = found.S, found.loads
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
@@ -58,7 +64,9 @@ def condensed(shoe: Shoe, div: Division, found: shoes.Condensed, line: ContactLi
     L_fc = solve_lower(L, S[FRAME:, :FRAME]).T
     inside, recover = partial(_inside, shoe, div, grid), partial(_recovered, shoe, div, grid)
     moved = dtrtrs(L, solve_lower(L, found.missed), lower=1, trans=1)[0]
-    return Condensed(L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, recover, found.lost, moved)
+    return Condensed(
+        L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, recover, found.lost, moved
+    )
 
 
 def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
@@ -67,10 +75,14 @@ def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
     return _reduced(K, ties, end_load_of(div, grid)[0] if "actuation" in grid.sets else None)
 
 
-def _recovered(shoe: Shoe, div: Division, grid: Grid, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+def _recovered(
+    shoe: Shoe, div: Division, grid: Grid, nodal: Floats, frame: Floats, loads: Floats
+) -> Floats:
     """What `Condensed.displacements` returns, with the elements' insides eliminated one by one."""
     layers, sides = layers_of(shoe), grid.skeleton
-    ties = tie(sides, sides.place[: div.contact_nodes], sides.place[grid.sets["hinge"]], shoe.own_pin)
+    ties = tie(
+        sides, sides.place[: div.contact_nodes], sides.place[grid.sets["hinge"]], shoe.own_pin
+    )
     on_sides = end_load_of(div, grid)[0][sides.dofs] if "actuation" in grid.sets else None
     inside = _reduced(sides.stiffness(layers), ties, on_sides)
     return sides.everywhere(layers, inside.displacements(nodal, frame, loads))
@@ -80,7 +92,9 @@ def end_load_of(div: Division, grid: Grid) -> tuple[Floats, Floats]:
     """Nodal forces (2 N, 3) of the unit actuations on the loaded end, "actuation", and its centre
     (2,) [m]."""
     full, nodes = np.zeros((grid.N, 2, FRAME)), grid.sets["actuation"]
-    f, centre = end_load(grid.doflocs[:, nodes], line_of(div.depths[div.first :], div.degree), div.degree)
+    f, centre = end_load(
+        grid.doflocs[:, nodes], line_of(div.depths[div.first :], div.degree), div.degree
+    )
     full[nodes] = f.reshape(-1, 2, FRAME)
     return full.reshape(-1, FRAME), centre
 

@@ -28,7 +28,8 @@ SMOOTH = 1e-3
 leaves 4e-6 of x^-0.001 at degree 7; and x^a is too near to a constant to tell them apart."""
 
 ROOTS_TRIED = 200
-"""Powers between which the determinant of an orthotropic corner is searched for a change of sign."""
+"""Powers between which the determinant of an orthotropic corner is searched for a change of sign.
+"""
 
 NEAR_CORNER = 2e-3
 """Part of a contact in which p gives way to the power of its corner: three or four columns.
@@ -38,11 +39,13 @@ are farther feel the rest of the lining. On two brakes the error of p was the sa
 columns, with one 10 to 30 times as large.
 """
 SMALLEST_PIECE = 1e-12
-"""Angle [rad] of the piece of p next to the corner. Angles of 3 rad are known to 4e-16, and the nodes
-of a piece of degree 7 are a sixteenth of it apart."""
+"""Angle [rad] of the piece of p next to the corner. Angles of 3 rad are known to 4e-16, and the
+nodes of a piece of degree 7 are a sixteenth of it apart.
+"""
 PIECE_RATIO = 0.4
-"""Ratio of the sizes of neighbouring pieces of p at a corner: polynomials of degree 5 follow a power
-to about 1e-4 on each."""
+"""Ratio of the sizes of neighbouring pieces of p at a corner: polynomials of degree 5 follow a
+power to about 1e-4 on each.
+"""
 
 AT_TIP = 1e-9
 """Angle [rad] up to which columns end at a tip: places are there but for round-off."""
@@ -97,12 +100,13 @@ def corner_power(inward: float, nu: float, softness: float = 0.0, nu_drum: float
 def orthotropic_corner_power(
     inward: float, material: AnyMaterial, drum: AnyMaterial | None = None, wider: float = 1.0
 ) -> float:
-    """As `corner_power`, of materials that may be orthotropic, along and square to the drum's surface.
+    """As `corner_power`, of materials that may be orthotropic, along and square to the drum's
+    surface.
 
-    Stresses are 2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x + mu_k y and the roots mu_k of
-    Lekhnitskii's equation (Anisotropic Plates, section 19). Two conditions on the free face, the
-    friction and the equal slopes of both surfaces are four real equations in c_1 and c_2: p goes as
-    the smallest power l - 1 at which their determinant vanishes.
+    Stresses are 2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x + mu_k y and the roots
+    mu_k of Lekhnitskii's equation (Anisotropic Plates, section 19). Two conditions on the free
+    face, the friction and the equal slopes of both surfaces are four real equations in c_1 and c_2:
+    p goes as the smallest power l - 1 at which their determinant vanishes.
 
     Parameters
     ----------
@@ -155,7 +159,9 @@ class _Compliances(NamedTuple):
 
 def _compliances(material: AnyMaterial) -> _Compliances:
     mixed = -material.nu_along_through / material.E_along
-    return _Compliances(1 / material.E_along, 1 / material.E_through, mixed, 1 / material.G_along_through)
+    return _Compliances(
+        1 / material.E_along, 1 / material.E_through, mixed, 1 / material.G_along_through
+    )
 
 
 def powers_of(brake: Brake, index: int) -> tuple[float, float]:
@@ -166,7 +172,9 @@ def powers_of(brake: Brake, index: int) -> tuple[float, float]:
     materials = [own.material] if drum is None else [own.material, drum.material]
     if any(has_directions(elasticity_matrix(material)) for material in materials):
         wider, behind = (1.0, None) if drum is None else (own.width / drum.width, drum.material)
-        directed = [orthotropic_corner_power(f, own.material, behind, wider) for f in (inward, -inward)]
+        directed = [
+            orthotropic_corner_power(f, own.material, behind, wider) for f in (inward, -inward)
+        ]
         return directed[0], directed[1]
     softness = nu_drum = 0.0
     if drum is not None:
@@ -178,15 +186,18 @@ def powers_of(brake: Brake, index: int) -> tuple[float, float]:
 
 
 def left_by_power(power: float, degree: int) -> float:
-    """Distance in L2 of x^power from the polynomials of a degree on [0, 1], relative to its own norm.
+    """Distance in L2 of x^power from the polynomials of a degree on [0, 1], relative to its own
+    norm.
 
-    Closed form of Muntz: the product of |a - k|/(a + k + 1) over k = 0 to the degree. power: above -1/2.
+    Closed form of Muntz: the product of |a - k|/(a + k + 1) over k = 0 to the degree. power: above
+    -1/2.
     """
     return math.prod(abs(power - k) / (power + k + 1) for k in range(degree + 1))
 
 
 def tip_size(length: float, degree: int, error: float) -> float:
-    """Size of the columns on both sides of a tip [rad] that leave an error in L2 of this part of the norm of p.
+    """Size of the columns on both sides of a tip [rad] that leave an error in L2 of this part of
+    the norm of p.
 
     length [rad]: (N/c)^2 for a pressure of the norm N [Pa rad^0.5] that goes as c ln(1/x). What a
     polynomial leaves of ln x on [0, 1] is 1/(degree + 1), by the sum of its Legendre coefficients.
@@ -198,8 +209,8 @@ def with_powers(brake: Brake, found: Response) -> Response:
     """The response with p as the power of the corner in the columns next to pressed corners.
 
     Only of contacts so short that the zone at the lining's ends counts, see `edge_left_out`: else
-    nobody looks there. A column leaves (its size)^(a + 1/2) of p, which falls slowly; the power that
-    has the force and the moment of a few columns has their p far more exactly.
+    nobody looks there. A column leaves (its size)^(a + 1/2) of p, which falls slowly; the power
+    that has the force and the moment of a few columns has their p far more exactly.
     """
     shoes = tuple(_with_powers(brake, i, shoe) for i, shoe in enumerate(found.shoes))
     same = all(one is other for one, other in zip(shoes, found.shoes, strict=True))
@@ -234,7 +245,10 @@ def steep_corners(brake: Brake, index: int, found: NodalPressure) -> list[tuple[
     theta, p = found.theta, found.pressure
     if max(p[0], p[-1]) <= 0:
         return []
-    if edge_left_out(theta, p, found.order, singular_zone(float(theta[-1] - theta[0]), brake.unit)) > 0:
+    if (
+        edge_left_out(theta, p, found.order, singular_zone(float(theta[-1] - theta[0]), brake.unit))
+        > 0
+    ):
         return []
     powers = powers_of(brake, index)[:: brake.shoes[index].frame.sense]
     pressed = ((True, p[0], powers[0]), (False, p[-1], powers[1]))
@@ -245,18 +259,32 @@ def _with_power(found: ShoeResponse, power: float, unit: float, *, at_start: boo
     corner = float(found.theta[0 if at_start else -1])
     arc = next((b - a for a, b in found.contact_arcs if corner in {a, b}), 0.0)
     theta, pressure = power_at_corner(
-        found.theta, found.pressure, found.order, power, reach=NEAR_CORNER * arc, at_start=at_start, unit=unit
+        found.theta,
+        found.pressure,
+        found.order,
+        power,
+        reach=NEAR_CORNER * arc,
+        at_start=at_start,
+        unit=unit,
     )
     return replace(found, theta=theta, pressure=pressure)
 
 
 def power_at_corner(
-    theta: Floats, pressure: Floats, order: int, power: float, *, reach: float, at_start: bool, unit: float = 1.0
+    theta: Floats,
+    pressure: Floats,
+    order: int,
+    power: float,
+    *,
+    reach: float,
+    at_start: bool,
+    unit: float = 1.0,
 ) -> tuple[Floats, Floats]:
-    """A pressure whose pieces next to a corner give way to c x^power + d + e x, x the distance from it.
+    """A pressure whose pieces next to a corner give way to c x^power + d + e x, x the distance from
+    it.
 
-    That has the force and the moment of the pieces that it takes the place of, and p where they end. It
-    comes on pieces of the same order that shrink towards the corner.
+    That has the force and the moment of the pieces that it takes the place of, and p where they
+    end. It comes on pieces of the same order that shrink towards the corner.
 
     Parameters
     ----------
@@ -299,12 +327,15 @@ def _pieces(length: float, order: int, smallest: float) -> Floats:
 
 
 def _power_at(x: Floats, power: float, order: int) -> Floats:
-    """(x/x[-1])^power at the nodes x (n,), in the piece at 0 the polynomial that is next to it in L2."""
+    """(x/x[-1])^power at the nodes x (n,), in the piece at 0 the polynomial that is next to it in
+    L2.
+    """
     found = np.empty_like(x)
     found[order:] = (x[order:] / x[-1]) ** power
     gamma, first = math.gamma, 2 * x[:order] / x[order] - 1
     own = [
-        (2 * n + 1) * gamma(power + 1) ** 2 / (gamma(power + n + 2) * gamma(power - n + 1)) for n in range(order + 1)
+        (2 * n + 1) * gamma(power + 1) ** 2 / (gamma(power + n + 2) * gamma(power - n + 1))
+        for n in range(order + 1)
     ]
     found[:order] = found[order] * np.polynomial.legendre.legval(first, own)
     return found
@@ -317,8 +348,9 @@ def _force_and_moment(x: Floats, p: Floats, order: int) -> tuple[float, float]:
 
 
 def left_at_corners(brake: Brake, index: int, found: NodalPressure) -> float:
-    """What the piece of p next to each pressed corner of a shoe leaves of a power, in L2, relative to p:
-    the pieces are as small as angles allow. 1 where p is not square-integrable."""
+    """What the piece of p next to each pressed corner of a shoe leaves of a power, in L2, relative
+    to p: the pieces are as small as angles allow. 1 where p is not square-integrable.
+    """
     left = 0.0
     _, p, weight = gauss_points(found.theta, found.pressure, found.order)
     parts = np.sum(weight * p**2, axis=1)
@@ -340,8 +372,9 @@ def tip_rises(shoe: Shoe, scale_factor: float) -> list[tuple[float, float]]:
 
 
 def left_under_tips(shoe: Shoe, scale_factor: float, found: ShoeResponse) -> float:
-    """What the columns on both sides of pressed tips of the gap leave of p = c ln(1/x), in L2, relative
-    to p: see `tip_size`."""
+    """What the columns on both sides of pressed tips of the gap leave of p = c ln(1/x), in L2,
+    relative to p: see `tip_size`.
+    """
     theta, p, order = found.theta, found.pressure, found.order
     ends, pressed, left = theta[::order], p[::order] > 0, 0.0
     for angle, rise in tip_rises(shoe, scale_factor):

@@ -1,8 +1,9 @@
 """How a shoe is divided into columns along its lining and layers through its thickness.
 
-Sizes grow geometrically away from the places where the stress is not smooth: the lining's ends, the ends of the contact
-and kinks of its gap, the interfaces of layers where these end, and the corners at the face that the hinge holds. With
-the degree that makes the error fall exponentially (Babuska & Guo 1986; Schwab, p- and hp-Finite Element Methods, ch.
+Sizes grow geometrically away from the places where the stress is not smooth: the lining's ends, the
+ends of the contact and kinks of its gap, the interfaces of layers where these end, and the corners
+at the face that the hinge holds. With the degree that makes the error fall exponentially (Babuska &
+Guo 1986; Schwab, p- and hp-Finite Element Methods, ch.
 4).
 """
 
@@ -27,8 +28,9 @@ FINEST = 1e-5
 more digits to round-off than they resolve of p; larger ones leave the ends of the shortest contacts
 unresolved, see `adapt.SHORTEST`."""
 SAME = 1e-3
-"""Distance of an end of the contact from the lining's end up to which it counts as reaching the lining's
-end, in parts of the contact's length. An open gap that is longer has columns of its own."""
+"""Distance of an end of the contact from the lining's end up to which it counts as reaching the
+lining's end, in parts of the contact's length. An open gap that is longer has columns of its own.
+"""
 SHARPEST = 1e-7
 """Smallest columns and layers at a tip of the gap, in parts of the lining's thickness.
 
@@ -39,13 +41,14 @@ leave 1e-3 of p under a tip, whose error in L2 falls as the root of w.
 CORNER_SIZE = 1e-4
 """Size of columns and layers at a pressed corner where p has no bound, in parts of its contact.
 
-Nearer to the corner p is the power of the corner, see `corner.with_powers`. At 1e-3 the second level
-of two brakes had 2.5 times the error of p; at 1e-5 it had the same on a sixth more unknowns. Columns
-that are 0.03 of the contact or more feel the rest of it, not the power alone.
+Nearer to the corner p is the power of the corner, see `corner.with_powers`. At 1e-3 the second
+level of two brakes had 2.5 times the error of p; at 1e-5 it had the same on a sixth more unknowns.
+Columns that are 0.03 of the contact or more feel the rest of it, not the power alone.
 """
 CORNER_COUNTS = 6 * EDGE_ZONE
-"""Length of a contact [rad] up to which the corner that it reaches is divided for its own sake. Half
-the force of a longer one is beyond EDGE_ZONE from the corner, and p is judged there alone."""
+"""Length of a contact [rad] up to which the corner that it reaches is divided for its own sake.
+Half the force of a longer one is beyond EDGE_ZONE from the corner, and p is judged there alone.
+"""
 
 
 class Kind(IntEnum):
@@ -75,16 +78,18 @@ class Mark(NamedTuple):
 
 @dataclass(frozen=True)
 class Level:
-    """How finely a body is divided. Sizes next to singular places, as parts of the length that rules there:
+    """How finely a body is divided. Sizes next to singular places, as parts of the length that
+    rules there:
 
-    `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, columns where this is less than `edge`,
-    `edge`: columns at the lining's ends, of its thickness or half its length, and of half the length of a
-    contact that reaches one; `end`: columns at ends of the contact and kinks, of
-    the contact's length, or of its geometric mean with the thickness where this is less: p rises from an end over the
-    thickness, and the longer the contact, the less of p is there; `back`: layers at the ends of layers, of the thinner
-    layer; `hinge`: columns and layers at the face that the hinge holds, of the body's thickness.
-    Sizes grow along by 1/`ratio`, from ends of a contact shorter than the lining is thick by 1/`opening`, and through
-    the layers by 1/`through`; `largest` [rad]: of a column.
+    `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, columns where this is
+    less than `edge`, `edge`: columns at the lining's ends, of its thickness or half its length, and
+    of half the length of a contact that reaches one; `end`: columns at ends of the contact and
+    kinks, of the contact's length, or of its geometric mean with the thickness where this is less:
+    p rises from an end over the thickness, and the longer the contact, the less of p is there;
+    `back`: layers at the ends of layers, of the thinner layer; `hinge`: columns and layers at the
+    face that the hinge holds, of the body's thickness. Sizes grow along by 1/`ratio`, from ends of
+    a contact shorter than the lining is thick by 1/`opening`, and through the layers by
+    1/`through`; `largest` [rad]: of a column.
     """
 
     degree: int
@@ -100,7 +105,9 @@ class Level:
 
     @property
     def error(self) -> float:
-        """What the growth of sizes by 1/`ratio` leaves of p in L2, relative: see `levels.LevelRule`."""
+        """What the growth of sizes by 1/`ratio` leaves of p in L2, relative: see
+        `levels.LevelRule`.
+        """
         root = math.sqrt(self.ratio)
         return ((1 - root) / (1 + root)) ** self.degree
 
@@ -117,10 +124,11 @@ class Layer:
 class Division:
     """Columns and layers of a shoe.
 
-    `angles` (m + 1,) phi [rad]: ends of the columns under the lining; `before`, `after`: of those of the body beyond
-    it, starting at the lining; `depths` (l + 1,): ends of the layers, from the contact inwards, of an arc [m], of a
-    beam in layers; `part` (l,): what each layer belongs to; `sharp` [m]: size of the layer at the face
-    where p has no bound at a corner or under a tip and asks for a thin one, inf elsewhere.
+    `angles` (m + 1,) phi [rad]: ends of the columns under the lining; `before`, `after`: of those
+    of the body beyond it, starting at the lining; `depths` (l + 1,): ends of the layers, from the
+    contact inwards, of an arc [m], of a beam in layers; `part` (l,): what each layer belongs to;
+    `sharp` [m]: size of the layer at the face where p has no bound at a corner or under a tip and
+    asks for a thin one, inf elsewhere.
     """
 
     degree: int
@@ -144,8 +152,12 @@ class Division:
 
     @property
     def first(self) -> int:
-        """The first layer that goes on beyond the lining, that of the body; `layers` of a rigid shoe."""
-        return next((i for i, part in enumerate(self.part) if part in {"table", "shoe"}), len(self.part))
+        """The first layer that goes on beyond the lining, that of the body; `layers` of a rigid
+        shoe.
+        """
+        return next(
+            (i for i, part in enumerate(self.part) if part in {"table", "shoe"}), len(self.part)
+        )
 
     @property
     def contact_nodes(self) -> int:
@@ -162,10 +174,15 @@ class Division:
 
 
 def graded(
-    length: float, left: float, right: float, ratio: float, largest: float, beyond: float | None = None
+    length: float,
+    left: float,
+    right: float,
+    ratio: float,
+    largest: float,
+    beyond: float | None = None,
 ) -> list[float]:
-    """Sizes over `length` that grow by 1/ratio from `left` and by 1/beyond, where given, from `right` at its ends; even
-    ones up to `largest` between.
+    """Sizes over `length` that grow by 1/ratio from `left` and by 1/beyond, where given, from
+    `right` at its ends; even ones up to `largest` between.
     """
     beyond = beyond or ratio
     first: list[float] = []
@@ -186,7 +203,8 @@ def graded(
 
 
 def faded(part: float, distance: float, *, fades: bool) -> float:
-    """The part of a length to which a corner is divided, at a distance from the contact in lengths of the contact.
+    """The part of a length to which a corner is divided, at a distance from the contact in lengths
+    of the contact.
 
     Stresses fall at least as the inverse distance beyond a short contact. A corner may be so much
     coarser there, up to a whole length, if it `fades`. In powers of two, as the columns at the ends
@@ -203,14 +221,20 @@ def ends_of(sizes: Sequence[float], start: float, end: float) -> Floats:
 
 
 def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
-    """The layers of a shoe from the contact inwards; the block of a straight beam with its least thickness."""
+    """The layers of a shoe from the contact inwards; the block of a straight beam with its least
+    thickness.
+    """
     found = [Layer("lining", shoe.lining.thickness)]
     if isinstance(shoe.body, Beam):
         assert shoe.body.section is not None and shoe.backing is not None  # why_not
         axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
         ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
         nearest = 1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max())
-        room = axis.distance - shoe.body.section.thickness / 2 - (radius + shoe.lining.thickness) * nearest
+        room = (
+            axis.distance
+            - shoe.body.section.thickness / 2
+            - (radius + shoe.lining.thickness) * nearest
+        )
         return [*found, Layer("backing", room), Layer("shoe", shoe.body.section.thickness)]
     if shoe.backing is not None:
         found.append(Layer("backing", shoe.backing.thickness))
@@ -228,11 +252,13 @@ def divide(
     tip: bool = False,
     powers: tuple[float, float] = (0.0, 0.0),
 ) -> Division:
-    """The division of a shoe. `places`, growing: where the pressure is not smooth; it may be unbounded at a kink of the
-    gap. An end of the lining that is known to bear nothing is graded as the ends of other layers, all of them more
-    coarsely beyond a contact that is short, see `faded`. `tip`: whether it matters how far its loaded
-    end goes, which then is graded too: the contact feels only what force is there. `powers`: those of p at the
-    lining's ends where they press, see `corner.powers_of`."""
+    """The division of a shoe. `places`, growing: where the pressure is not smooth; it may be
+    unbounded at a kink of the gap. An end of the lining that is known to bear nothing is graded as
+    the ends of other layers, all of them more coarsely beyond a contact that is short, see `faded`.
+    `tip`: whether it matters how far its loaded end goes, which then is graded too: the contact
+    feels only what force is there. `powers`: those of p at the lining's ends where they press, see
+    `corner.powers_of`.
+    """
     start, end = shoe.arc
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
@@ -258,7 +284,9 @@ def divide(
         )
         for x, away, length in zip(beyond, apart, reached, strict=True)
     )
-    corners = [max(_corner(length, power), least) for length, power in zip(reached, powers, strict=True)]
+    corners = [
+        max(_corner(length, power), least) for length, power in zip(reached, powers, strict=True)
+    ]
     left, right = min(left, corners[0]), min(right, corners[1])
     marks = _marks(
         Mark(start, left, level.ratio),
@@ -268,10 +296,16 @@ def divide(
     grip = shoe.grip(radius)
     if grip is not None:
         size = level.hinge * layers[-1].thickness / radius
-        kept = [mark for mark in marks[1:-1] if min(abs(mark.at - x) for x in grip) > max(mark.size, size)]
+        kept = [
+            mark
+            for mark in marks[1:-1]
+            if min(abs(mark.at - x) for x in grip) > max(mark.size, size)
+        ]
         marks = [marks[0], *sorted([*kept, *(Mark(x, size, level.ratio) for x in grip)]), marks[-1]]
     angles = [
-        ends_of(graded(b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio), a.at, b.at)[:-1]
+        ends_of(graded(b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio), a.at, b.at)[
+            :-1
+        ]
         for a, b in pairwise(marks)
     ]
     near, far = _beyond(shoe, radius, start, end)
@@ -287,7 +321,11 @@ def divide(
             sizes = graded(far - end, right, last, level.ratio, max(body, level.largest))
             after = end + ends_of(sizes, 0.0, far - end)
     # Under a short contact the layer at the face is as thick as the columns at its ends are wide.
-    face = min(level.zone * min(EDGE_ZONE, t, end - start, *reached), *(level.end * x for x in lengths), math.inf)
+    face = min(
+        level.zone * min(EDGE_ZONE, t, end - start, *reached),
+        *(level.end * x for x in lengths),
+        math.inf,
+    )
     face = max(face, least)
     tips = [_tip(level, t, length) for _, length, kind in places if kind == Kind.TIP]
     sharp = min(*tips, *corners)
@@ -300,7 +338,15 @@ def divide(
         straight=isinstance(shoe.body, Beam),
     )
     ends = np.array([*np.concatenate(angles), end])
-    return Division(level.degree, ends, before, after, depths, part, radius * sharp if sharp < face else math.inf)
+    return Division(
+        level.degree,
+        ends,
+        before,
+        after,
+        depths,
+        part,
+        radius * sharp if sharp < face else math.inf,
+    )
 
 
 def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
@@ -310,10 +356,10 @@ def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
     follow the cubic of its gap exactly.
 
     At an end of the contact p rises as the root of the distance x, at the end of a step it goes as
-    x ln x, so that columns of size w leave errors in L2 that go as w and as w^1.5. Columns at a step,
-    in parts of the step, need to shrink less from level to level, therefore: as the root of `end`. On
-    10 and 12 steps that is as accurate on the second level as the power 2/3, of which both errors
-    would fall alike, with an eighth fewer unknowns.
+    x ln x, so that columns of size w leave errors in L2 that go as w and as w^1.5. Columns at a
+    step, in parts of the step, need to shrink less from level to level, therefore: as the root of
+    `end`. On 10 and 12 steps that is as accurate on the second level as the power 2/3, of which
+    both errors would fall alike, with an eighth fewer unknowns.
     """
     x, length, kind = place
     if kind == Kind.OPEN_STEP:
@@ -331,7 +377,9 @@ def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
 
 def _tip(level: Level, t: float, length: float) -> float:
     """Size of columns and layers at a tip of the gap [rad], under a lining of thickness t [rad]."""
-    return 2.0 ** math.floor(math.log2(max(tip_size(length, level.degree, level.end), SHARPEST * t)))
+    return 2.0 ** math.floor(
+        math.log2(max(tip_size(length, level.degree, level.end), SHARPEST * t))
+    )
 
 
 def _corner(length: float, power: float) -> float:
@@ -366,7 +414,9 @@ def _marks(start: Mark, end: Mark, places: Sequence[Mark]) -> list[Mark]:
 
 
 def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float, float]:
-    """Where the body begins and ends [rad]; beyond the lining of a straight beam distances along it over R + t."""
+    """Where the body begins and ends [rad]; beyond the lining of a straight beam distances along it
+    over R + t.
+    """
     if isinstance(shoe.body, Beam):
         axis, back = axis_of(shoe.pin.xy, shoe.actuation.point.xy), radius + shoe.lining.thickness
         a = np.sort(axis.angle(shoe.frame.theta(np.array([start, end]))))
@@ -385,7 +435,11 @@ def _depths(
     deep = np.cumsum([layer.thickness for layer in layers]) / pressed
     for k, layer in enumerate(layers):
         t = layer.thickness
-        outer = face if k == 0 else faded(level.back, deep[k - 1], fades=fades) * min(t, layers[k - 1].thickness)
+        outer = (
+            face
+            if k == 0
+            else faded(level.back, deep[k - 1], fades=fades) * min(t, layers[k - 1].thickness)
+        )
         inner = faded(level.back, deep[k], fades=fades) * (
             min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
         )

@@ -1,8 +1,10 @@
-"""The isoparametric quadrilateral of degree p: its shape functions, its stiffness, elimination of what is inside it.
+"""The isoparametric quadrilateral of degree p: its shape functions, its stiffness, elimination of
+what is inside it.
 
-Nodes lie at Gauss-Lobatto points in both directions. skfem's ElementQuadP spans the same polynomials; its values at the
-nodes turn its hierarchical functions into these nodal ones, once a degree. Displacements use the functions that map the
-element, so rigid motions are exact (Zienkiewicz & Taylor, The Finite Element Method, section 8).
+Nodes lie at Gauss-Lobatto points in both directions. skfem's ElementQuadP spans the same
+polynomials; its values at the nodes turn its hierarchical functions into these nodal ones, once a
+degree. Displacements use the functions that map the element, so rigid motions are exact
+(Zienkiewicz & Taylor, The Finite Element Method, section 8).
 """
 
 from functools import cache
@@ -54,7 +56,9 @@ def element(p: int, *, precise: bool = False) -> Element:
 
 
 def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
-    """Values (a, q) and slopes (a, 2, q) of the nodal functions, nodes by rows, at points x (2, q) of [0, 1]^2."""
+    """Values (a, q) and slopes (a, 2, q) of the nodal functions, nodes by rows, at points x (2, q)
+    of [0, 1]^2.
+    """
     import skfem  # noqa: PLC0415  (laws need none of it)
 
     hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
@@ -81,12 +85,18 @@ def _product_functions(p: int, x: Floats) -> tuple[Any, Any]:
     nodes, x = (0.5 * (lobatto(p) + 1)).astype(np.longdouble), x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
     value = np.array(
-        [np.prod([(x - nodes[j]) / apart[i, j] for j in range(p + 1) if j != i], axis=0) for i in range(p + 1)]
+        [
+            np.prod([(x - nodes[j]) / apart[i, j] for j in range(p + 1) if j != i], axis=0)
+            for i in range(p + 1)
+        ]
     )
     slope = np.array(
         [
             sum(
-                np.prod([(x - nodes[j]) / apart[i, j] for j in range(p + 1) if j not in (i, k)], axis=0) / apart[i, k]
+                np.prod(
+                    [(x - nodes[j]) / apart[i, j] for j in range(p + 1) if j not in (i, k)], axis=0
+                )
+                / apart[i, k]
                 for k in range(p + 1)
                 if k != i
             )
@@ -159,7 +169,9 @@ class _Integrals(NamedTuple):
         def work(strain: Any) -> Any:
             left, right = strain[:, rows], strain[:, columns]
             count, points = len(strain), strain.shape[-1]
-            found = left.reshape(count, -1, points) @ right.reshape(count, -1, points).transpose(0, 2, 1)
+            found = left.reshape(count, -1, points) @ right.reshape(count, -1, points).transpose(
+                0, 2, 1
+            )
             return found.reshape(*left.shape[:3], *right.shape[1:3])
 
         a, b = self.constants[self.directed, 2:].T[:, :, None, None, None, None]
@@ -199,7 +211,9 @@ def _rooted_slopes(xy: Any, p: int) -> Any:
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
     J *= np.sqrt(ref.weights / np.abs(det))[:, None, None]
     first, second = ref.slopes[:, :q], ref.slopes[:, q:]
-    G = np.empty((e, 2, a, q), dtype=xy.dtype)  # d psi / d x_c times the root of dA, up to the sign of det
+    G = np.empty(
+        (e, 2, a, q), dtype=xy.dtype
+    )  # d psi / d x_c times the root of dA, up to the sign of det
     np.subtract(J[:, 1, 1][:, None] * first, J[:, 1, 0][:, None] * second, out=G[:, 0])
     np.subtract(J[:, 0, 0][:, None] * second, J[:, 0, 1][:, None] * first, out=G[:, 1])
     return G
@@ -208,8 +222,9 @@ def _rooted_slopes(xy: Any, p: int) -> Any:
 def without(K: Floats, C: Floats, inner: Floats) -> Floats:
     """K - C^T inner^-1 C: (k, k), (m, k), (m, m), each in rows without gaps, all overwritten.
 
-    Raises NoAnswer for an `inner` that is not positive definite. Backward stable, by Cholesky's factors: an inverse
-    loses digits in thin columns. What BLAS is given in rows without gaps it works on where it lies.
+    Raises NoAnswer for an `inner` that is not positive definite. Backward stable, by Cholesky's
+    factors: an inverse loses digits in thin columns. What BLAS is given in rows without gaps it
+    works on where it lies.
     """
     assert K.flags.c_contiguous and C.flags.c_contiguous and inner.flags.c_contiguous
     L, info = dpotrf(inner.T, lower=1, clean=0, overwrite_a=1)
@@ -221,13 +236,17 @@ def without(K: Floats, C: Floats, inner: Floats) -> Floats:
 
 
 def without_each(K: Floats, C: Floats, inner: Floats) -> Floats:
-    """`without` for batches (b, k, k), (b, m, k), (b, m, m), one after the other: numpy's own need more copies."""
+    """`without` for batches (b, k, k), (b, m, k), (b, m, m), one after the other: numpy's own need
+    more copies.
+    """
     for own in zip(K, C, inner, strict=True):
         without(*own)
     return K
 
 
-def condensed_elements(xy: Floats, elasticity: Floats, p: int, along: Floats | None = None) -> Floats:
+def condensed_elements(
+    xy: Floats, elasticity: Floats, p: int, along: Floats | None = None
+) -> Floats:
     """Stiffness (l, c, 8 p, 8 p) of elements on their boundary nodes, x and y of a node together.
 
     Parameters
@@ -260,7 +279,9 @@ def condensed_elements(xy: Floats, elasticity: Floats, p: int, along: Floats | N
     return out.reshape(*shape, *out.shape[1:])
 
 
-def inner_displacements(xy: Floats, elasticity: Floats, p: int, along: Floats | None, u: Floats) -> Floats:
+def inner_displacements(
+    xy: Floats, elasticity: Floats, p: int, along: Floats | None, u: Floats
+) -> Floats:
     """Displacements (e, 2 i, m) of the i nodes inside elements, which no force acts on.
 
     xy (e, 2, a), elasticity (e, 3, 3) and along (e, 2, q) are as of `stiffness`; u (e, 8 p, m) are
@@ -274,7 +295,8 @@ def inner_displacements(xy: Floats, elasticity: Floats, p: int, along: Floats | 
         part = slice(k, k + step)
         own = _integrals(xy[part], elasticity[part], p, None if along is None else along[part])
         coupling, inner = (
-            own.stiffness(inside, columns).reshape(len(own.products), found.shape[1], -1) for columns in (outer, inside)
+            own.stiffness(inside, columns).reshape(len(own.products), found.shape[1], -1)
+            for columns in (outer, inside)
         )
         found[part] = -np.linalg.solve(inner, coupling @ u[part])
     return found
@@ -287,6 +309,8 @@ def gradients(xy: Floats, p: int) -> tuple[Floats, Floats]:
     q = len(ref.weights)
     J = (xy @ ref.slopes).reshape(*xy.shape[:2], 2, q)  # d x_c / d xi_d
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
-    inverse = np.array([[J[:, 1, 1], -J[:, 0, 1]], [-J[:, 1, 0], J[:, 0, 0]]]) / det  # d xi_d / d x_c, (d, c, e, q)
+    inverse = (
+        np.array([[J[:, 1, 1], -J[:, 0, 1]], [-J[:, 1, 0], J[:, 0, 0]]]) / det
+    )  # d xi_d / d x_c, (d, c, e, q)
     slopes = ref.slopes.reshape(len(ref.order), 2, q)
     return np.einsum("adq,dceq->ecaq", slopes, inverse), np.abs(det) * ref.weights

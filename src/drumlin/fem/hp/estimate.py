@@ -70,20 +70,25 @@ def read_factors(path: Path) -> Factors:
 
 
 FACTORS = read_factors(Path(__file__).with_name("factors.json"))
-"""The numbers of the estimate, fitted by `make calibrate`; the file says on what, and what each does."""
+"""The numbers of the estimate, fitted by `make calibrate`; the file says on what, and what each
+does.
+"""
 
 SOFTER = 2.0
-"""Factor on the penalty error. `softness` is of first order in 1/alpha, and what the penalty changes
-is at most twice that while the lining penetrates less than it is compressed."""
+"""Factor on the penalty error. `softness` is of first order in 1/alpha, and what the penalty
+changes is at most twice that while the lining penetrates less than it is compressed.
+"""
 
 ROUND_OFF = 10.0
-"""Factor on what the elimination has lost by its own account. Of 55 random answers that lost 3e-9 of
-p and more 52 have lost at most ten times what they say, by refined ones. Three, of shoes and linings
-as unlike as can be, have lost 12, 76 and 378 times what they say, at most 1e-4 of p."""
+"""Factor on what the elimination has lost by its own account. Of 55 random answers that lost 3e-9
+of p and more 52 have lost at most ten times what they say, by refined ones. Three, of shoes and
+linings as unlike as can be, have lost 12, 76 and 378 times what they say, at most 1e-4 of p.
+"""
 
 
 class Errors(NamedTuple):
-    """Relative errors of each of the `shoes`, and of the `brake`: of its torque, and the worst shoe's others.
+    """Relative errors of each of the `shoes`, and of the `brake`: of its torque, and the worst
+    shoe's others.
 
     By QUANTITIES.
     """
@@ -130,18 +135,26 @@ def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
 
 
 def distances(brake: Brake, a: Response, b: Response) -> Distances:
-    """Relative distances of a from b, and by how much chance signs of the columns would move forces."""
+    """Relative distances of a from b, and by how much chance signs of the columns would move
+    forces.
+    """
     total = b.torque or a.torque or 1.0
     pairs = list(zip(a.shoes, b.shoes, strict=True))
     zones = [edge_zone(shoe, brake.scale_factor) for shoe in brake.shoes]
     own = np.array([_of(zone, brake.unit, x, y) for zone, (x, y) in zip(zones, pairs, strict=True)])
     shares = np.array([y.torque or x.torque for x, y in pairs]) / total
-    each = [np.array([float(part[:, 1] @ shares), *part.ravel()]) for part in (own[:, 0], own[:, 1])]
+    each = [
+        np.array([float(part[:, 1] @ shares), *part.ravel()]) for part in (own[:, 0], own[:, 1])
+    ]
     return Distances(*each)
 
 
-def _of(zone: float, unit: float, a: ShoeResponse, b: ShoeResponse) -> tuple[tuple[float, ...], ...]:
-    """Those of a shoe (2, 4), whose peak is not looked for in this zone at the lining's ends; unit: see `Frame`."""
+def _of(
+    zone: float, unit: float, a: ShoeResponse, b: ShoeResponse
+) -> tuple[tuple[float, ...], ...]:
+    """Those of a shoe (2, 4), whose peak is not looked for in this zone at the lining's ends; unit:
+    see `Frame`.
+    """
     held = reaction_size(b.hinge_reaction, b.normal_force)
     torque = abs(a.torque - b.torque) / (b.torque or a.torque or 1.0)
     peak = abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or a.peak_pressure or 1.0)
@@ -151,7 +164,8 @@ def _of(zone: float, unit: float, a: ShoeResponse, b: ShoeResponse) -> tuple[tup
     singular = singular_zone(float(b.theta[-1] - b.theta[0]), unit)
     edge, zone = (edge_left_out(b.theta, b.pressure, b.order, x) for x in (singular, zone))
     step = Difference.of(a, b, edge, zone)
-    # Forces change only by what balances within the arc of the contact, a fraction of them like its angle.
+    # Forces change only by what balances within the arc of the contact, a fraction of them like its
+    # angle.
     reach = (b.contact_arcs[-1][1] - b.contact_arcs[0][0]) / unit
     p, chance = step.distance(edge), min(step.by_chance(), reach)
     by_chance = 0.0, chance if b.torque else 0.0, 0.0, chance * b.normal_force / held

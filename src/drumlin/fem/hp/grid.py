@@ -1,5 +1,5 @@
-"""All nodes and elements of a body of columns, numbered: what pictures, files, slopes and refinement need, made if
-asked.
+"""All nodes and elements of a body of columns, numbered: what pictures, files, slopes and
+refinement need, made if asked.
 
 It stands where skfem's basis stands for a body on a mesh.
 """
@@ -26,8 +26,8 @@ from drumlin.response.resultants import lobatto
 
 @dataclass(frozen=True)
 class Block:
-    """A rectangle of elements: `id` (rows, columns) of its nodes, their `depth` (rows,) and place `along`
-    (columns,).
+    """A rectangle of elements: `id` (rows, columns) of its nodes, their `depth` (rows,) and place
+    `along` (columns,).
     """
 
     id: Ints
@@ -38,9 +38,11 @@ class Block:
 
 @dataclass(frozen=True)
 class Grid:
-    """Nodes and elements of degree `degree` in `blocks`; `place`(depth, along) are their points (2, ...) [m].
+    """Nodes and elements of degree `degree` in `blocks`; `place`(depth, along) are their points (2,
+    ...) [m].
 
-    The contact nodes come first, by growing angle where the blocks have them so. `sets`: nodes by name.
+    The contact nodes come first, by growing angle where the blocks have them so. `sets`: nodes by
+    name.
     """
 
     degree: int
@@ -74,20 +76,26 @@ class Grid:
         """Elements of each part."""
         names: list[str] = []
         for block in self.blocks:
-            names += [part for part in block.part for _ in range((block.id.shape[1] - 1) // self.degree)]
+            names += [
+                part for part in block.part for _ in range((block.id.shape[1] - 1) // self.degree)
+            ]
         return {name: np.flatnonzero(np.array(names) == name) for name in dict.fromkeys(names)}
 
     @cached_property
     def quarters(self) -> Ints:
         """Places in an element of the corners (4, p p) of the quadrilaterals between its nodes."""
         at = np.arange((self.degree + 1) ** 2).reshape(self.degree + 1, -1)
-        return np.array([at[:-1, :-1].ravel(), at[:-1, 1:].ravel(), at[1:, 1:].ravel(), at[1:, :-1].ravel()])
+        return np.array(
+            [at[:-1, :-1].ravel(), at[:-1, 1:].ravel(), at[1:, 1:].ravel(), at[1:, :-1].ravel()]
+        )
 
     @cached_property
     def outline(self) -> Ints:
         """Nodes around each element (4 p, elements)."""
         at = np.arange((self.degree + 1) ** 2).reshape(self.degree + 1, -1)
-        return self.element_dofs[np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])]
+        return self.element_dofs[
+            np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
+        ]
 
     def gradients(self, elements: Ints) -> Floats:
         """Gradients (a, 2, elements, a) [1/m] of an element's shape functions at its nodes."""
@@ -122,14 +130,18 @@ class Grid:
         points = gauss_points(xy, self.degree)
         found = np.empty_like(points)
         for name, elements in self.subdomains.items():
-            found[elements] = np.moveaxis(layers[name].directions(np.moveaxis(points[elements], 1, 0)), 0, 1)
+            found[elements] = np.moveaxis(
+                layers[name].directions(np.moveaxis(points[elements], 1, 0)), 0, 1
+            )
         return found
 
     def stiffness(self, layers: Mapping[str, ElasticLayer], *, precise: bool = False) -> Any:
         """Plane-stress stiffness (2 N, 2 N), unknown 2 i + c for component c of node i [N/m];
         precise: long double."""
         kind = np.longdouble if precise else float
-        xy = np.ascontiguousarray(self.doflocs.astype(kind)[:, self.ordered_dofs].transpose(1, 0, 2))
+        xy = np.ascontiguousarray(
+            self.doflocs.astype(kind)[:, self.ordered_dofs].transpose(1, 0, 2)
+        )
         K = stiffness(xy, self.elasticity(layers).astype(kind), self.degree, self.along(layers, xy))
         return _assembled(K, self.ordered_dofs, self.N)
 
@@ -189,7 +201,9 @@ class Skeleton:
         found[self.nodes] = on
         outer = on[self.element_dofs.T].reshape(len(grid.ordered_dofs), -1, u.shape[1])
         along = grid.along(layers, grid.element_nodes)
-        inner = inner_displacements(grid.element_nodes, grid.elasticity(layers), grid.degree, along, outer)
+        inner = inner_displacements(
+            grid.element_nodes, grid.elasticity(layers), grid.degree, along, outer
+        )
         inside = grid.ordered_dofs[:, len(self.element_dofs) :]
         found[inside] = inner.reshape(*inside.shape, 2, -1)
         return found.reshape(2 * grid.N, -1)

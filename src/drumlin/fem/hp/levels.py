@@ -1,4 +1,6 @@
-"""A brake on finer and finer divisions, each moved to the ends of the contact that the one before it found."""
+"""A brake on finer and finer divisions, each moved to the ends of the contact that the one before
+it found.
+"""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -87,9 +89,9 @@ RULE = LevelRule(
 )
 """The eight numbers of the levels, found by experiment on random brakes of all kinds.
 
-They replace six rows of ten numbers that were tuned by hand. Times and errors below are sums over 10
-to 52 brakes of the set that `make calibrate` fits on, some of them with neighbouring values of the
-other numbers.
+They replace six rows of ten numbers that were tuned by hand. Times and errors below are sums over
+10 to 52 brakes of the set that `make calibrate` fits on, some of them with neighbouring values of
+the other numbers.
 
 - first_degree: that of the first level, which only finds the contact (judgement).
 - first_error: what the first level leaves. Larger, it finds the contact badly; smaller, every level
@@ -108,19 +110,24 @@ other numbers.
 LEVELS = tuple(RULE.level(k) for k in range(1, 7))
 MOST_PASSES = 8
 EVEN = 64
-"""Least number of columns under a lining on a division that confirms a refusal. Their nodes are then a
-third of a degree apart on most linings, less than on a mesh of 80 elements. Fewer let a contact that is
-shorter than a column stand on its ends alone; more cost time and no test brake needed them."""
+"""Least number of columns under a lining on a division that confirms a refusal. Their nodes are
+then a third of a degree apart on most linings, less than on a mesh of 80 elements. Fewer let a
+contact that is shorter than a column stand on its ends alone; more cost time and no test brake
+needed them.
+"""
 SETTLED = 0.02
-"""Movement of an end of the contact, in parts of its length, below which the columns need not follow it.
-Larger, columns end where p does not, and the error of p is that of a coarser level; smaller, a level
-takes more passes for an end that it knows."""
+"""Movement of an end of the contact, in parts of its length, below which the columns need not
+follow it. Larger, columns end where p does not, and the error of p is that of a coarser level;
+smaller, a level takes more passes for an end that it knows.
+"""
 
 
 class Respond(Protocol):
     """What answers for a brake on a scene, from the contact of an earlier response."""
 
-    def __call__(self, scene: assembly.Scene, brake: Brake, *, start: Response | None = None) -> Response:
+    def __call__(
+        self, scene: assembly.Scene, brake: Brake, *, start: Response | None = None
+    ) -> Response:
         """The response."""
 
 
@@ -139,12 +146,14 @@ def steps(
 ) -> Iterator[Step]:
     """The brake on all levels, or on those given, finer and finer; cache: see `scene`.
 
-    A division is coarse where the contact of the level before does not lie. But what the answer is followed through as
-    friction grows lies there too, and a short contact on nodes far apart may find no way. So a refusal is asked for
-    once more on an even division of the same level, see EVEN, and all levels from there on are so. Lost digits are not:
-    no division of a level brings them back.
+    A division is coarse where the contact of the level before does not lie. But what the answer is
+    followed through as friction grows lies there too, and a short contact on nodes far apart may
+    find no way. So a refusal is asked for once more on an even division of the same level, see
+    EVEN, and all levels from there on are so. Lost digits are not: no division of a level brings
+    them back.
 
-    Raises NoAnswer where neither division of the first level has an answer, or two later levels have none.
+    Raises NoAnswer where neither division of the first level has an answer, or two later levels
+    have none.
     """
     last: Response | None = None
     alike = assembly.alike(brake)
@@ -160,7 +169,9 @@ def steps(
             except NoAnswer as refusal:
                 step = None
                 if math.isinf(even) and not isinstance(refusal, LostDigits):
-                    even = min(end - start for start, end in (shoe.arc for shoe in brake.shoes)) / EVEN
+                    even = (
+                        min(end - start for start, end in (shoe.arc for shoe in brake.shoes)) / EVEN
+                    )
                     continue
                 refused += 1
                 if refused == 2 or (last is None and math.isfinite(even)):
@@ -181,7 +192,9 @@ def _evened(level: Level, largest: float) -> Level:
     return replace(level, largest=min(level.largest, largest))
 
 
-def _moved(brake: Brake, meant: Mapping[int, Sequence[Place]], now: Mapping[int, Sequence[Place]]) -> bool:
+def _moved(
+    brake: Brake, meant: Mapping[int, Sequence[Place]], now: Mapping[int, Sequence[Place]]
+) -> bool:
     """Whether an end of the contact of any shape of shoe is away from where columns end, or a kink
     is no place yet."""
     return any(_off(brake.shoes[i].arc, meant[i], places) for i, places in now.items())
@@ -193,4 +206,7 @@ def _off(arc: tuple[float, float], places: Sequence[Place], now: Sequence[Place]
     meant = [*arc, *(place[0] for place in places)]
     if any(kind in {Kind.KINK, Kind.TIP} and x not in meant for x, _, kind in now):
         return True
-    return any(kind == Kind.END and min(abs(x - y) for y in meant) > SETTLED * length for x, length, kind in now)
+    return any(
+        kind == Kind.END and min(abs(x - y) for y in meant) > SETTLED * length
+        for x, length, kind in now
+    )

@@ -30,8 +30,10 @@ CLOSE = 1e-9  # rad: ends of columns that are nearer to each other are one
 
 
 class Division(NamedTuple):
-    """Columns of a ring: their ends `angles` (m + 1,), the last a whole turn after the first; which of them lie under a
-    lining, `contact` (m,); `depths` (l + 1,) [m] of the ends of the layers from the friction surface on."""
+    """Columns of a ring: their ends `angles` (m + 1,), the last a whole turn after the first; which
+    of them lie under a lining, `contact` (m,); `depths` (l + 1,) [m] of the ends of the layers from
+    the friction surface on.
+    """
 
     degree: int
     angles: Floats
@@ -39,42 +41,62 @@ class Division(NamedTuple):
     depths: Floats
 
 
-def divide(section: Section, radius: float, linings: list[Floats], level: Level, sharp: float = math.inf) -> Division:
-    """The division of a ring; `linings`: ends of the columns of each, growing, in the brake's angles [rad]; sharp [m]:
-    as of the linings' `division.Division`, that of the thinnest layer."""
+def divide(
+    section: Section, radius: float, linings: list[Floats], level: Level, sharp: float = math.inf
+) -> Division:
+    """The division of a ring; `linings`: ends of the columns of each, growing, in the brake's
+    angles [rad]; sharp [m]: as of the linings' `division.Division`, that of the thinnest layer.
+    """
     origin = min(float(ends[0]) % TURN for ends in linings)
     parts = [ends - ends[0] + (float(ends[0]) - origin) % TURN for ends in linings]
     places = np.sort(np.concatenate([part % TURN for part in parts]))
     places = places[np.append(True, np.diff(places) > CLOSE)]
     places = np.append(places[places < TURN - CLOSE], TURN)
-    under = [any(_within(0.5 * (a + b), part) for part in parts) for a, b in pairwise(places.tolist())]
+    under = [
+        any(_within(0.5 * (a + b), part) for part in parts) for a, b in pairwise(places.tolist())
+    ]
     angles, contact = [places[:1]], []
     sizes = np.diff(places)
     for k, (a, b, covered) in enumerate(zip(places[:-1], places[1:], under, strict=True)):
         pieces = (
-            [b - a] if covered else graded(b - a, sizes[k - 1], sizes[(k + 1) % len(sizes)], level.ratio, level.largest)
+            [b - a]
+            if covered
+            else graded(
+                b - a, sizes[k - 1], sizes[(k + 1) % len(sizes)], level.ratio, level.largest
+            )
         )
         angles.append(ends_of(pieces, a, b)[1:])
         contact += [covered] * len(pieces)
     t = section.thickness
     layers = graded(t, min(level.back * t, sharp), t, level.through, t)
-    return Division(level.degree, origin + np.concatenate(angles), np.array(contact), ends_of(layers, 0.0, t))
+    return Division(
+        level.degree, origin + np.concatenate(angles), np.array(contact), ends_of(layers, 0.0, t)
+    )
 
 
 def _within(angle: float, ends: Floats) -> bool:
     return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, TURN))
 
 
-def ring_body(brake: Brake, level: Level, linings: tuple[ContactLine, ...], *, sharp: float = math.inf) -> RingBody:
-    """The ring condensed under the linings, given by their contact lines in the shoes' frames; sharp: see `divide`."""
+def ring_body(
+    brake: Brake, level: Level, linings: tuple[ContactLine, ...], *, sharp: float = math.inf
+) -> RingBody:
+    """The ring condensed under the linings, given by their contact lines in the shoes' frames;
+    sharp: see `divide`.
+    """
     ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
     assert ring is not None and ring.section is not None  # scene.why_not
-    ends = [np.sort(shoe.frame.theta(line.phi[:: line.order])) for shoe, line in zip(brake.shoes, linings, strict=True)]
+    ends = [
+        np.sort(shoe.frame.theta(line.phi[:: line.order]))
+        for shoe, line in zip(brake.shoes, linings, strict=True)
+    ]
     div = divide(ring.section, radius, ends, level, sharp)
     free = ring.support == "free"
     made, line = _columns(ring.section, radius, sign, div, free=free)
     grid = grid_of(radius, sign, div)
-    contact = ContactLine(grid.sets["contact"], grid.doflocs[:, grid.sets["contact"]], *_pieces(div))
+    contact = ContactLine(
+        grid.sets["contact"], grid.doflocs[:, grid.sets["contact"]], *_pieces(div)
+    )
     n, extra = 2 * len(contact.nodes), FRAME * free
     A = _closed(made, div, line, extra)
     if free:  # three unknowns of the rim hold it, statically determinate
@@ -87,9 +109,15 @@ def ring_body(brake: Brake, level: Level, linings: tuple[ContactLine, ...], *, s
         raise NoAnswer(SINGULAR)
     load = turned_rows(A[:extra, extra:], back).T
     work = -A[:extra, :extra]
-    rim = rim_of(radius + sign * ring.section.thickness, div, grid) if free else np.zeros((2 * grid.N, 0))
+    rim = (
+        rim_of(radius + sign * ring.section.thickness, div, grid)
+        if free
+        else np.zeros((2 * grid.N, 0))
+    )
     inside, recover = partial(_inside, brake, grid, rim), partial(_recovered, brake, grid, rim)
-    condensed = Condensed(L, np.zeros((FRAME, n)), -load, np.zeros((FRAME, extra)), work, inside, recover)
+    condensed = Condensed(
+        L, np.zeros((FRAME, n)), -load, np.zeros((FRAME, extra)), work, inside, recover
+    )
     held = None
     if free:
         held = Free.of(grid, rim, condensed, contact)
@@ -99,7 +127,9 @@ def ring_body(brake: Brake, level: Level, linings: tuple[ContactLine, ...], *, s
 def _columns(
     section: Section, radius: float, sign: int, div: Division, *, free: bool
 ) -> tuple[list[tuple[bool, Floats]], int]:
-    """Pieces of columns, in contact and not, merged, in their order from the first angle on; unknowns of a line."""
+    """Pieces of columns, in contact and not, merged, in their order from the first angle on;
+    unknowns of a line.
+    """
     p, layers = div.degree, len(div.depths) - 1
     sizes, which = distinct(np.diff(div.angles))
     along = 0.5 * sizes[:, None] * lobatto(p)
@@ -109,8 +139,13 @@ def _columns(
     loads = None
     if free:
         loads = _rim_loads(radius + sign * section.thickness, along, p)
-        for at, k in ((slice(2), 0), (slice(-2, None), -1)):  # in the directions of the columns' sides
-            loads[:, at] = turned_rows(loads[:, at].transpose(0, 2, 1), along[:, k, None]).transpose(0, 2, 1)
+        for at, k in (
+            (slice(2), 0),
+            (slice(-2, None), -1),
+        ):  # in the directions of the columns' sides
+            loads[:, at] = turned_rows(
+                loads[:, at].transpose(0, 2, 1), along[:, k, None]
+            ).transpose(0, 2, 1)
     extra = FRAME * free
     pieces = []
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
@@ -118,18 +153,25 @@ def _columns(
     for first, last in zip(runs, [*runs[1:], len(which)], strict=True):
         touching = bool(div.contact[first])
         kinds, place_of = np.unique(which[first:last], return_inverse=True)
-        of, own = stack(p, layers, contact=touching, held=not free), None if loads is None else loads[kinds]
+        of, own = (
+            stack(p, layers, contact=touching, held=not free),
+            None if loads is None else loads[kinds],
+        )
         made = arc_columns(K[:, :, kinds], p, contact=touching, held=not free, loads=own)
         if free:
-            made, place_of = _turned_loads(made[place_of], middle[first:last]), np.arange(last - first)
+            made, place_of = (
+                _turned_loads(made[place_of], middle[first:last]),
+                np.arange(last - first),
+            )
         row = [Piece(each, of.line, of.line) for each in made]
         pieces.append((touching, merged([row[k] for k in place_of], 2 * touching, extra).K))
     return pieces, stack(p, layers, contact=True, held=not free).line
 
 
 def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
-    """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns at the angles `along`, as the rigid motions, in the
-    columns' frames; all over the rim's length of a round ring."""
+    """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns at the angles `along`, as the rigid
+    motions, in the columns' frames; all over the rim's length of a round ring.
+    """
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
     psi, slope = at_gauss(p)
     x = xy @ psi
@@ -141,7 +183,9 @@ def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
 
 
 def _turned_loads(K: Floats, angle: Floats) -> Floats:
-    """Columns (c, n, n) in place: their extra unknowns, loads in the column's own frame, in the brake's."""
+    """Columns (c, n, n) in place: their extra unknowns, loads in the column's own frame, in the
+    brake's.
+    """
     T = np.zeros((len(angle), FRAME, FRAME))
     T[:, 0, 0] = T[:, 1, 1] = np.cos(angle)
     T[:, 0, 1], T[:, 1, 0], T[:, 2, 2] = np.sin(angle), -np.sin(angle), 1.0
@@ -152,9 +196,11 @@ def _turned_loads(K: Floats, angle: Floats) -> Floats:
 
 
 def _closed(pieces: list[tuple[bool, Floats]], div: Division, line: int, extra: int) -> Floats:
-    """The ring on [extra | contact nodes by growing angle | inner part of the lines between the pieces].
+    """The ring on [extra | contact nodes by growing angle | inner part of the lines between the
+    pieces].
 
-    The first node of a line touches, since one side of it at least does; `line`: the unknowns of its inner part.
+    The first node of a line touches, since one side of it at least does; `line`: the unknowns of
+    its inner part.
     """
     count = len(pieces)
     inner = [len(K) - extra - 2 * line - 4 if touching else 0 for touching, K in pieces]
@@ -167,7 +213,9 @@ def _closed(pieces: list[tuple[bool, Floats]], div: Division, line: int, extra: 
         lines = [np.arange(first + j * line, first + (j + 1) * line) for j in (k, after)]
         between = np.arange(tops[k] + 2, tops[k] + 2 + inner[k])
         own = (
-            [lines[0], nodes[0], between, nodes[1], lines[1]] if touching else [nodes[0], lines[0], nodes[1], lines[1]]
+            [lines[0], nodes[0], between, nodes[1], lines[1]]
+            if touching
+            else [nodes[0], lines[0], nodes[1], lines[1]]
         )
         place = np.concatenate([np.arange(extra), *own])
         np.add.at(A, (place[:, None], place), K)
@@ -175,13 +223,15 @@ def _closed(pieces: list[tuple[bool, Floats]], div: Division, line: int, extra: 
 
 
 def _held(A: Floats, extra: int, contact: int, line: int, div: Division) -> Floats:
-    """Without three unknowns at the rim that hold it against rigid motion: a node, and another one that turns about
-    it.
+    """Without three unknowns at the rim that hold it against rigid motion: a node, and another one
+    that turns about it.
     """
     angles = div.angles[_runs(div)]
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())
-    along = abs(math.sin(away[k])) > abs(math.cos(away[k]))  # a turn moves it rather around than along the radius
+    along = abs(math.sin(away[k])) > abs(
+        math.cos(away[k])
+    )  # a turn moves it rather around than along the radius
     node = extra + contact + line - 2
     other = extra + contact + (k + 1) * line - 2 + along
     keep = np.setdiff1d(np.arange(len(A)), [node, node + 1, other])
@@ -204,7 +254,9 @@ def _pieces(div: Division) -> tuple[Floats, Ints]:
 
 
 def _touching(div: Division) -> Ints:
-    """The nodes of the friction surface that lie under a lining, of all of them from the first angle on."""
+    """The nodes of the friction surface that lie under a lining, of all of them from the first
+    angle on.
+    """
     at = np.flatnonzero(div.contact) * div.degree + np.arange(div.degree + 1)[:, None]
     return np.unique(at % (len(div.contact) * div.degree))
 
@@ -221,8 +273,14 @@ def grid_of(radius: float, sign: int, div: Division) -> Grid:
         r = radius + sign * depth
         return np.stack([r * np.cos(phi), r * np.sin(phi)])
 
-    sets = {"contact": under[0, _touching(div)], "surface": under[0, :-1], "support": under[-1, :-1]}
-    return Grid(p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), place, sets, rows * n)
+    sets = {
+        "contact": under[0, _touching(div)],
+        "surface": under[0, :-1],
+        "support": under[-1, :-1],
+    }
+    return Grid(
+        p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), place, sets, rows * n
+    )
 
 
 def rim_of(radius: float, div: Division, grid: Grid) -> Floats:
@@ -239,7 +297,9 @@ def _inside(brake: Brake, grid: Grid, rim: Floats) -> Inside:
     return _reduced(brake, grid, grid.sets["support"], grid.sets["contact"], rim)
 
 
-def _recovered(brake: Brake, grid: Grid, rim: Floats, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+def _recovered(
+    brake: Brake, grid: Grid, rim: Floats, nodal: Floats, frame: Floats, loads: Floats
+) -> Floats:
     """What `Condensed.displacements` returns, with the elements' insides eliminated one by one."""
     sides = grid.skeleton
     support, contact = (sides.place[grid.sets[name]] for name in ("support", "contact"))
@@ -253,7 +313,9 @@ def _layers(brake: Brake) -> dict[str, ElasticLayer]:
     return ring_layers(ring.section)
 
 
-def _reduced(brake: Brake, basis: Grid | Skeleton, support: Ints, contact: Ints, rim: Floats) -> Inside:
+def _reduced(
+    brake: Brake, basis: Grid | Skeleton, support: Ints, contact: Ints, rim: Floats
+) -> Inside:
     """The stiffness of a ring and the unit loads `rim` (2 nodes, l) on its reduced unknowns."""
     K, ring = basis.stiffness(_layers(brake)), brake.ring
     if ring is not None and ring.support == "fixed":

@@ -21,7 +21,9 @@ MOST_NODES = 3000  # in contact with each other: matrices of twice as many rows 
 Places = Mapping[int, Sequence[Place]]  # by the first shoe of a shape: see `divide`
 
 
-def body(shoe: Shoe, radius: float, div: Division, friction: bool, seconds: assembly.Seconds) -> assembly.Body:
+def body(
+    shoe: Shoe, radius: float, div: Division, friction: bool, seconds: assembly.Seconds
+) -> assembly.Body:
     """The condensed body of a parametric shoe that is divided so."""
     with assembly.clock(seconds, "condensation"):
         found = condense(shoe, radius, div, layers_of(shoe))
@@ -39,10 +41,11 @@ def scene(
     cache: assembly.Cache | None = None,
     alike: Sequence[int] = (),
 ) -> assembly.Scene:
-    """The scene of a brake at a level. Raises as assembly.prepare, and NoAnswer where it has more than MOST_NODES.
+    """The scene of a brake at a level. Raises as assembly.prepare, and NoAnswer where it has more
+    than MOST_NODES.
 
-    places: where the pressure is not smooth; cache: bodies of earlier scenes, taken from there and put there; alike:
-    as of `assembly.alike`, where it is known.
+    places: where the pressure is not smooth; cache: bodies of earlier scenes, taken from there and
+    put there; alike: as of `assembly.alike`, where it is known.
     """
     reason = assembly.why_not(brake)
     if reason is not None:
@@ -67,11 +70,15 @@ def scene(
         if cache is None:
             made[i] = make()
         else:
-            made[i] = cache.get((assembly.bare_shoe(shoe), radius, friction, divided[i].key), make, assembly.size_of)
+            made[i] = cache.get(
+                (assembly.bare_shoe(shoe), radius, friction, divided[i].key), make, assembly.size_of
+            )
     bodies = tuple(made[i] for i in alike)
     left_out = ["interior fields: recovered only for a picture"]
     if len(made) < len(bodies):
-        left_out.append(f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once")
+        left_out.append(
+            f"{len(bodies) - len(made)} of {len(bodies)} shoes: same shape as another, condensed once"
+        )
     if brake.friction == 0:
         left_out.append("friction: mu = 0, symmetric, without the flexibility under drag")
     sharp = min(each.sharp for each in divided.values())
@@ -80,9 +87,13 @@ def scene(
         with assembly.clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
             own = (assembly.bare(brake), level, sharp, *(each.key for each in divided.values()))
-            ring = (cache or assembly.Cache()).get(own, partial(ring_under, lines), assembly.size_of)
+            ring = (cache or assembly.Cache()).get(
+                own, partial(ring_under, lines), assembly.size_of
+            )
     again = {
-        i: partial(_nodes_of, shoe, divided[i], radius, level, (places or {}).get(i, ()), cam, powers[i])
+        i: partial(
+            _nodes_of, shoe, divided[i], radius, level, (places or {}).get(i, ()), cam, powers[i]
+        )
         for i, shoe in shoes.items()
     }
     return assembly.Scene(
@@ -96,7 +107,9 @@ def scene(
     )
 
 
-def _steepest(brake: Brake, alike: Sequence[int], first: int, places: Sequence[Place]) -> tuple[float, float]:
+def _steepest(
+    brake: Brake, alike: Sequence[int], first: int, places: Sequence[Place]
+) -> tuple[float, float]:
     """The smallest powers of p at both ends of the linings of all shoes of one shape.
 
     0 where no contact is so short that its corner counts, see CORNER_COUNTS.
@@ -132,11 +145,16 @@ def _nodes_of(
     if "actuation" not in grid.sets:
         return assembly.BodyNodes(grid.doflocs, np.zeros(grid.doflocs.shape))
     full, centre = end_load_of(found, grid)
-    return assembly.BodyNodes(grid.doflocs, (full @ assembly.load_on(centre, other)[0]).reshape(-1, 2).T)
+    return assembly.BodyNodes(
+        grid.doflocs, (full @ assembly.load_on(centre, other)[0]).reshape(-1, 2).T
+    )
 
 
 def _nodes_alike(
-    each: Mapping[int, Callable[[Shoe], assembly.BodyNodes]], alike: Sequence[int], i: int, shoe: Shoe
+    each: Mapping[int, Callable[[Shoe], assembly.BodyNodes]],
+    alike: Sequence[int],
+    i: int,
+    shoe: Shoe,
 ) -> assembly.BodyNodes:
     """As `Scene.nodes_of`; each: by the first shoe of a shape."""
     return each[alike[i]](shoe)

@@ -20,18 +20,22 @@ from drumlin.fem.hp.element import condensed_elements, element, gauss_points
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
 LEFT = 0.02
-"""Fraction of the uncorrected rigid-body residual that the round-off estimate still assumes after the
-correction that takes it off. 0 would call corrected answers exact; 1 would refuse what is right."""
-Map = Callable[[Floats, Floats], Floats]  # depth, place along -> points (2, ...) [m] in the shoe's frame
+"""Fraction of the uncorrected rigid-body residual that the round-off estimate still assumes after
+the correction that takes it off. 0 would call corrected answers exact; 1 would refuse what is
+right.
+"""
+Map = Callable[
+    [Floats, Floats], Floats
+]  # depth, place along -> points (2, ...) [m] in the shoe's frame
 
 
 class Condensed(NamedTuple):
-    """Stiffness `S` (3 + 2n, 3 + 2n) on [frame | contact nodes x, y], unit actuations `loads` (3 + 2n, 3) on them,
-    their `work` (3, 3) with both held, and the centre (2,) [m] that they act on.
+    """Stiffness `S` (3 + 2n, 3 + 2n) on [frame | contact nodes x, y], unit actuations `loads` (3 +
+    2n, 3) on them, their `work` (3, 3) with both held, and the centre (2,) [m] that they act on.
 
-    What round-off left: about the forces `missed` (2n, 3) on the contact by rigid motions, which strain nothing; and
-    `lost`, by how much a unit force was out of balance. Where the frame is the back itself they are not known, and
-    zero.
+    What round-off left: about the forces `missed` (2n, 3) on the contact by rigid motions, which
+    strain nothing; and `lost`, by how much a unit force was out of balance. Where the frame is the
+    back itself they are not known, and zero.
     """
 
     S: Floats
@@ -83,7 +87,9 @@ def line_of(ends: Floats, p: int) -> Floats:
 
 
 def nodes_of(place: Map, depths: Floats, along: Floats, p: int) -> Floats:
-    """Nodes (layers, columns, 2, a) of elements between depths (l + 1,) and at the places `along` (c, p + 1)."""
+    """Nodes (layers, columns, 2, a) of elements between depths (l + 1,) and at the places `along`
+    (c, p + 1).
+    """
     xy = place(within(depths, p)[:, None, :, None], along[:, None, :])  # (2, layers, columns, i, j)
     xy = xy.reshape(*xy.shape[:3], -1).transpose(1, 2, 0, 3)
     return np.ascontiguousarray(xy[..., element(p).order])
@@ -113,8 +119,10 @@ def rigid(xy: Floats, pin: Floats) -> Floats:
 
 
 class _Columns(NamedTuple):
-    """Columns under the lining, before and behind it, in their order, equal ones the same object; `grip`: the first one
-    under the lining whose back is held, and the first one after those that is free again; 0, 0 where none is."""
+    """Columns under the lining, before and behind it, in their order, equal ones the same object;
+    `grip`: the first one under the lining whose back is held, and the first one after those that is
+    free again; 0, 0 where none is.
+    """
 
     under: list[Piece]
     before: list[Piece]
@@ -148,40 +156,52 @@ def _columns(shoe: Shoe, radius: float, div: Division, layers: dict[str, Elastic
         else:
             own = elements(radius - shoe.sign * depths, A[:, kinds], elasticity[layer:], p, plane)
             found = arc_columns(own, p, contact=contact, held=held)
-        pieces = {kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)}
+        pieces = {
+            kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)
+        }
         return [pieces[kind] for kind in row.tolist()]
 
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
-    free = made(np.concatenate([which[:a], which[b:under]]), 0, contact=True, held=div.first == div.layers)
+    free = made(
+        np.concatenate([which[:a], which[b:under]]), 0, contact=True, held=div.first == div.layers
+    )
     gripped = made(which[a:b], 0, contact=True, held=True)
     rest = made(which[under:], div.first, contact=False, held=False)
     return _Columns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
 
 
 def directions(ends: Floats, p: int) -> Floats:
-    """Angles (m p + 1,) of the directions of contact nodes: of those between the ends (m + 1,) of columns, in their
-    column's middle."""
+    """Angles (m p + 1,) of the directions of contact nodes: of those between the ends (m + 1,) of
+    columns, in their column's middle.
+    """
     found = np.append(np.repeat(0.5 * (ends[1:] + ends[:-1]), p), 0.0)
     found[::p] = ends
     return found
 
 
 def _angle_at(shoe: Shoe, phi: Floats) -> Floats:
-    """The angles [rad] at which unknowns count at the places phi of columns: of an arc along its radius, of a pad along
-    the normal, which has the plane's x as its tangent."""
+    """The angles [rad] at which unknowns count at the places phi of columns: of an arc along its
+    radius, of a pad along the normal, which has the plane's x as its tangent.
+    """
     if isinstance(shoe.body, Beam):
         return np.zeros_like(phi)
     return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
 
 
-def condense(shoe: Shoe, radius: float, div: Division, layers: dict[str, ElasticLayer]) -> Condensed:
-    """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular stiffness."""
+def condense(
+    shoe: Shoe, radius: float, div: Division, layers: dict[str, ElasticLayer]
+) -> Condensed:
+    """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular
+    stiffness.
+    """
     p, place, pin = div.degree, map_of(shoe, radius), shoe.own_pin
     found, held = _columns(shoe, radius, div, layers), div.first == div.layers
     phi, back = line_of(div.angles, p), -_angle_at(shoe, directions(div.angles, p))
     R = rigid(place(np.zeros(1), phi), pin)
-    if held or any(found.grip):  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
+    if held or any(
+        found.grip
+    ):  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
         S = turned(_on_grip(found) if any(found.grip) else _between(found.under), back)
         none, still = np.zeros((FRAME, FRAME)), np.zeros((len(R), FRAME))
         return Condensed(_balanced(S, R), np.vstack([np.eye(FRAME), still]), none, pin, still, 0.0)
@@ -203,11 +223,15 @@ def condense(shoe: Shoe, radius: float, div: Division, layers: dict[str, Elastic
     load += R @ np.linalg.solve(R.T @ R, off)
     S, missed = _still(S, R, turned_rows(A[frame, contact], back).T)
     lost = float(np.abs(off[:2, :2]).max())
-    return Condensed(_balanced(S, R), np.concatenate([on_frame, load]), -A[loads, loads], centre, missed, lost)
+    return Condensed(
+        _balanced(S, R), np.concatenate([on_frame, load]), -A[loads, loads], centre, missed, lost
+    )
 
 
 def _between(row: list[Piece], left: Floats | None = None, right: Floats | None = None) -> Floats:
-    """Columns under the lining on their contact nodes; left, right: stiffness of what hangs on the ends' back."""
+    """Columns under the lining on their contact nodes; left, right: stiffness of what hangs on the
+    ends' back.
+    """
     row = row.copy()
     row[0] = closed(row[0], left, 0 if left is None else len(left))
     row[-1] = closed(row[-1], right, 0 if right is None else len(right), right=True)
@@ -215,7 +239,9 @@ def _between(row: list[Piece], left: Floats | None = None, right: Floats | None 
 
 
 def _on_grip(found: _Columns) -> Floats:
-    """The contact nodes of a lining whose body's back is held by a grip: what the body is beyond the lining is free."""
+    """The contact nodes of a lining whose body's back is held by a grip: what the body is beyond
+    the lining is free.
+    """
     row, (first, last) = found.under.copy(), found.grip
     line = row[first].left  # without the last node of the others' lines, which is held
     if first > 0:
@@ -233,7 +259,8 @@ def _on_grip(found: _Columns) -> Floats:
 
 
 def _held(first: Piece, before: list[Piece], held: Floats) -> Piece:
-    """The first column under the lining closed by the body before it, down to the hinge: [frame | its own].
+    """The first column under the lining closed by the body before it, down to the hinge: [frame |
+    its own].
 
     held (n, 3): motions of the line at the hinge per dx, dy and turn.
     """
@@ -244,8 +271,9 @@ def _held(first: Piece, before: list[Piece], held: Floats) -> Piece:
 
 
 def _loaded(after: list[Piece], load: Floats) -> Floats:
-    """Stiffness on [line at the lining's end | loads] of the body behind the lining; load (n, 3): unit loads on the
-    line at its end."""
+    """Stiffness on [line at the lining's end | loads] of the body behind the lining; load (n, 3):
+    unit loads on the line at its end.
+    """
     part = len(load)
     end = np.zeros((part + FRAME, part + FRAME))
     end[:part, part:], end[part:, :part] = -load, -load.T
@@ -255,7 +283,9 @@ def _loaded(after: list[Piece], load: Floats) -> Floats:
 
 
 def _tied(piece: Piece, held: Floats) -> Piece:
-    """A piece the last unknowns of whose left line move with the frame by `held` (n, 3): [left line | frame | ...]."""
+    """A piece the last unknowns of whose left line move with the frame by `held` (n, 3): [left line
+    | frame | ...].
+    """
     left = piece.left - len(held)
     at, frame = slice(left, piece.left), slice(left, left + FRAME)
     rest = np.arange(len(piece.K) - len(held))
@@ -271,12 +301,13 @@ def _tied(piece: Piece, held: Floats) -> Piece:
 
 
 def _still(S: Floats, R: Floats, held: Floats) -> tuple[Floats, Floats]:
-    """The stiffness S (2n, 2n) of the contact nodes without what round-off made of it, and about the forces (2n, 3)
-    that this leaves: those half way, and LEFT of those before.
+    """The stiffness S (2n, 2n) of the contact nodes without what round-off made of it, and about
+    the forces (2n, 3) that this leaves: those half way, and LEFT of those before.
 
-    The forces `held` (2n, 3) on the contact by motions of the frame are small beside the stiffness of thin columns, and
-    have more digits: moved with the frame by R (2n, 3) the contact strains nothing, S R = -held. First each node's own
-    part is corrected, where most was lost; then all by the least change, symmetric, that leaves nothing.
+    The forces `held` (2n, 3) on the contact by motions of the frame are small beside the stiffness
+    of thin columns, and have more digits: moved with the frame by R (2n, 3) the contact strains
+    nothing, S R = -held. First each node's own part is corrected, where most was lost; then all by
+    the least change, symmetric, that leaves nothing.
     """
     S, own = S.copy(), np.arange(len(S)).reshape(-1, 2)
     before = S @ R + held
@@ -285,14 +316,23 @@ def _still(S: Floats, R: Floats, held: Floats) -> tuple[Floats, Floats]:
     after = S @ R + held
     back = R @ np.linalg.inv(R.T @ R)
     change, moment = back @ after.T, R.T @ after
-    return S - change - change.T + back @ (0.5 * (moment + moment.T)) @ back.T, after + LEFT * before
+    return S - change - change.T + back @ (
+        0.5 * (moment + moment.T)
+    ) @ back.T, after + LEFT * before
 
 
 def _balanced(S: Floats, R: Floats) -> Floats:
-    """Stiffness on [frame | contact nodes] from that of the contact nodes: rigid motions R (2n, 3) strain nothing."""
+    """Stiffness on [frame | contact nodes] from that of the contact nodes: rigid motions R (2n, 3)
+    strain nothing.
+    """
     SR = S @ R
     whole = np.empty((FRAME + len(S), FRAME + len(S)))
-    whole[:FRAME, :FRAME], whole[:FRAME, FRAME:], whole[FRAME:, :FRAME], whole[FRAME:, FRAME:] = R.T @ SR, -SR.T, -SR, S
+    whole[:FRAME, :FRAME], whole[:FRAME, FRAME:], whole[FRAME:, :FRAME], whole[FRAME:, FRAME:] = (
+        R.T @ SR,
+        -SR.T,
+        -SR,
+        S,
+    )
     return whole
 
 
@@ -302,11 +342,11 @@ def _local(V: Floats, angle: Floats) -> Floats:
 
 
 def end_load(xy: Floats, depths: Floats, p: int) -> tuple[Floats, Floats]:
-    """Nodal forces (2n, 3) [1, 1, 1/m] of unit force x, y and couple on the straight loaded end, and its centre (2,)
-    [m].
+    """Nodal forces (2n, 3) [1, 1, 1/m] of unit force x, y and couple on the straight loaded end,
+    and its centre (2,) [m].
 
-    The force is spread evenly, the couple as a traction that grows linearly from the centre. xy (2, n) [m]: nodes of
-    the end at the `depths` (n,), which are in proportion to the distance along it.
+    The force is spread evenly, the couple as a traction that grows linearly from the centre. xy (2,
+    n) [m]: nodes of the end at the `depths` (n,), which are in proportion to the distance along it.
     """
     ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5  # from -1/2 to 1/2
     at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)

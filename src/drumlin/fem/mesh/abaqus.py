@@ -18,7 +18,13 @@ LINES = {"T2D2": "line", "T3D2": "line", "B21": "line", "B31": "line"} | dict.fr
 PLANES = {
     f"{family}{nodes}": cell
     for family in ("CPS", "CPE", "CAX", "S", "M3D", "STRI", "2D")
-    for nodes, cell in {"3": "triangle", "6": "triangle6", "65": "triangle6", "4": "quad", "8": "quad8"}.items()
+    for nodes, cell in {
+        "3": "triangle",
+        "6": "triangle6",
+        "65": "triangle6",
+        "4": "quad",
+        "8": "quad8",
+    }.items()
 } | dict.fromkeys(("S9", "M3D9"), "quad9")
 CELLS = LINES | PLANES
 NAMES = {"triangle": "CPS3", "triangle6": "CPS6", "quad": "CPS4", "quad8": "CPS8"}
@@ -28,7 +34,8 @@ PER_LINE = 12  # numbers on a line that is written; the formats allow 16
 
 
 def read_inp(text: str) -> Any:
-    """The mesh in the text of an input file as a meshio.Mesh; set names in lower case; other keywords are passed over.
+    """The mesh in the text of an input file as a meshio.Mesh; set names in lower case; other
+    keywords are passed over.
 
     Raises ValueError with a line that says what cannot be read.
     """
@@ -56,21 +63,30 @@ def read_inp(text: str) -> Any:
                     raise ValueError(f"element {element} is defined twice")
                 place[element] = (len(blocks), row)
             rows_of = [[number[label] for label in nodes] for nodes in cells]
-            blocks.append((cell, [[a, b, middle] for a, middle, b in rows_of] if cell == "line3" else rows_of))
-            room -= _members(room, element_sets, options.get("ELSET"), [[str(label)] for label in labels])
+            blocks.append(
+                (cell, [[a, b, middle] for a, middle, b in rows_of] if cell == "line3" else rows_of)
+            )
+            room -= _members(
+                room, element_sets, options.get("ELSET"), [[str(label)] for label in labels]
+            )
         elif keyword == "NSET":
             room -= _members(room, node_sets, options.get("NSET"), rows, "GENERATE" in options)
         elif keyword == "ELSET":
             room -= _members(room, element_sets, options.get("ELSET"), rows, "GENERATE" in options)
     cell_sets: dict[str, list[Ints]] = {}
     for name, labels in element_sets.items():
-        found = np.array([place[label] for label in labels if label in place], dtype=np.int64).reshape(-1, 2)
+        found = np.array(
+            [place[label] for label in labels if label in place], dtype=np.int64
+        ).reshape(-1, 2)
         order = np.argsort(found[:, 0], kind="stable")
         cuts = np.searchsorted(found[order, 0], np.arange(1, len(blocks)))
         cell_sets[name] = list(np.split(found[order, 1], cuts)) if blocks else []
     return meshio.Mesh(
         np.array(points).reshape(-1, 3),
-        [(cell, np.array(cells, dtype=np.int64).reshape(-1, NODES[cell])) for cell, cells in blocks],
+        [
+            (cell, np.array(cells, dtype=np.int64).reshape(-1, NODES[cell]))
+            for cell, cells in blocks
+        ],
         cell_sets=cell_sets,
         point_sets={
             name: np.unique(np.array([number[label] for label in labels], dtype=np.int64))
@@ -80,7 +96,9 @@ def read_inp(text: str) -> Any:
 
 
 def _sections(text: str) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
-    """Keyword, options and data rows of each section; upper case, a row that ends with a comma goes on."""
+    """Keyword, options and data rows of each section; upper case, a row that ends with a comma goes
+    on.
+    """
     keyword, options, rows, goes_on = "", dict[str, str](), list[list[str]](), False
     for line_text in text.splitlines():
         line = line_text.strip()
@@ -104,19 +122,30 @@ def _sections(text: str) -> Iterator[tuple[str, dict[str, str], list[list[str]]]
 
 def _elements(kind: str, rows: list[list[str]]) -> tuple[str, list[int], list[list[int]]]:
     """meshio's cell type, labels and node labels of an *ELEMENT section."""
-    plain = kind.rstrip("HIRMSTW") if kind[-2:] != "R5" else kind[:-2]  # reduced, hybrid, ... : one shape
+    plain = (
+        kind.rstrip("HIRMSTW") if kind[-2:] != "R5" else kind[:-2]
+    )  # reduced, hybrid, ... : one shape
     if plain not in CELLS:
-        raise ValueError(f"*ELEMENT, TYPE={kind} is not an element of a plane mesh; allowed: {', '.join(CELLS)}")
+        raise ValueError(
+            f"*ELEMENT, TYPE={kind} is not an element of a plane mesh; allowed: {', '.join(CELLS)}"
+        )
     cell = CELLS[plain]
     if any(len(row) != NODES[cell] + 1 for row in rows):
-        raise ValueError(f"*ELEMENT, TYPE={kind} needs a label and {NODES[cell]} nodes on each line")
+        raise ValueError(
+            f"*ELEMENT, TYPE={kind} needs a label and {NODES[cell]} nodes on each line"
+        )
     return cell, [int(row[0]) for row in rows], [[int(word) for word in row[1:]] for row in rows]
 
 
 def _members(
-    room: int, sets: dict[str, list[int]], name: str | None, rows: list[list[str]], ranges: bool = False
+    room: int,
+    sets: dict[str, list[int]],
+    name: str | None,
+    rows: list[list[str]],
+    ranges: bool = False,
 ) -> int:
-    """Add the rows of a set: labels, names of earlier sets, or (first, last, step). Returns how many members that are.
+    """Add the rows of a set: labels, names of earlier sets, or (first, last, step). Returns how
+    many members that are.
 
     Raises ValueError where there are more than `room`, before they fill the memory.
     """
@@ -131,16 +160,24 @@ def _members(
         else:
             added = [[int(word)] if word.isdigit() else sets.get(word.lower(), []) for word in row]
         for more in added:
-            if more[room + before - len(members) :]:  # the length of a range may be beyond what len can say
+            if more[
+                room + before - len(members) :
+            ]:  # the length of a range may be beyond what len can say
                 raise ValueError(f"the sets have more than {MOST_MEMBERS} members together")
             members += more
     return len(members) - before
 
 
 def write_inp(
-    path: Path, points: Any, cell: str, cells: Ints, subdomains: dict[str, Ints], nodes: dict[str, Ints]
+    path: Path,
+    points: Any,
+    cell: str,
+    cells: Ints,
+    subdomains: dict[str, Ints],
+    nodes: dict[str, Ints],
 ) -> None:
-    """Write one kind of plane-stress elements with element sets and node sets; quad9 loses its centre nodes.
+    """Write one kind of plane-stress elements with element sets and node sets; quad9 loses its
+    centre nodes.
 
     points (n, 2) [m]; cells (m, k) in meshio's order.
     """

@@ -1,7 +1,8 @@
 """The parametric mesh of a shoe, in its own frame.
 
-Named groups: subdomains "shoe", "table" of a T-section, "backing", "lining"; boundaries "contact" (lining on drum),
-"hinge" (moves as a rigid line that turns about the pin) and "actuation" (carries the force).
+Named groups: subdomains "shoe", "table" of a T-section, "backing", "lining"; boundaries "contact"
+(lining on drum), "hinge" (moves as a rigid line that turns about the pin) and "actuation" (carries
+the force).
 """
 
 from typing import Any, NamedTuple
@@ -13,11 +14,20 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.errors import BadInput
 from drumlin.fem.mesh.beam import beam_mesh
-from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, Division, divide, layers_behind, overhang
+from drumlin.fem.mesh.grading import (
+    MOST_LAYERS,
+    MOST_THIN,
+    Division,
+    divide,
+    layers_behind,
+    overhang,
+)
 
 
 class Kind(NamedTuple):
-    """A kind of mesh: the names of skfem's mesh and element, meshio's of its cells and of their edges."""
+    """A kind of mesh: the names of skfem's mesh and element, meshio's of its cells and of their
+    edges.
+    """
 
     mesh_name: str
     element_name: str
@@ -56,20 +66,24 @@ def kind_of(mesh: Any) -> Kind:
 
 
 def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
-    """The angles (n,) with the inner ones that are nearest to the places moved there; one that has moved to a place
-    already, or is not there, is added."""
+    """The angles (n,) with the inner ones that are nearest to the places moved there; one that has
+    moved to a place already, or is not there, is added.
+    """
     inner = angles[1:-1]
-    moved = list(dict.fromkeys(int(np.abs(inner - x).argmin()) for x in places)) if len(inner) else []
+    moved = (
+        list(dict.fromkeys(int(np.abs(inner - x).argmin()) for x in places)) if len(inner) else []
+    )
     return np.sort(np.concatenate([angles[:1], np.delete(inner, moved), places, angles[-1:]]))
 
 
 def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = DEFAULT_KIND) -> Any:
-    """Mesh of a shoe in its own frame; the nodes lie on the arcs, the edges of quadratic kinds follow them.
+    """Mesh of a shoe in its own frame; the nodes lie on the arcs, the edges of quadratic kinds
+    follow them.
 
     `kind`: "quad2", "quad1", "tri2" or "tri1" (quadrilaterals or triangles, quadratic or linear).
 
-    `elements`: number along the lining, graded to its edges, or its division. Without a body the back of the
-    lining (or backing) is the rigid line "hinge" and the mesh has no "actuation".
+    `elements`: number along the lining, graded to its edges, or its division. Without a body the
+    back of the lining (or backing) is the rigid line "hinge" and the mesh has no "actuation".
     """
     if kind not in KINDS:
         raise BadInput(f"--kind = {kind!r}: unknown kind of mesh; allowed: {', '.join(KINDS)}")
@@ -90,9 +104,15 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         grip = shoe.grip(radius)
         angles = _moved_to(angles, grip or ())
         angles = np.concatenate(
-            [overhang(phi_1, body[0], division)[:0:-1], angles, overhang(phi_2, body[1], division)[1:]]
+            [
+                overhang(phi_1, body[0], division)[:0:-1],
+                angles,
+                overhang(phi_2, body[1], division)[1:],
+            ]
         )
-    most = MOST_LAYERS if kind.endswith("2") else MOST_THIN  # linear elements bend well only in thin layers
+    most = (
+        MOST_LAYERS if kind.endswith("2") else MOST_THIN
+    )  # linear elements bend well only in thin layers
     depths = [division.depths]
     for _, thickness in layers[1:]:
         parts = layers_behind(thickness, division, division.step * radius, most)

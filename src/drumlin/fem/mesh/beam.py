@@ -1,7 +1,8 @@
-"""Mesh of a straight-beam shoe: lining, block that fills the space up to the beam, beam; in the shoe's frame.
+"""Mesh of a straight-beam shoe: lining, block that fills the space up to the beam, beam; in the
+shoe's frame.
 
-The block is cut square to the beam: behind the lining's back at the angle theta it reaches the beam's face at the
-same distance along the beam.
+The block is cut square to the beam: behind the lining's back at the angle theta it reaches the
+beam's face at the same distance along the beam.
 """
 
 import math
@@ -47,27 +48,40 @@ def _no_room(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | N
 
 
 def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
-    """Mesh of a straight-beam shoe in its own frame, groups as those of an arc; `shape`: skfem's class of it.
+    """Mesh of a straight-beam shoe in its own frame, groups as those of an arc; `shape`: skfem's
+    class of it.
 
     "hinge" and "actuation" are the beam's end faces.
     """
     import skfem  # noqa: PLC0415  (meshes alone load it)
 
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
-    axis, section, thickness = axis_of(shoe.pin.xy, shoe.actuation.point.xy), shoe.body.section, shoe.lining.thickness
+    axis, section, thickness = (
+        axis_of(shoe.pin.xy, shoe.actuation.point.xy),
+        shoe.body.section,
+        shoe.lining.thickness,
+    )
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
     start, end, back = float(angles[0]), float(angles[-1]), radius + thickness
     foot = axis.foot + back * np.sin(np.array([start, end]))
 
-    # s: the angle under the lining; before and behind it the distance along the beam over the back's radius.
+    # s: the angle under the lining; before and behind it the distance along the beam over the
+    # back's radius.
     low, high = start - foot[0] / back, end + (axis.length - foot[1]) / back
-    s = np.concatenate([overhang(start, low, division)[:0:-1], angles, overhang(end, high, division)[1:]])
+    s = np.concatenate(
+        [overhang(start, low, division)[:0:-1], angles, overhang(end, high, division)[1:]]
+    )
     face = axis.distance - section.thickness / 2
     linear = shape in {skfem.MeshQuad1, skfem.MeshTri1}
     most = MOST_THIN if linear else MOST_LAYERS  # linear elements bend well only in thin layers
     deepest = face - back * min(math.cos(start), math.cos(end))
-    block, beam = (layers_behind(t, division, division.step * radius, most) for t in (deepest, section.thickness))
-    grid = skfem.MeshQuad.init_tensor(np.concatenate([division.depths / thickness, 1 + block, 2 + beam]), s)
+    block, beam = (
+        layers_behind(t, division, division.step * radius, most)
+        for t in (deepest, section.thickness)
+    )
+    grid = skfem.MeshQuad.init_tensor(
+        np.concatenate([division.depths / thickness, 1 + block, 2 + beam]), s
+    )
     depth, place = grid.p[:, grid.t].mean(axis=1)
     grid = grid.restrict(np.flatnonzero((depth > 2) | ((place > start) & (place < end))))
     if shape in {skfem.MeshTri1, skfem.MeshTri2}:

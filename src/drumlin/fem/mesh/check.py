@@ -1,4 +1,6 @@
-"""What a user's mesh must fulfil; each fault is one line that names the file and says what is allowed."""
+"""What a user's mesh must fulfil; each fault is one line that names the file and says what is
+allowed.
+"""
 
 import dataclasses
 import math
@@ -24,12 +26,16 @@ LARGEST = 1e6  # drum's radii, or lengths of a pad, that a mesh may reach: beyon
 BENT = 0.5  # of an edge's length, by which its middle node may lie off its middle: half a circle
 OFF = 0.01  # of the drum's radius, or a pad's length, by which the contact may lie off drum or plane, where p is
 DEEP = 0.1  # of the lining's thickness, by which its mesh may lie in drum or plane without the file's saying so
-STEEP = 0.1  # slope against drum or plane at which an edge of the contact is no part of a lining's face
+STEEP = (
+    0.1  # slope against drum or plane at which an edge of the contact is no part of a lining's face
+)
 UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
 
 
 def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
-    """The mesh (in the shoe's frame [m]) with the groups that the shoe needs; raises BadInput, led by `fault`."""
+    """The mesh (in the shoe's frame [m]) with the groups that the shoe needs; raises BadInput, led
+    by `fault`.
+    """
     mesh = _check_groups(mesh, shoe, fault)
     _check_nodes(mesh, shoe, radius, fault)
     _check_elements(mesh, shoe, fault)
@@ -44,27 +50,39 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
     ends, middles, centres = np.split(cells, [corners, 2 * corners], axis=1)
     edges = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     distinct = [len(np.unique(nodes)) for nodes in (ends, middles, centres)]
-    if (np.diff(np.sort(cells, axis=1), axis=1) == 0).any() or sum(distinct) > len(np.unique(cells)):
-        raise BadInput(f"{fault}: has nodes that a cell has twice, or that are a corner here and inside an edge there")
+    if (np.diff(np.sort(cells, axis=1), axis=1) == 0).any() or sum(distinct) > len(
+        np.unique(cells)
+    ):
+        raise BadInput(
+            f"{fault}: has nodes that a cell has twice, or that are a corner here and inside an edge there"
+        )
     bonds = {len(np.unique(edges, axis=0))}
     if middles.size:
         bonds |= {distinct[1], len(np.unique(np.column_stack([edges, middles.ravel()]), axis=0))}
     if len(bonds) > 1 or distinct[2] not in {0, len(cells)}:
-        raise BadInput(f"{fault}: has cells that share an edge but not its middle node, or a middle but not the edge")
+        raise BadInput(
+            f"{fault}: has cells that share an edge but not its middle node, or a middle but not the edge"
+        )
 
 
 def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
     needed = {"lining"} | ({"backing"} if shoe.backing else set())
-    needed |= set(shoe.body.plates) if isinstance(shoe.body, Bar) else {"shoe"} if shoe.body else set()
+    needed |= (
+        set(shoe.body.plates) if isinstance(shoe.body, Bar) else {"shoe"} if shoe.body else set()
+    )
     lines = {"contact", "hinge"} | ({"actuation"} if shoe.body and not shoe.gripped else set())
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
         found = ", ".join([*subdomains, *boundaries]) or "none"
-        raise BadInput(f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found}")
+        raise BadInput(
+            f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found}"
+        )
     named = np.concatenate([subdomains[name] for name in needed])
     if len(np.unique(named)) < mesh.nelements or len(named) > mesh.nelements:
-        raise BadInput(f"{fault}: every element must be in exactly one of the groups {', '.join(sorted(needed))}")
+        raise BadInput(
+            f"{fault}: every element must be in exactly one of the groups {', '.join(sorted(needed))}"
+        )
     lines |= {"actuation"} & set(boundaries)
     return dataclasses.replace(
         mesh,
@@ -76,21 +94,31 @@ def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
 def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     size = float(np.abs(mesh.doflocs).max())
     if size > LARGEST * radius:
-        where = f"on a plane, its lining {mm(radius)} long" if shoe.flat else f"in a drum of radius {mm(radius)}"
+        where = (
+            f"on a plane, its lining {mm(radius)} long"
+            if shoe.flat
+            else f"in a drum of radius {mm(radius)}"
+        )
         raise BadInput(
             f"{fault}: reaches {size:.3g} m far; must be a shoe {where} (coordinates are read in {shoe.mesh_unit})"
         )
-    cells = np.unique(np.round(mesh.doflocs / (APART * size)), axis=1)  # many in one place make far more pairs
+    cells = np.unique(
+        np.round(mesh.doflocs / (APART * size)), axis=1
+    )  # many in one place make far more pairs
     if cells.shape[1] < mesh.doflocs.shape[1] - MOST_PAIRS:
         raise BadInput(f"{fault}: many nodes stand in one place; merge them, the parts are bonded")
     pairs = scipy.spatial.cKDTree(mesh.doflocs.T).query_pairs(APART * size, output_type="ndarray")
     if len(pairs):
-        raise BadInput(f"{fault}: {len(pairs)} pairs of nodes stand in one place; merge them, the parts are bonded")
+        raise BadInput(
+            f"{fault}: {len(pairs)} pairs of nodes stand in one place; merge them, the parts are bonded"
+        )
 
 
 def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
     basis = skfem.Basis(mesh, kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1)))
-    first, *middles, last = basis.doflocs[:, edge_nodes(basis, np.arange(mesh.nfacets))].transpose(1, 0, 2)
+    first, *middles, last = basis.doflocs[:, edge_nodes(basis, np.arange(mesh.nfacets))].transpose(
+        1, 0, 2
+    )
     for middle in middles:
         bent = np.hypot(*(middle - (first + last) / 2)) > BENT * np.hypot(*(last - first))
         if bent.any():
@@ -98,10 +126,16 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
             raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
     determinant = mesh.mapping().detDF(kind_of(mesh).element().doflocs.T)
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
-    upright = np.abs(determinant.sum(axis=1)) * UPRIGHT  # either orientation will do, one throughout an element
-    inverted = (np.abs(determinant).min(axis=1) <= upright) | (np.ptp(np.sign(determinant), axis=1) > 0)
+    upright = (
+        np.abs(determinant.sum(axis=1)) * UPRIGHT
+    )  # either orientation will do, one throughout an element
+    inverted = (np.abs(determinant).min(axis=1) <= upright) | (
+        np.ptp(np.sign(determinant), axis=1) > 0
+    )
     if inverted.any():
-        raise BadInput(f"{fault}: {_some(mesh, np.flatnonzero(inverted), shoe)} inverted or without area in a corner")
+        raise BadInput(
+            f"{fault}: {_some(mesh, np.flatnonzero(inverted), shoe)} inverted or without area in a corner"
+        )
     if np.bincount(mesh.t2f.ravel()).max() > 2:
         raise BadInput(f"{fault}: more than two elements meet in an edge")
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
@@ -109,7 +143,9 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
     folded = inner[sides[0] * sides[1] > 0]
     if len(folded):
         raise BadInput(f"{fault}: {_some(mesh, mesh.f2t[1, folded], shoe)} folded over a neighbour")
-    links = sp.coo_array((np.ones(len(inner)), mesh.f2t[:, inner]), shape=(mesh.nelements, mesh.nelements))
+    links = sp.coo_array(
+        (np.ones(len(inner)), mesh.f2t[:, inner]), shape=(mesh.nelements, mesh.nelements)
+    )
     parts, _ = sp.csgraph.connected_components(links)
     if parts > 1:
         raise BadInput(f"{fault}: consists of {parts} parts that share no edge; must be one")
@@ -134,7 +170,9 @@ def _check_boundaries(mesh: Any, fault: str) -> None:
     for name, facets in mesh.boundaries.items():
         inside = len(np.setdiff1d(facets, outer))
         if inside:
-            raise BadInput(f"{fault}: {inside} of the {len(facets)} edges of the group {name} are not on the boundary")
+            raise BadInput(
+                f"{fault}: {inside} of the {len(facets)} edges of the group {name} are not on the boundary"
+            )
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
     if len(np.intersect1d(nodes["contact"], nodes["hinge"])):
         raise BadInput(f"{fault}: the groups contact and hinge share a node; must lie apart")
@@ -156,7 +194,9 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         )
     behind = shoe.off(mesh.p[:, mesh.t[:, mesh.subdomains["lining"]]].mean(axis=1), radius)
     if behind.mean() < 0 and not shoe.mesh_interference:
-        raise BadInput(f"{fault}: the lining's elements lie in the {word}; must lie behind the group contact")
+        raise BadInput(
+            f"{fault}: the lining's elements lie in the {word}; must lie behind the group contact"
+        )
     if deep > DEEP * shoe.lining.thickness and not shoe.mesh_interference:
         raise BadInput(
             f"{fault}: the group contact lies up to {mm(deep)} in the {word}, over {DEEP:g} of the lining's "
@@ -182,14 +222,21 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         )
     steps = np.sort(np.argsort(np.argsort(phi))[ends.reshape(2, -1)], axis=0)
     steps = steps[:, np.argsort(steps[0])]
-    if not (np.array_equal(steps[0], np.arange(len(phi) - 1)) and np.array_equal(steps[1], steps[0] + 1)):
-        raise BadInput(f"{fault}: the group contact must be one line without gaps or turns, one edge after the other")
+    if not (
+        np.array_equal(steps[0], np.arange(len(phi) - 1)) and np.array_equal(steps[1], steps[0] + 1)
+    ):
+        raise BadInput(
+            f"{fault}: the group contact must be one line without gaps or turns, one edge after the other"
+        )
 
 
 def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
     if "actuation" in nodes and not shoe.gripped:
-        away = {name: math.dist(shoe.own_pin, mesh.p[:, nodes[name]].mean(axis=1)) for name in ("hinge", "actuation")}
+        away = {
+            name: math.dist(shoe.own_pin, mesh.p[:, nodes[name]].mean(axis=1))
+            for name in ("hinge", "actuation")
+        }
         if away["hinge"] > away["actuation"]:
             raise BadInput(
                 f"{fault}: the group hinge lies {mm(away['hinge'])} from the pin, the group actuation "

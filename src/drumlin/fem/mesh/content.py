@@ -7,11 +7,15 @@ from drumlin.errors import DrumlinError
 from drumlin.files import read_bytes
 
 LARGEST_MESH = 50_000_000
-"""Bytes of a mesh file that are read at most: some 500 000 nodes as text. A longer file is refused unread."""
+"""Bytes of a mesh file that are read at most: some 500 000 nodes as text. A longer file is refused
+unread.
+"""
 
 
 def mesh_bytes(path: Path) -> bytes:
-    """The content of a mesh file. Raises BadInput for one that cannot be read, is too long, or is no file on a disk."""
+    """The content of a mesh file. Raises BadInput for one that cannot be read, is too long, or is
+    no file on a disk.
+    """
     return read_bytes(path, LARGEST_MESH, "a mesh", regular=True)
 
 

@@ -1,8 +1,8 @@
 """A shoe's mesh in a file: Gmsh, Abaqus/CalculiX or VTU, with named groups.
 
-A group is a set of cells or edges with that name (Gmsh's physical names, ELSET), a set of nodes (NSET), or
-cell or point data of that name that is 1 on its members and 0 elsewhere (VTU). A set of nodes names the
-outer edges whose nodes all belong to it. Capital letters do not matter.
+A group is a set of cells or edges with that name (Gmsh's physical names, ELSET), a set of nodes
+(NSET), or cell or point data of that name that is 1 on its members and 0 elsewhere (VTU). A set of
+nodes names the outer edges whose nodes all belong to it. Capital letters do not matter.
 """
 
 import contextlib
@@ -39,10 +39,13 @@ SCALE = {"m": 1.0, "mm": 1e-3}
 def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
     """Write a shoe's mesh in the brake's frame [m] with its groups: .msh (Gmsh 2.2), .inp or .vtu.
 
-    The eight-node quadrilaterals of an .inp file lack the centre node of quad2. Raises BadInput for another suffix.
+    The eight-node quadrilaterals of an .inp file lack the centre node of quad2. Raises BadInput for
+    another suffix.
     """
     if path.suffix not in FORMATS:
-        raise BadInput(f"--format = {path.suffix[1:]!r}: unknown format of a mesh; allowed: msh, inp, vtu")
+        raise BadInput(
+            f"--format = {path.suffix[1:]!r}: unknown format of a mesh; allowed: msh, inp, vtu"
+        )
     basis = skfem.Basis(mesh, kind_of(mesh).element(), intorder=1)
     cells = basis.element_dofs.T
     edges = {name: edge_nodes(basis, facets) for name, facets in mesh.boundaries.items()}
@@ -58,23 +61,40 @@ def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
 
 
 def _write_msh(
-    path: Path, xy: Floats, kind: Any, cells: Ints, subdomains: Mapping[str, Ints], edges: Mapping[str, Ints]
+    path: Path,
+    xy: Floats,
+    kind: Any,
+    cells: Ints,
+    subdomains: Mapping[str, Ints],
+    edges: Mapping[str, Ints],
 ) -> None:
     blocks = [(kind.cell, cells[elements]) for elements in subdomains.values()]
     blocks += [(kind.edge, along[[0, -1, *range(1, len(along) - 1)]].T) for along in edges.values()]
     numbers = range(1, len(blocks) + 1)
     dims = [2] * len(subdomains) + [1] * len(edges)
-    names = {name: np.array(tag) for name, *tag in zip([*subdomains, *edges], numbers, dims, strict=True)}
-    tags = [np.full(len(block[1]), number, dtype=np.int32) for number, block in zip(numbers, blocks, strict=True)]
+    names = {
+        name: np.array(tag) for name, *tag in zip([*subdomains, *edges], numbers, dims, strict=True)
+    }
+    tags = [
+        np.full(len(block[1]), number, dtype=np.int32)
+        for number, block in zip(numbers, blocks, strict=True)
+    ]
     data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
     content = meshio.Mesh(_spatial(xy), blocks, cell_data=data, field_data=names)
     meshio.write(path, content, file_format="gmsh22", binary=False)
 
 
 def _write_vtu(
-    path: Path, xy: Floats, cell: str, cells: Ints, subdomains: Mapping[str, Ints], edges: Mapping[str, Ints]
+    path: Path,
+    xy: Floats,
+    cell: str,
+    cells: Ints,
+    subdomains: Mapping[str, Ints],
+    edges: Mapping[str, Ints],
 ) -> None:
-    members = {name: np.isin(np.arange(len(cells)), elements) for name, elements in subdomains.items()}
+    members = {
+        name: np.isin(np.arange(len(cells)), elements) for name, elements in subdomains.items()
+    }
     nodes = {name: np.isin(np.arange(len(xy)), along) for name, along in edges.items()}
     content = meshio.Mesh(
         _spatial(xy),
@@ -101,23 +121,38 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
         raise BadInput(f"{fault}: no such file ({reason_of(error)})") from error
     suffix = path.suffix.lower()
     if not regular or suffix not in FORMATS:
-        raise BadInput(f"{fault}: is not a mesh: must be a file whose name ends in {', '.join(FORMATS)}")
+        raise BadInput(
+            f"{fault}: is not a mesh: must be a file whose name ends in {', '.join(FORMATS)}"
+        )
     data = mesh_bytes(path)
     if suffix == ".msh":
         _check_numbers(path, fault)
     said = io.StringIO()
     try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), warnings.catch_warnings():
+        with (
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
+            warnings.catch_warnings(),
+        ):
             warnings.simplefilter("ignore")  # what is wrong with the mesh is found below
-            # numpy before 2.3 warns where newer ones refuse: counts that promise other numbers than there are.
+            # numpy before 2.3 warns where newer ones refuse: counts that promise other numbers than
+            # there are.
             warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
             raw = _raw(path, suffix, data)
     except MemoryError as error:
-        raise BadInput(f"{fault}: is not a mesh that can be read (it needs more memory than there is)") from error
+        raise BadInput(
+            f"{fault}: is not a mesh that can be read (it needs more memory than there is)"
+        ) from error
     except (Exception, SystemExit) as error:  # meshio's readers fail in their own many ways
         gave_up = isinstance(error, SystemExit)
-        reason = said.getvalue().strip().removeprefix("Error: ") if gave_up else f"{type(error).__name__}: {error}"
-        raise BadInput(f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:120]})") from error
+        reason = (
+            said.getvalue().strip().removeprefix("Error: ")
+            if gave_up
+            else f"{type(error).__name__}: {error}"
+        )
+        raise BadInput(
+            f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:120]})"
+        ) from error
     if len(raw.points) > MOST_NODES:
         raise BadInput(f"{fault}: has {len(raw.points)} nodes; must have at most {MOST_NODES}")
     points = _plane_points(raw, fault) * SCALE[shoe.mesh_unit]
@@ -138,12 +173,19 @@ def _raw(path: Path, suffix: str, data: bytes) -> Any:
 
 
 def _check_numbers(path: Path, fault: str) -> None:
-    """Refuse node numbers in a text .msh (2.2, 4.1) that would take all memory; what else is wrong is found later."""
+    """Refuse node numbers in a text .msh (2.2, 4.1) that would take all memory; what else is wrong
+    is found later.
+    """
     numbers = np.zeros(0)
-    with contextlib.suppress(ValueError, IndexError, MemoryError, DeprecationWarning), path.open("rb") as file:
+    with (
+        contextlib.suppress(ValueError, IndexError, MemoryError, DeprecationWarning),
+        path.open("rb") as file,
+    ):
         version, binary = file.read(256).split()[1:3]
         file.seek(0)
-        if binary != b"0" or not any(line.strip() == b"$Nodes" for line in iter(file.readline, b"")):
+        if binary != b"0" or not any(
+            line.strip() == b"$Nodes" for line in iter(file.readline, b"")
+        ):
             return
         blocks = int(file.readline().split()[0])
         if version.startswith(b"2"):
@@ -154,7 +196,9 @@ def _check_numbers(path: Path, fault: str) -> None:
                 numbers = np.append(numbers, _numbers(file, count))
                 _numbers(file, 3 * count)
     if numbers.size and numbers.max() > LARGEST_NUMBER:
-        raise BadInput(f"{fault}: numbers a node {numbers.max():.0f}; must be up to {LARGEST_NUMBER}")
+        raise BadInput(
+            f"{fault}: numbers a node {numbers.max():.0f}; must be up to {LARGEST_NUMBER}"
+        )
 
 
 def _numbers(file: Any, count: int) -> Floats:
@@ -170,28 +214,42 @@ def _plane_points(raw: Any, fault: str) -> Floats:
     if points.ndim != 2 or not 2 <= points.shape[1] <= 3 or not len(points):
         raise BadInput(f"{fault}: has no nodes with coordinates x, y")
     if points.shape[1] == 3 and np.ptp(points[:, 2]) > 1e-9 * np.ptp(points):
-        raise BadInput(f"{fault}: is not plane, its z coordinates differ; must lie in the plane x, y")
+        raise BadInput(
+            f"{fault}: is not plane, its z coordinates differ; must lie in the plane x, y"
+        )
     return points[:, :2]
 
 
 def _plane_cells(raw: Any, points: Floats, fault: str) -> tuple[str, Ints, Floats]:
-    """Type and nodes (m, k) of the plane cells, with centre nodes where the file's quadrilaterals lack them."""
+    """Type and nodes (m, k) of the plane cells, with centre nodes where the file's quadrilaterals
+    lack them.
+    """
     kinds = {block.type for block in raw.cells if block.dim > 1}
     allowed = [kind.cell for kind in KINDS.values()] + ["quad8"]
     if len(kinds) != 1 or not kinds <= set(allowed):
-        raise BadInput(f"{fault}: has cells {sorted(kinds)}; allowed is one kind of: {', '.join(allowed)}")
+        raise BadInput(
+            f"{fault}: has cells {sorted(kinds)}; allowed is one kind of: {', '.join(allowed)}"
+        )
     (cell,) = kinds
     cells = raw.cells_dict[cell].astype(np.int64)
     if not len(cells) or cells.min() < 0 or cells.max() >= len(points):
         raise BadInput(f"{fault}: has cells with nodes that the file does not define")
     if cell != "quad8":
         return cell, cells, points
-    centres = points[cells[:, 4:]].sum(axis=1) / 2 - points[cells[:, :4]].sum(axis=1) / 4  # of the same shape
-    return "quad9", np.column_stack([cells, len(points) + np.arange(len(cells))]), np.vstack([points, centres])
+    centres = (
+        points[cells[:, 4:]].sum(axis=1) / 2 - points[cells[:, :4]].sum(axis=1) / 4
+    )  # of the same shape
+    return (
+        "quad9",
+        np.column_stack([cells, len(points) + np.arange(len(cells))]),
+        np.vstack([points, centres]),
+    )
 
 
 def _mesh(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints]:
-    """skfem's mesh, and the number there of each node of the file that is a corner of a cell (-1: of none)."""
+    """skfem's mesh, and the number there of each node of the file that is a corner of a cell (-1:
+    of none).
+    """
     kind = next(kind for kind in KINDS.values() if kind.cell == cell)
     used, numbered = np.unique(cells, return_inverse=True)
     numbered = numbered.reshape(cells.shape)
@@ -205,7 +263,9 @@ def _mesh(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints
 
 
 def _with_groups(raw: Any, cell: str, mesh: Any, vertex: Ints, cells: Ints, fault: str) -> Any:
-    """The mesh with the named groups of the file: subdomains from its cells, boundaries from edges or nodes."""
+    """The mesh with the named groups of the file: subdomains from its cells, boundaries from edges
+    or nodes.
+    """
     subdomains, boundaries = {}, {}
     filed = "quad8" if cell == "quad9" and "quad9" not in raw.cells_dict else cell
     edge = kind_of(mesh).edge
@@ -215,7 +275,9 @@ def _with_groups(raw: Any, cell: str, mesh: Any, vertex: Ints, cells: Ints, faul
         if len(members.get(filed, ())):
             subdomains[name] = members[filed]
         if len(members.get(edge, ())):
-            boundaries[name] = _facets(mesh, vertex[raw.cells_dict[edge][members[edge], :2]], f"{fault}: group {name}")
+            boundaries[name] = _facets(
+                mesh, vertex[raw.cells_dict[edge][members[edge], :2]], f"{fault}: group {name}"
+            )
     corners = len(mesh.t)
     outer = mesh.boundary_facets()
     for name, nodes in _named_nodes(raw).items():

@@ -12,15 +12,18 @@ from drumlin.arrays import Floats
 from drumlin.brake.brake import Shoe
 
 EDGE_SIZE = 1 / 32
-"""Size of an element at the lining's sharp edge, relative to one in its middle, and of a layer at its
-faces. The pressure is singular at the edge. With four times this size the error of p is a quarter larger
-in the median of 22 random brakes, at most six times; with half of it, it is the same."""
+"""Size of an element at the lining's sharp edge, relative to one in its middle, and of a layer at
+its faces. The pressure is singular at the edge. With four times this size the error of p is a
+quarter larger in the median of 22 random brakes, at most six times; with half of it, it is the
+same.
+"""
 MOST_BEYOND = 200
 """Limit of memory: elements along the body on either side of the lining."""
 MOST_LAYERS = 8
 """Limit of memory: layers through backing and body each, so that unknowns grow with the number of
-elements along the lining and not with its square. On 22 random brakes twice as many have 1.4 times the
-unknowns and the same error of p, half as many up to 2.4 times that error."""
+elements along the lining and not with its square. On 22 random brakes twice as many have 1.4 times
+the unknowns and the same error of p, half as many up to 2.4 times that error.
+"""
 MOST_THIN = 80
 """The same limit for linear elements, which bend well only in thin layers: as many as the default
 number along a lining. On 22 random brakes 40 and 160 give the same errors."""
@@ -28,10 +31,11 @@ number along a lining. On 22 random brakes 40 and 160 give the same errors."""
 
 @dataclass(frozen=True)
 class Division:
-    """Where elements meet: `angles` phi (m + 1,) along the lining [rad], `depths` (l + 1,) below its surface [m].
+    """Where elements meet: `angles` phi (m + 1,) along the lining [rad], `depths` (l + 1,) below
+    its surface [m].
 
-    `step` [rad]: length of the elements elsewhere, in the body and its overhangs; `behind`: least number of
-    layers through backing and body each.
+    `step` [rad]: length of the elements elsewhere, in the body and its overhangs; `behind`: least
+    number of layers through backing and body each.
     """
 
     angles: Floats
@@ -62,7 +66,8 @@ def lining_layers(elements: int) -> int:
 
 
 def overhang(near: float, far: float, division: Division) -> Floats:
-    """Places from `near`, where the lining ends, to `far`, about a step apart; both ends once even where they coincide.
+    """Places from `near`, where the lining ends, to `far`, about a step apart; both ends once even
+    where they coincide.
 
     Where that would be more than MOST_BEYOND, their distances grow by one ratio from a step on.
     """
@@ -102,22 +107,31 @@ def _growth(total: float) -> float:
     low, high = 0.0, 1.0
     while high - low > 1e-12:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if math.expm1(MOST_BEYOND * middle) < total * math.expm1(middle) else (low, middle)
+        low, high = (
+            (middle, high)
+            if math.expm1(MOST_BEYOND * middle) < total * math.expm1(middle)
+            else (low, middle)
+        )
     return high
 
 
 def graded(start: float, end: float, count: int, zone: float, smallest: float) -> Floats:
-    """count + 1 points from start to end; steps shrink linearly over `zone` at each end to `smallest` of the inner.
+    """count + 1 points from start to end; steps shrink linearly over `zone` at each end to
+    `smallest` of the inner.
 
-    The step is h(d) = h_0 min(1, smallest + d / zone) at the distance d from the nearer end: points lie at
-    equal parts of Int dd / h.
+    The step is h(d) = h_0 min(1, smallest + d / zone) at the distance d from the nearer end: points
+    lie at equal parts of Int dd / h.
     """
     half = (end - start) / 2
     total = inner_steps(half, half, zone, smallest)
     part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
     reach = min(zone * (1 - smallest), half)
     inner = inner_steps(reach, half, zone, smallest)
-    d = np.where(part <= inner, zone * smallest * np.expm1(np.minimum(part, inner) / zone), reach + part - inner)
+    d = np.where(
+        part <= inner,
+        zone * smallest * np.expm1(np.minimum(part, inner) / zone),
+        reach + part - inner,
+    )
     left = np.arange(count + 1) <= count / 2
     points = np.where(left, start + d, end - d)
     points[0], points[-1] = start, end

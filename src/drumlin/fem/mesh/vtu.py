@@ -1,7 +1,8 @@
 """How much a .vtu file holds when it is unpacked, found out before anything of it is kept.
 
-Compressed arrays are a head of integers (count of blocks, size of a block, size of the last one, packed size of each)
-and the blocks. The sizes in the head are not believed: each block is unpacked here, up to the limit.
+Compressed arrays are a head of integers (count of blocks, size of a block, size of the last one,
+packed size of each) and the blocks. The sizes in the head are not believed: each block is unpacked
+here, up to the limit.
 """
 
 import base64
@@ -19,7 +20,8 @@ _RAW = re.compile(rb"<AppendedData[^>]*>")
 
 
 def check_unpacked(data: bytes) -> None:
-    """Raise ValueError for the content of a .vtu file that would unpack to more than MOST_UNPACKED bytes.
+    """Raise ValueError for the content of a .vtu file that would unpack to more than MOST_UNPACKED
+    bytes.
 
     What is wrong otherwise is left to whoever reads it.
     """
@@ -33,7 +35,9 @@ def check_unpacked(data: bytes) -> None:
         return
     width = _HEADS[root.get("header_type", "UInt32")]
     order = "big" if root.get("byte_order") == "BigEndian" else "little"
-    unpacker = lzma.LZMADecompressor if "LZMA" in str(root.get("compressor")) else zlib.decompressobj
+    unpacker = (
+        lzma.LZMADecompressor if "LZMA" in str(root.get("compressor")) else zlib.decompressobj
+    )
     room = MOST_UNPACKED
     for packed in _arrays(root, raw, width, order):
         room -= _unpacked(packed, unpacker, room)
@@ -65,7 +69,11 @@ def _arrays(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[by
         kind = array.get("format")
         if kind not in {"binary", "appended"}:
             continue
-        text = rest[int(array.get("offset", "0")) :] if kind == "appended" else (array.text or "").strip()
+        text = (
+            rest[int(array.get("offset", "0")) :]
+            if kind == "appended"
+            else (array.text or "").strip()
+        )
         sizes = _sizes(base64.b64decode(text[: _letters(width)])[:width], width, order, text)
         at = _letters(width * (3 + len(sizes)))
         content = base64.b64decode(text[at : at + _letters(sum(sizes))])
@@ -75,7 +83,9 @@ def _arrays(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[by
 
 
 def _sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list[int]:
-    """The packed sizes of the blocks, from the head of an array; `text`: the array in base64, which data begins."""
+    """The packed sizes of the blocks, from the head of an array; `text`: the array in base64, which
+    data begins.
+    """
     count = int.from_bytes(data[:width], order)
     length = width * (3 + count)
     if text is not None:

@@ -1,6 +1,8 @@
-"""The solid shoe: the section of the plane model, as wide as its parts are, in hexahedra; half of it, by symmetry.
+"""The solid shoe: the section of the plane model, as wide as its parts are, in hexahedra; half of
+it, by symmetry.
 
-Beyond meshing and condensing it knows nothing of its own: contact, response and self-locking are those of the plane.
+Beyond meshing and condensing it knows nothing of its own: contact, response and self-locking are
+those of the plane.
 """
 
 MOST_ELEMENTS = 200  # along a lining

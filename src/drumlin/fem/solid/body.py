@@ -1,8 +1,9 @@
-"""A solid shoe, assembled and condensed to what contact and hinge need: the body of the plane, with other matrices.
+"""A solid shoe, assembled and condensed to what contact and hinge need: the body of the plane, with
+other matrices.
 
-The half from the mid-plane outwards stands for the whole: its stiffness counts twice, and forces and widths are those
-of the whole shoe. Across the width nothing is pressed or dragged, so that displacements along z are inner unknowns,
-those of the friction surface too.
+The half from the mid-plane outwards stands for the whole: its stiffness counts twice, and forces
+and widths are those of the whole shoe. Across the width nothing is pressed or dragged, so that
+displacements along z are inner unknowns, those of the friction surface too.
 """
 
 from functools import partial
@@ -43,7 +44,9 @@ def solid_layers(shoe: Shoe) -> dict[str, ElasticLayer]:
 
 
 def behind(shoe: Shoe) -> str:
-    """The subdomain that the hinge holds: a rigid shoe holds the back of the lining or of its backing."""
+    """The subdomain that the hinge holds: a rigid shoe holds the back of the lining or of its
+    backing.
+    """
     return "shoe" if shoe.body is not None else "lining" if shoe.backing is None else "backing"
 
 
@@ -60,10 +63,11 @@ def face_of(solid: Solid, shoe: Shoe, radius: float) -> ContactFace:
 
 
 def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) -> Ties:
-    """The reduced unknowns, in the order of a dissection: inner ones, contact nodes as x, y pairs, frame.
+    """The reduced unknowns, in the order of a dissection: inner ones, contact nodes as x, y pairs,
+    frame.
 
-    The `rigid` nodes move with u = (dx, dy) + turn k x (x - pin), free along z unless they are `bonded` to a rigid
-    shoe; nodes of the mid-plane do not leave it.
+    The `rigid` nodes move with u = (dx, dy) + turn k x (x - pin), free along z unless they are
+    `bonded` to a rigid shoe; nodes of the mid-plane do not leave it.
     """
     basis = solid.basis
     order = dissection(basis.doflocs, basis.element_dofs)
@@ -82,13 +86,17 @@ def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) 
     ones = np.ones(len(rigid))
     rows = [dofs, 3 * rigid, 3 * rigid, 3 * rigid + 1, 3 * rigid + 1]
     columns = [np.arange(len(dofs)), *(np.full(len(rigid), frame[k]) for k in (0, 2, 1, 2))]
-    entries = np.concatenate([np.ones(len(dofs)), ones, -y, ones, x]), (np.concatenate(rows), np.concatenate(columns))
+    entries = (
+        np.concatenate([np.ones(len(dofs)), ones, -y, ones, x]),
+        (np.concatenate(rows), np.concatenate(columns)),
+    )
     return Ties(sp.csc_matrix(entries, shape=(3 * basis.N, len(dofs) + FRAME)), region)
 
 
 def end_forces(solid: Solid) -> tuple[Floats, Floats]:
-    """Nodal forces (nodes, 3, 3) (node, component, unit load) of unit force x, y and unit couple on the loaded end,
-    even over the width, and the point (2,) that they act at."""
+    """Nodal forces (nodes, 3, 3) (node, component, unit load) of unit force x, y and unit couple on
+    the loaded end, even over the width, and the point (2,) that they act at.
+    """
     line, centre = end_loads(solid.plane, solid.section.boundaries["actuation"])
     nodes = np.unique(edge_nodes(solid.plane, solid.section.boundaries["actuation"]))
     count = solid.levels("shoe")
@@ -101,7 +109,9 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
 
 def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[Floats, Floats]:
     """Unit actuations (unknowns, 3) on the reduced unknowns, and the point (2,) they act at."""
-    if "actuation" not in solid.section.boundaries or shoe.gripped:  # it acts on the rigid shoe, or on what holds it
+    if (
+        "actuation" not in solid.section.boundaries or shoe.gripped
+    ):  # it acts on the rigid shoe, or on what holds it
         loads = np.zeros((ties.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)
         return loads, shoe.own_pin

@@ -1,6 +1,7 @@
 """The lining's friction surface: the contact line of the section times the width.
 
-Pressure and displacement are products of the line's shape functions and those over the width, zeta_k(z), so every
+Pressure and displacement are products of the line's shape functions and those over the width,
+zeta_k(z), so every
 matrix of the weak coupling is that of a line of width 1 times  m_kl = 2 Int zeta_k zeta_l dz  over half the width.
 The weights of the quadratic functions are all positive, those of serendipity elements are not.
 """
@@ -19,7 +20,8 @@ from drumlin.response.response import Surface
 class ContactFace(ContactLine):
     """A friction surface: contact nodes by growing angle, and from the mid-plane outwards at each.
 
-    `nodes` (n m,), `xy` (2, n m) [m] and `phi` (n m,) [rad] of all; `pieces` those of the `line`; `z` (m,) [m].
+    `nodes` (n m,), `xy` (2, n m) [m] and `phi` (n m,) [rad] of all; `pieces` those of the `line`;
+    `z` (m,) [m].
     """
 
     line: ContactLine
@@ -39,7 +41,10 @@ class ContactFace(ContactLine):
             whole = np.einsum("ijc,kl->ikjlc", vectors.reshape(n, n, 2), m)
             return np.ascontiguousarray(whole).reshape(n * len(m), -1)
 
-        M, lever = (np.asarray(np.kron(*pair), dtype=float) for pair in ((line.M, m), (line.lever, m.sum(axis=1))))
+        M, lever = (
+            np.asarray(np.kron(*pair), dtype=float)
+            for pair in ((line.M, m), (line.lever, m.sum(axis=1)))
+        )
         return Coupling(M, spread(line.N), spread(line.T), lever)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
@@ -53,7 +58,9 @@ class ContactFace(ContactLine):
 
 
 def width_matrix(z: Floats) -> Floats:
-    """m_kl = 2 Int zeta_k zeta_l dz (m, m) [m] of the quadratic functions over the levels z (m,) [m]."""
+    """m_kl = 2 Int zeta_k zeta_l dz (m, m) [m] of the quadratic functions over the levels z (m,)
+    [m].
+    """
     pieces = np.arange(3)[:, None] + np.arange(0, len(z) - 2, 2)
     psi, _, dz = edge_points(np.array([z, np.zeros_like(z)])[:, pieces])
     matrix = np.zeros((len(z), len(z)))
@@ -62,7 +69,9 @@ def width_matrix(z: Floats) -> Floats:
 
 
 def contact_face(line: ContactLine, node: Ints, z: Floats) -> ContactFace:
-    """The face over a section's line; node (nodes, m): numbers of the nodes of the solid above each of the section."""
+    """The face over a section's line; node (nodes, m): numbers of the nodes of the solid above each
+    of the section.
+    """
     return ContactFace(
         nodes=node[line.nodes, : len(z)].ravel(),
         xy=np.repeat(line.xy, len(z), axis=1),

@@ -16,12 +16,48 @@ from drumlin.response.response import Response
 
 _BOTTOM = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 _CORNERS = np.array([*_BOTTOM, *((x, y, 1) for x, y, _ in _BOTTOM)], dtype=float)
-_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
-_TURNED = [4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19]  # bottom and top exchanged
+_EDGES = [
+    (0, 1),
+    (1, 2),
+    (2, 3),
+    (3, 0),
+    (4, 5),
+    (5, 6),
+    (6, 7),
+    (7, 4),
+    (0, 4),
+    (1, 5),
+    (2, 6),
+    (3, 7),
+]
+_TURNED = [
+    4,
+    5,
+    6,
+    7,
+    0,
+    1,
+    2,
+    3,
+    12,
+    13,
+    14,
+    15,
+    8,
+    9,
+    10,
+    11,
+    16,
+    17,
+    18,
+    19,
+]  # bottom and top exchanged
 
 
 def serendipity(cells: Ints) -> Ints:
-    """Nodes (m, 20) of hexahedra with 20 nodes, in the order of VTK and of CalculiX's C3D20, of skfem's (27, m)."""
+    """Nodes (m, 20) of hexahedra with 20 nodes, in the order of VTK and of CalculiX's C3D20, of
+    skfem's (27, m).
+    """
     places = np.vstack([_CORNERS, *(_CORNERS[list(edge)].mean(axis=0) for edge in _EDGES)])
     local = skfem.ElementHex2.doflocs
     order = [int(np.flatnonzero((local == place).all(axis=1))[0]) for place in places]
@@ -29,17 +65,20 @@ def serendipity(cells: Ints) -> Ints:
 
 
 def oriented(points: Floats, cells: Ints) -> Ints:
-    """Cells (m, 20) of nodes at `points` (n, 3) that all have a positive volume: a mirror image turns them over."""
+    """Cells (m, 20) of nodes at `points` (n, 3) that all have a positive volume: a mirror image
+    turns them over.
+    """
     a, b, c, d = (points[cells[:, i]] for i in (0, 1, 3, 4))
     volume = np.einsum("mi,mi->m", np.cross(b - a, c - a), d - a)
     return np.where((volume > 0)[:, None], cells, cells[:, _TURNED])
 
 
 class SolidFields(NamedTuple):
-    """Fields of half a shoe (z >= 0) in the brake's frame; nodes stand once for each material that meets in them.
+    """Fields of half a shoe (z >= 0) in the brake's frame; nodes stand once for each material that
+    meets in them.
 
-    `points` (n, 3) [m], `cells` (m, 20), `part` (m,): number of the subdomain, `displacement` (n, 3) [m],
-    `von_mises` (n,) [Pa], `pressure` (n,) [Pa] on the friction surface.
+    `points` (n, 3) [m], `cells` (m, 20), `part` (m,): number of the subdomain, `displacement` (n,
+    3) [m], `von_mises` (n,) [Pa], `pressure` (n,) [Pa] on the friction surface.
     """
 
     points: Floats
@@ -64,13 +103,18 @@ def recover(scene: Scene, brake: Brake, response: Response, index: int) -> Solid
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
     layers = solid_layers(shoe)
-    parts = [(*_part(body.mesh, u, members, layers[name]), name) for name, members in body.mesh.subdomains.items()]
+    parts = [
+        (*_part(body.mesh, u, members, layers[name]), name)
+        for name, members in body.mesh.subdomains.items()
+    ]
     starts = np.cumsum([0, *(len(nodes) for nodes, *_ in parts)])
     nodes = np.concatenate([part[0] for part in parts])
 
     x, moved = body.basis.doflocs[:, nodes], u[:, nodes]
     points = np.column_stack([shoe.points(x[:2]).T, x[2]])
-    cells = np.concatenate([serendipity(part[1]) + start for part, start in zip(parts, starts, strict=False)])
+    cells = np.concatenate(
+        [serendipity(part[1]) + start for part, start in zip(parts, starts, strict=False)]
+    )
     return SolidFields(
         points=points,
         cells=oriented(points, cells),
@@ -82,7 +126,9 @@ def recover(scene: Scene, brake: Brake, response: Response, index: int) -> Solid
 
 
 def _part(mesh: Any, u: Floats, elements: Ints, layer: ElasticLayer) -> tuple[Ints, Ints, Floats]:
-    """Nodes, cells (27, m) numbered within them, and nodal von Mises stress (n,) of the mean stresses of a part."""
+    """Nodes, cells (27, m) numbered within them, and nodal von Mises stress (n,) of the mean
+    stresses of a part.
+    """
     element = skfem.ElementHex2()
     at = element.doflocs.T
     basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)

@@ -47,22 +47,28 @@ def _shoe_why_not(shoe: Shoe) -> str | None:
 
 
 def across_of(shoe: Shoe, elements: int) -> int:
-    """Elements over half the width of a lining with so many along it: the pressure is uneven over about its thickness
-    from the sides, and smooth."""
+    """Elements over half the width of a lining with so many along it: the pressure is uneven over
+    about its thickness from the sides, and smooth.
+    """
     slender = shoe.lining.width / (2 * shoe.lining.thickness)
     return max(2, round(elements / ELEMENTS * min(2 + slender, 6)))
 
 
-def prepare(brake: Brake, *, elements: int = ELEMENTS, across: int | None = None, cache: Cache | None = None) -> Scene:
+def prepare(
+    brake: Brake, *, elements: int = ELEMENTS, across: int | None = None, cache: Cache | None = None
+) -> Scene:
     """Mesh and condense the solid shoes of a brake; shoes of one shape share one body.
 
-    elements: number along each lining; across: over half its width; cache: bodies of earlier scenes, taken from there
-    and put there. Raises BadInput.
+    elements: number along each lining; across: over half its width; cache: bodies of earlier
+    scenes, taken from there and put there. Raises BadInput.
     """
     reason = why_not(brake)
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
-    for name, value, most in (("elements", elements, MOST_ELEMENTS), ("across", across, MOST_ACROSS)):
+    for name, value, most in (
+        ("elements", elements, MOST_ELEMENTS),
+        ("across", across, MOST_ACROSS),
+    ):
         if value is not None and not 1 <= value <= most:
             raise BadInput(f"--{name} = {value}: must be from 1 to {most}")
     seconds: Seconds = {}
@@ -73,16 +79,25 @@ def prepare(brake: Brake, *, elements: int = ELEMENTS, across: int | None = None
         if key not in made:
             counts = elements, across or across_of(shoe, elements)
             same = ("solid", bare_shoe(shoe), brake.size, brake.friction > 0, *counts)
-            made[key] = cache.get(same, partial(solid_body, brake, shoe, *counts, seconds), _size_of)
-    left_out = ["interior fields: recovered only for a picture", "the other half of each shoe: symmetric"]
+            made[key] = cache.get(
+                same, partial(solid_body, brake, shoe, *counts, seconds), _size_of
+            )
+    left_out = [
+        "interior fields: recovered only for a picture",
+        "the other half of each shoe: symmetric",
+    ]
     if len(made) < len(keys):
-        left_out.append(f"{len(keys) - len(made)} of {len(keys)} shoes: same shape as another, condensed once")
+        left_out.append(
+            f"{len(keys) - len(made)} of {len(keys)} shoes: same shape as another, condensed once"
+        )
     bodies = tuple(made[key] for key in keys)
     return Scene(brake, bodies, None, seconds, (*left_out, *lacking(brake)), model="solid")
 
 
 def _size_of(body: Body) -> int:
-    """What a condensed body keeps, about: its matrices, and the stiffness that fields are recovered with."""
+    """What a condensed body keeps, about: its matrices, and the stiffness that fields are recovered
+    with.
+    """
     return size_of(body) + STIFFNESS * body.unknowns
 
 
@@ -95,8 +110,9 @@ def solve(
     fields: Path | None = None,
     cache: Cache | None = None,
 ) -> Response:
-    """The response of a brake's solid shoes; options as of `prepare`. fields: a .vtu file to write what is inside
-    them to; cache: bodies of earlier solves. Raises BadInput, NoAnswer."""
+    """The response of a brake's solid shoes; options as of `prepare`. fields: a .vtu file to write
+    what is inside them to; cache: bodies of earlier solves. Raises BadInput, NoAnswer.
+    """
     check_penalty(penalty)
     if fields is not None and fields.suffix != ".vtu":
         raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")

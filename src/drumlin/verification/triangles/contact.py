@@ -1,4 +1,6 @@
-"""Contact node by node: each node of a face is open, or carries a force with Coulomb's friction at full slip."""
+"""Contact node by node: each node of a face is open, or carries a force with Coulomb's friction at
+full slip.
+"""
 
 import math
 from itertools import pairwise, product
@@ -19,24 +21,32 @@ PATIENCE, NEARLY = 40, 1e-9  # contact sets after which that much is enough
 
 
 class Rim(NamedTuple):
-    """The ring's side: `compliance` (2m, 2m) of its nodes under the linings, `of` for each face theirs (n,)."""
+    """The ring's side: `compliance` (2m, 2m) of its nodes under the linings, `of` for each face
+    theirs (n,).
+    """
 
     compliance: Floats
     of: list[Ints]
 
 
 class Found(NamedTuple):
-    """Nodal forces (n,) [N] along the normals, the free motions (k,) of the shoes, and what is active."""
+    """Nodal forces (n,) [N] along the normals, the free motions (k,) of the shoes, and what is
+    active.
+    """
 
     force: Floats
     motions: Floats
     active: Bools
 
 
-def settle(A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats, first: Bools) -> Found:
-    """w = q + A f + B y >= 0, f >= 0, w f = 0, C f = h: by sets of active nodes, changed all at once or one by one.
+def settle(
+    A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats, first: Bools
+) -> Found:
+    """w = q + A f + B y >= 0, f >= 0, w f = 0, C f = h: by sets of active nodes, changed all at
+    once or one by one.
 
-    weight (n,): area of each node, which makes forces comparable. Raises NoAnswer where no set settles.
+    weight (n,): area of each node, which makes forces comparable. Raises NoAnswer where no set
+    settles.
     """
     n, k = len(q), len(h)
     active = first.copy()
@@ -50,7 +60,9 @@ def settle(A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats
         system = np.block([[A[np.ix_(a, a)], B[a]], [C[:, a], np.zeros((k, k))]])
         size = np.concatenate([np.sqrt(weight[a]), np.ones(k)])
         try:
-            x = size * np.linalg.solve(system * np.outer(size, size), size * np.concatenate([-q[a], h]))
+            x = size * np.linalg.solve(
+                system * np.outer(size, size), size * np.concatenate([-q[a], h])
+            )
         except np.linalg.LinAlgError as error:
             raise NoAnswer("a contact set is singular") from error
         f, y = np.zeros(n), x[len(a) :]
@@ -84,8 +96,9 @@ def contact(
 ) -> list[Found]:
     """The forces on the nodes of the faces of shoes that meet the drum together.
 
-    senses: of the friction at their abutments, by default those that stand. Raises NoAnswer also where a foot would
-    leave its abutment, and where its friction neither opposes its slide nor holds it.
+    senses: of the friction at their abutments, by default those that stand. Raises NoAnswer also
+    where a foot would leave its abutment, and where its friction neither opposes its slide nor
+    holds it.
     """
     failure: NoAnswer | None = None
     for chosen in product(*(shoe.senses for shoe in shoes)) if senses is None else [senses]:
@@ -106,7 +119,12 @@ def _stands(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> bo
 
 
 def _contact(
-    brake: Brake, faces: list[Face], shoes: list[Shoe], rim: Rim | None, first: list[Bools], senses: tuple[int, ...]
+    brake: Brake,
+    faces: list[Face],
+    shoes: list[Shoe],
+    rim: Rim | None,
+    first: list[Bools],
+    senses: tuple[int, ...],
 ) -> list[Found]:
     drag = brake.friction * brake.spin
     free = [shoe.freedoms(sense) for shoe, sense in zip(shoes, senses, strict=True)]
@@ -124,7 +142,8 @@ def _contact(
             normal[np.arange(m), 2 * np.arange(m) + c] = one.normal[:, c]
             pull[2 * np.arange(m) + c, np.arange(m)] = -one.normal[:, c] + drag * one.tangent[:, c]
         by_motion, tested = (
-            moved(motions, one.xy.T).transpose(1, 0, 2).reshape(2 * m, -1) for motions in (own.motions, own.tests)
+            moved(motions, one.xy.T).transpose(1, 0, 2).reshape(2 * m, -1)
+            for motions in (own.motions, own.tests)
         )
         A[part, part] = -normal @ one.compliance @ pull
         B[part, row] = -normal @ by_motion

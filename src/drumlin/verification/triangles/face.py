@@ -18,7 +18,9 @@ GAUSS, WEIGHTS = legendre.leggauss(8)
 
 
 class Shaped(NamedTuple):
-    """A meshed body: triangles, nodes, stiffness of each triangle, and the nodes on its surface by growing s."""
+    """A meshed body: triangles, nodes, stiffness of each triangle, and the nodes on its surface by
+    growing s.
+    """
 
     shape: Outline
     mesh: Triangles
@@ -38,9 +40,10 @@ def shaped(shape: Outline, mesh: Triangles, degree: int) -> Shaped:
 
 @dataclass(frozen=True)
 class Face:
-    """A lining's face: angles `theta` (n,) [rad] of its nodes, growing, normals and tangents (n, 2), `mass` (n, n) =
-    b Int psi_i psi_j ds [m^2]; forces on its nodes move it by `compliance` (2n, 2n), its actuation by `loaded` (2n,),
-    which works `yields` [N m] on itself."""
+    """A lining's face: angles `theta` (n,) [rad] of its nodes, growing, normals and tangents (n,
+    2), `mass` (n, n) = b Int psi_i psi_j ds [m^2]; forces on its nodes move it by `compliance` (2n,
+    2n), its actuation by `loaded` (2n,), which works `yields` [N m] on itself.
+    """
 
     theta: Floats
     xy: Floats
@@ -63,7 +66,9 @@ def edge_nodes(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -> Ints:
 
 
 def trace(degree: int, at: Floats) -> tuple[Floats, Floats]:
-    """Lagrange's polynomials on the nodes of an edge and their slopes at `at` (q,) in [0, 1]: (degree + 1, q)."""
+    """Lagrange's polynomials on the nodes of an edge and their slopes at `at` (q,) in [0, 1]:
+    (degree + 1, q).
+    """
     nodes = lagrange.lobatto(degree)
     V = np.linalg.inv(legendre.legvander(2 * nodes - 1, degree))
     value = legendre.legvander(2 * at - 1, degree)
@@ -73,16 +78,18 @@ def trace(degree: int, at: Floats) -> tuple[Floats, Floats]:
 
 
 def along(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
-    """Shape functions (degree + 1, q), points (k, q, 2) and ds (k, q) of Gauss's rule on edges with nodes xy
-    (k, degree + 1, 2)."""
+    """Shape functions (degree + 1, q), points (k, q, 2) and ds (k, q) of Gauss's rule on edges with
+    nodes xy (k, degree + 1, 2).
+    """
     psi, slope = trace(degree, 0.5 + 0.5 * GAUSS)
     x, dx = (np.einsum("kac,aq->kqc", xy, values) for values in (psi, slope))
     return psi, x, np.hypot(dx[..., 0], dx[..., 1]) * 0.5 * WEIGHTS
 
 
 def _end_load(body: Shaped, force: Floats, point: Floats) -> Floats:
-    """Nodal forces (2N,) of a force (2,) whose line passes through `point` (2,): evenly spread over the loaded end, and
-    a couple that grows linearly from its centre."""
+    """Nodal forces (2N,) of a force (2,) whose line passes through `point` (2,): evenly spread over
+    the loaded end, and a couple that grows linearly from its centre.
+    """
     at = body.mesh.at
     assert body.shape.loaded is not None
     on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (at[..., 1] >= body.shape.front - 1e-12)
@@ -93,7 +100,11 @@ def _end_load(body: Shaped, force: Floats, point: Floats) -> Floats:
     arm = x - centre
     lever = point - centre
     couple = lever[0] * force[1] - lever[1] * force[0]
-    turning = np.stack([-arm[..., 1], arm[..., 0]], axis=-1) * couple / float(np.einsum("kqc,kqc,kq->", arm, arm, ds))
+    turning = (
+        np.stack([-arm[..., 1], arm[..., 0]], axis=-1)
+        * couple
+        / float(np.einsum("kqc,kqc,kq->", arm, arm, ds))
+    )
     nodal = np.einsum("aq,kqc,kq->kac", psi, force / ds.sum() + turning, ds)
     loads = np.zeros_like(body.nodes.xy)
     np.add.at(loads, of, nodal)
@@ -110,7 +121,9 @@ def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
             fixed &= (nodes.at[:, 0] > first - 1e-12) & (nodes.at[:, 0] < last + 1e-12)
         loads = np.zeros((2 * len(nodes.xy), 1))
     else:
-        fixed = (np.abs(nodes.at[:, 0] - shape.held) < 1e-12) & (nodes.at[:, 1] > shape.front - 1e-12)
+        fixed = (np.abs(nodes.at[:, 0] - shape.held) < 1e-12) & (
+            nodes.at[:, 1] > shape.front - 1e-12
+        )
         loads = _end_load(body, shoe.actuation.vector, shoe.actuation.point.xy)[:, None]
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
@@ -121,7 +134,11 @@ def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
     of = place[edge_nodes(nodes, *body.mesh.surface, body.degree)]
     psi, _, ds = along(nodes.xy[kept][of], body.degree)
     mass = np.zeros((len(kept), len(kept)))
-    np.add.at(mass, (of[:, :, None], of[:, None, :]), shoe.lining.width * np.einsum("aq,bq,kq->kab", psi, psi, ds))
+    np.add.at(
+        mass,
+        (of[:, :, None], of[:, None, :]),
+        shoe.lining.width * np.einsum("aq,bq,kq->kab", psi, psi, ds),
+    )
     return Face(
         theta=theta,
         xy=nodes.xy[kept],

@@ -1,7 +1,8 @@
-"""Curved triangles of any degree in plane stress, and their condensation to the displacements of some nodes.
+"""Curved triangles of any degree in plane stress, and their condensation to the displacements of
+some nodes.
 
-Shape functions are Lagrange's on nodes that are those of Gauss and Lobatto on each edge; the map is interpolated on the
-same nodes. What is inside is eliminated once, by dense fronts.
+Shape functions are Lagrange's on nodes that are those of Gauss and Lobatto on each edge; the map is
+interpolated on the same nodes. What is inside is eliminated once, by dense fronts.
 """
 
 from dataclasses import dataclass
@@ -31,23 +32,41 @@ def lobatto(degree: int) -> Floats:
 
 @cache
 def reference_nodes(degree: int) -> Floats:
-    """Barycentric coordinates (n, 3) of a triangle's nodes: corners, edges 01, 12, 20 from end to end, the inside."""
+    """Barycentric coordinates (n, 3) of a triangle's nodes: corners, edges 01, 12, 20 from end to
+    end, the inside.
+    """
     x = lobatto(degree)[1:-1]
     zero = 0 * x
-    edges = [np.stack([1 - x, x, zero], 1), np.stack([zero, 1 - x, x], 1), np.stack([x, zero, 1 - x], 1)]
+    edges = [
+        np.stack([1 - x, x, zero], 1),
+        np.stack([zero, 1 - x, x], 1),
+        np.stack([x, zero, 1 - x], 1),
+    ]
     full = lobatto(degree)
     inside = [
-        (full[i], full[j], full[k]) for i in range(1, degree) for j in range(1, degree - i) for k in [degree - i - j]
+        (full[i], full[j], full[k])
+        for i in range(1, degree)
+        for j in range(1, degree - i)
+        for k in [degree - i - j]
     ]
     inner = np.array(inside).reshape(-1, 3)
     return np.concatenate([np.eye(3), *edges, inner / inner.sum(axis=1, keepdims=True)])
 
 
 def _polynomials(degree: int, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
-    """Products of Legendre polynomials in x and y up to the degree in all, and their slopes: (n, points)."""
-    V = legendre.legvander(2 * np.asarray(x) - 1, degree).T, legendre.legvander(2 * np.asarray(y) - 1, degree).T
-    slope = np.array([2 * legendre.legval(2 * np.asarray(x) - 1, legendre.legder(e)) for e in np.eye(degree + 1)])
-    other = np.array([2 * legendre.legval(2 * np.asarray(y) - 1, legendre.legder(e)) for e in np.eye(degree + 1)])
+    """Products of Legendre polynomials in x and y up to the degree in all, and their slopes: (n,
+    points).
+    """
+    V = (
+        legendre.legvander(2 * np.asarray(x) - 1, degree).T,
+        legendre.legvander(2 * np.asarray(y) - 1, degree).T,
+    )
+    slope = np.array(
+        [2 * legendre.legval(2 * np.asarray(x) - 1, legendre.legder(e)) for e in np.eye(degree + 1)]
+    )
+    other = np.array(
+        [2 * legendre.legval(2 * np.asarray(y) - 1, legendre.legder(e)) for e in np.eye(degree + 1)]
+    )
     pairs = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
     return (
         np.array([V[0][i] * V[1][j] for i, j in pairs]),
@@ -58,7 +77,9 @@ def _polynomials(degree: int, x: Floats, y: Floats) -> tuple[Floats, Floats, Flo
 
 @cache
 def shape_functions(degree: int) -> tuple[Floats, Floats, Floats]:
-    """Shape functions (n, q) and slopes (n, 2, q) at the points of a rule of twice the degree, and its weights (q,)."""
+    """Shape functions (n, q) and slopes (n, 2, q) at the points of a rule of twice the degree, and
+    its weights (q,).
+    """
     nodes = reference_nodes(degree)
     X, W = get_quadrature_tri(2 * degree)
     at_nodes, _, _ = _polynomials(degree, nodes[:, 1], nodes[:, 2])
@@ -69,8 +90,9 @@ def shape_functions(degree: int) -> tuple[Floats, Floats, Floats]:
 
 @dataclass(frozen=True)
 class Nodes:
-    """`of` (m, n): the node numbers of each triangle; `at` (N, 2): s, d of a node (of one of its triangles); `xy`
-    (N, 2) [m]."""
+    """`of` (m, n): the node numbers of each triangle; `at` (N, 2): s, d of a node (of one of its
+    triangles); `xy` (N, 2) [m].
+    """
 
     of: Ints
     at: Floats
@@ -100,7 +122,9 @@ def nodes_of(mesh: Triangles, place: Map, degree: int) -> Nodes:
 
 
 def stiffness(mesh: Triangles, nodes: Nodes, layers: list[Layer], degree: int) -> Floats:
-    """Plane-stress stiffness (m, 2n, 2n) of each triangle, unknown 2 i + c for component c of its node i [N/m]."""
+    """Plane-stress stiffness (m, 2n, 2n) of each triangle, unknown 2 i + c for component c of its
+    node i [N/m].
+    """
     values, slopes, weights = shape_functions(degree)
     matrices = np.array([layer.elastic.stiffness for layer in layers])
     directed = has_directions(matrices)
@@ -112,11 +136,15 @@ def stiffness(mesh: Triangles, nodes: Nodes, layers: list[Layer], degree: int) -
         det = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
         if (det * np.sign(det[:, :1]) <= 0).any():
             raise AssertionError("a triangle is turned over")
-        inverse = np.stack([J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]], -1).reshape(J.shape)
+        inverse = np.stack([J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]], -1).reshape(
+            J.shape
+        )
         G = np.einsum("ndq,mqdc->mncq", slopes, inverse / det[..., None, None])  # d psi_n / d x_c
         lam, mu = matrices[mesh.layer[part]][:, [0, 2], [1, 2]].T
         H = np.einsum("mncq,mq,mkdq->mnckd", G, np.abs(det) * weights, G, optimize=True)
-        K = lam[:, None, None, None, None] * H + mu[:, None, None, None, None] * H.transpose(0, 1, 4, 3, 2)
+        K = lam[:, None, None, None, None] * H + mu[:, None, None, None, None] * H.transpose(
+            0, 1, 4, 3, 2
+        )
         same = mu[:, None, None] * (H[:, :, 0, :, 0] + H[:, :, 1, :, 1])
         K[:, :, 0, :, 0] += same
         K[:, :, 1, :, 1] += same
@@ -145,7 +173,9 @@ def _directed_stiffness(G: Floats, area: Floats, layer: ElasticLayer, points: Fl
     """
     m, n, _, q = G.shape
     c, s = layer.directions(points)
-    turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+    turn = np.array(
+        [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
+    )
     D = np.einsum("ikmq,ij,jlmq->mqkl", turn, layer.stiffness, turn)
     B = np.zeros((m, q, 3, n, 2))
     B[:, :, 0, :, 0] = B[:, :, 2, :, 1] = G[:, :, 0].transpose(0, 2, 1)
@@ -157,8 +187,9 @@ def _directed_stiffness(G: Floats, area: Floats, layer: ElasticLayer, points: Fl
 
 @dataclass(frozen=True)
 class Compliance:
-    """`of` (2n, 2n): displacements of the kept nodes under forces on them; `loaded` (2n, l) under l further loads,
-    whose work with themselves is `work` (l, l)."""
+    """`of` (2n, 2n): displacements of the kept nodes under forces on them; `loaded` (2n, l) under l
+    further loads, whose work with themselves is `work` (l, l).
+    """
 
     of: Floats
     loaded: Floats
@@ -166,8 +197,10 @@ class Compliance:
 
 
 class Front(NamedTuple):
-    """What is left of a part of a body: unknowns `dofs` (k,) that others share or that are kept, growing, each with the
-    number of `triangles` here; stiffness (k, k) and loads (k, l) on them, and the loads' work (l, l) on those gone."""
+    """What is left of a part of a body: unknowns `dofs` (k,) that others share or that are kept,
+    growing, each with the number of `triangles` here; stiffness (k, k) and loads (k, l) on them,
+    and the loads' work (l, l) on those gone.
+    """
 
     dofs: Ints
     triangles: Ints
@@ -177,12 +210,12 @@ class Front(NamedTuple):
 
 
 def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) -> Compliance:
-    """The compliance of the `kept` nodes where the unknowns `held` (2N,) are held, and displacements under `loads`
-    (2N, l).
+    """The compliance of the `kept` nodes where the unknowns `held` (2N,) are held, and
+    displacements under `loads` (2N, l).
 
-    K (m, 2n, 2n): stiffness of each triangle. The triangles are halved by number, again and again, across the longer
-    side; parts are joined in the reverse order, and what no other triangle shares is eliminated by dense Cholesky
-    factors as soon as that is so.
+    K (m, 2n, 2n): stiffness of each triangle. The triangles are halved by number, again and again,
+    across the longer side; parts are joined in the reverse order, and what no other triangle shares
+    is eliminated by dense Cholesky factors as soon as that is so.
     """
     dofs = (2 * nodes.of[:, :, None] + np.arange(2)).reshape(len(nodes.of), -1)
     triangles = np.bincount(dofs.ravel(), minlength=2 * len(nodes.xy))
@@ -194,7 +227,9 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
 
     def joined(parts: list[Front]) -> Front:
         """Parts joined; what is whole now eliminated."""
-        all_dofs, where = np.unique(np.concatenate([part.dofs for part in parts]), return_inverse=True)
+        all_dofs, where = np.unique(
+            np.concatenate([part.dofs for part in parts]), return_inverse=True
+        )
         count = np.bincount(where, np.concatenate([part.triangles for part in parts])).astype(int)
         gone = count == triangles[all_dofs]
         order, n = np.concatenate([all_dofs[gone], all_dofs[~gone]]), int(gone.sum())
@@ -214,7 +249,11 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
         Y = solve_triangular(L, np.hstack([S[:n, n:], f[:n]]), lower=True, check_finite=False)
         coupled, own = Y[:, : len(order) - n], Y[:, len(order) - n :]
         return Front(
-            order[n:], count[~gone], S[n:, n:] - coupled.T @ coupled, f[n:] - coupled.T @ own, work + own.T @ own
+            order[n:],
+            count[~gone],
+            S[n:, n:] - coupled.T @ coupled,
+            f[n:] - coupled.T @ own,
+            work + own.T @ own,
         )
 
     def front(members: Ints) -> Front:
@@ -224,7 +263,13 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
             none = np.zeros((columns, columns))
             return joined(
                 [
-                    Front(d[on], np.ones(on.sum(), dtype=int), k[np.ix_(on, on)], np.zeros((on.sum(), columns)), none)
+                    Front(
+                        d[on],
+                        np.ones(on.sum(), dtype=int),
+                        k[np.ix_(on, on)],
+                        np.zeros((on.sum(), columns)),
+                        none,
+                    )
                     for d, k, on in zip(dofs[members], K[members], free, strict=True)
                 ]
             )

@@ -50,10 +50,14 @@ def _wavelength(brake: Brake) -> float:
     return 2 * math.pi * brake.size / max(highest, 1)
 
 
-def solve(brake: Brake, level: Level, before: Sequence[ShoeSolution] | None = None) -> list[ShoeSolution]:
-    """The solution of each shoe on meshes of one level, graded to the contact's ends of an earlier solution.
+def solve(
+    brake: Brake, level: Level, before: Sequence[ShoeSolution] | None = None
+) -> list[ShoeSolution]:
+    """The solution of each shoe on meshes of one level, graded to the contact's ends of an earlier
+    solution.
 
-    Raises BadInput for what is not meshed, NoAnswer where a shoe does not touch or no contact settles.
+    Raises BadInput for what is not meshed, NoAnswer where a shoe does not touch or no contact
+    settles.
     """
     shoes = list(brake.shoes)
     if len(pressed(brake)) < len(shoes):
@@ -67,7 +71,9 @@ def solve(brake: Brake, level: Level, before: Sequence[ShoeSolution] | None = No
     if brake.ring is not None:
         meshes, opposite = with_ring(brake, drafts, level)
     faces = [
-        face(brake, shoe.under(1.0) if brake.shares else shoe, shaped(one.shape, mesh, level.degree))
+        face(
+            brake, shoe.under(1.0) if brake.shares else shoe, shaped(one.shape, mesh, level.degree)
+        )
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
     firsts = [_touching(one, its) for one, its in zip(faces, earlier, strict=True)]
@@ -78,16 +84,25 @@ def solve(brake: Brake, level: Level, before: Sequence[ShoeSolution] | None = No
     elif opposite is not None:
         found = contact(brake, faces, shoes, rim(brake, opposite, faces), firsts)
     else:
-        found = [contact(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[0] for i in range(len(shoes))]
-    return [solution(brake, shoe, one, its) for shoe, one, its in zip(shoes, faces, found, strict=True)]
+        found = [
+            contact(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[0] for i in range(len(shoes))
+        ]
+    return [
+        solution(brake, shoe, one, its) for shoe, one, its in zip(shoes, faces, found, strict=True)
+    ]
 
 
 def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: Level) -> Sharp:
-    """Kinks of a lining's gap, and the ends of its contact that are not the lining's, triangles in proportion to it."""
+    """Kinks of a lining's gap, and the ends of its contact that are not the lining's, triangles in
+    proportion to it.
+    """
     lining, tips = shoe.lining, {angle for angle, _ in clearance.tips(shoe.lining)}
     most = min(ENDS, level.halvings)
     beyond = 0.5 ** (level.halvings - most)  # under a tip p has no bound
-    places = [(angle, shape.least * (beyond if angle in tips else 1.0)) for angle in clearance.kinks(lining)]
+    places = [
+        (angle, shape.least * (beyond if angle in tips else 1.0))
+        for angle in clearance.kinks(lining)
+    ]
     for arc in [] if before is None else before.arcs:
         width = max((arc[1] - arc[0]) * shape.length, NARROWEST * shape.least)
         places += [(float(end), min(shape.least, width / 4)) for end in arc]
@@ -106,9 +121,10 @@ def _touching(one: Face, before: ShoeSolution | None) -> Bools:
 
 
 def sequence(brake: Brake, levels: Sequence[Level] = LEVELS) -> list[list[ShoeSolution]]:
-    """The solutions on a sequence of meshes, each graded to the ends of the contact that the one before found; before
-    them coarse ones until these ends settle. The first ones have less friction, from none on: with much of it other
-    answers may stand beside the one that grows from there.
+    """The solutions on a sequence of meshes, each graded to the ends of the contact that the one
+    before found; before them coarse ones until these ends settle. The first ones have less
+    friction, from none on: with much of it other answers may stand beside the one that grows from
+    there.
 
     Raises as `solve`.
     """
@@ -118,7 +134,9 @@ def sequence(brake: Brake, levels: Sequence[Level] = LEVELS) -> list[list[ShoeSo
             before = solve(vary(brake, {"friction": part * brake.friction}), FINDING, before)
     for _ in range(PASSES):
         after = solve(brake, FINDING, before)
-        same = before is not None and all(_same_arcs(a.arcs, b.arcs) for a, b in zip(before, after, strict=True))
+        same = before is not None and all(
+            _same_arcs(a.arcs, b.arcs) for a, b in zip(before, after, strict=True)
+        )
         before = after
         if same:
             break
@@ -129,4 +147,6 @@ def sequence(brake: Brake, levels: Sequence[Level] = LEVELS) -> list[list[ShoeSo
 
 
 def _same_arcs(a: Floats, b: Floats) -> bool:
-    return a.shape == b.shape and bool((np.abs(a - b).max(axis=1) < SAME * np.diff(b, axis=1)[:, 0]).all())
+    return a.shape == b.shape and bool(
+        (np.abs(a - b).max(axis=1) < SAME * np.diff(b, axis=1)[:, 0]).all()
+    )

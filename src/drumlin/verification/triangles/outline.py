@@ -13,14 +13,22 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.errors import BadInput
-from drumlin.verification.triangles.triangulation import Layer, Map, Triangles, graded, spaced, start
+from drumlin.verification.triangles.triangulation import (
+    Layer,
+    Map,
+    Triangles,
+    graded,
+    spaced,
+    start,
+)
 
 SLENDER = 12.0  # length of triangles far from all corners over the thinnest layer
 
 
 class Level(NamedTuple):
-    """A mesh: degree of its triangles, `halvings` towards each corner, length of triangles over their distance from
-    it, and factor on all lengths elsewhere."""
+    """A mesh: degree of its triangles, `halvings` towards each corner, length of triangles over
+    their distance from it, and factor on all lengths elsewhere.
+    """
 
     degree: int
     halvings: int
@@ -29,7 +37,9 @@ class Level(NamedTuple):
 
 
 class Sharp(NamedTuple):
-    """Places on a face at which p is not smooth: their `s` (k,), and the length of triangles there (k,) [m]."""
+    """Places on a face at which p is not smooth: their `s` (k,), and the length of triangles there
+    (k,) [m].
+    """
 
     s: Floats
     smallest: Floats
@@ -37,10 +47,11 @@ class Sharp(NamedTuple):
 
 @dataclass(frozen=True)
 class Outline:
-    """A layered body in the coordinates s, d: `place` maps them; `s` are the ends of its parts, `thickness` (layers,)
-    [m]; `corners` (k, 2) the s, d of the points to which triangles are graded; `held` s of the end face that is, or
-    None where the back is, all of it or its `grip`; `loaded` s or None; `turn`: theta = origin + turn s; `length` [m]
-    per s."""
+    """A layered body in the coordinates s, d: `place` maps them; `s` are the ends of its parts,
+    `thickness` (layers,) [m]; `corners` (k, 2) the s, d of the points to which triangles are
+    graded; `held` s of the end face that is, or None where the back is, all of it or its `grip`;
+    `loaded` s or None; `turn`: theta = origin + turn s; `length` [m] per s.
+    """
 
     place: Map
     layers: list[Layer]
@@ -74,8 +85,13 @@ def outline(shoe: Shoe, R: float) -> Outline:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
     if isinstance(body, Beam):
         return _post(shoe, R)
-    parts = [(lining.thickness, lining.material)] + ([(backing.thickness, backing.material)] if backing else [])
-    layers = [Layer(lining.start, lining.end, ElasticLayer.of(material, lining.width)) for _, material in parts]
+    parts = [(lining.thickness, lining.material)] + (
+        [(backing.thickness, backing.material)] if backing else []
+    )
+    layers = [
+        Layer(lining.start, lining.end, ElasticLayer.of(material, lining.width))
+        for _, material in parts
+    ]
     thickness = [t for t, _ in parts]
     held = loaded = grip = None
     s = [lining.start, lining.end]
@@ -85,10 +101,16 @@ def outline(shoe: Shoe, R: float) -> Outline:
             layers.append(Layer(body.start, body.end, ElasticLayer.of(plate.material, plate.width)))
             thickness.append(plate.thickness)
         s += [body.start, body.end]
-        corners += [(end, float(d)) for end in (body.start, body.end) for d in range(len(parts), len(layers) + 1)]
+        corners += [
+            (end, float(d))
+            for end in (body.start, body.end)
+            for d in range(len(parts), len(layers) + 1)
+        ]
         of = shoe.grip(R)
         if of is None:
-            held, loaded = sorted((body.start, body.end), key=lambda end: abs(float(shoe.frame.phi(np.array(end)))))
+            held, loaded = sorted(
+                (body.start, body.end), key=lambda end: abs(float(shoe.frame.phi(np.array(end))))
+            )
         else:  # the force acts on what holds the back
             first, last = sorted(shoe.frame.theta(np.array(of)).tolist())
             grip = first, last
@@ -101,7 +123,9 @@ def outline(shoe: Shoe, R: float) -> Outline:
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
     ends, points, plates = _distinct(s), np.unique(corners, axis=0), len(layers) - len(parts)
-    return Outline(place, layers, np.array(thickness), ends, points, held, loaded, 0.0, 1, R, grip, plates)
+    return Outline(
+        place, layers, np.array(thickness), ends, points, held, loaded, 0.0, 1, R, grip, plates
+    )
 
 
 def _post(shoe: Shoe, R: float) -> Outline:
@@ -110,7 +134,9 @@ def _post(shoe: Shoe, R: float) -> Outline:
     assert isinstance(body, Beam)
     section = body.section
     if section is None or backing is None:
-        raise BadInput(f"shoe {shoe.name!r}: its beam has no constant section, or nothing before it")
+        raise BadInput(
+            f"shoe {shoe.name!r}: its beam has no constant section, or nothing before it"
+        )
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     first, last = np.sort(axis.angle(np.array([lining.start, lining.end]))).tolist()
     t, back = lining.thickness, R + lining.thickness
@@ -140,7 +166,9 @@ def _post(shoe: Shoe, R: float) -> Outline:
     thickness = np.array([t, block, section.thickness])
     origin = lining.middle - axis.sense * float(axis.angle(np.array(lining.middle)))
     s = _distinct([low, first, last, high])
-    return Outline(place, layers, thickness, s, np.unique(corners, axis=0), low, high, origin, axis.sense, back)
+    return Outline(
+        place, layers, thickness, s, np.unique(corners, axis=0), low, high, origin, axis.sense, back
+    )
 
 
 def _distinct(values: Sequence[float]) -> Floats:
@@ -149,12 +177,19 @@ def _distinct(values: Sequence[float]) -> Floats:
     return grown[np.append(True, np.diff(grown) > 1e-9)]
 
 
-def grid(shape: Outline, size: float, wavelength: float, points: Sequence[float]) -> tuple[Floats, list[Floats]]:
-    """The first lines of a mesh in s, and in d for each layer: nearly square cells at the corners and at `points` (s)
-    of the face, slender ones elsewhere; wavelength [m] of what the gap does."""
+def grid(
+    shape: Outline, size: float, wavelength: float, points: Sequence[float]
+) -> tuple[Floats, list[Floats]]:
+    """The first lines of a mesh in s, and in d for each layer: nearly square cells at the corners
+    and at `points` (s) of the face, slender ones elsewhere; wavelength [m] of what the gap does.
+    """
     face = shape.layers[0]
     arc = (face.end - face.start) * shape.length
-    thinnest = float(shape.thickness[: len(shape.layers) - (shape.held is not None or shape.grip is not None)].min())
+    thinnest = float(
+        shape.thickness[
+            : len(shape.layers) - (shape.held is not None or shape.grip is not None)
+        ].min()
+    )
     least = min(thinnest, arc / 4) * size
     most = max(least, min(SLENDER * float(shape.thickness.min()), arc / 8, wavelength / 4) * size)
     dense = np.concatenate([shape.s, points])
@@ -162,7 +197,9 @@ def grid(shape: Outline, size: float, wavelength: float, points: Sequence[float]
     near = np.where(ends, least, max(least, float(shape.thickness[-1]) / 4 * size))
 
     def along(s: float) -> float:
-        return min(most, float((near + 0.5 * shape.length * np.abs(dense - s)).min())) / shape.length
+        return (
+            min(most, float((near + 0.5 * shape.length * np.abs(dense - s)).min())) / shape.length
+        )
 
     s = spaced(shape.s, along)
     d = []
@@ -177,7 +214,9 @@ def grid(shape: Outline, size: float, wavelength: float, points: Sequence[float]
 
 
 class Draft(NamedTuple):
-    """A body's mesh before it has nodes, with the first lines `s` it began from, and where it is sharp."""
+    """A body's mesh before it has nodes, with the first lines `s` it began from, and where it is
+    sharp.
+    """
 
     shape: Outline
     s: Floats
@@ -189,6 +228,10 @@ def draft(shape: Outline, sharp: Sharp, level: Level, wavelength: float) -> Draf
     """The mesh of a body, graded to its corners and to the sharp places of its face."""
     s, d = grid(shape, level.size, wavelength, sharp.s.tolist())
     points = np.concatenate([shape.corners, np.stack([sharp.s, 0 * sharp.s], axis=1)])
-    smallest = np.concatenate([np.full(len(shape.corners), shape.least * 0.5**level.halvings), sharp.smallest])
+    smallest = np.concatenate(
+        [np.full(len(shape.corners), shape.least * 0.5**level.halvings), sharp.smallest]
+    )
     at = shape.place(points[:, 0], points[:, 1])
-    return Draft(shape, s, sharp, graded(start(s, d, shape.layers), shape.place, at, smallest, level.steep))
+    return Draft(
+        shape, s, sharp, graded(start(s, d, shape.layers), shape.place, at, smallest, level.steep)
+    )

@@ -1,4 +1,6 @@
-"""The elastic ring: its mesh, whose edges match those of the linings, and its compliance under them."""
+"""The elastic ring: its mesh, whose edges match those of the linings, and its compliance under
+them.
+"""
 
 import math
 
@@ -13,7 +15,14 @@ from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.contact import Rim
 from drumlin.verification.triangles.face import Face, Shaped, along, edge_nodes, shaped
 from drumlin.verification.triangles.outline import Draft, Level, Outline
-from drumlin.verification.triangles.triangulation import Layer, Triangles, graded, matched, spaced, start
+from drumlin.verification.triangles.triangulation import (
+    Layer,
+    Triangles,
+    graded,
+    matched,
+    spaced,
+    start,
+)
 
 SLACK = 1e-12  # rad, of angles that are the same
 ROUNDS = 20
@@ -53,7 +62,18 @@ def with_ring(brake: Brake, drafts: list[Draft], level: Level) -> tuple[list[Tri
     least = min(*(one.shape.least for one in drafts), section.thickness)
     s, d = _grid(under, section, R, least, level.size)
     layer = Layer(-math.inf, math.inf, ElasticLayer.of(section.material, section.width))
-    shape = Outline(place, [layer], np.array([section.thickness]), s[[0, -1]], np.zeros((0, 2)), None, None, 0.0, 1, R)
+    shape = Outline(
+        place,
+        [layer],
+        np.array([section.thickness]),
+        s[[0, -1]],
+        np.zeros((0, 2)),
+        None,
+        None,
+        0.0,
+        1,
+        R,
+    )
     ends = np.concatenate([part[[0, -1]] for part in under])
     sharp = np.concatenate([on_ring(i, one.sharp.s) for i, one in enumerate(drafts)])
     smallest = np.concatenate(
@@ -73,7 +93,9 @@ def with_ring(brake: Brake, drafts: list[Draft], level: Level) -> tuple[list[Tri
     raise AssertionError("ring and linings do not match")
 
 
-def _grid(under: list[Floats], section: Section, R: float, least: float, size: float) -> tuple[Floats, Floats]:
+def _grid(
+    under: list[Floats], section: Section, R: float, least: float, size: float
+) -> tuple[Floats, Floats]:
     """The ring's first lines: those of the linings, and what lies between them; and across."""
     parts = sorted(under, key=lambda part: float(part[0]))
     t = section.thickness
@@ -90,8 +112,9 @@ def _grid(under: list[Floats], section: Section, R: float, least: float, size: f
 
 
 def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
-    """The ring condensed to the nodes opposite to those of the faces. A free ring's rim carries what balances the
-    contact, spread as its rigid motions are, and does not move in the mean."""
+    """The ring condensed to the nodes opposite to those of the faces. A free ring's rim carries
+    what balances the contact, spread as its rigid motions are, and does not move in the mean.
+    """
     nodes = ring.nodes
     chosen, of = _opposite(brake, ring, faces)
     outer = np.flatnonzero(nodes.at[:, 1] > 1 - SLACK)
@@ -99,7 +122,9 @@ def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
     assert brake.ring is not None
     if brake.ring.support == "fixed":
         held[outer] = True
-        return Rim(lagrange.condense(ring.K, nodes, held.ravel(), chosen, np.zeros((held.size, 0))).of, of)
+        return Rim(
+            lagrange.condense(ring.K, nodes, held.ravel(), chosen, np.zeros((held.size, 0))).of, of
+        )
     on = ring.mesh.at[..., 1] > 1 - SLACK
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
     edges = edge_nodes(nodes, tri, edge, ring.degree)
@@ -112,7 +137,8 @@ def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
     held[right] = held[left, 1] = True
     found = lagrange.condense(ring.K, nodes, held.ravel(), chosen, loads)
     own = rigid[(2 * chosen[:, None] + np.arange(2)).ravel()]
-    # Forces f are met by -loads l on the rim, l = (rigid^T loads)^-1 own^T f; then the mean motion is taken away.
+    # Forces f are met by -loads l on the rim, l = (rigid^T loads)^-1 own^T f; then the mean motion
+    # is taken away.
     share = np.linalg.solve(rigid.T @ loads, own.T)
     moved = found.of - found.loaded @ share
     mean = found.loaded.T - found.work @ share
@@ -123,7 +149,9 @@ def _motions(xy: Floats) -> Floats:
     """The rigid motions (..., 2, 3) of points (..., 2): along x, along y, turn about the origin."""
     x, y = xy[..., 0], xy[..., 1]
     one, zero = np.ones_like(x), np.zeros_like(x)
-    return np.stack([np.stack([one, zero, -y], axis=-1), np.stack([zero, one, x], axis=-1)], axis=-2)
+    return np.stack(
+        [np.stack([one, zero, -y], axis=-1), np.stack([zero, one, x], axis=-1)], axis=-2
+    )
 
 
 def _opposite(brake: Brake, ring: Shaped, faces: list[Face]) -> tuple[Ints, list[Ints]]:

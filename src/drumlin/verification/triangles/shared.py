@@ -1,4 +1,6 @@
-"""Shoes that share forces, on a rigid drum: each solved under forces that are sought by the shoes' own answers."""
+"""Shoes that share forces, on a rigid drum: each solved under forces that are sought by the shoes'
+own answers.
+"""
 
 from dataclasses import replace
 
@@ -15,8 +17,8 @@ from drumlin.verification.triangles.face import Face
 def shared(brake: Brake, faces: list[Face], first: list[Bools]) -> tuple[list[Shoe], list[Found]]:
     """The shoes under the forces that they share, and what they do; `faces` are those under 1 N.
 
-    A strut passes on what the foot of its shoe bears on; the forces of a cam have its sum and move both tips alike.
-    Raises NoAnswer where that has no answer.
+    A strut passes on what the foot of its shoe bears on; the forces of a cam have its sum and move
+    both tips alike. Raises NoAnswer where that has no answer.
     """
     names = [shoe.name for shoe in brake.shoes]
     shoes, found = list(brake.shoes), dict[int, Found]()
@@ -41,7 +43,12 @@ def shared(brake: Brake, faces: list[Face], first: list[Bools]) -> tuple[list[Sh
     free = [i for i in range(len(names)) if i not in behind]
     if brake.actuation is not None and brake.actuation.is_cam:
         a, b, total = free[0], free[1], brake.actuation.total
-        brentq(lambda force: under(a, force) - under(b, total - force), 1e-3 * total, 0.999 * total, xtol=1e-12 * total)
+        brentq(
+            lambda force: under(a, force) - under(b, total - force),
+            1e-3 * total,
+            0.999 * total,
+            xtol=1e-12 * total,
+        )
     else:
         for i in free:
             under(i, shoes[i].actuation.force)

@@ -14,9 +14,10 @@ from drumlin.verification.triangles.face import GAUSS, WEIGHTS, Face, trace
 
 @dataclass(frozen=True)
 class ShoeSolution:
-    """What one shoe does: `theta` (n,) [rad], growing, `pressure` (n,) [Pa] at the nodes of Gauss and Lobatto of pieces
-    of degree `order`, 0 where it is open; `torque` [N m]; `hinge_reaction` (2,) [N] of the pin on the shoe; `arcs`
-    (k, 2) [rad] in contact; `unknowns` of its mesh."""
+    """What one shoe does: `theta` (n,) [rad], growing, `pressure` (n,) [Pa] at the nodes of Gauss
+    and Lobatto of pieces of degree `order`, 0 where it is open; `torque` [N m]; `hinge_reaction`
+    (2,) [N] of the pin on the shoe; `arcs` (k, 2) [rad] in contact; `unknowns` of its mesh.
+    """
 
     theta: Floats
     pressure: Floats
@@ -48,7 +49,9 @@ class ShoeSolution:
 
 
 def solution(brake: Brake, shoe: Shoe, one: Face, found: Found) -> ShoeSolution:
-    """The solution of a shoe: its pressure has the forces of the nodes in contact as its moments there."""
+    """The solution of a shoe: its pressure has the forces of the nodes in contact as its moments
+    there.
+    """
     a = np.flatnonzero(found.active)
     p = np.zeros(len(one.theta))
     p[a] = np.linalg.solve(one.mass[np.ix_(a, a)], found.force[a])
@@ -68,8 +71,9 @@ def solution(brake: Brake, shoe: Shoe, one: Face, found: Found) -> ShoeSolution:
 
 
 def _arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Floats:
-    """Arcs [rad] of contact (k, 2). An end inside the lining is where F^(2/3) vanishes, F the force between it and the
-    next two ends of pieces: p rises there as the root of the distance."""
+    """Arcs [rad] of contact (k, 2). An end inside the lining is where F^(2/3) vanishes, F the force
+    between it and the next two ends of pieces: p rises there as the root of the distance.
+    """
     steps = np.diff(np.concatenate([[0], active.astype(int), [0]]))
     firsts, lasts = np.flatnonzero(steps == 1), np.flatnonzero(steps == -1) - 1
     last = len(theta) - 1
@@ -90,7 +94,12 @@ def _end(theta: Floats, p: Floats, node: int, degree: int) -> float:
         return float(theta[node])
     psi, _ = trace(degree, 0.5 + 0.5 * GAUSS)
     weight = psi @ (0.5 * WEIGHTS)
-    F = np.cumsum([(theta[b] - theta[b - degree]) * float(weight @ p[b - degree : b + 1]) for b in (near, far)])
+    F = np.cumsum(
+        [
+            (theta[b] - theta[b - degree]) * float(weight @ p[b - degree : b + 1])
+            for b in (near, far)
+        ]
+    )
     if not 0 < F[0] < F[1]:
         return float(theta[node])
     f = F ** (2 / 3)

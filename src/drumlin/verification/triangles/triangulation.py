@@ -1,8 +1,9 @@
 """Triangulations graded geometrically to given points, in the coordinates (s, d) of a layered body.
 
-s runs along the body, d counts its layers: layer j fills j <= d <= j + 1. Triangles are halved by newest-vertex
-bisection, which keeps their shapes (Mitchell 1989, the closure after Funken, Praetorius & Wissgott 2011), until each
-is no longer than its distance from the nearest of the points asks.
+s runs along the body, d counts its layers: layer j fills j <= d <= j + 1. Triangles are halved by
+newest-vertex bisection, which keeps their shapes (Mitchell 1989, the closure after Funken,
+Praetorius & Wissgott 2011), until each is no longer than its distance from the nearest of the
+points asks.
 """
 
 from collections.abc import Callable, Sequence
@@ -30,8 +31,9 @@ class Layer:
 
 @dataclass(frozen=True)
 class Triangles:
-    """`vertices` (m, 3): numbers of the corners, the edge that is halved next between the first two; `at` (m, 3, 2):
-    their s, d; `layer` (m,)."""
+    """`vertices` (m, 3): numbers of the corners, the edge that is halved next between the first
+    two; `at` (m, 3, 2): their s, d; `layer` (m,).
+    """
 
     vertices: Ints
     at: Floats
@@ -47,11 +49,16 @@ class Triangles:
     def surface_spans(self) -> Floats:
         """(k, 2): s at both ends of each edge on d = 0, the smaller first."""
         tri, edge = self.surface
-        return np.sort(np.stack([self.at[tri, edge, 0], self.at[tri, (edge + 1) % 3, 0]], axis=1), axis=1)
+        return np.sort(
+            np.stack([self.at[tri, edge, 0], self.at[tri, (edge + 1) % 3, 0]], axis=1), axis=1
+        )
 
 
-def start(s: Floats, d: Sequence[Floats], layers: Sequence[Layer], period: float | None = None) -> Triangles:
-    """Two triangles for each cell of the grid of `s` (n,) and the `d` of each layer, where the layer is.
+def start(
+    s: Floats, d: Sequence[Floats], layers: Sequence[Layer], period: float | None = None
+) -> Triangles:
+    """Two triangles for each cell of the grid of `s` (n,) and the `d` of each layer, where the
+    layer is.
 
     period: where a closed body begins again; then s ends there.
     """
@@ -73,7 +80,10 @@ def start(s: Floats, d: Sequence[Floats], layers: Sequence[Layer], period: float
     quads = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)]
     numbers = np.stack([number for number, _ in quads], axis=1)
     places = np.stack([at for _, at in quads], axis=1)
-    numbers[flip], places[flip] = np.roll(numbers[flip], -1, axis=1), np.roll(places[flip], -1, axis=1)
+    numbers[flip], places[flip] = (
+        np.roll(numbers[flip], -1, axis=1),
+        np.roll(places[flip], -1, axis=1),
+    )
     halves = [[2, 0, 1], [0, 2, 3]]
     return Triangles(
         np.concatenate([numbers[:, half] for half in halves]),
@@ -83,11 +93,15 @@ def start(s: Floats, d: Sequence[Floats], layers: Sequence[Layer], period: float
 
 
 def edges_of(mesh: Triangles) -> tuple[Ints, Ints]:
-    """The edges (k, 2) by the numbers of their ends, the smaller first, and those (m, 3) of each triangle."""
+    """The edges (k, 2) by the numbers of their ends, the smaller first, and those (m, 3) of each
+    triangle.
+    """
     pairs = np.sort(np.stack([mesh.vertices, np.roll(mesh.vertices, -1, axis=1)], axis=2), axis=2)
     flat = pairs.reshape(-1, 2)
     size = int(mesh.vertices.max()) + 1
-    _, first, number = np.unique(flat[:, 0] * size + flat[:, 1], return_index=True, return_inverse=True)
+    _, first, number = np.unique(
+        flat[:, 0] * size + flat[:, 1], return_index=True, return_inverse=True
+    )
     return flat[first], number.reshape(-1, 3)
 
 
@@ -102,7 +116,9 @@ def bisect(mesh: Triangles, marked: Bools) -> Triangles:
             break
         halved[of[due, 0]] = True
     number = np.cumsum(halved) - 1 + int(mesh.vertices.max()) + 1
-    v = np.concatenate([mesh.vertices, number[of]], axis=1)  # corners 0 1 2, middles 3 4 5 of the edges 01 12 20
+    v = np.concatenate(
+        [mesh.vertices, number[of]], axis=1
+    )  # corners 0 1 2, middles 3 4 5 of the edges 01 12 20
     at = np.concatenate([mesh.at, 0.5 * (mesh.at + np.roll(mesh.at, -1, axis=1))], axis=1)
     cut = halved[of]
     kinds = [
@@ -112,12 +128,19 @@ def bisect(mesh: Triangles, marked: Bools) -> Triangles:
         (cut[:, 0] & ~cut[:, 1] & cut[:, 2], [[3, 2, 5], [0, 3, 5], [1, 2, 3]]),
         (cut.all(axis=1), [[3, 2, 5], [0, 3, 5], [3, 1, 4], [2, 3, 4]]),
     ]
-    parts = [(v[which][:, one], at[which][:, one], mesh.layer[which]) for which, ones in kinds for one in ones]
+    parts = [
+        (v[which][:, one], at[which][:, one], mesh.layer[which])
+        for which, ones in kinds
+        for one in ones
+    ]
     return Triangles(*(np.concatenate([part[k] for part in parts]) for k in range(3)))
 
 
-def graded(mesh: Triangles, place: Map, points: Floats, smallest: Floats, steep: float) -> Triangles:
-    """Halved until no triangle is longer than `steep` times its centre's distance from each of the points (k, 2) [m].
+def graded(
+    mesh: Triangles, place: Map, points: Floats, smallest: Floats, steep: float
+) -> Triangles:
+    """Halved until no triangle is longer than `steep` times its centre's distance from each of the
+    points (k, 2) [m].
 
     Those nearer to a point than `smallest` (k,) [m] may be as long as that.
     """
@@ -127,7 +150,9 @@ def graded(mesh: Triangles, place: Map, points: Floats, smallest: Floats, steep:
         centre = corners.mean(axis=1)
         allowed = np.full(len(size), np.inf)
         for point, least in zip(points, smallest, strict=True):
-            np.minimum(allowed, np.maximum(steep * np.hypot(*(centre - point).T), least), out=allowed)
+            np.minimum(
+                allowed, np.maximum(steep * np.hypot(*(centre - point).T), least), out=allowed
+            )
         marked = size > allowed
         if not marked.any():
             return mesh
@@ -136,11 +161,15 @@ def graded(mesh: Triangles, place: Map, points: Floats, smallest: Floats, steep:
 
 
 def matched(first: Triangles, breaks: Floats, slack: float) -> Triangles:
-    """`first` with each edge on its surface halved that has one of the growing `breaks` (k,) of s within it."""
+    """`first` with each edge on its surface halved that has one of the growing `breaks` (k,) of s
+    within it.
+    """
     for _ in range(MOST_ROUNDS):
         tri, _ = first.surface
         spans = first.surface_spans()
-        within = np.searchsorted(breaks, spans[:, 1] - slack) > np.searchsorted(breaks, spans[:, 0] + slack)
+        within = np.searchsorted(breaks, spans[:, 1] - slack) > np.searchsorted(
+            breaks, spans[:, 0] + slack
+        )
         if not within.any():
             return first
         marked = np.zeros(len(first.layer), dtype=bool)
@@ -150,8 +179,9 @@ def matched(first: Triangles, breaks: Floats, slack: float) -> Triangles:
 
 
 def spaced(breaks: Floats, size: Callable[[float], float]) -> Floats:
-    """Points from the first to the last of the growing `breaks`, all of them among them, with steps of about
-    size(x)."""
+    """Points from the first to the last of the growing `breaks`, all of them among them, with steps
+    of about size(x).
+    """
     points = [np.array(breaks[:1])]
     for a, b in pairwise(breaks.tolist()):
         x = np.linspace(a, b, 400)
