@@ -96,10 +96,14 @@ def study(
     slopes = []
     for name, (changes, penalty) in list(SLOPES.items())[: 1 if short else None]:
         compute = partial(slope_rows, vary(brake, changes), name, penalty)
-        slopes += journal.once(
-            {"of": "slopes", "name": name}, lambda compute=compute: {"rows": compute()}
-        )["rows"]  # type: ignore[misc]
+        computed = partial(_as_rows, compute)
+        slopes += journal.once({"of": "slopes", "name": name}, computed)["rows"]
     return Result(shoe, ring, rigid, mesh, torque, unique, slopes)
+
+
+def _as_rows(compute: Callable[[], list[Row]]) -> dict[str, list[Row]]:
+    """Rows as the plain data that a journal keeps."""
+    return {"rows": compute()}
 
 
 def by_thickness(rows: list[Row]) -> dict[float, list[Row]]:
