@@ -17,7 +17,7 @@ from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import Inside, cross, edge_left_out, lobatto
 from drumlin_studies.fuzzing.endings import fault_of, in_process
-from drumlin_studies.fuzzing.faults import Input, brake_text
+from drumlin_studies.fuzzing.inputs import Input, brake_text
 from drumlin_studies.textbook_brakes import hinged
 
 
