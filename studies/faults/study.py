@@ -5,8 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drumlin.base.journal import Journal
 from drumlin.fuzzing import kills, promises, trials
-from drumlin.journal import Journal
 from drumlin.report.page import fill
 
 HERE = Path(__file__).parent

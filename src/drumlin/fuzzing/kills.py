@@ -15,8 +15,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from drumlin.base.journal import Journal
 from drumlin.fuzzing.faults import BRAKES, brake_text
-from drumlin.journal import Journal
 
 CASES = 150
 LIMIT = 900.0  # s that a run may take on a busy machine

@@ -7,10 +7,10 @@ import random
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from drumlin.base.journal import Journal
 from drumlin.fuzzing import faults
 from drumlin.fuzzing.broken_sweeps import broken_sweep, damaged_journal
 from drumlin.fuzzing.endings import fault_of, in_process, in_subprocess
-from drumlin.journal import Journal
 from drumlin.verification.side_by_side import Case, kept
 
 CHUNK = 50
