@@ -12,12 +12,12 @@ import pytest
 
 from conftest import ROOT
 from drumlin import solve
+from drumlin.base.errors import BadInput
 from drumlin.brake.plane_brake import read_any
-from drumlin.errors import BadInput
 from drumlin.fem.mesh import vtu
 from drumlin.fem.mesh.abaqus import read_inp
 from drumlin_studies.fuzzing import endings, soundness, trials
-from drumlin_studies.fuzzing.broken_meshes import SUFFIXES, mesh_files, meshed
+from drumlin_studies.fuzzing.broken_meshes import MESH_SUFFIXES, mesh_files, meshed
 from drumlin_studies.fuzzing.endings import fault_of, in_process, in_subprocess
 from drumlin_studies.fuzzing.faults import reference_text, result_text, shown
 from drumlin_studies.fuzzing.inputs import Input, brake_text
@@ -101,7 +101,7 @@ def test_a_sound_mesh_is_answered_and_that_of_an_impossible_one_is_a_fault(monke
     """Impossible meshes are made from meshes that drumlin takes: else their refusal would prove
     nothing.
     """
-    for suffix in SUFFIXES:
+    for suffix in MESH_SUFFIXES:
         sound = meshed("sound", mesh_files()[suffix], suffix, must_fail=False)
         end = in_process(sound)
         assert end.status == 0 and fault_of(sound, end) == ""

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 
-from drumlin.files import replacing
+from drumlin.base.files import replacing
 from drumlin.report.figures import STYLE
 from drumlin.wear.linings import WearSetup
 from drumlin.wear.run_in import peak

@@ -15,11 +15,11 @@ import meshio
 import numpy as np
 
 from drumlin.brake.file import brake_from
-from drumlin.fem.assembly import prepare
 from drumlin.fem.mesh.file import FORMATS, write_mesh
+from drumlin.fem.preparation.assembly import prepare
 from drumlin_studies.fuzzing.inputs import BRAKES, Input, brake_text, toml
 
-SUFFIXES = (".msh", ".inp", ".vtu")
+MESH_SUFFIXES = (".msh", ".inp", ".vtu")
 
 
 @cache
@@ -63,7 +63,7 @@ def impossible_mesh(rng: random.Random) -> Input:
 
 def _cut(rng: random.Random) -> Input:
     """A mesh file of which less than three quarters are left."""
-    suffix = rng.choice(SUFFIXES)
+    suffix = rng.choice(MESH_SUFFIXES)
     text = mesh_files()[suffix]
     left = text[: rng.randrange(3 * len(text) // 4)]
     return meshed(f"mesh {suffix}: cut off", left, suffix)
@@ -71,7 +71,7 @@ def _cut(rng: random.Random) -> Input:
 
 def _mislabelled(rng: random.Random) -> Input:
     """A mesh under the suffix of another format, or a file that is no mesh at all."""
-    suffix, other = rng.sample(SUFFIXES, 2)
+    suffix, other = rng.sample(MESH_SUFFIXES, 2)
     noise = bytes(rng.randrange(256) for _ in range(99))
     text = rng.choice([mesh_files()[other], brake_text(rng.choice(BRAKES)), b"", noise])
     return meshed(f"mesh {suffix}: another format", text, suffix)

@@ -11,7 +11,7 @@ from typing import Any
 
 from drumlin.studies import REPOSITORY
 from drumlin_studies.fuzzing.broken_meshes import mesh_files
-from drumlin_studies.fuzzing.inputs import BRAKES, ELEMENTS, Input, brake_text, noise, toml
+from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, noise, toml
 from drumlin_studies.fuzzing.wrong_values import NUMBERS, QUANTITIES, WORDS, anything
 
 TABLE = "t.csv"
@@ -90,17 +90,17 @@ def changed_sweep(rng: random.Random) -> Input:
             table.pop(key, None)
         elif kind < 0.5 and isinstance(data.get("vary"), dict):
             data["vary"][rng.choice([*KEYS, *PLAIN])] = _varied(rng)
-        elif key in COUNTS:
-            table[key] = rng.choice(WRONG_COUNTS)
+        elif key in LENGTH_KEYS:
+            table[key] = rng.choice(WRONG_LENGTHS)
         else:
             table[key] = anything(rng)
     files = {"b.toml": brake_text(BRAKES[0]), "m.msh": mesh_files()[".msh"], "s.toml": toml(data)}
     return Input("sweep file of a study", files, WORDS_OF_A_SWEEP)
 
 
-COUNTS = {"cases", "count", "elements"}
+LENGTH_KEYS = {"cases", "count", "elements"}
 """Keys whose number says how long a sweep takes."""
-WRONG_COUNTS: tuple[Any, ...] = (
+WRONG_LENGTHS: tuple[Any, ...] = (
     0,
     -1,
     1,
@@ -132,7 +132,7 @@ def _small_sweep(rng: random.Random) -> dict[str, Any]:
             spec["count"] = 2
     if "cases" in data:
         data["cases"] = 3
-    return data | {"brake": "b.toml", "model": {"fem": {"elements": int(ELEMENTS)}, "sine": {}}}
+    return data | {"brake": "b.toml", "model": {"fem": {"elements": int(FEW_ELEMENTS)}, "sine": {}}}
 
 
 def _some_table(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.studies import REPOSITORY
 from drumlin_studies.fuzzing.broken_meshes import mesh_files, with_mesh
-from drumlin_studies.fuzzing.inputs import BRAKES, ELEMENTS, Input, brake_text, noise, toml
+from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, noise, toml
 from drumlin_studies.fuzzing.wrong_values import (
     FLOATS,
     INTEGERS,
@@ -117,7 +117,7 @@ def _solving(rng: random.Random) -> list[str]:
             ["sensitivity", "b.toml", "--json", "r.json"],
             ["mesh", "b.toml", "--output", "m"],
         ]
-        return [*rng.choice(commands), "--elements", ELEMENTS]
+        return [*rng.choice(commands), "--elements", FEW_ELEMENTS]
     return [*words, "--model", model]
 
 
@@ -249,7 +249,7 @@ def command_line(rng: random.Random) -> Input:
         else:
             chosen[option.name] = [option.opts[0], *([] if value is None else [value])]
     if name == "hold" or (name != "check" and rng.random() < 0.9):
-        chosen.setdefault("elements", ["--elements", ELEMENTS])
+        chosen.setdefault("elements", ["--elements", FEW_ELEMENTS])
         if chosen.get("model", ["", "fem"])[1] != "fem":
             del chosen["elements"]
     files = {

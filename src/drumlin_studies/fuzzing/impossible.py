@@ -9,7 +9,7 @@ from typing import Any
 from drumlin.brake.plane_brake import read_any
 from drumlin.models import applicable
 from drumlin.studies import REPOSITORY
-from drumlin_studies.fuzzing.inputs import BRAKES, ELEMENTS, Input, brake_text, toml
+from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, toml
 
 WRONG_TYPES: tuple[Any, ...] = (
     {"a": 1},
@@ -63,7 +63,7 @@ def _unanswered(rng: random.Random, kind: str, name: str, text: bytes) -> Input:
     """A solve of a broken file by a model that would answer the sound brake `name`."""
     words = ["solve", "b.toml", "--json", "r.json"]
     model = rng.choice(_models(name))
-    words += ["--elements", ELEMENTS] if model == "fem" else ["--model", model]
+    words += ["--elements", FEW_ELEMENTS] if model == "fem" else ["--model", model]
     return Input(kind, {"b.toml": text}, words, must_fail=True)
 
 

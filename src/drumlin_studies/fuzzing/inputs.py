@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from drumlin.studies import REPOSITORY
 
-ELEMENTS = "6"
+FEW_ELEMENTS = "6"
 """Number of elements along a lining in the commands of inputs, so that a solve takes some 20 ms."""
 BRAKES = (
     "double_shoe/brake",

@@ -14,7 +14,7 @@ from drumlin.response.balance import contact_resultant
 from drumlin.response.response import Response
 from drumlin_studies.fuzzing.inputs import Input
 
-LARGEST_IMBALANCE = 1e-6
+SOUND_IMBALANCE = 1e-6
 """Largest imbalance of forces and moments of a sound answer, relative to the applied ones: a solve
 refuses what balances worse than this.
 """
@@ -57,7 +57,7 @@ def unsound(brake: Brake, response: Response) -> str:
         return "not finite"
     if response.torque < 0 or any((shoe.pressure < 0).any() for shoe in response.shoes):
         return "negative torque or pressure"
-    if max(response.balance.force, response.balance.moment) > LARGEST_IMBALANCE:
+    if max(response.balance.force, response.balance.moment) > SOUND_IMBALANCE:
         return f"out of balance by {response.balance}"
     # On a plane there is no torque, and the foundation model takes the torque from its springs.
     if brake.surface.straight or response.model == "foundation":

@@ -8,8 +8,8 @@ import re
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from drumlin.errors import line_and_status
-from drumlin.journal import Journal
+from drumlin.base.errors import line_and_status
+from drumlin.base.journal import Journal
 from drumlin_studies.fuzzing import faults
 from drumlin_studies.fuzzing.broken_meshes import impossible_mesh
 from drumlin_studies.fuzzing.broken_sweeps import broken_sweep, changed_sweep, damaged_journal
@@ -21,7 +21,7 @@ from drumlin_studies.side_by_side import Case, kept
 
 CHUNK = 50
 """Inputs that a process takes at a time."""
-LONGEST_LINE = 300
+KEPT_LETTERS = 300
 """Letters of a refusal that a verdict keeps: enough to tell what it refuses."""
 
 GENERATORS: dict[str, tuple[Callable[[random.Random], Input], str]] = {
@@ -71,7 +71,7 @@ def tried(generator: str, number: int, apart: bool = False) -> Verdict:
     fault = fault_of(given, end)
     if not fault and end.status == 0 and given.words[0] == "solve" and not apart:
         fault = _unsound(given)
-    line = end.err.removeprefix("drumlin: ").strip()[:LONGEST_LINE] if end.status else ""
+    line = end.err.removeprefix("drumlin: ").strip()[:KEPT_LETTERS] if end.status else ""
     said = f"{faults.shown(given)}: {fault}" if fault else ""
     return Verdict(number, end.status, end.seconds, said, line)
 
