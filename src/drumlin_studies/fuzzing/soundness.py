@@ -15,8 +15,8 @@ from drumlin.response.response import Response
 from drumlin_studies.fuzzing.inputs import Input
 
 SOUND_IMBALANCE = 1e-6
-"""Largest imbalance of forces and moments of a sound answer, relative to the applied ones: a solve
-refuses what balances worse than this.
+"""Largest imbalance of forces and moments of a sound answer, relative to the applied ones. The value
+is a judgement: far above round-off, and far below an error that a user would notice.
 """
 TORQUE_SLACK = 0.03
 """Largest difference between the stated torque and that of the pressure, relative to the torque. The
