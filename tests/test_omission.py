@@ -15,7 +15,7 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.fem.error_control.adapt import Tolerance, adapt
 from drumlin.fem.model import respond
 from drumlin.fem.omission import change, predict, scene_without, simplified
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.reduced import SHORT, ring_modes, sketcher
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance

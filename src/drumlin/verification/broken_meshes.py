@@ -16,7 +16,7 @@ import numpy as np
 
 from drumlin.brake.file import brake_from
 from drumlin.fem.mesh.file import FORMATS, write_mesh
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.verification.broken_files import Input, Sound, noise, toml
 
 

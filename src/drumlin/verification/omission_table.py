@@ -29,7 +29,10 @@ from drumlin.fem.omission import (
     present,
     scene_without,
 )
-from drumlin.fem.preparation.assembly import ELEMENTS, Scene, prepare, shape_of
+from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.reduced import sketcher
 from drumlin.response.response import Response
 
