@@ -20,9 +20,9 @@ from drumlin.fem.analysis.self_locking import limits
 from drumlin.fem.equilibrium.group import grouped
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import random_kind
-from drumlin.verification.standing_off import standing_off
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.standing_off import standing_off
 
 ELEMENTS = 16
 OTHER = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}

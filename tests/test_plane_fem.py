@@ -19,11 +19,11 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
-from drumlin.verification.ladder_pads import guided
-from drumlin.verification.random_kinds import placed
 from drumlin.wear.archard import WearLaw
 from drumlin.wear.linings import fem_setup
 from drumlin.wear.run_in import COEFFICIENT, run_in, unit_distance, worn
+from drumlin_studies.ladder_pads import guided
+from drumlin_studies.random_kinds import placed
 from flat_pads import BODY, KINDS, LINING, pad
 
 

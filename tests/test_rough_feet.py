@@ -24,8 +24,8 @@ from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import rigid
-from drumlin.verification.consistency_hold import checks
-from drumlin.verification.random_kinds import random_kind
+from drumlin_studies.consistency_hold import checks
+from drumlin_studies.random_kinds import random_kind
 
 ELEMENTS = 12
 

@@ -23,9 +23,9 @@ from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import Scene
-from drumlin.fem.reduced import sketcher
 from drumlin.fem.solid.mesh import solid_mesh
 from drumlin.verification.triangles.outline import outline
+from drumlin_studies.reduced import sketcher
 from held_shoes import BODY, brake_of
 
 S = {"E": 2.1e11, "nu": 0.3}

@@ -18,7 +18,7 @@ from drumlin.fem.analysis.sensitivity import against_differences, sensitivity
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
-from drumlin.verification.random_brake import random_brake
+from drumlin_studies.random_brake import random_brake
 
 RING = {
     "drum.ring": {

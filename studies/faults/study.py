@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.journal import Journal
-from drumlin.fuzzing import kills, promises, trials
 from drumlin.report.page import fill
+from drumlin_studies.fuzzing import kills, promises, trials
 
 HERE = Path(__file__).parent
 WORKERS = 2

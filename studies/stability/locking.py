@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import PENALTY
-from drumlin.verification.self_locking import limit_row, slope_rows, torque_row, uniqueness_row
+from drumlin_studies.self_locking import limit_row, slope_rows, torque_row, uniqueness_row
 
 FILE = Path(__file__).parents[1] / "double_shoe" / "brake.toml"
 THICKNESSES = (8e-3, 3e-3, 1e-3)
