@@ -353,7 +353,7 @@ def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
 def _meshed(tmp_path, change):
     """The right shoe of the main brake with a mesh of its own, whose groups or nodes are changed."""
     from drumlin.fem.mesh.file import write_mesh
-    from drumlin.fem.preparation.assembly import prepare
+    from drumlin.fem.preparation.prepare import prepare
 
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     brake = brake.model_copy(update={"shoes": brake.shoes[:1]})

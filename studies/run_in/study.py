@@ -15,7 +15,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.wear.linings import fem_setup

@@ -16,7 +16,7 @@ import numpy as np
 
 from drumlin.brake.file import brake_from
 from drumlin.fem.mesh.file import FORMATS, write_mesh
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin_studies.fuzzing.inputs import BRAKES, Input, brake_text, toml
 
 MESH_SUFFIXES = (".msh", ".inp", ".vtu")
