@@ -220,7 +220,9 @@ def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
     """
     shoe, body = body_and_parts(vary(brake, CASES[case]))
     _, ties, loads = body.condensed.inside()
-    other = condense(body.basis.stiffness(layers_of(shoe)), ties, loads, 2 * len(body.line.nodes))
+    other = condense(
+        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
+    )
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     for name in ("load_c", "load_f", "load_work"):
@@ -237,7 +239,9 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     post = read_brake(Path(__file__).parents[1] / "studies" / "post_brake" / "brake.toml")
     shoe, body = body_and_parts(vary(post, {"drum.ring": None}))
     _, ties, loads = body.condensed.inside()
-    other = condense(body.basis.stiffness(layers_of(shoe)), ties, loads, 2 * len(body.line.nodes))
+    other = condense(
+        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
+    )
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     assert body.condensed.load_f == pytest.approx(other.load_f, abs=1e-8)

@@ -29,6 +29,7 @@ from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
 from drumlin.fem.preparation.scene import Seconds, clock
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.interface import edge_points, radial
+from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
@@ -108,14 +109,14 @@ def _shoe(
         free = np.delete(
             np.arange(A.shape[0]), [-FRAME, 1 - FRAME]
         )  # the pin holds dx, dy of the frame
-        load = force * (parts.loads @ unit)
+        load = force * (parts.loads[ACTUATION] @ parts.columns.part(ACTUATION, unit))
         stiffness = contact_stiffness(shoe, penalty)
         u, on, steps = _newton(A, load, points, stiffness, free, shoe.name)
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
         nodal = points.pushing.T @ (points.weight * p)
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
-    given = force * unit
+    given = force * parts.columns.part(ACTUATION, unit)
     frame = shoe.frame
     balance = relative_balance(
         [contact.sum(axis=0), reaction, given[:2]],

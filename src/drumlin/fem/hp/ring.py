@@ -22,6 +22,7 @@ from drumlin.fem.substructure.body import FRAME, Condensed, Inside, tie
 from drumlin.fem.substructure.elasticity import ring_layers, stacked
 from drumlin.fem.substructure.elimination import SINGULAR
 from drumlin.fem.substructure.interface import ContactLine
+from drumlin.fem.substructure.loads import LoadColumns
 from drumlin.fem.substructure.ring import Free, RingBody, coupled_ring, determinate
 from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
@@ -116,7 +117,14 @@ def ring_body(
     )
     inside, recover = partial(_inside, brake, grid, rim), partial(_recovered, brake, grid, rim)
     condensed = Condensed(
-        L, np.zeros((FRAME, n)), -load, np.zeros((FRAME, extra)), work, inside, recover
+        L,
+        np.zeros((FRAME, n)),
+        -load,
+        np.zeros((FRAME, extra)),
+        work,
+        inside,
+        recover,
+        LoadColumns((("rim", extra),)),
     )
     held = None
     if free:
