@@ -110,22 +110,13 @@ def ring_body(
         raise NoAnswer(SINGULAR)
     load = turned_rows(A[:extra, extra:], back).T
     work = -A[:extra, :extra]
-    rim = (
-        rim_of(radius + sign * ring.section.thickness, div, grid)
-        if free
-        else np.zeros((2 * grid.N, 0))
-    )
+    rim = np.zeros((2 * grid.N, 0))
+    if free:
+        rim = rim_of(radius + sign * ring.section.thickness, div, grid)
     inside, recover = partial(_inside, brake, grid, rim), partial(_recovered, brake, grid, rim)
-    condensed = Condensed(
-        L,
-        np.zeros((FRAME, n)),
-        -load,
-        np.zeros((FRAME, extra)),
-        work,
-        inside,
-        recover,
-        LoadColumns((("rim", extra),)),
-    )
+    to_frame, on_frame = np.zeros((FRAME, n)), np.zeros((FRAME, extra))
+    named = LoadColumns((("rim", extra),))
+    condensed = Condensed(L, to_frame, -load, on_frame, work, inside, recover, named)
     held = None
     if free:
         held = Free.of(grid, rim, condensed, contact)
