@@ -51,7 +51,7 @@ the other.
 """
 
 
-class Case(NamedTuple):
+class SweepCase(NamedTuple):
     """A brake with some keys changed (as `vary` takes them), the model that answers and its
     options.
     """
@@ -62,7 +62,7 @@ class Case(NamedTuple):
     options: Mapping[str, Any] = {}
 
 
-def respond(case: Case, cache: Cache | None = None) -> tuple[Brake, Response]:
+def respond(case: SweepCase, cache: Cache | None = None) -> tuple[Brake, Response]:
     """The brake of a case and its response; elements and solids take bodies from the cache and put
     theirs there.
 
@@ -85,12 +85,12 @@ class Answer(NamedTuple):
     again: bool = False
 
 
-def solved(case: Case, cache: Cache | None = None) -> Row:
+def solved(case: SweepCase, cache: Cache | None = None) -> Row:
     """The row of a case: its numbers by name (see `row_of`), or why it has none. Never raises."""
     return attempt(case, cache).row
 
 
-def attempt(case: Case, cache: Cache | None = None) -> Answer:
+def attempt(case: SweepCase, cache: Cache | None = None) -> Answer:
     """The answer to a case. Never raises.
 
     Answers and refusals of physics and input last; want of memory, files and workers passes; faults
@@ -165,7 +165,7 @@ def row_of(brake: Brake, response: Response) -> Row:
 
 
 def run(
-    cases: Sequence[Case],
+    cases: Sequence[SweepCase],
     *,
     executor: Executor | None = None,
     workers: int = 1,
@@ -215,7 +215,7 @@ def run(
     return [passing.get(key_of(key)) or journal[key] for key in keys]
 
 
-def keys_of(cases: Iterable[Case]) -> Iterator[dict[str, Any]]:
+def keys_of(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
     """What tells each case from others in a journal: its brake by a digest, its changes, model and
     options.
     """
@@ -258,7 +258,7 @@ def mesh_files(brake: Brake, changes: Mapping[str, Any]) -> list[Path]:
     return [Path(path) for path in named if isinstance(path, str | Path)]
 
 
-def body_key(case: Case) -> str:
+def body_key(case: SweepCase) -> str:
     """Equal for cases that share their bodies: what is changed besides loads, friction, rotation
     and clearance.
     """
@@ -270,7 +270,7 @@ def body_key(case: Case) -> str:
     return json.dumps([others, dict(case.options)], sort_keys=True, default=str)
 
 
-def _in_process(cases: Sequence[Case], missing: Sequence[int]) -> Iterator[tuple[int, Answer]]:
+def _in_process(cases: Sequence[SweepCase], missing: Sequence[int]) -> Iterator[tuple[int, Answer]]:
     bodies = Cache()
     for i in missing:
         yield i, attempt(cases[i], bodies)
@@ -289,7 +289,7 @@ _own = (
 )  # the bodies that a worker keeps; a worker with threads keeps some for each
 
 
-def solve_chunk(cases: Sequence[Case]) -> _Chunk:
+def solve_chunk(cases: Sequence[SweepCase]) -> _Chunk:
     """Solve some cases in a worker."""
     if not hasattr(_own, "cache"):
         _own.cache = Cache()
@@ -306,7 +306,7 @@ def _stamp() -> str:
 def _by(
     executor: Executor,
     workers: int,
-    cases: Sequence[Case],
+    cases: Sequence[SweepCase],
     missing: Sequence[int],
     alone: bool,
     say: Say,
@@ -360,7 +360,7 @@ def _by(
 class _Chunks:
     """Cases by the bodies that they share; a chunk takes a few of one group, or small groups whole."""
 
-    def __init__(self, cases: Sequence[Case], missing: Sequence[int]) -> None:
+    def __init__(self, cases: Sequence[SweepCase], missing: Sequence[int]) -> None:
         self._groups = [list(group) for _, group in groupby(missing, lambda i: body_key(cases[i]))][
             ::-1
         ]

@@ -27,7 +27,7 @@ from drumlin.errors import BadInput, DrumlinError
 from drumlin.fem.mesh.content import mesh_bytes
 from drumlin.foundation.model import lifted
 from drumlin.models import MODELS
-from drumlin.sweeps.cases import Case, mesh_files, names_mesh
+from drumlin.sweeps.cases import SweepCase, mesh_files, names_mesh
 from drumlin.sweeps.options import OPTIONS
 
 DEEPEST = 50  # tables and lists in one another; a sweep file has some six
@@ -111,7 +111,7 @@ class Sweep(NamedTuple):
     title: str
     brake: Brake
     units: dict[str, str | None]
-    cases: list[Case]
+    cases: list[SweepCase]
     pressure: str = "Pa"
 
 
@@ -198,7 +198,9 @@ def sweep_from(
         if reason is not None:
             raise BadInput(f"model.{name}: does not apply to this brake: {reason}")
     cases = [
-        Case(brake, change, name, options) for change in changes for name, options in models.items()
+        SweepCase(brake, change, name, options)
+        for change in changes
+        for name, options in models.items()
     ]
     named = [value for key, spec in specs.items() if names_mesh(key) for value in spec.values or ()]
     meshes = {*mesh_files(brake, {}), *(Path(value) for value in named if isinstance(value, str))}

@@ -11,7 +11,7 @@ from drumlin.brake.file import unit_of
 from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
 from drumlin.files import replacing, write_text
-from drumlin.sweeps.cases import Case, Row, names_mesh
+from drumlin.sweeps.cases import Row, SweepCase, names_mesh
 
 UNITS = {
     "torque": "N m",
@@ -22,7 +22,7 @@ UNITS = {
 
 
 def table(
-    cases: Sequence[Case], rows: Sequence[Row], base: Path | None = None, pressure: str = "Pa"
+    cases: Sequence[SweepCase], rows: Sequence[Row], base: Path | None = None, pressure: str = "Pa"
 ) -> list[Row]:
     """Cases and their rows as one table in SI, columns headed with name and unit:
     "shoe.lining.thickness [m]".

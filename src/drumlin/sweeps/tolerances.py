@@ -18,14 +18,14 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import value_of, vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import prepare
-from drumlin.sweeps.cases import Case, Row
+from drumlin.sweeps.cases import Row, SweepCase
 from drumlin.wear import archard, run_in
 from drumlin.wear.linings import fem_setup
 
 PERCENTILES = (1, 5, 50, 95, 99)
 
 
-class Tolerance(NamedTuple):
+class ManufacturingTolerance(NamedTuple):
     """One deviate: its distribution (of scipy.stats, frozen), and what it adds to keys of the brake
     file.
 
@@ -54,7 +54,7 @@ def between(low: float, high: float) -> Any:
     return uniform(low, high - low)
 
 
-def draw(tolerances: Sequence[Tolerance], n: int, seed: int) -> Floats:
+def draw(tolerances: Sequence[ManufacturingTolerance], n: int, seed: int) -> Floats:
     """Deviates (d + 2, n, d) of the samples A, B, AB_1 ... AB_d: scrambled Sobol' points; n a power
     of 2.
     """
@@ -76,11 +76,11 @@ def draw(tolerances: Sequence[Tolerance], n: int, seed: int) -> Floats:
 
 def cases(
     brake: Brake,
-    tolerances: Sequence[Tolerance],
+    tolerances: Sequence[ManufacturingTolerance],
     deviates: Floats,
     model: str = "fem",
     **options: Any,
-) -> list[Case]:
+) -> list[SweepCase]:
     """The brake with the deviates (..., d) added to its keys, a case each, in their order.
 
     Raises BadInput where a key of every shoe ("shoe.lining.thickness") would undo that of one
@@ -91,7 +91,8 @@ def cases(
     slopes = np.array([[tolerance.moves.get(key, 0.0) for key in keys] for tolerance in tolerances])
     values = np.array([*keys.values()]) + deviates.reshape(-1, len(tolerances)) @ slopes
     return [
-        Case(brake, dict(zip(keys, row, strict=True)), model, options) for row in values.tolist()
+        SweepCase(brake, dict(zip(keys, row, strict=True)), model, options)
+        for row in values.tolist()
     ]
 
 
@@ -158,7 +159,7 @@ class Shares(NamedTuple):
 
 
 def shares(
-    tolerances: Sequence[Tolerance],
+    tolerances: Sequence[ManufacturingTolerance],
     values: Floats,
     *,
     seed: int,
