@@ -241,7 +241,7 @@ def test_jobs_have_bounds(jobs):
 
 
 def test_waiting_is_said_once(brake, monkeypatch):
-    monkeypatch.setattr(sweeps, "QUIET", 0.05)
+    monkeypatch.setattr(sweeps, "QUIET_SECONDS", 0.05)
 
     class Slow(Executor):
         def submit(self, fn, /, cases, **_):
