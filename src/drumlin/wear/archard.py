@@ -50,7 +50,7 @@ from drumlin.lapack import block_diag
 
 GAMMA = 1 - 1 / math.sqrt(2)
 TOLERANCE = 1e-3
-MOST_STEPS = 20_000
+MAX_WEAR_STEPS = 20_000
 GROWTH = 4.0  # largest factor from one step to the next
 ROUNDED = 1e-3  # of the mean pressure: below it an exponent under 1 is rounded off, its slope at p = 0 is infinite
 NEWTON = 1e-11
@@ -198,8 +198,8 @@ def run(
     ds = opening = machines[True].first(state, tolerance)
     turn, fresh = reverse, True
     while state.s < distance * (1 - 1e-12) and not until(state):
-        if len(states) > MOST_STEPS:
-            raise NoAnswer(f"not converged: the wear is not settled after {MOST_STEPS} steps")
+        if len(states) > MAX_WEAR_STEPS:
+            raise NoAnswer(f"not converged: the wear is not settled after {MAX_WEAR_STEPS} steps")
         end = min(distance, turn)
         left = end - state.s
         size = left if ds > 0.999 * left else min(ds, left / 2)  # no crumb at the end

@@ -29,7 +29,7 @@ from drumlin.wear.archard import Footing, WearInterface, from_soft
 B = TypeVar("B", bound=Brake)
 
 
-class Surface(NamedTuple):
+class WornLining(NamedTuple):
     """The lining of shoe `shoe` among the unknowns of its setup.
 
     `part`: its unknowns in all, `local`: in its interface, number `interface`; `theta` (n,) [rad]
@@ -61,7 +61,7 @@ class WearSetup(NamedTuple):
     brake: Brake
     model: str
     interfaces: tuple[WearInterface, ...]
-    surfaces: tuple[Surface, ...]
+    surfaces: tuple[WornLining, ...]
 
     @property
     def stiffness(self) -> float:
@@ -80,7 +80,7 @@ def fem_setup(scene: Scene, brake: Brake, *, penalty: float = math.inf) -> WearS
     """The setup of a brake on a prepared scene of finite elements. Raises NoAnswer where no shoe
     touches.
     """
-    interfaces, surfaces = list[WearInterface](), list[Surface]()
+    interfaces, surfaces = list[WearInterface](), list[WornLining]()
     for group in groups_of(scene, brake, penalty):
         placed = [
             (i, shoe.frame.theta(body.line.phi), body.line.order)
@@ -171,7 +171,7 @@ def foundation_setup(
     names = foundation.lifted(brake, lift)
     touching = [i for i, shoe in enumerate(brake.shoes) if pressing_moment(shoe) > 0]
     together = brake.ring is not None and "own-pressure" in names
-    interfaces, surfaces = list[WearInterface](), list[Surface]()
+    interfaces, surfaces = list[WearInterface](), list[WornLining]()
     for group in [touching] if together and touching else [[i] for i in touching]:
         posts, _, problem = foundation.system(brake, group, sections, names)
         widths = [brake.shoes[i].lining.width for i in group]
@@ -213,14 +213,17 @@ def guided(brake: B) -> B:
 
 
 def _surfaces(
-    brake: Brake, before: Sequence[Surface], interface: int, placed: list[tuple[int, Floats, int]]
-) -> list[Surface]:
+    brake: Brake,
+    before: Sequence[WornLining],
+    interface: int,
+    placed: list[tuple[int, Floats, int]],
+) -> list[WornLining]:
     """The surfaces of an interface's shoes: shoe, theta and order of each."""
     offset, first, found = sum(len(s.theta) for s in before), 0, []
     for i, theta, order in placed:
         n = len(theta)
         found.append(
-            Surface(
+            WornLining(
                 shoe=i,
                 name=brake.shoes[i].name,
                 interface=interface,
@@ -236,7 +239,7 @@ def _surfaces(
 
 
 def _setup(
-    brake: Brake, model: str, interfaces: list[WearInterface], surfaces: list[Surface]
+    brake: Brake, model: str, interfaces: list[WearInterface], surfaces: list[WornLining]
 ) -> WearSetup:
     if not interfaces:
         raise NoAnswer("no contact: no shoe is turned towards the drum, so that nothing wears")

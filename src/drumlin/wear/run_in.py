@@ -25,14 +25,14 @@ from drumlin.response.resultants import gauss_points
 from drumlin.texts import formatted
 from drumlin.wear import archard
 from drumlin.wear.archard import WearLaw, WearState, steady
-from drumlin.wear.linings import Surface, WearSetup, worn_by
+from drumlin.wear.linings import WearSetup, WornLining, worn_by
 
 COEFFICIENT = 1e-14
 """k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings. In units of 1/(k
 E/t) nothing depends on it, nor does the part of life.
 """
 WORN_OUT = 0.8  # part of the lining's thickness that may wear off
-SETTLED = 1e-3
+WEAR_SETTLED = 1e-3
 
 
 class Target(NamedTuple):
@@ -88,7 +88,7 @@ def _held(p: Floats, size: float, torque: float | None) -> Target:
     return Target(p, size) if torque is None else Target(p * torque / size, torque)
 
 
-def _torque(setup: WearSetup, surface: Surface, found: Pressed) -> float:
+def _torque(setup: WearSetup, surface: WornLining, found: Pressed) -> float:
     """The torque [N m] of a lining by the law, on a plane the braking force [N]."""
     brake, lining = setup.brake, setup.brake.shoes[surface.shoe].lining
     theta = rigid.nodes((lining.start, lining.end), found.arcs, rigid.NODES - 1)
@@ -118,14 +118,16 @@ def apart(setup: WearSetup, p: Floats, goal: Floats) -> float:
     return max((a / size for a, size in zip(off, sizes, strict=True) if size), default=0.0)
 
 
-def norm(surface: Surface, values: Floats) -> float:
+def norm(surface: WornLining, values: Floats) -> float:
     """L2 norm over theta of values (n,) by growing theta, without one element at each end."""
     inner = slice(surface.order, len(values) - surface.order)
     _, v, w = gauss_points(surface.angles[inner], values[inner], surface.order)
     return math.sqrt(float((v**2 * w).sum()))
 
 
-def settled(setup: WearSetup, goal: Target, within: float = SETTLED) -> Callable[[WearState], bool]:
+def settled(
+    setup: WearSetup, goal: Target, within: float = WEAR_SETTLED
+) -> Callable[[WearState], bool]:
     """Whether p and torque of a state are within a fraction of the target.
 
     The target must be `discrete_end`: wear on a mesh does not come nearer to the law than that.
@@ -280,7 +282,7 @@ def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Check
     )
 
 
-def _integral(surface: Surface, values: Floats) -> float:
+def _integral(surface: WornLining, values: Floats) -> float:
     _, v, w = gauss_points(surface.angles, values, surface.order)
     return float((v * w).sum())
 
@@ -374,11 +376,11 @@ def report_lines(
 
 
 def _mesh_line(setup: WearSetup, goal: Target, law: WearLaw) -> list[str]:
-    """A line on how far wear on this mesh ends from the law, where that is over SETTLED."""
+    """A line on how far wear on this mesh ends from the law, where that is over WEAR_SETTLED."""
     own = discrete_end(setup, law)
     factor = goal.torque / own.torque if own.torque else 1.0
     off = apart(setup, own.pressure * factor, goal.pressure)
-    if off <= SETTLED:
+    if off <= WEAR_SETTLED:
         return []
     return [
         f"p at the end of wear is {formatted(off, '.2%')} off the law on this mesh, for the law presses a part of a "
