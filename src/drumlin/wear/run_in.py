@@ -35,14 +35,14 @@ WORN_OUT = 0.8  # part of the lining's thickness that may wear off
 WEAR_SETTLED = 1e-3
 
 
-class Target(NamedTuple):
+class WearTarget(NamedTuple):
     """What wear tends to: pressure (n,) [Pa] of all unknowns, torque [N m]."""
 
     pressure: Floats
     torque: float
 
 
-def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = None) -> Target:
+def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = None) -> WearTarget:
     """The law that wear tends to: p = (approach . y)^(1/m) >= 0, as all points wear as their shoe
     moves.
 
@@ -68,7 +68,7 @@ def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = 
 
 def discrete_end(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
-) -> Target:
+) -> WearTarget:
     """The end of wear on the mesh or the sections of a setup.
 
     It differs from the law where the law presses a part of a lining only, for that part ends
@@ -84,8 +84,8 @@ def discrete_end(
     return _held(p, size, torque)
 
 
-def _held(p: Floats, size: float, torque: float | None) -> Target:
-    return Target(p, size) if torque is None else Target(p * torque / size, torque)
+def _held(p: Floats, size: float, torque: float | None) -> WearTarget:
+    return WearTarget(p, size) if torque is None else WearTarget(p * torque / size, torque)
 
 
 def _torque(setup: WearSetup, surface: WornLining, found: Pressed) -> float:
@@ -96,7 +96,7 @@ def _torque(setup: WearSetup, surface: WornLining, found: Pressed) -> float:
     return float(brake.friction * lining.width * brake.scale_factor**2 * (p * weight).sum())
 
 
-class Distance(NamedTuple):
+class TargetDistance(NamedTuple):
     """How far a state is from the target: of p (L2, the worst lining's, without one element at each
     end), of torque.
     """
@@ -105,10 +105,10 @@ class Distance(NamedTuple):
     torque: float
 
 
-def distance(setup: WearSetup, state: WearState, goal: Target) -> Distance:
+def distance(setup: WearSetup, state: WearState, goal: WearTarget) -> TargetDistance:
     """The relative distances of a state from the target."""
     worst = apart(setup, state.pressure, goal.pressure)
-    return Distance(worst, state.torque / goal.torque - 1 if goal.torque else 0.0)
+    return TargetDistance(worst, state.torque / goal.torque - 1 if goal.torque else 0.0)
 
 
 def apart(setup: WearSetup, p: Floats, goal: Floats) -> float:
@@ -126,7 +126,7 @@ def norm(surface: WornLining, values: Floats) -> float:
 
 
 def settled(
-    setup: WearSetup, goal: Target, within: float = WEAR_SETTLED
+    setup: WearSetup, goal: WearTarget, within: float = WEAR_SETTLED
 ) -> Callable[[WearState], bool]:
     """Whether p and torque of a state are within a fraction of the target.
 
@@ -207,7 +207,7 @@ def check_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
         )
 
 
-class Life(NamedTuple):
+class LiningLife(NamedTuple):
     """The sliding distance [m] at which a lining is worn out, and the parts of it after which p and
     torque stay within `within` of the law; above 1: they never come there.
     """
@@ -220,11 +220,11 @@ class Life(NamedTuple):
 def life(
     setup: WearSetup,
     states: Sequence[WearState],
-    goal: Target,
+    goal: WearTarget,
     law: WearLaw,
     within: float = 0.01,
     part: float = WORN_OUT,
-) -> Life:
+) -> LiningLife:
     """How much of a lining's life is spent away from the law.
 
     The life ends where the deepest wear of a lining reaches `part` of its thickness; beyond the
@@ -242,10 +242,12 @@ def life(
             end = min(end, states[-1].s + (allowed - deepest[-1]) / rate)
     s, far = [state.s for state in states], [distance(setup, state, goal) for state in states]
     pressure = archard.last_beyond(s, [d.pressure for d in far], within)
-    return Life(end, pressure / end, archard.last_beyond(s, [d.torque for d in far], within) / end)
+    return LiningLife(
+        end, pressure / end, archard.last_beyond(s, [d.torque for d in far], within) / end
+    )
 
 
-class Checks(NamedTuple):
+class RunChecks(NamedTuple):
     """Balances of a run, relative: its worn volume against the integral of the wear rate (k Int Int
     p dA ds), and that of the worn shape over the round lining against the energy, V = k W/mu.
 
@@ -259,7 +261,7 @@ class Checks(NamedTuple):
     ripple: float | None
 
 
-def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Checks:
+def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> RunChecks:
     """The balances and the checkerboard of a run."""
     end, brake = states[-1], setup.brake
     area = np.concatenate([interface.area for interface in setup.interfaces])
@@ -277,7 +279,7 @@ def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> Check
         archard.ripple(s.along(state.pressure)) for state in states[1:] for s in setup.surfaces
     ]
     seen = [ripple for ripple in ripples if not math.isnan(ripple)]
-    return Checks(
+    return RunChecks(
         abs(float(area @ end.depth) - end.removed) / scale, by_energy, max(seen, default=None)
     )
 
@@ -301,7 +303,7 @@ def peak(setup: WearSetup, state: WearState) -> float:
 
 
 def as_dict(
-    setup: WearSetup, states: Sequence[WearState], goal: Target, law: WearLaw
+    setup: WearSetup, states: Sequence[WearState], goal: WearTarget, law: WearLaw
 ) -> dict[str, Any]:
     """A run as plain data for JSON: SI; values of each lining by growing theta."""
 
@@ -335,7 +337,7 @@ def as_dict(
 
 
 def report_lines(
-    setup: WearSetup, states: Sequence[WearState], goal: Target, law: WearLaw, lines: int = 24
+    setup: WearSetup, states: Sequence[WearState], goal: WearTarget, law: WearLaw, lines: int = 24
 ) -> list[str]:
     """A run as lines of text: some of its states, evenly spread, then what became of it."""
     unit, surface = unit_distance(setup, law), setup.brake.surface
@@ -375,7 +377,7 @@ def report_lines(
     return said
 
 
-def _mesh_line(setup: WearSetup, goal: Target, law: WearLaw) -> list[str]:
+def _mesh_line(setup: WearSetup, goal: WearTarget, law: WearLaw) -> list[str]:
     """A line on how far wear on this mesh ends from the law, where that is over WEAR_SETTLED."""
     own = discrete_end(setup, law)
     factor = goal.torque / own.torque if own.torque else 1.0
