@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.brake.brake import Brake
-from drumlin.comparison import Column, Comparison, as_csv, columns_of, compare
+from drumlin.comparison import Comparison, TableColumn, as_csv, columns_of, compare
 from drumlin.errors import NoAnswer
 from drumlin.fem.finite_width import finite_width
 from drumlin.files import write_text
@@ -23,7 +23,7 @@ class Written(NamedTuple):
     table: list[dict[str, Any]]
     notes: list[str]
     page: Path
-    columns: tuple[Column, ...]
+    columns: tuple[TableColumn, ...]
 
 
 def panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:

@@ -21,7 +21,7 @@ import latex2mathml.converter
 from markupsafe import Markup
 
 import drumlin
-from drumlin.comparison import Column
+from drumlin.comparison import TableColumn
 from drumlin.files import write_text
 from drumlin.texts import formatted, typed
 
@@ -45,12 +45,12 @@ def embedded(path: Path) -> str:
     return f"data:{_MEDIA[path.suffix]};base64,{base64.b64encode(path.read_bytes()).decode()}"
 
 
-def filled(rows: Sequence[dict[str, Any]], columns: Sequence[Column]) -> list[Column]:
+def filled(rows: Sequence[dict[str, Any]], columns: Sequence[TableColumn]) -> list[TableColumn]:
     """The columns that some row fills."""
     return [column for column in columns if any(row.get(column.key) is not None for row in rows)]
 
 
-def of_words(rows: Sequence[dict[str, Any]], column: Column) -> bool:
+def of_words(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
     """Whether a column holds words, and its heading stands on their side."""
     return any(isinstance(row.get(column.key), str) for row in rows)
 
@@ -91,7 +91,7 @@ def fill(template: Path, page: Path, **values: Any) -> Path:
         "embedded": lambda name: embedded(page.parent / name),
         "filled": filled,
         "of_words": of_words,
-        "Column": Column,
+        "Column": TableColumn,
         "pi": math.pi,
     }
     text = environment.get_template(template.name).render(
