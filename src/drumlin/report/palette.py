@@ -15,7 +15,7 @@ CATEGORIES = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK)
 FAINT = "#5b6875"
 """The colour of axes and notes; not of curves."""
 
-PALE = "#e9d8c3"
+SHADE = "#e9d8c3"
 """The colour of shaded ground; not of curves."""
 
 GRADES = ("#2166ac", "#92c5de", "#f7e3b0", "#d6604d")
