@@ -1,5 +1,6 @@
 """The public door: what `import drumlin` offers, and that importing it does nothing else."""
 
+import importlib
 import json
 import subprocess
 import sys
@@ -39,6 +40,27 @@ def test_importing_it_loads_nothing_and_changes_nothing():
         "skfem",
         "matplotlib",
     }
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "name"),
+    [
+        ("drumlin.errors", "drumlin.base.errors", "BadInput"),
+        ("drumlin.fem.assembly", "drumlin.fem.preparation.assembly", "prepare"),
+        ("drumlin.fem.group", "drumlin.fem.equilibrium.group", "groups_of"),
+        ("drumlin.fem.self_locking", "drumlin.fem.analysis.self_locking", "limits"),
+        ("drumlin.fem.sensitivity", "drumlin.fem.analysis.sensitivity", "sensitivity"),
+    ],
+)
+def test_a_module_that_has_moved_answers_by_its_old_name_with_a_warning(old, new, name):
+    moved = importlib.import_module(old)
+    with pytest.warns(DeprecationWarning, match=f"{old} has moved to {new}") as said:
+        found = getattr(moved, name)
+    assert found is getattr(importlib.import_module(new), name)
+    # The warning points to the line that asks, not into drumlin.
+    assert said[0].filename == __file__
+    with pytest.raises(AttributeError, match="nonsense"):
+        moved.nonsense  # noqa: B018
 
 
 def test_a_path_may_be_a_text_and_a_response_carries_its_figures_of_merit(root):

@@ -12,8 +12,8 @@ from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.fem.mesh.grading import graded
 from drumlin.response.resultants import integrate
-from drumlin.verification import closed_forms
-from drumlin.verification.two_bodies import (
+from drumlin_studies import closed_forms
+from drumlin_studies.two_bodies import (
     STEEL,
     Pair,
     body,
@@ -234,8 +234,8 @@ def test_lame_ring_under_inner_pressure():
     """a = .1, b = .2 m, p = 60 MPa inside, E = 200 GPa, nu = .3: u(a) = 5.90e-5, u(b) = 4.00e-5 m."""
     from scipy.sparse.linalg import spsolve
 
-    from drumlin.fem.body import scalar_basis, stiffness
-    from drumlin.fem.interface import contact_line, couple, radial
+    from drumlin.fem.substructure.body import scalar_basis, stiffness
+    from drumlin.fem.substructure.interface import contact_line, couple, radial
 
     mesh = closed(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis = scalar_basis(mesh)

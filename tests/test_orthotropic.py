@@ -13,6 +13,7 @@ from scipy.sparse.linalg import spsolve
 
 import drumlin
 from conftest import ROOT, STUDY
+from drumlin.base.errors import BadInput
 from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
 from drumlin.brake.fields import Material, Orthotropic
 from drumlin.brake.file import brake_from, validated, vary
@@ -20,23 +21,22 @@ from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.schema import brake_schema
 from drumlin.brake.writing import brake_text
 from drumlin.comparison import compare
-from drumlin.errors import BadInput
 from drumlin.explore.knobs import knobs_of
-from drumlin.fem.assembly import Cache
-from drumlin.fem.body import scalar_basis, stiffness
-from drumlin.fem.fields import fields
-from drumlin.fem.hp import scene as hp
+from drumlin.fem.analysis.fields import fields
+from drumlin.fem.analysis.sensitivity import as_text, sensitivity
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.corner import corner_power, orthotropic_corner_power, powers_of
-from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.sensitivity import as_text, sensitivity
+from drumlin.fem.preparation import scene as hp
+from drumlin.fem.preparation.assembly import Cache
 from drumlin.fem.solve import scene_of, solve
+from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.models import MODELS, applicable, pick, refusals
 from drumlin.peers import calculix, getfem, missing
-from drumlin.verification.consistency_slopes import ALLOWED, Divided, difference, slopes_of
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import placed, random_kind
-from drumlin.verification.stated_true import by_triangles
+from drumlin_studies.consistency_slopes import ALLOWED, Divided, difference, slopes_of
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import placed, random_kind
+from drumlin_studies.stated_true import by_triangles
 
 MAIN = read_any(STUDY / "brake.toml")
 FLEXIBLE = read_any(STUDY / "flexible.toml")

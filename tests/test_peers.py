@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 from drumlin import peers
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import edge_of
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
 from drumlin.peers.deck import BEARING, Setting, deck, drum_angles
 from drumlin.peers.peer import loaded_shoes
 from drumlin.response.norms import pressure_distance
-from drumlin.verification.brake_kinds import both_ways
-from drumlin.verification.random_kinds import KINDS, random_kind
+from drumlin_studies.brake_kinds import both_ways
+from drumlin_studies.random_kinds import KINDS, random_kind
 
 STUDIES = Path(__file__).parents[1] / "studies"
 MAIN = read_brake(STUDIES / "double_shoe" / "brake.toml")

@@ -9,21 +9,22 @@ import numpy as np
 import pytest
 
 from conftest import partly
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
-from drumlin.fem.hp.adapt import Tolerance, adapt, seen
-from drumlin.fem.hp.estimate import FACTORS, ROUND_OFF, SOFTER, Errors, beside, estimate
-from drumlin.fem.hp.levels import LEVELS as COLUMNS
-from drumlin.fem.hp.levels import Step, steps
-from drumlin.fem.hp.scene import scene
+from drumlin.fem.error_control.adapt import Tolerance, adapt, seen
+from drumlin.fem.error_control.estimate import FACTORS, ROUND_OFF, SOFTER, Errors, beside, estimate
+from drumlin.fem.error_control.levels import LEVELS as COLUMNS
+from drumlin.fem.error_control.levels import Step, steps
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.scene import scene
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import NONE, Change, reaction_size
 from drumlin.response.resultants import cross, integrate
-from drumlin.verification import stated_true
-from drumlin.verification.random_brake import KINDS, random_brake
-from drumlin.verification.stated_true import (
+from drumlin.verification.triangles import Level, sequence
+from drumlin_studies import stated_true
+from drumlin_studies.random_brake import KINDS, random_brake
+from drumlin_studies.stated_true import (
     QUANTITIES,
     Truth,
     by_columns,
@@ -33,7 +34,6 @@ from drumlin.verification.stated_true import (
     row,
     summary,
 )
-from drumlin.verification.triangles import Level, sequence
 
 LEVELS = (Level(3, 5, 1.4, 1.0), Level(4, 7, 1.2, 1.0))
 

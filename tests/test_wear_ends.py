@@ -9,12 +9,10 @@ import drumlin
 from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
-from drumlin.verification import consistency_wear
-from drumlin.verification.random_kinds import random_kind
 from drumlin.wear.archard import WearLaw, run, run_on, steady
 from drumlin.wear.linings import fem_setup
 from drumlin.wear.run_in import (
@@ -27,6 +25,8 @@ from drumlin.wear.run_in import (
     worn,
 )
 from drumlin.wear.worn_in import worn_in
+from drumlin_studies import consistency_wear
+from drumlin_studies.random_kinds import random_kind
 from winkler_lining import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler
 
 ARCHARD = WearLaw(COEFFICIENT)

@@ -20,11 +20,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from drumlin.base.errors import BadInput, NoAnswer
     from drumlin.brake import read_any as read_brake
     from drumlin.brake import vary
     from drumlin.brake.brake import Brake
     from drumlin.comparison import compare
-    from drumlin.errors import BadInput, NoAnswer
     from drumlin.models import solve
     from drumlin.response import Response
     from drumlin.sweeps.run import sweep
@@ -45,9 +45,9 @@ __all__ = [
 ]
 
 _PLACES = {
-    "BadInput": ("drumlin.errors", "BadInput"),
+    "BadInput": ("drumlin.base.errors", "BadInput"),
     "Brake": ("drumlin.brake", "Brake"),
-    "NoAnswer": ("drumlin.errors", "NoAnswer"),
+    "NoAnswer": ("drumlin.base.errors", "NoAnswer"),
     "Response": ("drumlin.response", "Response"),
     "compare": ("drumlin.comparison", "compare"),
     "read_brake": ("drumlin.brake", "read_any"),

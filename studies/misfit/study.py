@@ -13,15 +13,15 @@ import numpy as np
 from studies.misfit import figures
 from studies.misfit.tolerances import assumed, nominal
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.files import write_text
+from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import ground_to, set_off
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
-from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond
-from drumlin.files import write_text
-from drumlin.journal import Journal
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.laws import sine
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
@@ -39,10 +39,10 @@ from drumlin.sweeps.tolerances import (
     shares,
 )
 from drumlin.sweeps.workers import executor
-from drumlin.verification import misfit_rows
-from drumlin.verification.misfit_rows import QUANTITIES, STATES, Drawn
 from drumlin.wear.run_in import COEFFICIENT
 from drumlin.wear.worn_in import worn_in
+from drumlin_studies import misfit_rows
+from drumlin_studies.misfit_rows import QUANTITIES, STATES, Drawn
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"

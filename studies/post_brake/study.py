@@ -14,18 +14,18 @@ import numpy as np
 from studies.post_brake import figures
 
 from drumlin import foundation
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import COLUMNS, Comparison, as_csv, run
-from drumlin.fem.assembly import prepare
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.fem.solve import solve
-from drumlin.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.comparison import draw_fields, panels, results_json
 from drumlin.report.page import fill
 from drumlin.response.norms import relative
-from drumlin.verification import post_brake_rows as post
-from drumlin.verification.post_brake_rows import ALL, MODELS, Curve, ErrorMap, Merits, Offsets
+from drumlin_studies import post_brake_rows as post
+from drumlin_studies.post_brake_rows import ALL, MODELS, Curve, ErrorMap, Merits, Offsets
 
 HERE = Path(__file__).parent
 MERITS = {

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 
 from drumlin.report.figures import STYLE, key, mark_cut
 from drumlin.report.palette import BLUE, INK, RED
-from drumlin.verification.run_in_limits import Board, Reversals, Run
 from drumlin.wear.archard import at
 from drumlin.wear.linings import WornLining
 from drumlin.wear.run_in import peak
+from drumlin_studies.run_in_limits import Board, Reversals, Run
 
 NEW, LATE, LAW = BLUE, INK, RED
 DISTANCE = "sliding distance s k K"

@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 from PIL import Image
 from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 
-from drumlin.files import replacing
+from drumlin.base.files import replacing
 from drumlin.report.figures import STYLE
-from drumlin.verification.run_in_limits import Frame, Run
 from drumlin.wear.linings import WearSetup
 from drumlin.wear.run_in import peak
+from drumlin_studies.run_in_limits import Frame, Run
 
 
 def film(one: Run, frames: Sequence[Frame], path: Path) -> Path:

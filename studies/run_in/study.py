@@ -9,19 +9,19 @@ from typing import Any
 from studies.run_in import figures
 from studies.run_in.film import film
 
+from drumlin.base.errors import BadInput
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import prepare
-from drumlin.files import write_text
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
-from drumlin.verification import run_in_limits as limits
-from drumlin.verification.run_in_limits import Board, Frame, Reversals, Run
 from drumlin.wear.linings import fem_setup
 from drumlin.wear.run_in import distance
+from drumlin_studies import run_in_limits as limits
+from drumlin_studies.run_in_limits import Board, Frame, Reversals, Run
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
+from drumlin.base.errors import BadInput
+from drumlin.base.texts import typed
 from drumlin.cli.options import BrakeFile, Elements, Penalty, fem_options
 from drumlin.cli.terminal import busy, tell
-from drumlin.errors import BadInput
-from drumlin.texts import typed
 
 
 def cost(
@@ -66,9 +66,9 @@ def reference(
     """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two
     codes.
     """
+    from drumlin.base.files import check_outputs
     from drumlin.brake.file import toml_text
     from drumlin.brake.plane_brake import read_any
-    from drumlin.files import check_outputs
     from drumlin.verification.reference import reference as make
     from drumlin.verification.reference_file import as_dict, write_values
 

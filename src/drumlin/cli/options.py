@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drumlin.errors import BadInput
+from drumlin.base.errors import BadInput
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
@@ -34,7 +34,7 @@ def fem_options(
 ) -> dict[str, Any]:
     """The options of the finite elements that were given. Raises BadInput for what they cannot be."""
     if elements is not None:
-        from drumlin.fem.assembly import MOST_ELEMENTS
+        from drumlin.fem.preparation.assembly import MOST_ELEMENTS
 
         if not 1 <= elements <= MOST_ELEMENTS:
             raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")
@@ -56,7 +56,7 @@ def for_width(brake: "Brake", wanted: bool) -> tuple["Brake", list[str]]:
     """
     if not wanted:
         return brake, []
-    from drumlin.fem.finite_width import finite_width, said
+    from drumlin.fem.preparation.finite_width import finite_width, said
 
     other = finite_width(brake)
     return other, [said(brake, other)]

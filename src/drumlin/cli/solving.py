@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.cli.answer import print_response
 from drumlin.cli.options import (
     BrakeFile,
@@ -19,7 +20,6 @@ from drumlin.cli.options import (
     for_width,
 )
 from drumlin.cli.terminal import Column, busy, note, print_columns, print_table, tell
-from drumlin.errors import BadInput, NoAnswer
 
 OPTIONS = {  # model -> its own options
     "fem": ("elements", "kind", "penalty", "tolerance", "finite-width"),
@@ -73,8 +73,8 @@ def solve(
     ] = False,
 ) -> None:
     """Solve a brake, or several, by one model."""
+    from drumlin.base.files import check_outputs, write_json, write_text
     from drumlin.brake.plane_brake import read_any
-    from drumlin.files import check_outputs, write_json, write_text
     from drumlin.models import pick
 
     brakes = [read_any(brake_file) for brake_file in brake_files]
@@ -130,9 +130,9 @@ def compare(
     finite_width: FiniteWidth = False,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
+    from drumlin.base.files import check_folder
     from drumlin.brake.file import toml_text
     from drumlin.brake.plane_brake import read_any
-    from drumlin.files import check_folder
     from drumlin.report.comparison import write_comparison
 
     text = toml_text(brake_file)
@@ -174,13 +174,13 @@ def hold(
     """
     import numpy as np
 
+    from drumlin.base.files import check_outputs, write_json
+    from drumlin.base.texts import formatted
     from drumlin.brake.plane_brake import read_any
     from drumlin.brake.units import quantity
-    from drumlin.fem.holding import as_dict, full_slip_rotation
-    from drumlin.fem.holding import hold as turn
+    from drumlin.fem.analysis.holding import as_dict, full_slip_rotation
+    from drumlin.fem.analysis.holding import hold as turn
     from drumlin.fem.solve import scene_of
-    from drumlin.files import check_outputs, write_json
-    from drumlin.texts import formatted
 
     brake, wide = for_width(read_any(brake_file), finite_width)
     brake.check_meshable()
@@ -228,11 +228,11 @@ def sensitivity(
     """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the
     elastic brake.
     """
+    from drumlin.base.files import check_outputs, write_json
     from drumlin.brake.plane_brake import read_any
-    from drumlin.fem.sensitivity import as_text
-    from drumlin.fem.sensitivity import sensitivity as slopes
+    from drumlin.fem.analysis.sensitivity import as_text
+    from drumlin.fem.analysis.sensitivity import sensitivity as slopes
     from drumlin.fem.solve import scene_of
-    from drumlin.files import check_outputs, write_json
 
     brake = read_any(brake_file)
     check_outputs(json_file)
@@ -292,9 +292,9 @@ def wear(
     """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe
     law.
     """
+    from drumlin.base.files import check_outputs, write_json
     from drumlin.brake.plane_brake import read_any
     from drumlin.brake.units import quantity
-    from drumlin.files import check_outputs, write_json
     from drumlin.wear.archard import WearLaw
     from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
     from drumlin.wear.linings import guided as on_guides

@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
+from drumlin.base.errors import NoAnswer, Stopped
 from drumlin.cli.terminal import busy, note, progress, progress_if_long, tell
-from drumlin.errors import NoAnswer, Stopped
 
 
 def study(
@@ -40,8 +40,8 @@ def sweep(
     """
     from collections import Counter
 
-    from drumlin.files import check_outputs
-    from drumlin.journal import Journal, source_stamp
+    from drumlin.base.files import check_outputs
+    from drumlin.base.journal import Journal, source_stamp
     from drumlin.sweeps.cases import run
     from drumlin.sweeps.file import read_sweep
     from drumlin.sweeps.table import check_output, table, write_table

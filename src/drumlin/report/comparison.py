@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drumlin.base.errors import NoAnswer
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.comparison import Comparison, Outcome, TableColumn, as_csv, columns_of, compare
-from drumlin.errors import NoAnswer
-from drumlin.fem.finite_width import finite_width
-from drumlin.files import write_text
+from drumlin.fem.preparation.finite_width import finite_width
 from drumlin.models import refusals
 from drumlin.report import figures
 from drumlin.report.page import fill, versions
@@ -67,7 +67,7 @@ def draw_fields(
     None, or the reason why there is no picture, such as a machine without off-screen rendering
     """
     # These imports are heavy, and most commands draw no fields.
-    from drumlin.fem.fields import fields, ring_fields, write_vtu  # noqa: PLC0415
+    from drumlin.fem.analysis.fields import fields, ring_fields, write_vtu  # noqa: PLC0415
     from drumlin.fem.solve import scene_of  # noqa: PLC0415
     from drumlin.report.render import render  # noqa: PLC0415
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.errors import ended
+from drumlin.base.errors import ended
 from drumlin.report.render import STRESS_TITLE, picture_by
 
 LARGEST_DISPLACEMENT = 0.05

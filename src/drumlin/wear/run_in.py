@@ -13,15 +13,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake
 from drumlin.brake.units import mm
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
 from drumlin.laws.rigid import Pressed
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
-from drumlin.texts import formatted
 from drumlin.wear import archard
 from drumlin.wear.archard import WearLaw, WearState, steady
 from drumlin.wear.linings import WearSetup, WornLining, worn_by
