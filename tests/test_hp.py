@@ -40,7 +40,7 @@ from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import Inside, largest, lobatto
-from drumlin.sweeps.cases import Case, solved
+from drumlin.sweeps.cases import SweepCase, solved
 from drumlin.wear.worn_in import solve as solve_worn_in
 from drumlin_studies.random_brake import random_brake
 
@@ -788,7 +788,7 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
 
 
 def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
-    cases = [Case(brake, {"friction": mu}) for mu in (0.3, 0.3001, 0.3002)]
+    cases = [SweepCase(brake, {"friction": mu}) for mu in (0.3, 0.3001, 0.3002)]
     rows = [solved(case, cache) for cache in [Cache()] for case in cases]
     assert all(
         0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque

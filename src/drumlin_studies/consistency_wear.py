@@ -24,7 +24,7 @@ from drumlin.fem.solve import scene_of
 from drumlin.response import Response
 from drumlin.wear.archard import WearLaw, WearState, run_on
 from drumlin.wear.linings import WearSetup, fem_setup
-from drumlin.wear.run_in import COEFFICIENT, SETTLED, apart, run_in, target, worn
+from drumlin.wear.run_in import COEFFICIENT, WEAR_SETTLED, apart, run_in, target, worn
 from drumlin.wear.worn_in import worn_in
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
@@ -42,8 +42,8 @@ their number squared where the law presses part of the lining, and faster elsewh
 LAW_PRESSURE = 0.02
 """The same of the pressure in L2. At the end of its contact the law has a kink within an
 element."""
-END_REACHED = 1.1 * SETTLED
-"""The same of the end of wear and its limit: SETTLED, and a little for the mesh and the penalty."""
+END_REACHED = 1.1 * WEAR_SETTLED
+"""The same of the end of wear and its limit: WEAR_SETTLED, and a little for the mesh and the penalty."""
 
 TRUE_REASONS = ("small displacements hold up to", "without its ever touching", "lost digits")
 """Parts of lines that refuse one way only and tell why. The first two: linings set up as worn in

@@ -32,7 +32,7 @@ from drumlin.wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ri
 from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup, guided
 from drumlin.wear.run_in import (
     COEFFICIENT,
-    Target,
+    WearTarget,
     checks,
     distance,
     life,
@@ -56,7 +56,7 @@ class Run:
     name: str
     setup: WearSetup
     states: list[WearState]
-    goal: Target
+    goal: WearTarget
     unit: float
 
     def distances(self) -> list[float]:

@@ -26,7 +26,7 @@ def sweep(path: Path | str, *, jobs: int = 1) -> list[Row]:
     BadInput
         for a file that cannot be read or is no sweep, in one line
     """
-    made = read_sweep(Path(path))
+    prepared = read_sweep(Path(path))
     with executor(jobs) as (pool, workers):
-        rows = run(made.cases, executor=pool, workers=workers)
-    return table(made.cases, rows, Path(path).parent.resolve(), made.pressure)
+        rows = run(prepared.cases, executor=pool, workers=workers)
+    return table(prepared.cases, rows, Path(path).parent.resolve(), prepared.pressure)
