@@ -17,46 +17,50 @@ from drumlin.brake.file import brake_from, vary
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, sine
 
-COARSE = 4  # elements of the mesh that shows whether a brake has an answer without friction
-TRIED = 16  # and of that which shows whether it has one with its own
-BELOW = 0.7  # of the friction at which the sine law locks, that a brake has at most
-MARGIN = 1.2  # of its friction up to which the elastic brake must have an answer too
-ATTEMPTS = 400
+FRICTIONLESS_ELEMENTS = (
+    4  # elements of the mesh that shows whether a brake has an answer without friction
+)
+SHAPE_TRIAL_ELEMENTS = 16  # and of that which shows whether it has one with its own
+BELOW_LOCKING = 0.7  # of the friction at which the sine law locks, that a brake has at most
+SHAPE_FRICTION_MARGIN = 1.2  # of its friction up to which the elastic brake must have an answer too
+SHAPE_ATTEMPTS = 400
 
 Draw = Callable[[np.random.Generator], dict[str, Any]]
 
 
 def random_brake(seed: int, kind: str | None = None) -> Brake:
-    """The brake of a seed; `kind`: one of KINDS, by default seed modulo their number, or of WAYS.
+    """The brake of a seed; `kind`: one of SHAPE_KINDS, by default seed modulo their number, or of LOCKING_KINDS.
 
-    Every shoe is pressed, and friction is 0 or below what locks. Of WAYS: one shoe, "locking" where
+    Every shoe is pressed, and friction is 0 or below what locks. Of LOCKING_KINDS: one shoe, "locking" where
     the sine law locks below mu = 1.5, "opposed" where it never does, with friction left to the
     caller.
     """
-    if kind in WAYS:
+    if kind in LOCKING_KINDS:
         return _one_shoe(seed, str(kind))
-    names = list(KINDS)
+    names = list(SHAPE_KINDS)
     kind = names[seed % len(names)] if kind is None else kind
-    for attempt in range(ATTEMPTS):
+    for attempt in range(SHAPE_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
-        data = KINDS[kind](rng)
+        data = SHAPE_KINDS[kind](rng)
         mu, rotation = rng.uniform(0.02, 0.6), str(rng.choice(["clockwise", "counter-clockwise"]))
         data |= {"title": f"random {kind} {seed}", "rotation": rotation, "friction": 0.1}
         without = rng.random() < 0.12
         try:
             brake = brake_from(data)
             lock = min(locking_friction(brake, shoe) for shoe in brake.shoes)
-            friction = 0.0 if without else min(mu, BELOW * lock)
+            friction = 0.0 if without else min(mu, BELOW_LOCKING * lock)
             brake = vary(brake, {"friction": float(f"{friction:.4g}")})
-            if _pressed(brake, MARGIN) and _pressed(brake, 1.0):
+            if _pressed(brake, SHAPE_FRICTION_MARGIN) and _pressed(brake, 1.0):
                 return brake
         except (BadInput, NoAnswer):
             continue
-    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {ATTEMPTS} attempts")
+    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {SHAPE_ATTEMPTS} attempts")
 
 
 def _pressed(brake: Brake, margin: float) -> bool:
-    response = solve(vary(brake, {"friction": margin * brake.friction}), elements=TRIED)
+    response = solve(
+        vary(brake, {"friction": margin * brake.friction}), elements=SHAPE_TRIAL_ELEMENTS
+    )
     return all(shoe.contact_arcs for shoe in response.shoes)
 
 
@@ -120,9 +124,12 @@ def _arc_shoe(
     if body:
         over = [gap * u(0.1, 0.9), u(0.005, 0.12)][::hand]
         shoe["body"] = {
-            "thickness": R * _log(rng, *depth), "width": width * _log(rng, -0.8, 0.2),
-            "start": start - over[0], "end": end + over[1], "material": _material(rng, *E_body),
-        }  # fmt: skip
+            "thickness": R * _log(rng, *depth),
+            "width": width * _log(rng, -0.8, 0.2),
+            "start": start - over[0],
+            "end": end + over[1],
+            "material": _material(rng, *E_body),
+        }
     shoe["actuation"]["force"] = _force(rng, shoe, R)
     return shoe
 
@@ -163,14 +170,22 @@ def _post(rng: np.random.Generator, R: float) -> dict[str, Any]:
         "name": "shoe",
         "side": "external",
         "hinge": point(-foot),
-        "lining": {"start": start, "end": end, "thickness": t, "width": width, "material": _material(rng, 7.7, 9.3)},
+        "lining": {
+            "start": start,
+            "end": end,
+            "thickness": t,
+            "width": width,
+            "material": _material(rng, 7.7, 9.3),
+        },
         "backing": {"thickness": 0.2 * R, "material": _material(rng, 8.5, 11.0)},
         "body": {
-            "shape": "beam", "thickness": depth, "width": width * _log(rng, -0.9, 0.2),
+            "shape": "beam",
+            "thickness": depth,
+            "width": width * _log(rng, -0.9, 0.2),
             "material": _material(rng, 9.8, 11.4),
         },
         "actuation": {"direction": turn + math.pi + u(-0.4, 0.4), "point": point(far)},
-    }  # fmt: skip
+    }
     shoe["actuation"]["force"] = _force(rng, shoe, R)  # type: ignore[index]
     return shoe
 
@@ -315,13 +330,19 @@ def _extreme(rng: np.random.Generator) -> dict[str, Any]:
     """Stiffnesses, thicknesses and arcs far apart."""
     R = _radius(rng)
     shoe = _arc_shoe(
-        rng, R, backing=rng.random() < 0.4, arc=(0.02, 2.85), lining=(-3.0, -0.48), E=(6.0, 12.0), E_body=(7.0, 13.0),
+        rng,
+        R,
+        backing=rng.random() < 0.4,
+        arc=(0.02, 2.85),
+        lining=(-3.0, -0.48),
+        E=(6.0, 12.0),
+        E_body=(7.0, 13.0),
         depth=(-2.5, -0.5),
-    )  # fmt: skip
+    )
     return {"drum": {"radius": R}, "shoe": [shoe]}
 
 
-KINDS: dict[str, Draw] = {
+SHAPE_KINDS: dict[str, Draw] = {
     "arc": _arc,
     "backed": _backed,
     "rigid": _rigid,
@@ -334,7 +355,7 @@ KINDS: dict[str, Draw] = {
     "small contact": _small_contact,
     "extreme": _extreme,
 }
-WAYS = ("locking", "opposed")
+LOCKING_KINDS = ("locking", "opposed")
 
 
 def _one_shoe(seed: int, way: str, attempt: int = 0) -> Brake:
@@ -345,20 +366,31 @@ def _one_shoe(seed: int, way: str, attempt: int = 0) -> Brake:
     far, even = origin + hand * (gap + arc), u(-2e-4, 1e-3) * R
     table = [[x, u(-2e-4, 1e-3) * R] for x in np.linspace(start, end, 5).tolist()]
     shoe: dict[str, Any] = {
-        "name": "shoe", "side": "internal" if inside else "external",
+        "name": "shoe",
+        "side": "internal" if inside else "external",
         "hinge": {"radius": R * (u(0.25, 0.95) if inside else u(1.05, 1.6)), "angle": origin},
         "lining": {
-            "start": start, "end": end, "thickness": R * 10 ** u(-2, -0.7), "width": 0.04,
-            "material": {"E": 10 ** u(7.7, 9.7), "nu": u(0, 0.45)}, "clearance": [0.0, even, table][rng.integers(3)],
+            "start": start,
+            "end": end,
+            "thickness": R * 10 ** u(-2, -0.7),
+            "width": 0.04,
+            "material": {"E": 10 ** u(7.7, 9.7), "nu": u(0, 0.45)},
+            "clearance": [0.0, even, table][rng.integers(3)],
         },
         "actuation": {
-            "force": 10 ** u(2, 5), "direction": far + (0 if inside else math.pi) + u(-0.9, 0.9),
+            "force": 10 ** u(2, 5),
+            "direction": far + (0 if inside else math.pi) + u(-0.9, 0.9),
             "point": {"radius": R * (u(0.5, 1) if inside else u(1, 1.6)), "angle": far},
         },
-    }  # fmt: skip
+    }
     if rng.random() < 0.75:
-        shoe["body"] = {"thickness": R * u(0.03, 0.25), "width": 0.04, "start": start - gap / 2, "end": end + gap / 2,
-                        "material": {"E": 10 ** u(9.7, 11.5), "nu": 0.3}}  # fmt: skip
+        shoe["body"] = {
+            "thickness": R * u(0.03, 0.25),
+            "width": 0.04,
+            "start": start - gap / 2,
+            "end": end + gap / 2,
+            "material": {"E": 10 ** u(9.7, 11.5), "nu": 0.3},
+        }
     data = {"title": f"random {seed}", "friction": 0.3, "drum": {"radius": R}, "shoe": [shoe]}
     try:
         for rotation in ("clockwise", "counter-clockwise"):
@@ -369,7 +401,9 @@ def _one_shoe(seed: int, way: str, attempt: int = 0) -> Brake:
                     vary(brake, {"friction": 0.1 * min(law, 1.0)})
                 )  # is it pressed, and within what the law covers?
                 if (
-                    solve(brake.model_copy(update={"friction": 0.0}), elements=COARSE)
+                    solve(
+                        brake.model_copy(update={"friction": 0.0}), elements=FRICTIONLESS_ELEMENTS
+                    )
                     .shoes[0]
                     .contact_arcs
                 ):

@@ -25,8 +25,8 @@ from drumlin.fem.error_control.levels import steps
 from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
-from drumlin_studies.random_brake import KINDS as OF_SHAPE
-from drumlin_studies.random_kinds import KINDS as OF_HOLDING
+from drumlin_studies.random_brake import SHAPE_KINDS as OF_SHAPE
+from drumlin_studies.random_kinds import HOLDING_KINDS as OF_HOLDING
 
 MOST_ATTEMPTS = 200
 """Draws for a seed before it counts as one that has no brake."""
@@ -38,7 +38,7 @@ FACTOR_DIGITS = 2
 """Significant digits of the factor on a gap. A seed gives the same brake after a change of the
 solver that moves the length of contact by less than some percent.
 """
-WITHIN = 1.25
+LENGTH_TOLERANCE_FACTOR = 1.25
 """Factor by which the length of contact may miss the one that was drawn."""
 FEW_LEVELS = 2
 """Levels of a solve that find the length of a contact well enough: within some percent."""
@@ -49,7 +49,7 @@ of the errors of other brakes, and long ones.
 """
 SHORT_SHARE = 0.7
 """Share of the brakes whose contact is short."""
-AT_END = 1e-9
+END_ANGLE = 1e-9
 """Angle [rad] up to which a contact reaches the lining's end."""
 
 Rng = np.random.Generator
@@ -64,37 +64,37 @@ class CornerKind(NamedTuple):
     presses: str
 
 
-RIGID, ARCS = ("rigid",), ("arc", "backed")
-RINGS = ("arc on ring", "linings on ring", "post on ring")
-FREE = ("guide", "abutment", "rough abutment", "pivot")
-KINDS: dict[str, CornerKind] = {
-    "corner": CornerKind(ARCS, "corner"),
-    "corner of a rigid shoe": CornerKind(RIGID, "corner"),
+RIGID_SHAPES, ARC_SHAPES = ("rigid",), ("arc", "backed")
+RING_SHAPES = ("arc on ring", "linings on ring", "post on ring")
+HINGELESS_KINDS = ("guide", "abutment", "rough abutment", "pivot")
+CORNER_KINDS: dict[str, CornerKind] = {
+    "corner": CornerKind(ARC_SHAPES, "corner"),
+    "corner of a rigid shoe": CornerKind(RIGID_SHAPES, "corner"),
     "corner of a post": CornerKind(("post",), "corner"),
-    "corner on a ring": CornerKind(RINGS, "corner"),
-    "corner of a shoe without hinge": CornerKind(FREE, "corner"),
-    "tip": CornerKind(ARCS, "tip"),
-    "tip of a rigid shoe": CornerKind(RIGID, "tip"),
-    "tip on a ring": CornerKind(RINGS, "tip"),
-    "tip of a shoe without hinge": CornerKind(FREE, "tip"),
-    "table": CornerKind((*ARCS, *RIGID, "post", *FREE), "table"),
+    "corner on a ring": CornerKind(RING_SHAPES, "corner"),
+    "corner of a shoe without hinge": CornerKind(HINGELESS_KINDS, "corner"),
+    "tip": CornerKind(ARC_SHAPES, "tip"),
+    "tip of a rigid shoe": CornerKind(RIGID_SHAPES, "tip"),
+    "tip on a ring": CornerKind(RING_SHAPES, "tip"),
+    "tip of a shoe without hinge": CornerKind(HINGELESS_KINDS, "tip"),
+    "table": CornerKind((*ARC_SHAPES, *RIGID_SHAPES, "post", *HINGELESS_KINDS), "table"),
 }
 
 
 def random_corner(seed: int, kind: str | None = None) -> Brake:
-    """The brake of a seed; `kind`: one of KINDS, by default seed modulo their number.
+    """The brake of a seed; `kind`: one of CORNER_KINDS, by default seed modulo their number.
 
     Every shoe is pressed, with its friction and with MORE_FRICTION times as much. One of them
     presses with a corner or under a tip, as its kind says and the first FEW_LEVELS levels see it:
     friction that drags towards the corner may lift the corner itself a little, which only finer
     levels see. Raises NoAnswer for a seed without such a brake.
     """
-    names = list(KINDS)
+    names = list(CORNER_KINDS)
     kind = names[seed % len(names)] if kind is None else kind
     for attempt in range(MOST_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
         try:
-            brake = _scaled_to_length(rng, _drawn(rng, kind, seed), KINDS[kind].presses)
+            brake = _scaled_to_length(rng, _drawn(rng, kind, seed), CORNER_KINDS[kind].presses)
         except (BadInput, NoAnswer):
             continue
         if brake is not None:
@@ -104,13 +104,15 @@ def random_corner(seed: int, kind: str | None = None) -> Brake:
 
 def _drawn(rng: Rng, kind: str, seed: int) -> Callable[[float], Brake]:
     """The brake by a factor on its gap, with a force line anywhere and gaps that are drawn."""
-    shape = str(rng.choice(KINDS[kind].shapes))
+    shape = str(rng.choice(CORNER_KINDS[kind].shapes))
     data = (OF_SHAPE | OF_HOLDING)[shape](rng)
     rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
     friction = 0.0 if rng.random() < 0.12 else float(f"{rng.uniform(0.01, 0.6):.4g}")
     data |= {"title": f"random {kind} {seed}", "rotation": rotation, "friction": friction}
     data["shoe"] = [_pushed_anywhere(rng, shoe) for shoe in data["shoe"]]
-    gaps = [_gap(rng, shoe, data["drum"]["radius"], KINDS[kind].presses) for shoe in data["shoe"]]
+    gaps = [
+        _gap(rng, shoe, data["drum"]["radius"], CORNER_KINDS[kind].presses) for shoe in data["shoe"]
+    ]
 
     def scaled(factor: float) -> Brake:
         shoes = [
@@ -191,7 +193,7 @@ def _scaled_to_length(rng: Rng, drawn: Callable[[float], Brake], presses: str) -
         length = min((_length(shoe) for shoe in found.shoes), default=0.0)
         if not length > 0:
             return None
-        if 1 / WITHIN < length / wanted < WITHIN:
+        if 1 / LENGTH_TOLERANCE_FACTOR < length / wanted < LENGTH_TOLERANCE_FACTOR:
             return brake if _as_drawn(brake, found, presses) else None
         factor *= min(max(length / wanted, 0.1), 10.0) ** 0.8
     return None
@@ -222,7 +224,7 @@ def at_corner(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether the contact of a shoe reaches an end of its lining."""
     ends = [end for arc in found.contact_arcs for end in arc]
     corners = shoe.lining.start, shoe.lining.end
-    return any(abs(end - corner) < AT_END for end in ends for corner in corners)
+    return any(abs(end - corner) < END_ANGLE for end in ends for corner in corners)
 
 
 def at_tip(shoe: Shoe, found: ShoeResponse) -> bool:

@@ -19,39 +19,43 @@ from drumlin.brake.plane_brake import any_from
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 
-ATTEMPTS = 200
-MARGIN = 1.2  # of its friction, up to which law and finite elements must have an answer
-TRIED = 10  # elements of the mesh that shows it
-POINTS = ("hinge", "pivot")
+HOLDING_ATTEMPTS = 200
+HOLDING_FRICTION_MARGIN = (
+    1.2  # of its friction, up to which law and finite elements must have an answer
+)
+HOLDING_TRIAL_ELEMENTS = 10  # elements of the mesh that shows it
 Rng = np.random.Generator
 Draw = Callable[[Rng], dict[str, Any]]
 
 
 def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> Brake:
-    """The brake of a seed; `kind`: one of KINDS, by default seed modulo their number; rigid:
-    without bodies, with thin linings that are alike. All shoes press, up to MARGIN of its friction.
+    """The brake of a seed; `kind`: one of HOLDING_KINDS, by default seed modulo their number; rigid:
+    without bodies, with thin linings that are alike. All shoes press, up to HOLDING_FRICTION_MARGIN of its friction.
     """
-    names = list(KINDS)
+    names = list(HOLDING_KINDS)
     kind = names[seed % len(names)] if kind is None else kind
-    for attempt in range(ATTEMPTS):
+    for attempt in range(HOLDING_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
-        data = KINDS[kind](rng) | {"title": f"random {kind} {seed}"}
+        data = HOLDING_KINDS[kind](rng) | {"title": f"random {kind} {seed}"}
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
             brake = any_from(_rigid(data) if rigid else data)
             brake = placed(brake, turn=0.0 if brake.surface.straight else turn, mirrored=mirrored)
-            for friction in (brake.friction, MARGIN * brake.friction):
+            for friction in (brake.friction, HOLDING_FRICTION_MARGIN * brake.friction):
                 other = vary(brake, {"friction": friction})
                 if not all(
                     shoe.contact_arcs
-                    for shoe in (*law(other).shoes, *solve(other, elements=TRIED).shoes)
+                    for shoe in (
+                        *law(other).shoes,
+                        *solve(other, elements=HOLDING_TRIAL_ELEMENTS).shoes,
+                    )
                 ):
                     raise NoAnswer("a shoe does not press")
             return brake
         except (BadInput, NoAnswer):
             continue
-    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {ATTEMPTS} attempts")
+    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
 
 
 def _rigid(data: dict[str, Any]) -> dict[str, Any]:
@@ -94,14 +98,21 @@ def _lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
         "name": "first",
         "side": "internal" if inside else "external",
         "lining": {
-            "start": middle - half, "end": middle + half, "thickness": thickness, "width": width, "material": material,
+            "start": middle - half,
+            "end": middle + half,
+            "thickness": thickness,
+            "width": width,
+            "material": material,
         },
-    }  # fmt: skip
+    }
     if rng.random() < 0.7:
         shoe["body"] = {
-            "thickness": R * u(0.06, 0.2), "width": width, "start": middle - half - u(0.03, 0.2),
-            "end": middle + half + u(0.03, 0.2), "material": {"E": log_between(rng, 7e10, 2.1e11), "nu": 0.3},
-        }  # fmt: skip
+            "thickness": R * u(0.06, 0.2),
+            "width": width,
+            "start": middle - half - u(0.03, 0.2),
+            "end": middle + half + u(0.03, 0.2),
+            "material": {"E": log_between(rng, 7e10, 2.1e11), "nu": 0.3},
+        }
     return shoe
 
 
@@ -278,9 +289,12 @@ def _pad(rng: Rng, held: str) -> dict[str, Any]:
     shoe: dict[str, Any] = {"name": "pad", "lining": lining}
     if rng.random() < 0.7:
         shoe["body"] = {
-            "thickness": long * u(0.1, 0.3), "width": width, "start": start - long * u(0.02, 0.1),
-            "end": start + long * u(1.02, 1.1), "material": {"E": 2.1e11, "nu": 0.3},
-        }  # fmt: skip
+            "thickness": long * u(0.1, 0.3),
+            "width": width,
+            "start": start - long * u(0.02, 0.1),
+            "end": start + long * u(1.02, 1.1),
+            "material": {"E": 2.1e11, "nu": 0.3},
+        }
     away, high = long * u(0.8, 1.5), long * u(0.1, 0.5)
     pin, at = {"x": middle - away, "y": high}, {"x": middle + away, "y": high}
     down = -math.pi / 2
@@ -331,7 +345,7 @@ def _ill_fitting(rng: Rng, lining: dict[str, Any], size: float) -> dict[str, Any
     return {}
 
 
-KINDS: dict[str, Draw] = {
+HOLDING_KINDS: dict[str, Draw] = {
     "hinge": lambda rng: _drum(rng, lambda rng, R: [_hinged(rng, R)]),
     "abutment": lambda rng: _drum(rng, lambda rng, R: [_abutted(rng, R, rough=False)]),
     "rough abutment": lambda rng: _drum(rng, lambda rng, R: [_abutted(rng, R, rough=True)]),
@@ -385,8 +399,15 @@ def _shoe_placed(
         return found
 
     moved = dict(shoe)
-    moves = {"hinge": place, "pivot": place, "abutment": angled, "guide": angled, "actuation": angled, "lining": reach,
-             "body": reach}  # fmt: skip
+    moves = {
+        "hinge": place,
+        "pivot": place,
+        "abutment": angled,
+        "guide": angled,
+        "actuation": angled,
+        "lining": reach,
+        "body": reach,
+    }
     for key, move in moves.items():
         if moved.get(key) is not None:
             moved[key] = move(moved[key])
@@ -408,8 +429,8 @@ def placed(brake: Brake, *, turn: float = 0.0, mirrored: bool = False, shift: fl
     return validated(type(brake), data)
 
 
-LENGTHS = {"x", "y", "radius", "thickness", "width", "grip", "clearance", "diameter", "taper"}
-FORCES = {"force"}
+LENGTH_KEYS = {"x", "y", "radius", "thickness", "width", "grip", "clearance", "diameter", "taper"}
+FORCE_KEYS = {"force"}
 
 
 def scaled(brake: Brake, length: float, modulus: float) -> Brake:
@@ -428,13 +449,13 @@ def scaled(brake: Brake, length: float, modulus: float) -> Brake:
             return [[place * (length if flat else 1.0), size * length] for place, size in value]
         if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):
             return part(value)
-        if key in LENGTHS or (flat and key in {"start", "end"}):
+        if key in LENGTH_KEYS or (flat and key in {"start", "end"}):
             return value * length
         if key in {"E", "pressure"}:
             return value * modulus
         return (
             value * modulus * length**2
-            if key in FORCES
+            if key in FORCE_KEYS
             else value * modulus * length**3
             if key == "torque"
             else value

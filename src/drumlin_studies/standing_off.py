@@ -12,13 +12,20 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import any_from
 from drumlin.laws import law
-from drumlin_studies.random_kinds import ATTEMPTS, KINDS, Rng, facing, log_between, placed
+from drumlin_studies.random_kinds import (
+    HOLDING_ATTEMPTS,
+    HOLDING_KINDS,
+    Rng,
+    facing,
+    log_between,
+    placed,
+)
 
-STIFFNESS = 3e8, 1e11
+LINING_MODULI = 3e8, 1e11
 """Least and largest Young's modulus of the linings [Pa]."""
-CLEARANCE = 1e-4, 1 / 300
+CLEARANCE_FRACTIONS = 1e-4, 1 / 300
 """Least and largest clearance, as a fraction of the drum's radius or of the length of a pad."""
-CUT = 1.0, 300.0
+FORCE_DIVISORS = 1.0, 300.0
 """Least and largest factor by which the force of a brake of `random_kinds` is divided."""
 
 
@@ -29,11 +36,11 @@ def standing_off(seed: int, kind: str | None = None) -> Brake:
     rigid-shoe law has an answer in which all shoes press. Nothing is solved by finite elements, so
     some brakes may have no answer there.
     """
-    names = list(KINDS)
+    names = list(HOLDING_KINDS)
     kind = names[seed % len(names)] if kind is None else kind
-    for attempt in range(ATTEMPTS):
+    for attempt in range(HOLDING_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt, 1])
-        data = _off(rng, KINDS[kind](rng)) | {"title": f"standing off {kind} {seed}"}
+        data = _off(rng, HOLDING_KINDS[kind](rng)) | {"title": f"standing off {kind} {seed}"}
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
@@ -44,7 +51,7 @@ def standing_off(seed: int, kind: str | None = None) -> Brake:
                 return brake
         except (BadInput, NoAnswer):
             continue
-    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {ATTEMPTS} attempts")
+    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
 
 
 def _off(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
@@ -53,7 +60,7 @@ def _off(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
     The shoes of a cam are mirror images: it moves both tips alike, and of shoes that stand off
     differently it would press one only.
     """
-    cut = log_between(rng, *CUT)
+    cut = log_between(rng, *FORCE_DIVISORS)
     shoes = [_shoe_off(rng, shoe, data.get("drum"), cut) for shoe in data["shoe"]]
     found = data | {"shoe": shoes}
     if "actuation" in data:
@@ -68,8 +75,8 @@ def _shoe_off(
 ) -> dict[str, Any]:
     lining = {key: value for key, value in shoe["lining"].items() if key != "misfit"}
     size = lining["end"] - lining["start"] if drum is None else drum["radius"]
-    lining["clearance"] = size * log_between(rng, *CLEARANCE)
-    lining["material"] = lining["material"] | {"E": log_between(rng, *STIFFNESS)}
+    lining["clearance"] = size * log_between(rng, *CLEARANCE_FRACTIONS)
+    lining["material"] = lining["material"] | {"E": log_between(rng, *LINING_MODULI)}
     found = shoe | {"lining": lining}
     if "actuation" in shoe:
         found["actuation"] = _cut(shoe["actuation"], cut)

@@ -37,21 +37,23 @@ from drumlin.response.response import (
 from drumlin.response.resultants import edge_left_out
 from drumlin.verification import triangles
 
-QUANTITIES = ("pressure", "torque", "peak", "reaction")
-TOLERANCES = (1e-2, 1e-3, 1e-4)
-GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(8)
-FINER = 0.1  # of a tolerance: the last step of p in a sequence of columns that is the truth for it
-SAMPLES = 4001  # angles at which a peak is looked for, besides the nodes
+JUDGED_QUANTITIES = ("pressure", "torque", "peak", "reaction")
+JUDGED_TOLERANCES = (1e-2, 1e-3, 1e-4)
+GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
+TRUTH_FINENESS = (
+    0.1  # of a tolerance: the last step of p in a sequence of columns that is the truth for it
+)
+PEAK_ANGLES = 4001  # angles at which a peak is looked for, besides the nodes
 
 
-class Pressed(NodalPressure, Protocol):
+class PressureField(NodalPressure, Protocol):
     """What a pressure is compared of."""
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at angles [rad]."""
 
 
-class Solved(Pressed, Protocol):
+class TrueShoe(PressureField, Protocol):
     """A shoe that is taken as true."""
 
     @property
@@ -70,11 +72,11 @@ class Solved(Pressed, Protocol):
 @dataclass(frozen=True)
 class Truth:
     """The solution of each shoe on the finest division; `unsure`: relative uncertainties by
-    QUANTITIES, from how far the last steps of the sequence went and what its elimination lost;
+    JUDGED_QUANTITIES, from how far the last steps of the sequence went and what its elimination lost;
     `seconds` of processor time it took.
     """
 
-    shoes: Sequence[Solved]
+    shoes: Sequence[TrueShoe]
     unsure: Mapping[str, float]
     seconds: float
 
@@ -86,7 +88,7 @@ def by_triangles(brake: Brake) -> Truth:
 
 
 def by_columns(brake: Brake, tolerance: float) -> Truth:
-    """The truth of a brake by levels that go on until p moves by FINER of the tolerance or the
+    """The truth of a brake by levels that go on until p moves by TRUTH_FINENESS of the tolerance or the
     levels end: the one to which p has moved least, as the finest may have lost more to round-off
     than they add.
 
@@ -101,7 +103,7 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
                 errors(brake, found[-1], response.shoes)["pressure"] if found else math.inf
             )
             found.append(response.shoes)
-            if len(found) > 2 and moved[-1] <= FINER * tolerance:
+            if len(found) > 2 and moved[-1] <= TRUTH_FINENESS * tolerance:
                 break
     except NoAnswer:  # of the finest
         if len(found) < 3:
@@ -120,7 +122,7 @@ def round_off(shoes: Sequence[ShoeResponse]) -> Change:
 
 
 def of_last_three(
-    brake: Brake, last: Sequence[Sequence[Solved]], begin: float, lost: Change = NONE
+    brake: Brake, last: Sequence[Sequence[TrueShoe]], begin: float, lost: Change = NONE
 ) -> Truth:
     """The truth that the last three solutions of a sequence tell of.
 
@@ -129,7 +131,7 @@ def of_last_three(
     """
     early, late = errors(brake, last[0], last[1]), errors(brake, last[1], last[2])
     digits = lost._asdict() | {"peak": max(lost.pressure, lost.peak)}
-    unsure = {name: limit(early[name], late[name]) + digits[name] for name in QUANTITIES}
+    unsure = {name: limit(early[name], late[name]) + digits[name] for name in JUDGED_QUANTITIES}
     return Truth(last[2], unsure, time.process_time() - begin)
 
 
@@ -140,8 +142,8 @@ def limit(early: float, late: float) -> float:
     return late / (min(max(early / late, 2.0), 4.0) - 1) if late else 0.0
 
 
-def errors(brake: Brake, found: Sequence[Any], true: Sequence[Solved]) -> dict[str, float]:
-    """Relative errors of the shoes `found` (ShoeResponse or ShoeSolution), by QUANTITIES."""
+def errors(brake: Brake, found: Sequence[Any], true: Sequence[TrueShoe]) -> dict[str, float]:
+    """Relative errors of the shoes `found` (ShoeResponse or ShoeSolution), by JUDGED_QUANTITIES."""
     trios = list(zip(brake.shoes, found, true, strict=True))
     torque = math.fsum(shoe.torque for shoe in true)
     off = math.fsum(a.torque - b.torque for _, a, b in trios)
@@ -157,7 +159,7 @@ def errors(brake: Brake, found: Sequence[Any], true: Sequence[Solved]) -> dict[s
     }
 
 
-def pressure_error(found: Pressed, true: Solved, edge: float = EDGE_ZONE) -> float:
+def pressure_error(found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE) -> float:
     """L2 norm over theta of the error of p, relative to that of p, outside zones of `edge` at the
     lining's ends, unless half of the force is there.
     """
@@ -166,7 +168,7 @@ def pressure_error(found: Pressed, true: Solved, edge: float = EDGE_ZONE) -> flo
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
     knots = knots[(knots >= first) & (knots <= last)]
     half = 0.5 * np.diff(knots)[:, None]
-    theta, weight = knots[:-1, None] + half * (1 + GAUSS), half * WEIGHTS
+    theta, weight = knots[:-1, None] + half * (1 + GAUSS_POINTS), half * GAUSS_WEIGHTS
     p = true.pressure_at(theta)
     size = float(np.sum(weight * p**2))
     return (
@@ -176,7 +178,7 @@ def pressure_error(found: Pressed, true: Solved, edge: float = EDGE_ZONE) -> flo
     )
 
 
-def peak(shoe: Shoe, scale_factor: float, found: Pressed) -> float:
+def peak(shoe: Shoe, scale_factor: float, found: PressureField) -> float:
     """Largest pressure [Pa] outside the `edge_zone` at the lining's ends, unless half of the force
     is there.
     """
@@ -184,11 +186,11 @@ def peak(shoe: Shoe, scale_factor: float, found: Pressed) -> float:
     start, end = shoe.lining.start + zone, shoe.lining.end - zone
     inside = found.theta[(found.theta > start) & (found.theta < end)]
     return float(
-        found.pressure_at(np.concatenate([inside, np.linspace(start, end, SAMPLES)])).max()
+        found.pressure_at(np.concatenate([inside, np.linspace(start, end, PEAK_ANGLES)])).max()
     )
 
 
-def _peak_error(shoe: Shoe, scale_factor: float, found: Any, true: Solved) -> float:
+def _peak_error(shoe: Shoe, scale_factor: float, found: Any, true: TrueShoe) -> float:
     """Relative error of the peak that a response states, or of a solution's own; nan where nothing
     presses.
     """
@@ -210,7 +212,7 @@ def row(
 ) -> dict[str, Any]:
     """Stated and true errors of a brake solved to a tolerance: one row.
 
-    Keys "stated_", "true_" and "unsure_" with QUANTITIES, nan where there is none; `outcome`:
+    Keys "stated_", "true_" and "unsure_" with JUDGED_QUANTITIES, nan where there is none; `outcome`:
     "reached", "not reached", "no truth" or "failed", with its `reason`. true: None where the truth
     itself failed, with `failure`.
     """
@@ -234,7 +236,8 @@ def row(
         }
     base["seconds"] = time.process_time() - begin
     stated = {
-        f"stated_{name}": float((response.error or {}).get(name, math.nan)) for name in QUANTITIES
+        f"stated_{name}": float((response.error or {}).get(name, math.nan))
+        for name in JUDGED_QUANTITIES
     }
     if true is None:
         return base | stated | {"outcome": "no truth"}
@@ -243,8 +246,8 @@ def row(
         base
         | stated
         | {"outcome": "reached"}
-        | {f"true_{name}": off[name] for name in QUANTITIES}
-        | {f"unsure_{name}": true.unsure[name] for name in QUANTITIES}
+        | {f"true_{name}": off[name] for name in JUDGED_QUANTITIES}
+        | {f"unsure_{name}": true.unsure[name] for name in JUDGED_QUANTITIES}
     )
 
 
@@ -273,7 +276,7 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
         mine = [
             one for one in rows if one["tolerance"] == tolerance and one["outcome"] != "no truth"
         ]
-        for name in QUANTITIES:
+        for name in JUDGED_QUANTITIES:
             ratios = np.array([ratio(one, name) for one in mine])
             judged = ~np.isnan(ratios)
             sure = [

@@ -12,15 +12,18 @@ from drumlin.base.arrays import Floats
 from drumlin.report.figures import STYLE, key
 from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 
-TITLES = {
+PANEL_TITLES = {
     "pressure": "pressure p (L2)",
     "torque": "torque",
     "peak": "peak pressure",
     "reaction": "hinge reaction",
 }
-MARKS = (("o", BLUE), ("s", RED), ("D", PURPLE), ("^", GREEN))  # a tolerance each
-KNOWN = 4.0  # how far above the uncertainty of the truth a true error is known well
-PALE = f"pale: the true error is less than {KNOWN:g} times the uncertainty of what stands for the truth"
+PANEL_MARKS = (("o", BLUE), ("s", RED), ("D", PURPLE), ("^", GREEN))  # a tolerance each
+WELL_KNOWN = 4.0  # how far above the uncertainty of the truth a true error is known well
+PALE_POINTS_NOTE = (
+    f"pale: the true error is less than {WELL_KNOWN:g} times the uncertainty of what stands for "
+    "the truth"
+)
 
 
 def cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
@@ -31,8 +34,8 @@ def cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
         figure = Figure(figsize=(10.4, 6.4), layout="constrained")
         tolerances = sorted({row["tolerance"] for row in rows}, reverse=True)
         drawn = None
-        for axes, name in zip(figure.subplots(2, 2).flat, TITLES, strict=True):
-            for tolerance, (mark, color) in zip(tolerances, MARKS, strict=False):
+        for axes, name in zip(figure.subplots(2, 2).flat, PANEL_TITLES, strict=True):
+            for tolerance, (mark, color) in zip(tolerances, PANEL_MARKS, strict=False):
                 for known in (True, False):
                     points = [
                         point
@@ -52,12 +55,12 @@ def cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
                         axes.loglog(*zip(*points, strict=True), marker=mark, **style)
                         drawn = axes
             axes.axhline(1.0, color=INK, lw=1)
-            axes.set_title(TITLES[name])
+            axes.set_title(PANEL_TITLES[name])
             axes.set_xlabel("true error")
             axes.set_ylabel("stated over true error")
         if drawn is not None:
             key(figure, drawn)
-        figure.suptitle(PALE, fontsize="medium")
+        figure.suptitle(PALE_POINTS_NOTE, fontsize="medium")
     return figure
 
 
@@ -66,7 +69,7 @@ def _point(row: Mapping[str, Any], name: str, known: bool) -> list[tuple[float, 
     stated, true, unsure = (
         float(row.get(f"{which}_{name}", math.nan)) for which in ("stated", "true", "unsure")
     )
-    if not (stated > 0 and true > 0) or (true > KNOWN * unsure) != known:
+    if not (stated > 0 and true > 0) or (true > WELL_KNOWN * unsure) != known:
         return []
     return [(true, stated / true)]
 
@@ -76,9 +79,12 @@ def shares(ratios: Mapping[str, Floats]) -> Figure:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         axes = figure.subplots()
-        for (name, found), (_, color) in zip(ratios.items(), MARKS, strict=True):
+        for (name, found), (_, color) in zip(ratios.items(), PANEL_MARKS, strict=True):
             axes.semilogx(
-                np.sort(found), np.linspace(0, 100, len(found)), color=color, label=TITLES[name]
+                np.sort(found),
+                np.linspace(0, 100, len(found)),
+                color=color,
+                label=PANEL_TITLES[name],
             )
         axes.axvline(1.0, color=INK, lw=1)
         axes.set_xlabel("stated over true error")
