@@ -34,11 +34,11 @@ from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
 
-PENALTY = 1e3
+POINTWISE_PENALTY = 1e3
 """Default penalty factor alpha: eps = alpha E/t. A stiffer one locks the points, which are more
 than the nodes.
 """
-MOST_STEPS = 60
+MOST_POINT_STEPS = 60
 
 
 def solve(
@@ -46,7 +46,7 @@ def solve(
     *,
     elements: int = ELEMENTS,
     kind: str = DEFAULT_KIND,
-    penalty: float = PENALTY,
+    penalty: float = POINTWISE_PENALTY,
     mesher: Mesher | None = None,
 ) -> Response:
     """Mesh and solve a brake with a rigid drum, each shoe by itself and anew; see
@@ -120,9 +120,13 @@ def _shoe(
     frame = shoe.frame
     balance = relative_balance(
         [contact.sum(axis=0), reaction, given[:2]],
-        [float(cross(parts.line.xy.T, contact).sum()), float(cross(shoe.own_pin, reaction)), force * moment,
-         float(cross(shoe.own_pin, given[:2]))],
-    )  # fmt: skip
+        [
+            float(cross(parts.line.xy.T, contact).sum()),
+            float(cross(shoe.own_pin, reaction)),
+            force * moment,
+            float(cross(shoe.own_pin, given[:2])),
+        ],
+    )
     assists = float((points.weight * p) @ ((points.pushing + points.closing) @ turned)) * moment > 0
     return (
         _response(shoe, points, p, abs(drag), frame.to_brake(reaction), assists, float(u[-1])),
@@ -177,7 +181,7 @@ def _newton(
     u, on = np.zeros(A.shape[0]), np.ones(len(points.gap), dtype=bool)
     K = A[free][:, free].tocsc()
     seen: set[bytes] = set()
-    for step in range(1, MOST_STEPS + 1):
+    for step in range(1, MOST_POINT_STEPS + 1):
         factor = sp.diags(on * points.weight * stiffness)
         pushing = points.pushing.T[free] @ factor
         try:
@@ -202,7 +206,7 @@ def _newton(
         seen.add(touching.tobytes())
         on = touching
     raise NoAnswer(
-        f"shoe {name!r}: not converged, the pointwise contact still changes after {MOST_STEPS} steps"
+        f"shoe {name!r}: not converged, the pointwise contact still changes after {MOST_POINT_STEPS} steps"
     )
 
 
