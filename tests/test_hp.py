@@ -37,11 +37,11 @@ from drumlin.fem.model import PENALTY, refined_group, respond
 from drumlin.fem.sensitivity import sensitivity
 from drumlin.fem.solve import scene_of, solve
 from drumlin.laws import sine
+from drumlin.lining_wear.worn_in import solve as solve_worn_in
 from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import Inside, largest, lobatto
 from drumlin.sweeps.cases import Case, solved
 from drumlin.verification.random_brake import random_brake
-from drumlin.wear.worn_in import solve as solve_worn_in
 
 STEEL = Material(E=210e9, nu=0.3)
 POST = {

@@ -20,11 +20,11 @@ from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
+from drumlin.lining_wear.archard import WearLaw
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.run_in import COEFFICIENT, run_in, unit_distance, worn
 from drumlin.verification.ladder_pads import guided
 from drumlin.verification.random_kinds import placed
-from drumlin.wear.archard import WearLaw
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.run_in import COEFFICIENT, run_in, unit_distance, worn
 from flat_pads import BODY, KINDS, LINING, pad
 
 

@@ -23,6 +23,8 @@ from drumlin.fem.model import respond
 from drumlin.files import write_text
 from drumlin.journal import Journal
 from drumlin.laws import sine
+from drumlin.lining_wear.run_in import COEFFICIENT
+from drumlin.lining_wear.worn_in import worn_in
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.response.response import Response
@@ -33,8 +35,6 @@ from drumlin.sweeps.tolerances import Shares, Tolerance, cases, draw, healing, n
 from drumlin.sweeps.workers import executor
 from drumlin.verification import misfit_rows
 from drumlin.verification.misfit_rows import QUANTITIES, STATES, Drawn
-from drumlin.wear.run_in import COEFFICIENT
-from drumlin.wear.worn_in import worn_in
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"

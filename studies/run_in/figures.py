@@ -10,12 +10,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from drumlin.lining_wear.archard import at
+from drumlin.lining_wear.linings import Surface
+from drumlin.lining_wear.run_in import peak
 from drumlin.report.figures import STYLE, key, mark_cut
 from drumlin.report.palette import BLUE, INK, RED
 from drumlin.verification.run_in_limits import Board, Reversals, Run
-from drumlin.wear.archard import at
-from drumlin.wear.linings import Surface
-from drumlin.wear.run_in import peak
 
 NEW, LATE, LAW = BLUE, INK, RED
 DISTANCE = "sliding distance s k K"

@@ -15,10 +15,10 @@ from PIL import Image
 from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 
 from drumlin.files import replacing
+from drumlin.lining_wear.linings import WearSetup
+from drumlin.lining_wear.run_in import peak
 from drumlin.report.figures import STYLE
 from drumlin.verification.run_in_limits import Frame, Run
-from drumlin.wear.linings import WearSetup
-from drumlin.wear.run_in import peak
 
 
 def film(one: Run, frames: Sequence[Frame], path: Path) -> Path:

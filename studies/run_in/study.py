@@ -16,12 +16,12 @@ from drumlin.comparison import as_csv
 from drumlin.errors import BadInput
 from drumlin.fem.assembly import prepare
 from drumlin.files import write_text
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.run_in import distance
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.verification import run_in_limits as limits
 from drumlin.verification.run_in_limits import Board, Frame, Reversals, Run
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.run_in import distance
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

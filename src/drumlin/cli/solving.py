@@ -295,11 +295,18 @@ def wear(
     from drumlin.brake.plane_brake import read_any
     from drumlin.brake.units import quantity
     from drumlin.files import check_outputs, write_json
-    from drumlin.wear.archard import WearLaw
-    from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
-    from drumlin.wear.linings import guided as on_guides
-    from drumlin.wear.run_in import COEFFICIENT, as_dict, check_depth, report_lines, run_in, target
-    from drumlin.wear.run_in import unit_distance as unit_of
+    from drumlin.lining_wear.archard import WearLaw
+    from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup
+    from drumlin.lining_wear.linings import guided as on_guides
+    from drumlin.lining_wear.run_in import (
+        COEFFICIENT,
+        as_dict,
+        check_depth,
+        report_lines,
+        run_in,
+        target,
+    )
+    from drumlin.lining_wear.run_in import unit_distance as unit_of
 
     brake, wide = for_width(read_any(brake_file), finite_width and model == "fem")
     brake = on_guides(brake) if guided else brake

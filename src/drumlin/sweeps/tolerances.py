@@ -18,9 +18,9 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import value_of, vary
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.assembly import prepare
+from drumlin.lining_wear import archard, run_in
+from drumlin.lining_wear.linings import fem_setup
 from drumlin.sweeps.cases import Case, Row
-from drumlin.wear import archard, run_in
-from drumlin.wear.linings import fem_setup
 
 PERCENTILES = (1, 5, 50, 95, 99)
 

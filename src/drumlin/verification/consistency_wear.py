@@ -20,13 +20,13 @@ from drumlin.fem.assembly import Scene, prepare
 from drumlin.fem.hp.adapt import DEFAULT, adapt
 from drumlin.fem.model import REFINED, respond
 from drumlin.fem.solve import scene_of
+from drumlin.lining_wear.archard import WearLaw, WearState, run_on
+from drumlin.lining_wear.linings import WearSetup, fem_setup
+from drumlin.lining_wear.run_in import COEFFICIENT, SETTLED, apart, run_in, target, worn
+from drumlin.lining_wear.worn_in import worn_in
 from drumlin.response import Response
 from drumlin.verification import random_brake, random_kinds
 from drumlin.verification.consistency import Check
-from drumlin.wear.archard import WearLaw, WearState, run_on
-from drumlin.wear.linings import WearSetup, fem_setup
-from drumlin.wear.run_in import COEFFICIENT, SETTLED, apart, run_in, target, worn
-from drumlin.wear.worn_in import worn_in
 
 WORN_ELEMENTS = 24
 """Elements along each lining that is worn. More of them bring the end nearer to the law."""

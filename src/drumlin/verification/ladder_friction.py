@@ -21,12 +21,12 @@ from drumlin.fem.interface import ContactLine, Coupling, Directions, contact_lin
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.laws.simscape import DoubleShoe
+from drumlin.lining_wear.archard import WearInterface, WearLaw, WearState, run
 from drumlin.response.response import Response
 from drumlin.verification import closed_forms
 from drumlin.verification.ladder_case import DISCRETE, EXACT, MODEL, PRINTED, Case
 from drumlin.verification.ladder_contact import RHO, A, half_plane
 from drumlin.verification.two_bodies import STEEL, Pair, nested_start
-from drumlin.wear.archard import WearInterface, WearLaw, WearState, run
 
 
 def _spring(push: float, shift: float, k: float = 100.0) -> Problem:

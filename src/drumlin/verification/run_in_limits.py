@@ -26,10 +26,9 @@ from drumlin.fem.assembly import Scene, prepare, why_not
 from drumlin.fem.fields import Fields, fields
 from drumlin.fem.model import respond
 from drumlin.laws import hinged, law
-from drumlin.response.norms import relative
-from drumlin.wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
-from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup, guided
-from drumlin.wear.run_in import (
+from drumlin.lining_wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
+from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup, guided
+from drumlin.lining_wear.run_in import (
     COEFFICIENT,
     Target,
     checks,
@@ -41,6 +40,7 @@ from drumlin.wear.run_in import (
     unit_distance,
     worn,
 )
+from drumlin.response.norms import relative
 
 ARCHARD = WearLaw(COEFFICIENT)
 WITHIN = 0.01  # of the law: what "away from the law" means in the tables

@@ -20,12 +20,12 @@ from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
 from drumlin.laws.rigid import Pressed
+from drumlin.lining_wear import archard
+from drumlin.lining_wear.archard import WearLaw, WearState, steady
+from drumlin.lining_wear.linings import Surface, WearSetup, worn_by
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
 from drumlin.texts import formatted
-from drumlin.wear import archard
-from drumlin.wear.archard import WearLaw, WearState, steady
-from drumlin.wear.linings import Surface, WearSetup, worn_by
 
 COEFFICIENT = 1e-14
 """k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings. In units of 1/(k
