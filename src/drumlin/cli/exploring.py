@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+import drumlin
 from drumlin.cli.options import BrakeFile
 from drumlin.cli.terminal import note, tell
 
@@ -18,10 +19,9 @@ def explore(
     """Play with a brake: a page of this machine with sliders, pressure and torque at once. Ctrl-C
     ends it.
     """
-    from drumlin.brake import read_any
     from drumlin.explore.serve import serve
 
-    brake = read_any(brake_file)
+    brake = drumlin.read_brake(brake_file)
 
     def ready(address: str) -> None:
         tell(f"{brake.title}: {address}", at_once=True)

@@ -51,16 +51,13 @@ def draw_fields(
 
     `options`: those of the scene. A page shows what came of it by the macro `fields`.
     """
-    from drumlin.fem.fields import fields, ring_fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
+    from drumlin.fem.fields import all_fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
     from drumlin.fem.solve import scene_of  # noqa: PLC0415
     from drumlin.report.render import render  # noqa: PLC0415
 
     brake.check_meshable()
     scene = scene_of(brake, **options)
-    parts = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
-    if scene.ring is not None:
-        parts.append(ring_fields(scene, brake, response))
-    write_vtu(folder / f"{name}.vtu", parts)
+    write_vtu(folder / f"{name}.vtu", all_fields(scene, brake, response))
     title = f"{brake.title}, {brake.motion}"
     return render(folder / f"{name}.vtu", folder / f"{name}.png", loaded(brake, response), title)
 
