@@ -61,7 +61,7 @@ newest:
 
 # Far finer solutions of some forty brakes, by which the tests judge stated errors: ten minutes.
 truths: .venv/ready
-	$(BIN)/python -m drumlin.verification.stored_truth tests/truths
+	$(BIN)/python -m drumlin_studies.stored_truth tests/truths
 
 # The factors of the error estimate, fitted anew on random brakes: twenty minutes on two cores.
 calibrate: .venv/ready
@@ -70,7 +70,7 @@ calibrate: .venv/ready
 
 # By how much stated errors are larger than true ones now; the tests notice where this changes.
 sharpness: .venv/ready
-	$(BIN)/python -m drumlin.verification.sharpness tests/truths
+	$(BIN)/python -m drumlin_studies.sharpness tests/truths
 
 # Which tests notice where a number that was found by trying is changed: half an hour. make noticed ARGS="fem/model.py".
 noticed: .venv/ready

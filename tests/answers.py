@@ -23,9 +23,9 @@ from typer.testing import CliRunner
 
 from drumlin.brake.writing import brake_text
 from drumlin.cli.commands import app
-from drumlin.verification.random_brake import KINDS, random_brake
-from drumlin.verification.random_kinds import KINDS as KINDS_OF_HOLDING
-from drumlin.verification.random_kinds import random_kind
+from drumlin_studies.random_brake import KINDS, random_brake
+from drumlin_studies.random_kinds import KINDS as KINDS_OF_HOLDING
+from drumlin_studies.random_kinds import random_kind
 
 ROOT = Path(__file__).resolve().parents[1]
 

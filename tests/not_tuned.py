@@ -11,7 +11,6 @@ DEFINITION, FORMAT = "definition", "format"
 MEMORY, PASSES = "limit of memory or size", "limit of passes or steps"
 ROUND_OFF, SAID = "round-off", "threshold of a warning or a refusal that names it"
 SPEED = "size of pieces that stay near the processor"
-SKETCH = "size of a sketch that predicts within a factor of two"
 
 NOT_TUNED: dict[str, dict[str, str]] = {
     "contact/active_set.py": {
@@ -96,16 +95,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "STILL": ROUND_OFF,
     },
     "fem/mutual_work.py": {"CHUNK": MEMORY},
-    "fem/omission.py": {"OMISSIONS": DEFINITION},
     "fem/reach.py": {"LARGEST_TURN": SAID},
-    "fem/reduced.py": {
-        **dict.fromkeys(("ELEMENTS", "SECTIONS", "MODES", "WAVES"), SKETCH),
-        "MOST_MODES": MEMORY,
-        "DEGREE": ROUND_OFF,
-        "SHORT": "1 % of a closed form",
-        "STIFF": ROUND_OFF,
-        "SHEAR": DEFINITION,
-    },
     "fem/refinement.py": {
         "EPSILON": DEFINITION,
         "MOST_CORRECTIONS": PASSES,

@@ -16,7 +16,7 @@ from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.reference import responses
-from drumlin.verification.work_precision import refined_division
+from drumlin_studies.work_precision import refined_division
 
 NAMES = ("pressure", "torque", "peak", "reaction")
 CLEARANCE = {

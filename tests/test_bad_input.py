@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from drumlin.studies import load
-from drumlin.verification import bad_input, broken_meshes
+from drumlin_studies import bad_input, broken_meshes
 
 SOUND = load("stability")[0].sound()
 

@@ -20,7 +20,7 @@ from drumlin.fem.hp.levels import LEVELS, steps
 from drumlin.fem.hp.places import places_of, strengths
 from drumlin.fem.model import respond
 from drumlin.response import Response
-from drumlin.verification.consistency_blocks import FEWEST, KINDS, MOST, checks, random_blocks
+from drumlin_studies.consistency_blocks import FEWEST, KINDS, MOST, checks, random_blocks
 
 
 def off(one: np.ndarray, true: np.ndarray) -> float:
@@ -177,7 +177,7 @@ def test_a_brake_without_a_truth_is_a_row_that_is_refused(monkeypatch: pytest.Mo
     def none(*_: Any) -> Any:
         raise NoAnswer("no level has an answer")
 
-    monkeypatch.setattr("drumlin.verification.consistency_blocks.by_columns", none)
+    monkeypatch.setattr("drumlin_studies.consistency_blocks.by_columns", none)
     assert [(row.outcome, row.said) for row in checks(11)] == [
         ("refused", "no level has an answer")
     ]

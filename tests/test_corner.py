@@ -24,8 +24,8 @@ from drumlin.fem.hp.corner import (
 from drumlin.fem.hp.levels import steps
 from drumlin.fem.model import respond
 from drumlin.response.resultants import gauss_points, lobatto
-from drumlin.verification.stated_true import errors
-from drumlin.verification.stored_truth import read
+from drumlin_studies.stated_true import errors
+from drumlin_studies.stored_truth import read
 
 TRUTHS = Path(__file__).parent / "truths"
 

@@ -10,10 +10,10 @@ from drumlin.errors import BadInput
 from drumlin.fem.solve import solve
 from drumlin.journal import Journal
 from drumlin.studies import load
-from drumlin.verification import work_precision
-from drumlin.verification.recommendation import NAMES, best_rows, matrices
 from drumlin.verification.reference import Trio, responses
-from drumlin.verification.work_precision import ERRORS, Method, floor, measure, timing
+from drumlin_studies import work_precision
+from drumlin_studies.recommendation import NAMES, best_rows, matrices
+from drumlin_studies.work_precision import ERRORS, Method, floor, measure, timing
 
 pytestmark = pytest.mark.slow
 

@@ -7,8 +7,8 @@ import pytest
 from drumlin.errors import NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
-from drumlin.verification.extreme_cases import Case
-from drumlin.verification.trial import said
+from drumlin_studies.extreme_cases import Case
+from drumlin_studies.trial import said
 
 QUICK = [Case(thickness=1 / 3), Case(arc=170.0)]
 SLOW = [

@@ -11,9 +11,9 @@ import pytest
 from drumlin.errors import BadInput
 from drumlin.fem.mesh import vtu
 from drumlin.fem.mesh.abaqus import read_inp
-from drumlin.fuzzing import endings, trials
-from drumlin.fuzzing.endings import fault_of, in_process, in_subprocess
-from drumlin.fuzzing.faults import (
+from drumlin_studies.fuzzing import endings, trials
+from drumlin_studies.fuzzing.endings import fault_of, in_process, in_subprocess
+from drumlin_studies.fuzzing.faults import (
     MAKERS,
     Input,
     brake_text,

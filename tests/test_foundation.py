@@ -23,7 +23,7 @@ from drumlin.laws import locking_friction, sine
 from drumlin.lining_wear.worn_in import worn_in_foundation
 from drumlin.models import MODELS, applicable
 from drumlin.response.merit import barecki_shoe_factor
-from drumlin.verification.barecki_iteration import iterate
+from drumlin_studies.barecki_iteration import iterate
 
 POST = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
 PAPER = {"tilt": False, "wedge": False, "plane_stress": False}

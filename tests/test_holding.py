@@ -20,9 +20,9 @@ from drumlin.fem.group import grouped
 from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.model import respond
 from drumlin.fem.self_locking import limits
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import random_kind
-from drumlin.verification.standing_off import standing_off
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.standing_off import standing_off
 
 ELEMENTS = 16
 OTHER = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}

@@ -41,7 +41,7 @@ from drumlin.lining_wear.worn_in import solve as solve_worn_in
 from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import Inside, largest, lobatto
 from drumlin.sweeps.cases import Case, solved
-from drumlin.verification.random_brake import random_brake
+from drumlin_studies.random_brake import random_brake
 
 STEEL = Material(E=210e9, nu=0.3)
 POST = {

@@ -14,7 +14,7 @@ from drumlin.fem.body import scalar_basis
 from drumlin.fem.interface import ContactLine, contact_line, couple, radial
 from drumlin.fem.ring import couple_ring
 from drumlin.response.resultants import cross, integrate, resultant
-from drumlin.verification import two_bodies as pair
+from drumlin_studies import two_bodies as pair
 
 
 @pytest.fixture(scope="module", params=[3, 10, 80])

@@ -11,8 +11,8 @@ import pytest
 import drumlin
 from drumlin.brake.brake import Brake
 from drumlin.verification import triangles
-from drumlin.verification.random_kinds import KINDS, random_kind
-from drumlin.verification.stated_true import (
+from drumlin_studies.random_kinds import KINDS, random_kind
+from drumlin_studies.stated_true import (
     QUANTITIES,
     Truth,
     by_columns,

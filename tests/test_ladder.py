@@ -7,9 +7,9 @@ import pytest
 from pytest import approx
 
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK
-from drumlin.verification import closed_forms
-from drumlin.verification.ladder import CASES, families, within
-from drumlin.verification.ladder_friction import pressed_plate
+from drumlin_studies import closed_forms
+from drumlin_studies.ladder import CASES, families, within
+from drumlin_studies.ladder_friction import pressed_plate
 
 pytestmark = pytest.mark.slow
 

@@ -12,8 +12,8 @@ from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.fem.mesh.grading import graded
 from drumlin.response.resultants import integrate
-from drumlin.verification import closed_forms
-from drumlin.verification.two_bodies import (
+from drumlin_studies import closed_forms
+from drumlin_studies.two_bodies import (
     STEEL,
     Pair,
     body,

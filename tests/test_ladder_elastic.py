@@ -14,7 +14,7 @@ from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
 from drumlin.fem.body import scalar_basis, stiffness
-from drumlin.verification.two_bodies import Pair, body, sector, towards
+from drumlin_studies.two_bodies import Pair, body, sector, towards
 
 pytestmark = pytest.mark.slow
 

@@ -20,7 +20,7 @@ from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
 from drumlin.response.merit import double_delta, rated, sensitivity
 from drumlin.response.response import Response
-from drumlin.verification.textbook_brakes import LINING, hinged, lever_block, pad
+from drumlin_studies.textbook_brakes import LINING, hinged, lever_block, pad
 
 C = 1e-6
 """Relative tolerance of values given with seven or more digits."""

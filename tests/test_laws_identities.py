@@ -22,7 +22,7 @@ from drumlin.models import MODELS
 from drumlin.response.balance import shoe_balance
 from drumlin.response.merit import barecki_shoe_factor, double_delta, sensitivity
 from drumlin.response.response import ShoeResponse
-from drumlin.verification.textbook_brakes import hinged, pad
+from drumlin_studies.textbook_brakes import hinged, pad
 
 many = settings(
     max_examples=2 * settings.default.max_examples, suppress_health_check=[HealthCheck.too_slow]

@@ -14,7 +14,7 @@ from drumlin.cli import main
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS, pick
-from drumlin.verification.textbook_brakes import hinged
+from drumlin_studies.textbook_brakes import hinged
 
 STUDIES = Path(__file__).parent.parent / "studies"
 ON_DRUM = {"sine", "cosine", "block", "uniform", "short"}

@@ -21,7 +21,7 @@ from drumlin.fem.model import respond
 from drumlin.fem.self_locking import limits, torques
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, rigid
-from drumlin.verification.random_brake import random_brake
+from drumlin_studies.random_brake import random_brake
 
 RING = {
     "drum.ring": {

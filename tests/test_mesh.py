@@ -15,7 +15,7 @@ from drumlin.fem.mesh.file import read_mesh, write_mesh
 from drumlin.fem.mesh.grading import graded
 from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
-from drumlin.verification.stated_true import errors
+from drumlin_studies.stated_true import errors
 
 
 @given(st.integers(1, 300), st.floats(1e-3, 2), st.floats(1e-3, 1))

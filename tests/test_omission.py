@@ -15,16 +15,16 @@ from drumlin.errors import BadInput
 from drumlin.fem.assembly import prepare
 from drumlin.fem.hp.adapt import Tolerance, adapt
 from drumlin.fem.model import respond
-from drumlin.fem.omission import change, predict, scene_without, simplified
-from drumlin.fem.reduced import SHORT, ring_modes, sketcher
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
-from drumlin.verification.omission_table import (
+from drumlin_studies.omission import change, predict, scene_without, simplified
+from drumlin_studies.omission_table import (
     omissions,
     prediction_ratios,
     time_saved,
     worst_straight,
 )
+from drumlin_studies.reduced import SHORT, ring_modes, sketcher
 
 BRAKE = read_brake(STUDY / "brake.toml")
 POST = read_brake(STUDY.parent / "post_brake" / "brake.toml")

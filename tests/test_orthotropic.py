@@ -33,10 +33,10 @@ from drumlin.fem.sensitivity import as_text, sensitivity
 from drumlin.fem.solve import scene_of, solve
 from drumlin.models import MODELS, applicable, pick, refusals
 from drumlin.peers import calculix, getfem, missing
-from drumlin.verification.consistency_slopes import ALLOWED, Divided, difference, slopes_of
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import placed, random_kind
-from drumlin.verification.stated_true import by_triangles
+from drumlin_studies.consistency_slopes import ALLOWED, Divided, difference, slopes_of
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import placed, random_kind
+from drumlin_studies.stated_true import by_triangles
 
 MAIN = read_any(STUDY / "brake.toml")
 FLEXIBLE = read_any(STUDY / "flexible.toml")

@@ -19,8 +19,8 @@ from drumlin.peers import calculix, getfem
 from drumlin.peers.deck import BEARING, Setting, deck, drum_angles
 from drumlin.peers.peer import loaded_shoes
 from drumlin.response.norms import pressure_distance
-from drumlin.verification.brake_kinds import both_ways
-from drumlin.verification.random_kinds import KINDS, random_kind
+from drumlin_studies.brake_kinds import both_ways
+from drumlin_studies.random_kinds import KINDS, random_kind
 
 STUDIES = Path(__file__).parents[1] / "studies"
 MAIN = read_brake(STUDIES / "double_shoe" / "brake.toml")

@@ -23,8 +23,8 @@ from drumlin.laws import law
 from drumlin.lining_wear.archard import WearLaw
 from drumlin.lining_wear.linings import fem_setup
 from drumlin.lining_wear.run_in import COEFFICIENT, run_in, unit_distance, worn
-from drumlin.verification.ladder_pads import guided
-from drumlin.verification.random_kinds import placed
+from drumlin_studies.ladder_pads import guided
+from drumlin_studies.random_kinds import placed
 from flat_pads import BODY, KINDS, LINING, pad
 
 

@@ -24,7 +24,7 @@ from drumlin.fem.assembly import prepare
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
 from drumlin.fem.mesh.grading import divide
-from drumlin.verification.random_kinds import placed
+from drumlin_studies.random_kinds import placed
 from flat_pads import BODY, KINDS, pad
 
 ELEMENTS = 16

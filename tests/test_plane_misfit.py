@@ -23,7 +23,7 @@ from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
 from drumlin.laws import law
 from drumlin.response.response import ShoeResponse
-from drumlin.verification.random_kinds import placed, scaled
+from drumlin_studies.random_kinds import placed, scaled
 from flat_pads import BODY, LINING, pad
 
 LENGTH, WIDTH, E = 0.12, 0.04, 3e8

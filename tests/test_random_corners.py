@@ -5,7 +5,7 @@ import math
 import pytest
 
 import drumlin
-from drumlin.verification.random_corners import (
+from drumlin_studies.random_corners import (
     KINDS,
     SHORT_CONTACT,
     at_corner,

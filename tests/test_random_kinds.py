@@ -25,7 +25,7 @@ from drumlin.laws import law
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.response import Response
 from drumlin.response.resultants import cross
-from drumlin.verification.random_kinds import KINDS, placed, random_kind, scaled
+from drumlin_studies.random_kinds import KINDS, placed, random_kind, scaled
 
 ELEMENTS = 10
 SEEDS, NAMES = st.integers(0, 10**6), st.sampled_from(list(KINDS))

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from conftest import ROOT
-from drumlin.verification.stated_true import QUANTITIES, ratio
+from drumlin_studies.stated_true import QUANTITIES, ratio
 from kept_reports import rows
 
 README = re.sub(r"\s+", " ", (ROOT / "README.md").read_text())

@@ -24,8 +24,8 @@ from drumlin.fem.holding import full_slip_rotation, hold
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.self_locking import limits, torques
 from drumlin.laws import rigid
-from drumlin.verification.consistency_hold import checks
-from drumlin.verification.random_kinds import random_kind
+from drumlin_studies.consistency_hold import checks
+from drumlin_studies.random_kinds import random_kind
 
 ELEMENTS = 12
 

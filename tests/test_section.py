@@ -22,10 +22,10 @@ from drumlin.errors import BadInput
 from drumlin.fem.assembly import Scene, prepare
 from drumlin.fem.hp import scene as hp
 from drumlin.fem.hp.levels import LEVELS
-from drumlin.fem.reduced import sketcher
 from drumlin.fem.sensitivity import sensitivity
 from drumlin.fem.solid.mesh import solid_mesh
 from drumlin.verification.triangles.outline import outline
+from drumlin_studies.reduced import sketcher
 from held_shoes import BODY, brake_of
 
 S = {"E": 2.1e11, "nu": 0.3}

@@ -18,7 +18,7 @@ from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond
 from drumlin.fem.sensitivity import against_differences, sensitivity
 from drumlin.fem.solve import solve
-from drumlin.verification.random_brake import random_brake
+from drumlin_studies.random_brake import random_brake
 
 RING = {
     "drum.ring": {

@@ -31,10 +31,10 @@ from drumlin.fem.model import respond
 from drumlin.fem.mutual_work import change_by_nodes, work_by_part
 from drumlin.fem.sensitivity import as_text, sensitivity
 from drumlin.fem.solve import scene_of, solve
-from drumlin.verification import consistency_slopes
-from drumlin.verification.consistency_slopes import Divided, difference, slopes_of
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import random_kind
+from drumlin_studies import consistency_slopes
+from drumlin_studies.consistency_slopes import Divided, difference, slopes_of
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import random_kind
 
 ELEMENTS = 10
 POST = {

@@ -29,7 +29,7 @@ from drumlin.response.balance import contact_resultant
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.sweeps.cases import run
 from drumlin.sweeps.file import sweep_from
-from drumlin.verification import solid_forms
+from drumlin_studies import solid_forms
 from sections import t_section
 
 pytestmark = pytest.mark.slow

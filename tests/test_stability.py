@@ -26,11 +26,11 @@ from drumlin.fem.solve import solve
 from drumlin.journal import Journal
 from drumlin.studies import load
 from drumlin.verification import triangles
-from drumlin.verification.extreme_cases import Case, cases
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import KINDS, random_kind
-from drumlin.verification.stated_true import by_triangles, errors
-from drumlin.verification.trial import trial, worth
+from drumlin_studies.extreme_cases import Case, cases
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import KINDS, random_kind
+from drumlin_studies.stated_true import by_triangles, errors
+from drumlin_studies.trial import trial, worth
 
 
 def solved(case):

@@ -15,10 +15,10 @@ from drumlin.fem.hp.levels import EVEN, LEVELS, steps
 from drumlin.fem.self_locking import limits
 from drumlin.fem.solve import solve
 from drumlin.laws import law
-from drumlin.verification import consistency_refused
-from drumlin.verification.consistency_refused import checks, drawn, force
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.standing_off import standing_off
+from drumlin_studies import consistency_refused
+from drumlin_studies.consistency_refused import checks, drawn, force
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.standing_off import standing_off
 
 ONE_SHOE = {
     "title": "stands off",

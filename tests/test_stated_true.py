@@ -21,9 +21,10 @@ from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import NONE, Change, reaction_size
 from drumlin.response.resultants import cross, integrate
-from drumlin.verification import stated_true
-from drumlin.verification.random_brake import KINDS, random_brake
-from drumlin.verification.stated_true import (
+from drumlin.verification.triangles import Level, sequence
+from drumlin_studies import stated_true
+from drumlin_studies.random_brake import KINDS, random_brake
+from drumlin_studies.stated_true import (
     QUANTITIES,
     Truth,
     by_columns,
@@ -33,7 +34,6 @@ from drumlin.verification.stated_true import (
     row,
     summary,
 )
-from drumlin.verification.triangles import Level, sequence
 
 LEVELS = (Level(3, 5, 1.4, 1.0), Level(4, 7, 1.2, 1.0))
 

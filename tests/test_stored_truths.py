@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drumlin.verification.sharpness import (
+from drumlin_studies.sharpness import (
     complaints,
     judge_folder,
     read_sharpness,
     scaled,
     truth_files,
 )
-from drumlin.verification.stated_true import QUANTITIES
-from drumlin.verification.stored_truth import BRAKES, FINER, make, read
+from drumlin_studies.stated_true import QUANTITIES
+from drumlin_studies.stored_truth import BRAKES, FINER, make, read
 
 FOLDER = Path(__file__).parent / "truths"
 
@@ -123,8 +123,8 @@ def test_a_stored_truth_is_found_again_by_its_command(name):
 
 def test_finer_hp_elements_agree_with_triangles_where_both_have_an_answer():
     """What stands for the truth on planes is held against the independent solution on a drum."""
-    from drumlin.verification.stated_true import errors
-    from drumlin.verification.stored_truth import by_finer
+    from drumlin_studies.stated_true import errors
+    from drumlin_studies.stored_truth import by_finer
 
     stored = read(FOLDER / "hinge.json")
     assert stored.by == "triangles" and len(FINER) == 3

@@ -12,13 +12,13 @@ from drumlin.brake import vary
 from drumlin.brake.file import validated
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.errors import BadInput, NoAnswer
-from drumlin.fuzzing.endings import fault_of, in_process
-from drumlin.fuzzing.faults import Input, brake_text
 from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import Inside, cross, edge_left_out, lobatto
-from drumlin.verification.textbook_brakes import hinged
+from drumlin_studies.fuzzing.endings import fault_of, in_process
+from drumlin_studies.fuzzing.faults import Input, brake_text
+from drumlin_studies.textbook_brakes import hinged
 
 
 def _pressing(pressure):

@@ -25,8 +25,8 @@ from drumlin.lining_wear.run_in import (
     worn,
 )
 from drumlin.lining_wear.worn_in import worn_in
-from drumlin.verification import consistency_wear
-from drumlin.verification.random_kinds import random_kind
+from drumlin_studies import consistency_wear
+from drumlin_studies.random_kinds import random_kind
 from winkler_lining import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler
 
 ARCHARD = WearLaw(COEFFICIENT)

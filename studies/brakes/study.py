@@ -15,7 +15,7 @@ from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
 from drumlin.report.page import fill
-from drumlin.verification.brake_kinds import (
+from drumlin_studies.brake_kinds import (
     TRUSTED,
     Case,
     both_ways,

@@ -14,8 +14,7 @@ from drumlin.files import write_text
 from drumlin.journal import Journal
 from drumlin.report import figures
 from drumlin.report.page import fill
-from drumlin.report.stated_true_figure import shares
-from drumlin.verification.calibration import (
+from drumlin_studies.calibration import (
     BRAKES,
     FIRST_SEED,
     MEANING,
@@ -28,7 +27,8 @@ from drumlin.verification.calibration import (
     observe,
     samples,
 )
-from drumlin.verification.side_by_side import PROCESSES, Case, kept
+from drumlin_studies.side_by_side import PROCESSES, Case, kept
+from drumlin_studies.stated_true_figure import shares
 
 HERE = Path(__file__).parent
 FEW = 4  # brakes of the short setting
@@ -36,7 +36,7 @@ COMPUTING = (
     "src/drumlin/fem",
     "src/drumlin/contact",
     "src/drumlin/response",
-    "src/drumlin/verification",
+    "src/drumlin_studies",
 )
 """Folders whose last commit is the one that the factors belong to, without the file of the factors
 itself.

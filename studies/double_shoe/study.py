@@ -16,7 +16,7 @@ from drumlin.report.comparison import draw_fields, panels, results_json
 from drumlin.report.page import fill
 from drumlin.response.norms import relative
 from drumlin.verification.cost import Cost, cost
-from drumlin.verification.orders import convergence_rows, largest_residual, rigid_limit
+from drumlin_studies.orders import convergence_rows, largest_residual, rigid_limit
 
 HERE = Path(__file__).parent
 ROTATIONS = ("counter-clockwise", "clockwise")

@@ -23,7 +23,7 @@ from drumlin.report.palette import (
     RED,
     SKY,
 )
-from drumlin.verification.work_precision import series
+from drumlin_studies.work_precision import series
 
 COLORS = {
     "law": FAINT,

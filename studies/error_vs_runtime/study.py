@@ -22,20 +22,6 @@ from drumlin.journal import Journal
 from drumlin.report.figures import save
 from drumlin.report.page import fill, versions
 from drumlin.verification import triangles
-from drumlin.verification.methods import methods
-from drumlin.verification.omission_table import (
-    omissions,
-    prediction_ratios,
-    time_saved,
-    worst_straight,
-)
-from drumlin.verification.recommendation import (
-    against_peers,
-    best_rows,
-    fastest_seconds,
-    matrices,
-    of_brake,
-)
 from drumlin.verification.reference import (
     FINE,
     Refinement,
@@ -44,7 +30,21 @@ from drumlin.verification.reference import (
     responses,
 )
 from drumlin.verification.reference_file import as_dict, summary_rows, write_values
-from drumlin.verification.work_precision import (
+from drumlin_studies.methods import methods
+from drumlin_studies.omission_table import (
+    omissions,
+    prediction_ratios,
+    time_saved,
+    worst_straight,
+)
+from drumlin_studies.recommendation import (
+    against_peers,
+    best_rows,
+    fastest_seconds,
+    matrices,
+    of_brake,
+)
+from drumlin_studies.work_precision import (
     PEER_FAMILIES,
     REPEATS,
     Method,

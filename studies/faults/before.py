@@ -18,8 +18,8 @@ from typing import Any
 
 from studies.faults.study import INPUTS, UNKNOWN
 
-from drumlin.fuzzing import broken_sweeps, endings, faults, trials
 from drumlin.studies import REPOSITORY
+from drumlin_studies.fuzzing import broken_sweeps, endings, faults, trials
 
 PROGRAM = r"""
 import contextlib, io, json, os, resource, signal, sys, traceback

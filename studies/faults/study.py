@@ -5,9 +5,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.fuzzing import kills, promises, trials
 from drumlin.journal import Journal
 from drumlin.report.page import fill
+from drumlin_studies.fuzzing import kills, promises, trials
 
 HERE = Path(__file__).parent
 WORKERS = 2

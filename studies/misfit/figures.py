@@ -14,7 +14,7 @@ from drumlin.report.figures import STYLE, key, mark_cut, smooth
 from drumlin.report.palette import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response
 from drumlin.sweeps.tolerances import Shares, spread
-from drumlin.verification.misfit_rows import QUANTITIES, STATES, Drawn
+from drumlin_studies.misfit_rows import QUANTITIES, STATES, Drawn
 
 NEW, WORN, LAW = BLUE, GREEN, RED
 LEVELS = (

@@ -33,8 +33,8 @@ from drumlin.sweeps.cases import Case, Row
 from drumlin.sweeps.table import table, write_table
 from drumlin.sweeps.tolerances import Shares, Tolerance, cases, draw, healing, numbers, shares
 from drumlin.sweeps.workers import executor
-from drumlin.verification import misfit_rows
-from drumlin.verification.misfit_rows import QUANTITIES, STATES, Drawn
+from drumlin_studies import misfit_rows
+from drumlin_studies.misfit_rows import QUANTITIES, STATES, Drawn
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"

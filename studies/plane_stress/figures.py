@@ -13,7 +13,7 @@ from drumlin.report.figures import STYLE
 from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of
 from drumlin.response.response import ShoeResponse, edge_zone
 from drumlin.texts import formatted
-from drumlin.verification.plane_stress import Map, Rung, Three, Worn, worst
+from drumlin_studies.plane_stress import Map, Rung, Three, Worn, worst
 
 PANELS = {
     "torque": "torque",

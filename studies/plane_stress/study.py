@@ -26,9 +26,9 @@ from drumlin.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.report.solid_picture import render
-from drumlin.verification import plane_stress as rows
-from drumlin.verification.plane_stress import Certain, Map, Rung, Three, Worn
-from drumlin.verification.uncertainty import Validation
+from drumlin_studies import plane_stress as rows
+from drumlin_studies.plane_stress import Certain, Map, Rung, Three, Worn
+from drumlin_studies.uncertainty import Validation
 
 HERE = Path(__file__).parent
 WIDTHS: Sequence[float] = (1.0, 2.0, 5.0, 10.0, 20.0)  # over the lining's thickness

@@ -24,8 +24,8 @@ from drumlin.report import figures as drawing
 from drumlin.report.comparison import draw_fields, panels, results_json
 from drumlin.report.page import fill
 from drumlin.response.norms import relative
-from drumlin.verification import post_brake_rows as post
-from drumlin.verification.post_brake_rows import ALL, MODELS, Curve, ErrorMap, Merits, Offsets
+from drumlin_studies import post_brake_rows as post
+from drumlin_studies.post_brake_rows import ALL, MODELS, Curve, ErrorMap, Merits, Offsets
 
 HERE = Path(__file__).parent
 MERITS = {

@@ -15,7 +15,7 @@ from drumlin.lining_wear.linings import Surface
 from drumlin.lining_wear.run_in import peak
 from drumlin.report.figures import STYLE, key, mark_cut
 from drumlin.report.palette import BLUE, INK, RED
-from drumlin.verification.run_in_limits import Board, Reversals, Run
+from drumlin_studies.run_in_limits import Board, Reversals, Run
 
 NEW, LATE, LAW = BLUE, INK, RED
 DISTANCE = "sliding distance s k K"

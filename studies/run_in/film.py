@@ -18,7 +18,7 @@ from drumlin.files import replacing
 from drumlin.lining_wear.linings import WearSetup
 from drumlin.lining_wear.run_in import peak
 from drumlin.report.figures import STYLE
-from drumlin.verification.run_in_limits import Frame, Run
+from drumlin_studies.run_in_limits import Frame, Run
 
 
 def film(one: Run, frames: Sequence[Frame], path: Path) -> Path:

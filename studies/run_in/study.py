@@ -20,8 +20,8 @@ from drumlin.lining_wear.linings import fem_setup
 from drumlin.lining_wear.run_in import distance
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
-from drumlin.verification import run_in_limits as limits
-from drumlin.verification.run_in_limits import Board, Frame, Reversals, Run
+from drumlin_studies import run_in_limits as limits
+from drumlin_studies.run_in_limits import Board, Frame, Reversals, Run
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

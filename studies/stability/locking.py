@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import PENALTY
 from drumlin.journal import Journal
-from drumlin.verification.self_locking import limit_row, slope_rows, torque_row, uniqueness_row
+from drumlin_studies.self_locking import limit_row, slope_rows, torque_row, uniqueness_row
 
 FILE = Path(__file__).parents[1] / "double_shoe" / "brake.toml"
 THICKNESSES = (8e-3, 3e-3, 1e-3)
@@ -96,10 +96,14 @@ def study(
     slopes = []
     for name, (changes, penalty) in list(SLOPES.items())[: 1 if short else None]:
         compute = partial(slope_rows, vary(brake, changes), name, penalty)
-        slopes += journal.once(
-            {"of": "slopes", "name": name}, lambda compute=compute: {"rows": compute()}
-        )["rows"]  # type: ignore[misc]
+        computed = partial(_as_rows, compute)
+        slopes += journal.once({"of": "slopes", "name": name}, computed)["rows"]
     return Result(shoe, ring, rigid, mesh, torque, unique, slopes)
+
+
+def _as_rows(compute: Callable[[], list[Row]]) -> dict[str, list[Row]]:
+    """Rows as the plain data that a journal keeps."""
+    return {"rows": compute()}
 
 
 def by_thickness(rows: list[Row]) -> dict[float, list[Row]]:

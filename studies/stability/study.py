@@ -18,10 +18,10 @@ from drumlin.files import write_text
 from drumlin.journal import Journal
 from drumlin.report.figures import save
 from drumlin.report.page import fill
-from drumlin.verification import bad_input, consistency, self_locking
-from drumlin.verification.broken_files import Sound
-from drumlin.verification.extreme_cases import cases
-from drumlin.verification.outcomes import (
+from drumlin_studies import bad_input, consistency, self_locking
+from drumlin_studies.broken_files import Sound
+from drumlin_studies.extreme_cases import cases
+from drumlin_studies.outcomes import (
     POINTWISE,
     counted,
     faults,
@@ -31,7 +31,7 @@ from drumlin.verification.outcomes import (
     timings,
     worst,
 )
-from drumlin.verification.trial import ANSWERS, DIGITS, OUTCOMES, REFUSALS, RESIDUAL, trial
+from drumlin_studies.trial import ANSWERS, DIGITS, OUTCOMES, REFUSALS, RESIDUAL, trial
 
 HERE = Path(__file__).parent
 WORKERS = 2

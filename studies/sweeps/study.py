@@ -19,7 +19,7 @@ from drumlin.report.page import fill
 from drumlin.sweeps.cases import Row, run
 from drumlin.sweeps.file import Sweep, read_sweep
 from drumlin.sweeps.table import table, write_table
-from drumlin.verification.throughput import (
+from drumlin_studies.throughput import (
     KEEP,
     Kill,
     Throughput,

@@ -16,16 +16,16 @@ from drumlin.fem.mesh.arc import KINDS
 from drumlin.fem.solve import solve
 from drumlin.files import write_text
 from drumlin.journal import Journal
-from drumlin.report import figures, stated_true_figure
+from drumlin.report import figures
 from drumlin.report.page import fill
-from drumlin.report.stated_true_figure import cloud
-from drumlin.verification import corner_rows, ladder
-from drumlin.verification.orders import distance, estimate_row, level_rows, line, order_rows
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import KINDS as KINDS_OF_HOLDING
-from drumlin.verification.random_kinds import random_kind
-from drumlin.verification.side_by_side import PROCESSES, Case, kept
-from drumlin.verification.stated_true import TOLERANCES, by_columns, by_triangles, row, summary
+from drumlin_studies import corner_rows, ladder, stated_true_figure
+from drumlin_studies.orders import distance, estimate_row, level_rows, line, order_rows
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import KINDS as KINDS_OF_HOLDING
+from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.side_by_side import PROCESSES, Case, kept
+from drumlin_studies.stated_true import TOLERANCES, by_columns, by_triangles, row, summary
+from drumlin_studies.stated_true_figure import cloud
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
