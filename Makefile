@@ -66,7 +66,7 @@ truths: .venv/ready
 # The factors of the error estimate, fitted anew on random brakes: twenty minutes on two cores.
 calibrate: .venv/ready
 	$(BIN)/drumlin study calibration
-	cp reports/calibration/factors.json src/drumlin/fem/hp/factors.json
+	cp reports/calibration/factors.json src/drumlin/fem/error_control/factors.json
 
 # By how much stated errors are larger than true ones now; the tests notice where this changes.
 sharpness: .venv/ready

@@ -39,27 +39,27 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_PASSES": PASSES,
         "SLACK": ROUND_OFF,
     },
-    "fem/assembly.py": {"MOST_ELEMENTS": MEMORY, "ROOM": MEMORY},
-    "fem/body.py": {"FRAME": DEFINITION},
-    "fem/elimination.py": {"LEAF": SPEED},
-    "fem/finite_width.py": {
+    "fem/preparation/assembly.py": {"MOST_ELEMENTS": MEMORY, "ROOM": MEMORY},
+    "fem/substructure/body.py": {"FRAME": DEFINITION},
+    "fem/substructure/elimination.py": {"LEAF": SPEED},
+    "fem/preparation/finite_width.py": {
         "HELD": "share that solid shoes show, whose difference is said with the answer",
         "LARGEST_NU": "range that has been checked",
         "TORQUE": "measured error that is said",
         "PRESSURE": "measured error that is said",
     },
-    "fem/group.py": {
+    "fem/equilibrium/group.py": {
         "FRICTION_STEP": "a quarter of self_locking.STEP",
         "NEAR_POLE": "last digit of a limit that is printed",
         "ROWS": SPEED,
     },
-    "fem/holding.py": {
+    "fem/analysis/holding.py": {
         "FIRST": "start of a geometric search",
         "MOST_INCREMENTS": PASSES,
         "TWO_ANSWERS": SAID,
         "OTHER_FRICTION": SAID,
     },
-    "fem/hp/adapt.py": {"UNDER_TIP": DEFINITION},
+    "fem/error_control/adapt.py": {"UNDER_TIP": DEFINITION},
     "fem/hp/corner.py": {
         "LEAST_ROOT": "limit of a search",
         "ROOTS_TRIED": "steps of a search",
@@ -67,9 +67,9 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "AT_TIP": ROUND_OFF,
     },
     "fem/hp/element.py": {"CHUNK": SPEED},
-    "fem/hp/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
+    "fem/error_control/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
     "fem/hp/ring.py": {"TURN": DEFINITION, "CLOSE": ROUND_OFF},
-    "fem/hp/scene.py": {"MOST_NODES": MEMORY},
+    "fem/preparation/scene.py": {"MOST_NODES": MEMORY},
     "fem/mesh/abaqus.py": {"NODES": FORMAT, "MOST_MEMBERS": MEMORY, "PER_LINE": FORMAT},
     "fem/mesh/check.py": dict.fromkeys(
         ("ARC_SLACK", "APART", "MOST_PAIRS", "LARGEST", "BENT", "OFF", "DEEP", "STEEP", "UPRIGHT"),
@@ -89,22 +89,22 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MAX_REFINED": "limit of time: seconds of a refinement",
         "SETTLED": ROUND_OFF,
     },
-    "fem/moving.py": {
+    "fem/analysis/moving.py": {
         "STEP": ROUND_OFF,
         "FARTHEST": "tells another division from a moved one",
         "STILL": ROUND_OFF,
     },
     "fem/mutual_work.py": {"CHUNK": MEMORY},
     "fem/reach.py": {"LARGEST_TURN": SAID},
-    "fem/refinement.py": {
+    "fem/error_control/refinement.py": {
         "EPSILON": DEFINITION,
         "MOST_CORRECTIONS": PASSES,
         "SETTLED": ROUND_OFF,
         "SLOWEST": "factor by which corrections that converge shrink",
         "MOST_SETS": PASSES,
     },
-    "fem/sensitivity.py": {"PERCENT_PER_MM": DEFINITION},
-    "fem/sharing.py": {"PULLED": ROUND_OFF},
+    "fem/analysis/sensitivity.py": {"PERCENT_PER_MM": DEFINITION},
+    "fem/equilibrium/sharing.py": {"PULLED": ROUND_OFF},
     "fem/solid/__init__.py": {"MOST_ELEMENTS": MEMORY, "MOST_ACROSS": MEMORY},
     "fem/solid/body.py": {"HALVES": DEFINITION},
     "fem/solid/fields.py": dict.fromkeys(("_BOTTOM", "_CORNERS", "_EDGES", "_TURNED"), FORMAT),

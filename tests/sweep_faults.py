@@ -12,7 +12,7 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from drumlin.errors import BadInput
+from drumlin.base.errors import BadInput
 from drumlin.sweeps.cases import run
 from drumlin.sweeps.file import read_sweep
 from drumlin.sweeps.table import table, write_table

@@ -10,14 +10,14 @@ import pytest
 
 import blocks
 from drumlin import solve
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
-from drumlin.fem.hp import levels
-from drumlin.fem.hp.adapt import DEFAULT
+from drumlin.fem.error_control import levels
+from drumlin.fem.error_control.adapt import DEFAULT
+from drumlin.fem.error_control.levels import LEVELS, steps
+from drumlin.fem.error_control.places import places_of, strengths
 from drumlin.fem.hp.division import Kind, divide
-from drumlin.fem.hp.levels import LEVELS, steps
-from drumlin.fem.hp.places import places_of, strengths
 from drumlin.fem.model import respond
 from drumlin.response import Response
 from drumlin_studies.consistency_blocks import FEWEST, KINDS, MOST, checks, random_blocks
@@ -89,7 +89,7 @@ def curved(brake: Brake, rows: int) -> Brake:
 def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Response]:
     """The default response, and that on the second level with all kinks as places."""
     found = solve(brake)
-    monkeypatch.setattr("drumlin.fem.hp.places.UNFELT", 0.0)
+    monkeypatch.setattr("drumlin.fem.error_control.places.UNFELT", 0.0)
     (*_, true) = islice(steps(brake, respond), 2)
     return found, true.response
 

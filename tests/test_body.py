@@ -11,16 +11,16 @@ import skfem
 from scipy.sparse.linalg import spsolve
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import prepare
-from drumlin.fem.body import FRAME, condense, scalar_basis, stiffness, tie
-from drumlin.fem.elasticity import layers_of
-from drumlin.fem.elimination import dissection, eliminate
-from drumlin.fem.interface import contact_line, end_loads
 from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.substructure.body import FRAME, condense, scalar_basis, stiffness, tie
+from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.elimination import dissection, eliminate
+from drumlin.fem.substructure.interface import contact_line, end_loads
 
 STEEL = Material(E=210e9, nu=0.3)
 KINDS = {

@@ -8,9 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from drumlin.fem.hp import estimate
-from drumlin.fem.hp.estimate import FACTORS, QUANTITIES, Factors, read_factors
-from drumlin.fem.hp.levels import steps
+from drumlin.fem.error_control import estimate
+from drumlin.fem.error_control.estimate import FACTORS, QUANTITIES, Factors, read_factors
+from drumlin.fem.error_control.levels import steps
 from drumlin.fem.model import respond
 from drumlin.studies import load
 from drumlin_studies.calibration import (

@@ -2,6 +2,7 @@
 
 import ast
 import doctest
+import importlib
 import inspect
 import json
 import re
@@ -224,8 +225,6 @@ def cells(root):
 
 def test_what_the_manual_and_the_notebooks_import_is_public(root):
     """A page imports the door, or a public name that a module of its own defines."""
-    import importlib
-
     seen = 0
     for page, source in cells(root):
         for module, name in imports_of(source):
@@ -238,6 +237,27 @@ def test_what_the_manual_and_the_notebooks_import_is_public(root):
         for name in re.findall(r"\bdrumlin\.(\w+)\(", source):
             assert name in drumlin.__all__, (page, name)
     assert seen > 10
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "name"),
+    [
+        ("drumlin.errors", "drumlin.base.errors", "BadInput"),
+        ("drumlin.fem.assembly", "drumlin.fem.preparation.assembly", "prepare"),
+        ("drumlin.fem.group", "drumlin.fem.equilibrium.group", "groups_of"),
+        ("drumlin.fem.self_locking", "drumlin.fem.analysis.self_locking", "limits"),
+        ("drumlin.fem.sensitivity", "drumlin.fem.analysis.sensitivity", "sensitivity"),
+    ],
+)
+def test_a_module_that_has_moved_answers_by_its_old_name_with_a_warning(old, new, name):
+    moved = importlib.import_module(old)
+    with pytest.warns(DeprecationWarning, match=f"{old} has moved to {new}") as said:
+        found = getattr(moved, name)
+    assert found is getattr(importlib.import_module(new), name)
+    # The warning points to the line that asks, not into drumlin.
+    assert said[0].filename == __file__
+    with pytest.raises(AttributeError, match="nonsense"):
+        moved.nonsense  # noqa: B018
 
 
 def test_a_path_may_be_a_text_and_a_response_carries_its_figures_of_merit(root):

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 import independent
-from drumlin.errors import BadInput
+from drumlin.base.errors import BadInput
+from drumlin.base.journal import Journal
 from drumlin.fem.solve import solve
-from drumlin.journal import Journal
 from drumlin.studies import load
 from drumlin.verification.reference import Trio, responses
 from drumlin_studies import work_precision

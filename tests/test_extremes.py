@@ -4,7 +4,7 @@ or refused.
 
 import pytest
 
-from drumlin.errors import NoAnswer
+from drumlin.base.errors import NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin_studies.extreme_cases import Case

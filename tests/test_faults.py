@@ -8,7 +8,7 @@ import zlib
 
 import pytest
 
-from drumlin.errors import BadInput
+from drumlin.base.errors import BadInput
 from drumlin.fem.mesh import vtu
 from drumlin.fem.mesh.abaqus import read_inp
 from drumlin_studies.fuzzing import endings, trials

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from conftest import ROOT
 from drumlin import foundation
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.foundation import ring
 from drumlin.foundation.model import system
 from drumlin.foundation.post import post, stations

@@ -12,30 +12,31 @@ import skfem
 from scipy.spatial import cKDTree
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, vary
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import Cache, prepare
-from drumlin.fem.body import FRAME, condense
-from drumlin.fem.elasticity import layers_of
-from drumlin.fem.fields import fields, ring_fields
-from drumlin.fem.group import groups_of
-from drumlin.fem.holding import full_slip_rotation, hold
-from drumlin.fem.hp import division, levels, places
-from drumlin.fem.hp.adapt import DEFAULT, adapt
+from drumlin.fem.analysis.fields import fields, ring_fields
+from drumlin.fem.analysis.holding import full_slip_rotation, hold
+from drumlin.fem.analysis.sensitivity import sensitivity
+from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.error_control import levels, places
+from drumlin.fem.error_control.adapt import DEFAULT, adapt
+from drumlin.fem.error_control.estimate import FACTORS, ROUND_OFF, estimate
+from drumlin.fem.error_control.levels import LEVELS, steps
+from drumlin.fem.error_control.places import places_of
+from drumlin.fem.hp import division
 from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack, turned
 from drumlin.fem.hp.division import Kind, divide, graded
 from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
-from drumlin.fem.hp.estimate import FACTORS, ROUND_OFF, estimate
-from drumlin.fem.hp.levels import LEVELS, steps
-from drumlin.fem.hp.places import places_of
-from drumlin.fem.hp.scene import scene
 from drumlin.fem.hp.shoe import distinct, nodes_of, rigid
 from drumlin.fem.model import PENALTY, refined_group, respond
-from drumlin.fem.sensitivity import sensitivity
+from drumlin.fem.preparation.assembly import Cache, prepare
+from drumlin.fem.preparation.scene import scene
 from drumlin.fem.solve import scene_of, solve
+from drumlin.fem.substructure.body import FRAME, condense
+from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import solve as solve_worn_in
 from drumlin.response.norms import pressure_distance
@@ -663,7 +664,7 @@ def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
 def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_the_tolerance(
     brake, monkeypatch
 ):
-    monkeypatch.setattr("drumlin.fem.hp.scene.MOST_NODES", 110)
+    monkeypatch.setattr("drumlin.fem.preparation.scene.MOST_NODES", 110)
     with pytest.raises(
         NoAnswer, match=r"not reached, the next level: its \d+ contact nodes are more than the 110"
     ):
@@ -679,7 +680,7 @@ def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch)
     }
     ringed = vary(brake, {"drum.ring": ring})
     nodes = sum(len(body.line.nodes) for body in scene(ringed, LEVELS[0]).bodies)
-    monkeypatch.setattr("drumlin.fem.hp.scene.MOST_NODES", nodes - 1)
+    monkeypatch.setattr("drumlin.fem.preparation.scene.MOST_NODES", nodes - 1)
     with pytest.raises(
         NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1} that"
     ):
@@ -714,7 +715,7 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     p = found.shoes[0].pressure[:: shoe.frame.sense]
     drag = brake.friction * brake.spin * shoe.frame.sense
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
-    from drumlin.fem.assembly import actuation
+    from drumlin.fem.preparation.assembly import actuation
 
     u = body.condensed.displacement(
         nodal, np.zeros(FRAME), shoe.actuation.force * actuation(body, shoe)[0]

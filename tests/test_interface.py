@@ -9,10 +9,10 @@ import skfem
 from drumlin.brake.file import vary
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set
-from drumlin.fem.assembly import prepare
-from drumlin.fem.body import scalar_basis
-from drumlin.fem.interface import ContactLine, contact_line, couple, radial
-from drumlin.fem.ring import couple_ring
+from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.substructure.body import scalar_basis
+from drumlin.fem.substructure.interface import ContactLine, contact_line, couple, radial
+from drumlin.fem.substructure.ring import couple_ring
 from drumlin.response.resultants import cross, integrate, resultant
 from drumlin_studies import two_bodies as pair
 

@@ -11,16 +11,16 @@ import pytest
 
 import drumlin
 from conftest import ROOT, partly
+from drumlin.base.errors import DrumlinError
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli.commands import app
-from drumlin.errors import DrumlinError
-from drumlin.fem.assembly import prepare
-from drumlin.fem.holding import full_slip_rotation, hold
-from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.analysis.holding import full_slip_rotation, hold
+from drumlin.fem.analysis.sensitivity import sensitivity
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.file import write_mesh
-from drumlin.fem.sensitivity import sensitivity
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.laws import law
 from drumlin.lining_wear.archard import WearLaw
 from drumlin.lining_wear.linings import fem_setup

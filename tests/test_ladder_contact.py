@@ -234,8 +234,8 @@ def test_lame_ring_under_inner_pressure():
     """a = .1, b = .2 m, p = 60 MPa inside, E = 200 GPa, nu = .3: u(a) = 5.90e-5, u(b) = 4.00e-5 m."""
     from scipy.sparse.linalg import spsolve
 
-    from drumlin.fem.body import scalar_basis, stiffness
-    from drumlin.fem.interface import contact_line, couple, radial
+    from drumlin.fem.substructure.body import scalar_basis, stiffness
+    from drumlin.fem.substructure.interface import contact_line, couple, radial
 
     mesh = closed(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis = scalar_basis(mesh)

@@ -13,7 +13,7 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
-from drumlin.fem.body import scalar_basis, stiffness
+from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin_studies.two_bodies import Pair, body, sector, towards
 
 pytestmark = pytest.mark.slow

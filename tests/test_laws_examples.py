@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from, vary
-from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS, Layout, locking_friction
 from drumlin.laws.shapes import equivalent_friction, m_and_n, pivot_radius
 from drumlin.laws.simscape import DoubleShoe

@@ -8,17 +8,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import partly, settled_sizes
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
 from drumlin.contact.self_locking import Sliding, limit
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import prepare
-from drumlin.fem.group import ShoeGroup, groups_of
-from drumlin.fem.hp import scene as hp
-from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.analysis.self_locking import limits, torques
+from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.self_locking import limits, torques
+from drumlin.fem.preparation import scene as hp
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, rigid
 from drumlin_studies.random_brake import random_brake

@@ -14,8 +14,8 @@ import pytest
 
 import drumlin
 from conftest import ROOT
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.fields import Part
-from drumlin.errors import NoAnswer
 from drumlin.models import MODELS
 from drumlin.studies import load
 

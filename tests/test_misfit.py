@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from conftest import ROOT, STUDY
+from drumlin.base.errors import BadInput
 from drumlin.brake import clearance, off_circle
 from drumlin.brake.fields import Point
 from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.fem.solve import solve
 from drumlin.foundation import model as foundation
 from drumlin.laws import sine

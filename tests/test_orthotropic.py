@@ -13,6 +13,7 @@ from scipy.sparse.linalg import spsolve
 
 import drumlin
 from conftest import ROOT, STUDY
+from drumlin.base.errors import BadInput
 from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
 from drumlin.brake.fields import Material, Orthotropic
 from drumlin.brake.file import brake_from, validated, vary
@@ -20,17 +21,16 @@ from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.schema import brake_schema
 from drumlin.brake.writing import brake_text
 from drumlin.comparison import compare
-from drumlin.errors import BadInput
 from drumlin.explore.knobs import knobs_of
-from drumlin.fem.assembly import Cache
-from drumlin.fem.body import scalar_basis, stiffness
-from drumlin.fem.fields import fields
-from drumlin.fem.hp import scene as hp
+from drumlin.fem.analysis.fields import fields
+from drumlin.fem.analysis.sensitivity import as_text, sensitivity
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.corner import corner_power, orthotropic_corner_power, powers_of
-from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.sensitivity import as_text, sensitivity
+from drumlin.fem.preparation import scene as hp
+from drumlin.fem.preparation.assembly import Cache
 from drumlin.fem.solve import scene_of, solve
+from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.models import MODELS, applicable, pick, refusals
 from drumlin.peers import calculix, getfem, missing
 from drumlin_studies.consistency_slopes import ALLOWED, Divided, difference, slopes_of

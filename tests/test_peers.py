@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from drumlin import peers
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import edge_of
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
 from drumlin.peers.deck import BEARING, Setting, deck, drum_angles

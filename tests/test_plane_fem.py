@@ -8,16 +8,16 @@ import pytest
 
 import drumlin
 from conftest import ROOT, partly
+from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli.commands import app
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import prepare
-from drumlin.fem.fields import fields
-from drumlin.fem.hp.levels import LEVELS
-from drumlin.fem.hp.scene import scene
+from drumlin.fem.analysis.fields import fields
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.scene import scene
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from drumlin.lining_wear.archard import WearLaw

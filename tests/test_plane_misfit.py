@@ -11,16 +11,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import drumlin
+from drumlin.base.errors import BadInput
 from drumlin.brake import off_circle
 from drumlin.brake.fields import Point
 from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import FlatBrake
-from drumlin.errors import BadInput
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp.division import Kind
-from drumlin.fem.hp.levels import LEVELS
-from drumlin.fem.hp.places import places_of
-from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.scene import scene
 from drumlin.laws import law
 from drumlin.response.response import ShoeResponse
 from drumlin_studies.random_kinds import placed, scaled

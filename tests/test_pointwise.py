@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.solve import solve
 from drumlin_studies import pointwise
 

@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 
 import drumlin
 from conftest import partly
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.writing import brake_text
-from drumlin.errors import NoAnswer
-from drumlin.fem.self_locking import limits
+from drumlin.fem.analysis.self_locking import limits
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from drumlin.response.balance import contact_resultant, loaded

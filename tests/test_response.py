@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin.arrays import angle_near
+from drumlin.base.arrays import angle_near
 from drumlin.brake.file import vary
 from drumlin.brake.surface import DRUM
 from drumlin.response.balance import contact_resultant, relative_balance, shoe_balance, worst

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import drumlin
+from drumlin.base.errors import BadInput
 from drumlin.brake import read_any, vary
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import STEEL, Section, bonded
@@ -18,11 +19,10 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, validated
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_text
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import Scene, prepare
+from drumlin.fem.analysis.sensitivity import sensitivity
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp import scene as hp
-from drumlin.fem.hp.levels import LEVELS
-from drumlin.fem.sensitivity import sensitivity
+from drumlin.fem.preparation.assembly import Scene, prepare
 from drumlin.fem.solid.mesh import solid_mesh
 from drumlin.verification.triangles.outline import outline
 from drumlin_studies.reduced import sketcher

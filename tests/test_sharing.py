@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import drumlin
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import prepare
-from drumlin.fem.group import groups_of
-from drumlin.fem.hp.levels import LEVELS
-from drumlin.fem.hp.scene import scene as hp_scene
+from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.scene import scene as hp_scene
 from drumlin.laws import law
 from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor
@@ -88,8 +88,8 @@ def test_the_tip_moves_as_the_energy_says() -> None:
     body, part = group.bodies[0], group.parts[0]
     nodal = -body.coupling.N.T @ found.p[part]
     u = body.condensed.displacement(nodal, np.array([0.0, 0.0, found.y[0]]), _load(group))
-    from drumlin.fem.body import stiffness
-    from drumlin.fem.elasticity import layers_of
+    from drumlin.fem.substructure.body import stiffness
+    from drumlin.fem.substructure.elasticity import layers_of
 
     energy = 0.5 * float(
         u.T.ravel() @ (stiffness(body.basis, layers_of(group.shoes[0])) @ u.T.ravel())
@@ -98,7 +98,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
 
 
 def _load(group: Any) -> Any:
-    from drumlin.fem.assembly import actuation
+    from drumlin.fem.preparation.assembly import actuation
 
     return actuation(group.bodies[0], group.shoes[0])[0]
 

@@ -20,17 +20,17 @@ from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.cli import commands as cli
-from drumlin.fem.assembly import prepare
-from drumlin.fem.body import FRAME, scalar_basis, stiffness
+from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
+from drumlin.fem.analysis.sensitivity import as_text, sensitivity
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp import scene as hp
 from drumlin.fem.hp.grid import Grid
-from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.model import respond
-from drumlin.fem.mutual_work import change_by_nodes, work_by_part
-from drumlin.fem.sensitivity import as_text, sensitivity
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.fem.solve import scene_of, solve
+from drumlin.fem.substructure.body import FRAME, scalar_basis, stiffness
 from drumlin_studies import consistency_slopes
 from drumlin_studies.consistency_slopes import Divided, difference, slopes_of
 from drumlin_studies.random_brake import random_brake

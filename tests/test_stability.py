@@ -10,20 +10,20 @@ from itertools import islice
 import numpy as np
 import pytest
 
+from drumlin.base.errors import NoAnswer
+from drumlin.base.journal import Journal
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem, condition
-from drumlin.errors import NoAnswer
 from drumlin.fem import model
-from drumlin.fem.assembly import prepare
-from drumlin.fem.body import stiffness
-from drumlin.fem.elasticity import layers_of
-from drumlin.fem.group import ShoeGroup
-from drumlin.fem.hp.adapt import Tolerance, adapt
-from drumlin.fem.hp.estimate import ROUND_OFF
-from drumlin.fem.hp.levels import steps
+from drumlin.fem.equilibrium.group import ShoeGroup
+from drumlin.fem.error_control.adapt import Tolerance, adapt
+from drumlin.fem.error_control.estimate import ROUND_OFF
+from drumlin.fem.error_control.levels import steps
 from drumlin.fem.model import LARGEST_LOSS, MOST_LOSS, REFINED, refined_group, respond
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.fem.solve import solve
-from drumlin.journal import Journal
+from drumlin.fem.substructure.body import stiffness
+from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.studies import load
 from drumlin.verification import triangles
 from drumlin_studies.extreme_cases import Case, cases

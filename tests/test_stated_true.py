@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from conftest import partly
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
-from drumlin.fem.hp.adapt import Tolerance, adapt, seen
-from drumlin.fem.hp.estimate import FACTORS, ROUND_OFF, SOFTER, Errors, beside, estimate
-from drumlin.fem.hp.levels import LEVELS as COLUMNS
-from drumlin.fem.hp.levels import Step, steps
-from drumlin.fem.hp.scene import scene
+from drumlin.fem.error_control.adapt import Tolerance, adapt, seen
+from drumlin.fem.error_control.estimate import FACTORS, ROUND_OFF, SOFTER, Errors, beside, estimate
+from drumlin.fem.error_control.levels import LEVELS as COLUMNS
+from drumlin.fem.error_control.levels import Step, steps
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.scene import scene
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import NONE, Change, reaction_size

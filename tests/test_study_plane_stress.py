@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drumlin.fem import finite_width
+from drumlin.fem.preparation import finite_width
 from drumlin.studies import load
 from drumlin_studies import plane_stress
 

@@ -11,12 +11,12 @@ import pytest
 from scipy import stats
 
 from conftest import ROOT, STUDY
+from drumlin.base.errors import BadInput
+from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake, unit_of, vary
-from drumlin.errors import BadInput
-from drumlin.fem import assembly
-from drumlin.fem.assembly import Cache
+from drumlin.fem.preparation import assembly
+from drumlin.fem.preparation.assembly import Cache
 from drumlin.fem.solve import solve
-from drumlin.journal import Journal
 from drumlin.sweeps import file as sweep_file
 from drumlin.sweeps.cases import Case, run, solved
 from drumlin.sweeps.file import read_sweep, sweep_from

@@ -11,10 +11,10 @@ from types import SimpleNamespace
 import pytest
 
 from conftest import ROOT, STUDY
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import Cache
-from drumlin.journal import Journal
+from drumlin.fem.preparation.assembly import Cache
 from drumlin.sweeps import cases as sweeps
 from drumlin.sweeps import workers
 from drumlin.sweeps.cases import Case, keys_of, run, solve_chunk, solved

@@ -8,10 +8,10 @@ import random
 import pytest
 
 from conftest import ROOT, STUDY, partly
+from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Part
 from drumlin.brake.file import is_interval, unit_of, values_of, vary
 from drumlin.cli import terminal
-from drumlin.errors import BadInput
 from drumlin.sweeps import file as sweep_file
 from drumlin.sweeps.file import sweep_from
 from drumlin_studies.random_brake import random_brake

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import value_of, vary
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import sine
 from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.tolerances import (

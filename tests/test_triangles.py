@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.errors import NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.verification.triangles import Level, contact, lagrange, levels, sequence
 from drumlin.verification.triangles.face import along, edge_nodes, shaped

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin.errors import BadInput, NoAnswer
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.lining_wear.archard import (
     WearLaw,
     WearState,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from drumlin.contact.equations import Problem
-from drumlin.fem.interface import ContactLine, couple, radial
+from drumlin.fem.substructure.interface import ContactLine, couple, radial
 from drumlin.lining_wear.archard import (
     WearInterface,
     WearLaw,

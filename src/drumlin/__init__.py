@@ -22,6 +22,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from drumlin.base.errors import BadInput, NoAnswer
     from drumlin.brake import read_any as read_brake
     from drumlin.brake import vary
     from drumlin.brake.brake import Brake
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
         wear,
         write_brake,
     )
-    from drumlin.errors import BadInput, NoAnswer
     from drumlin.response import Response
 
 __version__ = "0.1.0"
@@ -68,9 +68,9 @@ __all__ = [
 
 # The names that the functions' own module does not have: module, and name there.
 _ELSEWHERE = {
-    "BadInput": ("drumlin.errors", "BadInput"),
+    "BadInput": ("drumlin.base.errors", "BadInput"),
     "Brake": ("drumlin.brake", "Brake"),
-    "NoAnswer": ("drumlin.errors", "NoAnswer"),
+    "NoAnswer": ("drumlin.base.errors", "NoAnswer"),
     "Response": ("drumlin.response", "Response"),
     "read_brake": ("drumlin.brake", "read_any"),
     "vary": ("drumlin.brake", "vary"),

@@ -15,14 +15,14 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
+from drumlin.base.errors import NoAnswer
+from drumlin.base.files import cell
+from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake
-from drumlin.errors import NoAnswer
-from drumlin.files import cell
 from drumlin.models import applicable
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import EDGE_ZONE, Response
 from drumlin.response.show import arcs_text
-from drumlin.texts import formatted
 
 B = TypeVar("B", bound=Brake)
 

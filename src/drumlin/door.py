@@ -11,15 +11,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from drumlin.errors import BadInput
+from drumlin.base.errors import BadInput
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
     from drumlin.brake.surface import FrictionSurface
     from drumlin.comparison import Comparison
-    from drumlin.fem.fields import Fields
-    from drumlin.fem.holding import Hold
-    from drumlin.fem.sensitivity import Sensitivity
+    from drumlin.fem.analysis.fields import Fields
+    from drumlin.fem.analysis.holding import Hold
+    from drumlin.fem.analysis.sensitivity import Sensitivity
     from drumlin.lining_wear.whole_brake import WearRun
     from drumlin.response.response import Response
     from drumlin.sweeps.cases import Row
@@ -56,10 +56,10 @@ def _brake_of(brake: BrakeOrPath) -> Brake:
 
 def _source_of(brake: BrakeOrPath) -> _Source:
     """The brake with its text: that of its file, or what `write_brake` would write."""
+    from drumlin.base.texts import typed
     from drumlin.brake import read_any
     from drumlin.brake.file import toml_text
     from drumlin.brake.writing import brake_text
-    from drumlin.texts import typed
 
     if not isinstance(brake, str | Path):
         return _Source(brake, brake_text(brake), None, "drumlin.reference(brake)")
@@ -94,7 +94,7 @@ def _corrected(brake: Brake, finite_width: bool) -> _Corrected:
     """The brake as the finite elements take it."""
     if not finite_width:
         return _Corrected(brake, ())
-    from drumlin.fem import finite_width as width
+    from drumlin.fem.preparation import finite_width as width
 
     other = width.finite_width(brake)
     return _Corrected(other, (width.said(brake, other),))
@@ -350,7 +350,7 @@ class HoldingRun(NamedTuple):
 
     def as_dict(self) -> list[dict[str, Any]]:
         """The states as plain data for JSON, in SI; the keys are those of `drumlin hold --json`."""
-        from drumlin.fem.holding import as_dict
+        from drumlin.fem.analysis.holding import as_dict
 
         return as_dict(list(self.states))
 
@@ -401,7 +401,7 @@ def hold(
     """
     import numpy as np
 
-    from drumlin.fem import holding
+    from drumlin.fem.analysis import holding
     from drumlin.fem.solve import scene_of
 
     held, notes = _corrected(_brake_of(brake), finite_width)
@@ -453,7 +453,7 @@ def sensitivity(
     >>> slopes.S > 1
     True
     """
-    from drumlin.fem.sensitivity import sensitivity as slopes
+    from drumlin.fem.analysis.sensitivity import sensitivity as slopes
     from drumlin.fem.solve import scene_of
 
     on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
@@ -513,8 +513,8 @@ def self_locking(
     [('right',), ('left',)]
     """
     from drumlin.contact.self_locking import LARGEST
+    from drumlin.fem.analysis.self_locking import limits
     from drumlin.fem.model import check_penalty
-    from drumlin.fem.self_locking import limits
     from drumlin.fem.solve import scene_of
 
     on_mesh = _given(elements=elements, kind=kind)
@@ -556,7 +556,7 @@ def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference
     >>> round(found.torque.value, 4), found.torque.uncertainty < 1e-6
     (20.0995, True)
     """
-    from drumlin.files import check_outputs
+    from drumlin.base.files import check_outputs
     from drumlin.verification.reference import reference as values_of
     from drumlin.verification.reference_file import as_dict, write_values
 
@@ -696,10 +696,10 @@ def fields(
     >>> right.stress.shape[1], bool(right.von_mises.max() > 0)
     (3, True)
     """
-    from drumlin.fem.fields import all_fields, write_vtu
+    from drumlin.base.files import check_outputs
+    from drumlin.fem.analysis.fields import all_fields, write_vtu
     from drumlin.fem.model import respond
     from drumlin.fem.solve import scene_of
-    from drumlin.files import check_outputs
 
     path = None if output is None else Path(output)
     if path is not None and path.suffix != ".vtu":
@@ -741,8 +741,8 @@ def write_brake(brake: BrakeOrPath, output: Path | str) -> None:
     >>> drumlin.read_brake("my.toml") == brake
     True
     """
+    from drumlin.base.files import write_new
     from drumlin.brake.writing import brake_text
-    from drumlin.files import write_new
 
     write_new(Path(output), brake_text(_brake_of(brake)))
 

@@ -4,12 +4,12 @@ from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
+from drumlin.base.errors import BadInput
+from drumlin.base.texts import nearest
 from drumlin.brake.brake import Brake
 from drumlin.brake.orthotropic import isotropic_only
-from drumlin.errors import BadInput
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
 from drumlin.response.response import Response
-from drumlin.texts import nearest
 
 
 class Model(NamedTuple):
@@ -36,7 +36,7 @@ def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
 
 
 def _fem_why_not(brake: Brake) -> str | None:
-    from drumlin.fem import assembly
+    from drumlin.fem.preparation import assembly
 
     return assembly.why_not(brake)
 
@@ -167,7 +167,7 @@ def given_options(**options: Any) -> dict[str, Any]:
     """
     elements = options.get("elements")
     if elements is not None:
-        from drumlin.fem.assembly import MOST_ELEMENTS
+        from drumlin.fem.preparation.assembly import MOST_ELEMENTS
 
         if not 1 <= elements <= MOST_ELEMENTS:
             raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")

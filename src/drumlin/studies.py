@@ -14,9 +14,9 @@ from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
-from drumlin.errors import BadInput
-from drumlin.journal import Journal, source_stamp
-from drumlin.texts import nearest
+from drumlin.base.errors import BadInput
+from drumlin.base.journal import Journal, source_stamp
+from drumlin.base.texts import nearest
 
 CARRIED = Path(__file__).resolve().parent / "carried"
 REPOSITORY = CARRIED if CARRIED.is_dir() else Path(__file__).resolve().parents[2]

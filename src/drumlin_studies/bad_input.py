@@ -22,9 +22,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.journal import Journal
 from drumlin.brake.plane_brake import read_any
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.journal import Journal
 from drumlin.models import MODELS, applicable
 from drumlin.response.balance import contact_resultant
 from drumlin.response.response import Response

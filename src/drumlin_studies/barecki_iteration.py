@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.errors import NoAnswer
 from drumlin.foundation.model import ring_of
 from drumlin.foundation.post import Post, post
 

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.comparison import Outcome, edge_of, run
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import prepare
-from drumlin.fem.self_locking import limits
+from drumlin.fem.analysis.self_locking import limits
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 from drumlin.lining_wear import worn_in

@@ -15,8 +15,8 @@ import meshio
 import numpy as np
 
 from drumlin.brake.file import brake_from
-from drumlin.fem.assembly import prepare
 from drumlin.fem.mesh.file import FORMATS, write_mesh
+from drumlin.fem.preparation.assembly import prepare
 from drumlin_studies.broken_files import Input, Sound, noise, toml
 
 

@@ -20,13 +20,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.errors import NoAnswer
-from drumlin.fem.hp.adapt import seen
+from drumlin.fem.error_control.adapt import seen
+from drumlin.fem.error_control.estimate import QUANTITIES, Errors, Factors, beside, distances
+from drumlin.fem.error_control.levels import Step, steps
 from drumlin.fem.hp.corner import with_powers
-from drumlin.fem.hp.estimate import QUANTITIES, Errors, Factors, beside, distances
-from drumlin.fem.hp.levels import Step, steps
 from drumlin.fem.model import respond
 from drumlin_studies.random_brake import KINDS, random_brake
 from drumlin_studies.random_kinds import KINDS as KINDS_OF_HOLDING
@@ -235,7 +235,7 @@ class Provenance(NamedTuple):
 def as_text(factors: Factors, provenance: Provenance) -> str:
     """The factors' file: what they were fitted on, and each with its meaning."""
     data = {
-        "written by": "make calibrate; read by drumlin.fem.hp.estimate; not to be edited by hand",
+        "written by": "make calibrate; read by drumlin.fem.error_control.estimate; not to be edited by hand",
         "provenance": provenance._asdict() | {"quantile": QUANTILE},
         **{
             name: {"value": value, "meaning": MEANING[name]}

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from scipy.optimize import brentq
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 
 
 def hertz(load: float, radius: float, modulus: float) -> tuple[float, float]:

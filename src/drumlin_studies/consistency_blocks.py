@@ -8,10 +8,10 @@ them.
 
 import numpy as np
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.hp.adapt import DEFAULT, adapt
+from drumlin.fem.error_control.adapt import DEFAULT, adapt
 from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse

@@ -6,8 +6,8 @@ brake whose lining stands off by far more than its force compresses it, the othe
 kinds of both generators.
 """
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.errors import NoAnswer
 from drumlin.fem.model import TOO_FAR
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response

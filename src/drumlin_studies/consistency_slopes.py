@@ -14,16 +14,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Bar
 from drumlin.brake.fields import AnyMaterial
 from drumlin.brake.file import vary
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import Cache, Scene, prepare
+from drumlin.fem.analysis.sensitivity import Sensitivity, sensitivity
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp import scene as hp
-from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.sensitivity import Sensitivity, sensitivity
+from drumlin.fem.preparation.assembly import Cache, Scene, prepare
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 

@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import Scene, prepare
-from drumlin.fem.hp.adapt import DEFAULT, adapt
+from drumlin.fem.error_control.adapt import DEFAULT, adapt
 from drumlin.fem.model import REFINED, respond
+from drumlin.fem.preparation.assembly import Scene, prepare
 from drumlin.fem.solve import scene_of
 from drumlin.lining_wear.archard import WearLaw, WearState, run_on
 from drumlin.lining_wear.linings import WearSetup, fem_setup

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.hp.corner import steep_corners
 from drumlin.fem.solve import solve
 from drumlin_studies.random_corners import random_corner

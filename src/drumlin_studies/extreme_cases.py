@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import brake_from
 from drumlin.fem.mesh.arc import shoe_mesh

@@ -10,13 +10,13 @@ import numpy as np
 import skfem
 from scipy.sparse.linalg import splu
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
-from drumlin.fem.body import scalar_basis, stiffness
-from drumlin.fem.interface import contact_line, couple, radial
+from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin.fem.substructure.interface import contact_line, couple, radial
 from drumlin.foundation.ring import two_forces
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import DISCRETE, EXACT, PRINTED, Case

@@ -7,7 +7,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem

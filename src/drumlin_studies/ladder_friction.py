@@ -10,15 +10,22 @@ import numpy as np
 import skfem
 from scipy.sparse.linalg import splu
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, equations, self_locking, stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK, History, Problem
-from drumlin.fem.body import scalar_basis, stiffness
-from drumlin.fem.interface import ContactLine, Coupling, Directions, contact_line, couple, radial
 from drumlin.fem.solve import solve
+from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    Coupling,
+    Directions,
+    contact_line,
+    couple,
+    radial,
+)
 from drumlin.laws import sine
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.lining_wear.archard import WearInterface, WearLaw, WearState, run

@@ -10,9 +10,9 @@ import numpy as np
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.brake.plane_brake import any_from
-from drumlin.fem.hp.levels import LEVELS
-from drumlin.fem.hp.scene import scene
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.scene import scene
 from drumlin.fem.solve import solve
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import DISCRETE, Case

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS
 from drumlin.models import MODELS
 from drumlin.response.merit import barecki_shoe_factor

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import ground_to, set_off

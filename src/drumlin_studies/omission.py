@@ -14,14 +14,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
-from drumlin.errors import BadInput
-from drumlin.fem import assembly
-from drumlin.fem.assembly import Scene
-from drumlin.fem.hp.levels import Respond
+from drumlin.fem.error_control.levels import Respond
 from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.preparation import assembly
+from drumlin.fem.preparation.assembly import Scene
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response
 from drumlin_studies.reduced import sketcher

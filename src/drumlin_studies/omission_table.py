@@ -13,14 +13,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import ELEMENTS, Scene, prepare, shape_of
-from drumlin.fem.fields import fields
+from drumlin.fem.analysis.fields import fields
 from drumlin.fem.mesh.grading import divide
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.assembly import ELEMENTS, Scene, prepare, shape_of
 from drumlin.response.response import Response
 from drumlin_studies.omission import (
     OMISSIONS,

@@ -9,16 +9,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.comparison import Convergence
-from drumlin.errors import NoAnswer
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp.division import Level
-from drumlin.fem.hp.levels import LEVELS
-from drumlin.fem.hp.places import places_of
-from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.scene import scene
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance, relative

@@ -13,12 +13,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.fem import assembly
-from drumlin.fem.finite_width import finite_width
 from drumlin.fem.model import respond
+from drumlin.fem.preparation import assembly
+from drumlin.fem.preparation.finite_width import finite_width
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.face import ContactFace
 from drumlin.fem.solve import solve as by_elements
@@ -28,7 +29,6 @@ from drumlin.lining_wear.archard import WearLaw, run_on
 from drumlin.lining_wear.linings import fem_setup
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, ShoeResponse, Surface, edge_zone
-from drumlin.texts import formatted
 from drumlin_studies.uncertainty import Index, Validation, grid_convergence, validate
 
 QUANTITIES = {

@@ -19,10 +19,12 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from drumlin.arrays import Bools, Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import (
+from drumlin.fem.equilibrium.group import gap_at
+from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.preparation.assembly import (
     ELEMENTS,
     Assembled,
     Mesher,
@@ -32,10 +34,8 @@ from drumlin.fem.assembly import (
     clock,
     contact_stiffness,
 )
-from drumlin.fem.body import FRAME
-from drumlin.fem.group import gap_at
-from drumlin.fem.interface import edge_points, radial
-from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.substructure.body import FRAME
+from drumlin.fem.substructure.interface import edge_points, radial
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross

@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 
 from drumlin import foundation
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.comparison import run as timed
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import Scene
-from drumlin.fem.deflection import beam_deflection, rim_displacement
+from drumlin.fem.analysis.deflection import beam_deflection, rim_displacement
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.assembly import Scene
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import worn_in_foundation

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from, vary
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, sine
 

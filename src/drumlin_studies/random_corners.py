@@ -16,12 +16,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import brake_from, vary
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.hp.levels import steps
+from drumlin.fem.error_control.levels import steps
 from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import any_from
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 

@@ -23,17 +23,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Backing, Bar, Beam, Lining, Ring, Section, bonded
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem import assembly
-from drumlin.fem.interface import edge_points
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.ring import RingBody
+from drumlin.fem.preparation import assembly
+from drumlin.fem.substructure.interface import edge_points
+from drumlin.fem.substructure.ring import RingBody
 
 ELEMENTS = 24
 """Default number along a lining of a sketch, whose change is to be within a factor of two."""

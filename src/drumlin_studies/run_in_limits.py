@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 
 from drumlin import foundation
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import Scene, prepare, why_not
-from drumlin.fem.fields import Fields, fields
+from drumlin.fem.analysis.fields import Fields, fields
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.assembly import Scene, prepare, why_not
 from drumlin.laws import hinged, law
 from drumlin.lining_wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
 from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup, guided

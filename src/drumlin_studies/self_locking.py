@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.contact.self_locking import agreement, first_singular, limit
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import Scene, prepare
-from drumlin.fem.group import ShoeGroup
+from drumlin.fem.analysis.self_locking import limits, torques
+from drumlin.fem.analysis.sensitivity import against_differences
+from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
-from drumlin.fem.self_locking import limits, torques
-from drumlin.fem.sensitivity import against_differences
+from drumlin.fem.preparation.assembly import Scene, prepare
 from drumlin.laws import locking_friction, sine
 from drumlin_studies.random_brake import random_brake
 

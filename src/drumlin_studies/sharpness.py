@@ -24,12 +24,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.stats import binom
 
+from drumlin.base.errors import NoAnswer
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
-from drumlin.errors import NoAnswer
-from drumlin.fem.hp.adapt import DEFAULT, Tolerance, adapt
-from drumlin.fem.hp.levels import Step, steps
+from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt
+from drumlin.fem.error_control.levels import Step, steps
 from drumlin.fem.model import respond
-from drumlin.files import write_text
 from drumlin.response.response import Response
 from drumlin_studies.stated_true import QUANTITIES, errors, ratio
 from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read

@@ -6,7 +6,7 @@ from contextlib import nullcontext
 from multiprocessing import get_context
 from typing import Any
 
-from drumlin.journal import Journal
+from drumlin.base.journal import Journal
 
 PROCESSES = 2
 """Processes of a study: the machines that it is made for have two cores."""

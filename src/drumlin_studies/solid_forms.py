@@ -10,17 +10,18 @@ import numpy as np
 import skfem
 from scipy.sparse.linalg import splu
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
-from drumlin.fem.body import condense, stiffness
-from drumlin.fem.interface import ContactLine, contact_line, edge_nodes, radial
+from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.mesh.grading import half_geometric
 from drumlin.fem.solid.body import HALVES, tie
 from drumlin.fem.solid.face import ContactFace, contact_face
 from drumlin.fem.solid.mesh import Solid, extruded
+from drumlin.fem.substructure.body import condense, stiffness
+from drumlin.fem.substructure.interface import ContactLine, contact_line, radial
 
 PART = "lining"
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import any_from
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import law
 from drumlin_studies.random_kinds import ATTEMPTS, KINDS, Rng, facing, log_between, placed
 

@@ -17,13 +17,13 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.comparison import edge_of
-from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.error_control.estimate import ROUND_OFF
+from drumlin.fem.error_control.levels import steps
 from drumlin.fem.hp.corner import NodalPressure
-from drumlin.fem.hp.estimate import ROUND_OFF
-from drumlin.fem.hp.levels import steps
 from drumlin.fem.model import respond
 from drumlin.response.response import (
     EDGE_ZONE,

@@ -8,7 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.report.figures import STYLE, key
 from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 

@@ -30,16 +30,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.files import write_text
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import any_from
-from drumlin.errors import BadInput, NoAnswer
+from drumlin.fem.error_control.levels import DEG, steps
 from drumlin.fem.hp.corner import left_at_corners, power_at_corner, steep_corners
 from drumlin.fem.hp.division import Level
-from drumlin.fem.hp.levels import DEG, steps
 from drumlin.fem.model import respond
-from drumlin.files import write_text
 from drumlin.verification import triangles
 from drumlin.verification.triangles.levels import LEVELS as TRIANGLE_LEVELS
 from drumlin.verification.triangles.outline import Level as TriangleLevel

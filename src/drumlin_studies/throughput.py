@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
-from drumlin.errors import NoAnswer
-from drumlin.journal import Journal
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
+from drumlin.base.journal import Journal
 from drumlin.sweeps.cases import Case, Row, run
 from drumlin.sweeps.workers import Workers, executor
 

@@ -2,7 +2,7 @@
 
 Every trial ends in one of OUTCOMES. An answer is right where its own forces balance and its
 pressures and gaps are complementary to 1e-8, and where six digits of its torque agree with the
-whole system refined in long double (`drumlin.fem.refinement`), or as many as its condition allows. A
+whole system refined in long double (`drumlin.fem.error_control.refinement`), or as many as its condition allows. A
 refusal is right where it names a physical reason.
 """
 
@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.contact.equations import condition
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import Scene, prepare
-from drumlin.fem.group import ShoeGroup, groups_of
+from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
+from drumlin.fem.error_control.refinement import EPSILON
 from drumlin.fem.model import REFINED, refined_group, respond
-from drumlin.fem.refinement import EPSILON
+from drumlin.fem.preparation.assembly import Scene, prepare
 from drumlin.response.response import Response
 from drumlin_studies import pointwise
 from drumlin_studies.extreme_cases import Case

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import skfem
 
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.contact.equations import Problem
-from drumlin.fem.body import Condensed, condense, scalar_basis, stiffness, tie
-from drumlin.fem.interface import ContactLine, Coupling, contact_line, couple, radial
-from drumlin.fem.ring import closed_mesh, couple_ring
+from drumlin.fem.substructure.body import Condensed, condense, scalar_basis, stiffness, tie
+from drumlin.fem.substructure.interface import ContactLine, Coupling, contact_line, couple, radial
+from drumlin.fem.substructure.ring import closed_mesh, couple_ring
 
 
 def towards(fine: float, growth: float, end: float) -> Floats:

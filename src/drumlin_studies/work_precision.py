@@ -22,15 +22,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin import peers
+from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.errors import BadInput, DrumlinError
-from drumlin.fem.assembly import Scene, prepare
-from drumlin.fem.hp.adapt import DEFAULT, Tolerance, adapt
-from drumlin.fem.hp.levels import LEVELS, steps
+from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt
+from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.mesh.grading import EDGE_SIZE, Division, graded, inner_steps, lining_layers
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.assembly import Scene, prepare
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, edge_zone

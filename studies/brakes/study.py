@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 from matplotlib.figure import Figure
 
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
-from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
 from drumlin.report.page import fill

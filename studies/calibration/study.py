@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.fem.hp.estimate import QUANTITIES, Factors
-from drumlin.files import write_text
-from drumlin.journal import Journal
+from drumlin.base.files import write_text
+from drumlin.base.journal import Journal
+from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.report import figures
 from drumlin.report.page import fill
 from drumlin_studies.calibration import (
@@ -84,7 +84,7 @@ def last_commit() -> tuple[str, str]:
     """Hash and date of the last commit that changed what the factors hang on; empty texts outside a
     repository.
     """
-    own = ":!src/drumlin/fem/hp/factors.json"
+    own = ":!src/drumlin/fem/error_control/factors.json"
     command = ["git", "log", "-1", "--format=%h %cs", "--", *COMPUTING, own]
     try:
         run = subprocess.run(

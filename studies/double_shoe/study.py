@@ -7,10 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import COLUMNS, Comparison, Convergence, as_csv, compare, converge
-from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.comparison import draw_fields, panels, results_json
 from drumlin.report.page import fill

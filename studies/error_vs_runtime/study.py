@@ -11,14 +11,14 @@ from typing import Any, NamedTuple
 from studies.error_vs_runtime.brakes import MAIN, covered, simplified, stiff_to_soft
 from studies.error_vs_runtime.figures import predictions, work_precision
 
+from drumlin.base.files import write_text
+from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import as_csv
-from drumlin.fem.assembly import ELEMENTS
-from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.preparation.assembly import ELEMENTS
 from drumlin.fem.solve import solve
-from drumlin.files import write_text
-from drumlin.journal import Journal
 from drumlin.report.figures import save
 from drumlin.report.page import fill, versions
 from drumlin.verification import triangles

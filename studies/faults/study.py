@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.journal import Journal
+from drumlin.base.journal import Journal
 from drumlin.report.page import fill
 from drumlin_studies.fuzzing import kills, promises, trials
 

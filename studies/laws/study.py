@@ -17,9 +17,9 @@ from studies.laws.figures import (
     torque_over_speed,
 )
 
+from drumlin.base.files import write_text
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
-from drumlin.files import write_text
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.figures import save
 from drumlin.report.page import fill, versions

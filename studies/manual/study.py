@@ -16,7 +16,7 @@ from pathlib import Path
 
 from studies.manual import listing
 
-from drumlin.errors import NoAnswer
+from drumlin.base.errors import NoAnswer
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

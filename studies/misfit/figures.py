@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib import patheffects
 from matplotlib.figure import Figure
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.report.figures import STYLE, key, mark_cut, smooth
 from drumlin.report.palette import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response

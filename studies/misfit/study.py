@@ -13,15 +13,15 @@ import numpy as np
 from studies.misfit import figures
 from studies.misfit.tolerances import assumed, nominal
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.files import write_text
+from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import ground_to, set_off
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
-from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond
-from drumlin.files import write_text
-from drumlin.journal import Journal
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.laws import sine
 from drumlin.lining_wear.run_in import COEFFICIENT
 from drumlin.lining_wear.worn_in import worn_in

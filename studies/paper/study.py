@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from drumlin.errors import BadInput
+from drumlin.base.errors import BadInput
 from drumlin.report.page import fill
 from drumlin_studies.work_precision import PEER_FAMILIES
 

@@ -8,11 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.texts import formatted
 from drumlin.report.figures import STYLE
 from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of
 from drumlin.response.response import ShoeResponse, edge_zone
-from drumlin.texts import formatted
 from drumlin_studies.plane_stress import Map, Rung, Three, Worn, worst
 
 PANELS = {

@@ -12,17 +12,17 @@ from typing import Any
 import numpy as np
 from studies.plane_stress import figures
 
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
-from drumlin.fem import finite_width
-from drumlin.fem.assembly import prepare
-from drumlin.fem.fields import write_vtu
+from drumlin.fem.analysis.fields import write_vtu
 from drumlin.fem.model import respond
+from drumlin.fem.preparation import finite_width
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.fields import recover
-from drumlin.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.report.solid_picture import render

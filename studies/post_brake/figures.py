@@ -7,12 +7,12 @@ import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.texts import formatted
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake
 from drumlin.report.figures import STYLE, key, name_of
 from drumlin.report.palette import FAINT, GRADES, INK, look_of
-from drumlin.texts import formatted
 from drumlin_studies.post_brake_rows import Curve, ErrorMap, Merits, Offsets
 
 BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)  # regions of a map: error within 1, 5, 20 %, beyond

@@ -14,12 +14,12 @@ import numpy as np
 from studies.post_brake import figures
 
 from drumlin import foundation
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import COLUMNS, Comparison, as_csv, run
-from drumlin.fem.assembly import prepare
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.fem.solve import solve
-from drumlin.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.comparison import draw_fields, panels, results_json
 from drumlin.report.page import fill

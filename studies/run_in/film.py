@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 
-from drumlin.files import replacing
+from drumlin.base.files import replacing
 from drumlin.lining_wear.linings import WearSetup
 from drumlin.lining_wear.run_in import peak
 from drumlin.report.figures import STYLE

@@ -9,13 +9,13 @@ from typing import Any
 from studies.run_in import figures
 from studies.run_in.film import film
 
+from drumlin.base.errors import BadInput
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import prepare
-from drumlin.files import write_text
+from drumlin.fem.preparation.assembly import prepare
 from drumlin.lining_wear.linings import fem_setup
 from drumlin.lining_wear.run_in import distance
 from drumlin.report import figures as drawing

@@ -7,9 +7,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import PENALTY
-from drumlin.journal import Journal
 from drumlin_studies.self_locking import limit_row, slope_rows, torque_row, uniqueness_row
 
 FILE = Path(__file__).parents[1] / "double_shoe" / "brake.toml"

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 from studies.stability import figures, locking, ways
 
+from drumlin.base.files import write_text
+from drumlin.base.journal import Journal
 from drumlin.comparison import as_csv
-from drumlin.files import write_text
-from drumlin.journal import Journal
 from drumlin.report.figures import save
 from drumlin.report.page import fill
 from drumlin_studies import bad_input, consistency, self_locking

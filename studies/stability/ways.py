@@ -8,7 +8,7 @@ from functools import partial
 from multiprocessing import get_context
 from typing import Any, NamedTuple
 
-from drumlin.journal import Journal
+from drumlin.base.journal import Journal
 from drumlin_studies import (
     consistency_blocks,
     consistency_hold,

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from studies.sweeps import figures
 
-from drumlin.files import write_text
+from drumlin.base.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.sweeps.cases import Row, run

@@ -8,14 +8,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drumlin.base.errors import NoAnswer
+from drumlin.base.files import write_text
+from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
-from drumlin.errors import NoAnswer
 from drumlin.fem.mesh.arc import KINDS
 from drumlin.fem.solve import solve
-from drumlin.files import write_text
-from drumlin.journal import Journal
 from drumlin.report import figures
 from drumlin.report.page import fill
 from drumlin_studies import corner_rows, ladder, stated_true_figure

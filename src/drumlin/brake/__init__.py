@@ -2,7 +2,7 @@
 file.
 
 A `Brake` runs on a surface, a drum or a plane, see `drumlin.brake.surface`; `read_any` reads it
-from a TOML file. Imports nothing of drumlin but arrays, errors, texts and files.
+from a TOML file. Imports nothing of drumlin but its lowest room, `drumlin.base`.
 """
 
 import warnings

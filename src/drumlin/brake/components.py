@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.fields import (
     Angle,
     AnyMaterial,

@@ -11,12 +11,12 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import ValidationError
 
+from drumlin.base.errors import BadInput
+from drumlin.base.files import read_text
+from drumlin.base.texts import check_toml
 from drumlin.brake.brake import Brake
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import Part, Point, unit_in
-from drumlin.errors import BadInput
-from drumlin.files import read_text
-from drumlin.texts import check_toml
 
 LARGEST_FILE = 500_000  # bytes; a brake file has a few thousand
 ALLOWED = {

@@ -15,7 +15,8 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Frame, Shoe
 from drumlin.brake.components import LARGEST_MISFIT, STEP, Backing, Bar, Friction, Lining, Misfit
 from drumlin.brake.drive import Drive, Link, driven
@@ -37,7 +38,6 @@ from drumlin.brake.off_circle import crown_gap
 from drumlin.brake.support import check_motions
 from drumlin.brake.surface import PLANE
 from drumlin.brake.units import deg, mm
-from drumlin.errors import BadInput
 
 
 class Plane(Part):

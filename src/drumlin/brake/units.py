@@ -8,8 +8,8 @@ import math
 import re
 from typing import Any
 
-from drumlin.errors import BadInput
-from drumlin.texts import LONGEST_QUANTITY
+from drumlin.base.errors import BadInput
+from drumlin.base.texts import LONGEST_QUANTITY
 
 # A number, then a unit: words with one-digit powers, joined by blank, * or /, the last denominator
 # perhaps in brackets. Nothing that pint would have to evaluate: m^9^9^9 would take it for ever.

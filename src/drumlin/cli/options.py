@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from drumlin.errors import BadInput
+from drumlin.base.errors import BadInput
 
 BrakeFiles = Annotated[
     list[Path], typer.Argument(metavar="BRAKE.toml...", help="one brake file or more")

@@ -6,9 +6,9 @@ from typing import Annotated
 import typer
 
 import drumlin
+from drumlin.base.errors import BadInput
 from drumlin.cli.options import BrakeFile, Elements, Kind, given
 from drumlin.cli.terminal import busy, tell
-from drumlin.errors import BadInput
 
 
 def view(
@@ -20,7 +20,7 @@ def view(
     kind: Kind = None,
 ) -> None:
     """Draw a brake and its mesh."""
-    from drumlin.files import check_outputs
+    from drumlin.base.files import check_outputs
     from drumlin.report.figures import save
     from drumlin.report.view import draw
 
@@ -50,10 +50,10 @@ def mesh(
     ] = "msh",
 ) -> None:
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
-    from drumlin.fem.assembly import prepare
+    from drumlin.base.files import check_outputs
     from drumlin.fem.mesh.file import write_mesh
+    from drumlin.fem.preparation.assembly import prepare
     from drumlin.fem.solve import check_divided
-    from drumlin.files import check_outputs
 
     if name is not None and Path(name).name != name:
         raise BadInput(
@@ -84,9 +84,9 @@ def export(
     ] = "fem",
 ) -> None:
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
+    from drumlin.base.files import check_folder
     from drumlin.brake.plane_brake import read_drum
     from drumlin.fem.solve import check_divided
-    from drumlin.files import check_folder
     from drumlin.peers import calculix, solid_deck
 
     if model not in {"fem", "solid"}:

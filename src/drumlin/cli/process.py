@@ -15,7 +15,7 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, NoReturn
 
-from drumlin.errors import BadInput, NoAnswer, Stopped, ended, file_fault
+from drumlin.base.errors import BadInput, NoAnswer, Stopped, ended, file_fault
 
 COMPLETING = "_DRUMLIN_COMPLETE"
 
@@ -60,8 +60,8 @@ def run(words: Sequence[str]) -> int:
     """
     import typer
 
+    from drumlin.base.files import inputs_kept
     from drumlin.cli.commands import app
-    from drumlin.files import inputs_kept
 
     command = typer.main.get_command(app)
     if COMPLETING in os.environ:  # a shell asks what may come next

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 import drumlin
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.cli import options as of
 from drumlin.cli.answer import print_response
 from drumlin.cli.options import BrakeFile, Elements, FiniteWidth, Kind, Penalty
 from drumlin.cli.terminal import Column, busy, note, print_columns, print_table, tell
-from drumlin.errors import BadInput, NoAnswer
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
@@ -35,7 +35,7 @@ def solve(
     verbose: of.Verbose = False,
 ) -> None:
     """Solve a brake, or several, by one model."""
-    from drumlin.files import check_outputs
+    from drumlin.base.files import check_outputs
 
     brakes = [drumlin.read_brake(brake_file) for brake_file in brake_files]
     check_outputs(json_file, pressure, fields)
@@ -121,7 +121,7 @@ def _print_answer(
         note(f"{answer.brake_file}: {answer.failure}")
         return
     if pressure is not None:
-        from drumlin.files import write_text
+        from drumlin.base.files import write_text
         from drumlin.verification.check import curves_text
 
         write_text(pressure, curves_text(answer.response, answer.brake.surface))
@@ -132,7 +132,7 @@ def _print_answer(
 
 def _finish(answers: list[_Answer], json_file: Path | None) -> None:
     """Write all answers as JSON. Raises NoAnswer where brakes have no answer."""
-    from drumlin.files import write_json
+    from drumlin.base.files import write_json
 
     if json_file is not None:
         data = [answer.as_dict() for answer in answers]
@@ -151,8 +151,8 @@ def compare(
     finite_width: FiniteWidth = False,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
+    from drumlin.base.files import check_folder
     from drumlin.brake.file import toml_text
-    from drumlin.files import check_folder
     from drumlin.report.comparison import write_comparison
 
     text = toml_text(brake_file)
@@ -187,7 +187,7 @@ def hold(
     """Hold the drum: from rest through partial slip to full slip, as it is turned against the
     shoes.
     """
-    from drumlin.files import check_outputs, write_json
+    from drumlin.base.files import check_outputs, write_json
 
     brake = drumlin.read_brake(brake_file)
     check_outputs(json_file)
@@ -213,7 +213,7 @@ def hold(
 
 def _states_table(run: "HoldingRun") -> dict[str, Column]:
     """The states of a holding brake as columns for people."""
-    from drumlin.texts import formatted
+    from drumlin.base.texts import formatted
 
     surface, states = run.brake.surface, run.states
     turned = [f"{at.rotation * surface.shown:.6f}" for at in states]
@@ -238,8 +238,8 @@ def sensitivity(
     """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the
     elastic brake.
     """
-    from drumlin.fem.sensitivity import as_text
-    from drumlin.files import check_outputs, write_json
+    from drumlin.base.files import check_outputs, write_json
+    from drumlin.fem.analysis.sensitivity import as_text
 
     brake = drumlin.read_brake(brake_file)
     check_outputs(json_file)
@@ -273,7 +273,7 @@ def wear(
     """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe
     law.
     """
-    from drumlin.files import check_outputs, write_json
+    from drumlin.base.files import check_outputs, write_json
 
     brake = drumlin.read_brake(brake_file)
     check_outputs(json_file)

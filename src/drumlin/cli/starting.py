@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
+from drumlin.base.errors import BadInput
+from drumlin.base.texts import nearest
 from drumlin.cli.terminal import tell, write
-from drumlin.errors import BadInput
-from drumlin.texts import nearest
 
 
 def init(

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drumlin.base.errors import NoAnswer
 from drumlin.cli.terminal import busy, note, progress, progress_if_long, tell
-from drumlin.errors import NoAnswer
 
 if TYPE_CHECKING:
     from drumlin.sweeps.cases import Row
@@ -44,7 +44,7 @@ def sweep(
     """Solve a brake with any of its keys varied: one table, a row a case. Stopped, it goes on with
     what is missing.
     """
-    from drumlin.files import check_outputs
+    from drumlin.base.files import check_outputs
     from drumlin.sweeps.file import read_sweep
     from drumlin.sweeps.run import kept_rows, table_rows
     from drumlin.sweeps.table import check_output, write_table

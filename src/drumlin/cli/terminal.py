@@ -8,8 +8,8 @@ from contextlib import ExitStack, contextmanager
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from drumlin.errors import file_fault
-from drumlin.texts import one_line
+from drumlin.base.errors import file_fault
+from drumlin.base.texts import one_line
 
 if TYPE_CHECKING:
     from drumlin.comparison import Column as TableColumn

@@ -23,7 +23,8 @@ from itertools import combinations
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import NoAnswer
 from drumlin.contact.equations import (
     TINY,
     Changed,
@@ -34,7 +35,6 @@ from drumlin.contact.equations import (
     few_changed,
     regular,
 )
-from drumlin.errors import NoAnswer
 
 MOST_STEPS = 120  # a brake that has an answer needs some ten
 MOST_PASSES = 10  # changes of each node while an answer is followed from wider gaps

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats, Ints
-from drumlin.errors import NoAnswer
-from drumlin.lapack import dgecon, dgetrf, dgetrs
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import NoAnswer
+from drumlin.base.lapack import dgecon, dgetrf, dgetrs
 
 TINY = np.finfo(float).tiny
 LARGE = 100

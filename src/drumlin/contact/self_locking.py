@@ -22,10 +22,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.contact.active_set import Contact, beside, between, halved, halved_sums, settle, solve
 from drumlin.contact.equations import Problem, equilibrated
-from drumlin.errors import NoAnswer
 
 LARGEST = 1e3  # friction coefficient up to which a limit is looked for
 STEP = 0.05

@@ -10,15 +10,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
+from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
-from drumlin.errors import DrumlinError, NoAnswer
 from drumlin.explore.knobs import LARGEST_WEAR, Setting, brake_of, knobs_of
-from drumlin.fem.assembly import Scene, bare, prepare
-from drumlin.fem.hp.levels import LEVELS
-from drumlin.fem.hp.scene import scene
+from drumlin.fem.analysis.self_locking import limits
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.self_locking import limits
+from drumlin.fem.preparation.assembly import Scene, bare, prepare
+from drumlin.fem.preparation.scene import scene
 from drumlin.fem.solve import solve
 from drumlin.laws import LAWS, locking_friction
 from drumlin.lining_wear.archard import WearLaw, WearState, at

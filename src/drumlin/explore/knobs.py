@@ -10,12 +10,12 @@ from urllib.parse import urlencode
 
 import numpy as np
 
+from drumlin.base.texts import one_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.drive import Drive
 from drumlin.models import applicable
-from drumlin.texts import one_line
 
 Changes = dict[str, Any]
 LARGEST_WEAR = 50.0  # of 1/(k K); a stiff brake is worn in after some 46

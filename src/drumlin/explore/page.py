@@ -11,10 +11,11 @@ from urllib.parse import parse_qsl, urlsplit
 
 import jinja2
 
+from drumlin.base.errors import BadInput
+from drumlin.base.texts import one_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
 from drumlin.brake.writing import brake_text
-from drumlin.errors import BadInput
 from drumlin.explore.answers import Explorer
 from drumlin.explore.knobs import (
     LONGEST_LINK,
@@ -43,7 +44,6 @@ from drumlin.explore.picture import (
 )
 from drumlin.report.figures import name_of
 from drumlin.report.palette import color_of
-from drumlin.texts import one_line
 
 NO_NAMES = frozenset('/\\:*?"<>|')
 """Letters that no file's name can have on one system or another."""

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
 from drumlin.explore.answers import HIGHEST, WEAR_TOLERANCE, Answer, Stated
@@ -19,7 +20,6 @@ from drumlin.response import Response
 from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor
 from drumlin.response.show import arcs_text
-from drumlin.texts import formatted
 
 MM, MPA = 1e3, 1e-6
 POINTS = 160  # of a curve

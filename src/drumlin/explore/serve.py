@@ -8,8 +8,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 from urllib.parse import quote
 
+from drumlin.base.errors import BadInput, reason_of
 from drumlin.brake.brake import Brake
-from drumlin.errors import BadInput, reason_of
 from drumlin.explore.answers import Explorer
 from drumlin.explore.page import reply
 

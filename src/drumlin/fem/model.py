@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
+from drumlin.base.errors import BadInput, LostDigits, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.units import mm
 from drumlin.contact.active_set import Contact
-from drumlin.errors import BadInput, LostDigits, NoAnswer
-from drumlin.fem.assembly import Scene, clock, held, shape_of
-from drumlin.fem.group import ShoeGroup, groups_of
-from drumlin.fem.sharing import PULLED, WOULD_PULL
+from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
+from drumlin.fem.equilibrium.sharing import PULLED, WOULD_PULL
+from drumlin.fem.preparation.assembly import Scene, clock, held, shape_of
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import (
@@ -36,7 +36,7 @@ from drumlin.response.response import (
 from drumlin.response.resultants import cross
 
 if TYPE_CHECKING:
-    from drumlin.fem.refinement import Refined
+    from drumlin.fem.error_control.refinement import Refined
 
 DOUBLE = float(np.finfo(float).eps)
 OVERLAP = 0.01  # of the lining's thickness, from which on it is said that a mesh lies in the drum
@@ -244,7 +244,7 @@ def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Re
     order: of its elimination, by SuperLU's names. Raises NoAnswer where it is singular or does not
     settle.
     """
-    from drumlin.fem.refinement import refine, whole  # noqa: PLC0415  (with scipy.sparse; few brakes lose digits)
+    from drumlin.fem.error_control.refinement import refine, whole  # noqa: PLC0415  (with scipy.sparse; few brakes lose digits)
 
     refined = refine(whole(group), active, order)
     if refined.correction < SETTLED:

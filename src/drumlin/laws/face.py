@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 
 Arcs = tuple[tuple[float, float], ...]

@@ -41,12 +41,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.optimize
 
-from drumlin.arrays import Bools, Floats, in_turn
+from drumlin.base.arrays import Bools, Floats, in_turn
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.lapack import block_diag
 from drumlin.contact import active_set
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.lapack import block_diag
 
 GAMMA = 1 - 1 / math.sqrt(2)
 TOLERANCE = 1e-3

@@ -12,15 +12,15 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import rows_of
 from drumlin.brake.file import vary
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import Scene
-from drumlin.fem.group import ShoeGroup, groups_of
+from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
+from drumlin.fem.preparation.assembly import Scene
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment

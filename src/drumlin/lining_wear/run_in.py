@@ -14,10 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake
 from drumlin.brake.units import mm
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
 from drumlin.laws.rigid import Pressed
 from drumlin.lining_wear import archard
@@ -25,7 +26,6 @@ from drumlin.lining_wear.archard import WearLaw, WearState, steady
 from drumlin.lining_wear.linings import Surface, WearSetup, worn_by
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
-from drumlin.texts import formatted
 
 COEFFICIENT = 1e-14
 """k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings. In units of 1/(k

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.units import quantity
-from drumlin.errors import BadInput
 from drumlin.lining_wear.archard import WearLaw, WearState
 from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup
 from drumlin.lining_wear.run_in import (

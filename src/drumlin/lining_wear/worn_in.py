@@ -37,12 +37,12 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Rows, rows_of
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import Scene
 from drumlin.fem.model import PENALTY, respond
+from drumlin.fem.preparation.assembly import Scene
 from drumlin.fem.solve import scene_of
 from drumlin.foundation.model import SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles

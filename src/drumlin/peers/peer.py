@@ -14,12 +14,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, actuation, assemble, shape_of
+from drumlin.fem.equilibrium.motions import at_pin
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.motions import at_pin
+from drumlin.fem.preparation.assembly import (
+    ELEMENTS,
+    Assembled,
+    Mesher,
+    actuation,
+    assemble,
+    shape_of,
+)
 from drumlin.laws import rigid
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drumlin.base.errors import NoAnswer
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.comparison import Column, Comparison, as_csv, columns_of, compare
-from drumlin.errors import NoAnswer
-from drumlin.fem.finite_width import finite_width
-from drumlin.files import write_text
+from drumlin.fem.preparation.finite_width import finite_width
 from drumlin.models import refusals
 from drumlin.report import figures
 from drumlin.report.page import fill, versions
@@ -51,7 +51,7 @@ def draw_fields(
 
     `options`: those of the scene. A page shows what came of it by the macro `fields`.
     """
-    from drumlin.fem.fields import all_fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
+    from drumlin.fem.analysis.fields import all_fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
     from drumlin.fem.solve import scene_of  # noqa: PLC0415
     from drumlin.report.render import render  # noqa: PLC0415
 

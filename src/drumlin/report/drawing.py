@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyArrowPatch, PathPatch, Rectangle, Wedge
 from matplotlib.path import Path as Outline
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Actuation, Bar, Beam

@@ -13,9 +13,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.files import replacing
 from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.files import replacing
 from drumlin.report.palette import CATEGORIES, color_of, look_of
 from drumlin.response.response import ShoeResponse
 

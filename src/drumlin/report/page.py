@@ -21,9 +21,9 @@ import latex2mathml.converter
 from markupsafe import Markup
 
 import drumlin
+from drumlin.base.files import write_text
+from drumlin.base.texts import formatted, typed
 from drumlin.comparison import Column
-from drumlin.files import write_text
-from drumlin.texts import formatted, typed
 
 _MEDIA = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
 

@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import ended
+from drumlin.base.files import replacing
+from drumlin.base.texts import one_line
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Point
 from drumlin.brake.support import Held
-from drumlin.errors import ended
-from drumlin.files import replacing
 from drumlin.report.palette import RED
-from drumlin.texts import one_line
 
 TIMEOUT = 120  # s
 SCALAR = "von Mises stress [MPa]"

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Rectangle
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.fields import Point

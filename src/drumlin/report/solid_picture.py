@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drumlin.errors import ended
+from drumlin.base.errors import ended
 from drumlin.report.render import picture_by
 
 SCALAR = "von Mises stress [MPa]"

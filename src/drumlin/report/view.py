@@ -5,10 +5,10 @@ from typing import Any
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from drumlin.arrays import Ints
+from drumlin.base.arrays import Ints
 from drumlin.brake.brake import Brake
-from drumlin.fem.assembly import Body
 from drumlin.fem.hp.grid import Grid
+from drumlin.fem.preparation.assembly import Body
 from drumlin.fem.solve import scene_of
 from drumlin.models import refusals
 from drumlin.report.drawing import draw_brake

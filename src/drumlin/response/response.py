@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
 from drumlin.response.resultants import (
     Inside,

@@ -17,12 +17,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drumlin.base.errors import BadInput, DrumlinError, NoAnswer
+from drumlin.base.journal import Journal, key_of, source_stamp
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.errors import BadInput, DrumlinError, NoAnswer
-from drumlin.fem.assembly import Cache
 from drumlin.fem.mesh.content import content_digest
-from drumlin.journal import Journal, key_of, source_stamp
+from drumlin.fem.preparation.assembly import Cache
 from drumlin.models import pick
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Response

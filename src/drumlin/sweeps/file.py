@@ -17,13 +17,13 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 from pydantic import Field
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Part, Title
 from drumlin.brake.file import is_interval, read_toml, unit_of, validated, values_of, vary
 from drumlin.brake.plane_brake import any_from, read_any
 from drumlin.brake.units import to_si
-from drumlin.errors import BadInput, DrumlinError
 from drumlin.fem.mesh.content import mesh_bytes
 from drumlin.foundation.model import lifted
 from drumlin.models import MODELS

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
-from drumlin.errors import NoAnswer, Stopped
-from drumlin.journal import Journal, source_stamp
+from drumlin.base.errors import NoAnswer, Stopped
+from drumlin.base.journal import Journal, source_stamp
 from drumlin.sweeps.cases import Row, run
 from drumlin.sweeps.file import Sweep, read_sweep
 from drumlin.sweeps.table import table

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from drumlin.base.errors import BadInput
+from drumlin.base.files import replacing, write_text
 from drumlin.brake.file import unit_of
 from drumlin.comparison import as_csv
-from drumlin.errors import BadInput
-from drumlin.files import replacing, write_text
 from drumlin.sweeps.cases import Case, Row, names_mesh
 
 UNITS = {

@@ -18,7 +18,7 @@ from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future,
 from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple
 
-from drumlin.errors import BadInput, NoAnswer
+from drumlin.base.errors import BadInput, NoAnswer
 
 OLDEST_DASK = "2025.4"
 """The oldest Dask whose scheduler names all its workers when it is asked for them."""

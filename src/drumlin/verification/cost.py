@@ -17,15 +17,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse.linalg import splu
 
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import Mesher, prepare
-from drumlin.fem.body import scalar_basis, stiffness
-from drumlin.fem.elasticity import layers_of
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.grading import Division, divide
 from drumlin.fem.model import PENALTY, respond
+from drumlin.fem.preparation.assembly import Mesher, prepare
 from drumlin.fem.solve import check_divided
+from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.models import pick
 
 ELEMENTS = 140  # about 20 000 unknowns for a car's shoe

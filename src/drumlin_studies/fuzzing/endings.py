@@ -24,7 +24,7 @@ from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.errors import ended
+from drumlin.base.errors import ended
 from drumlin_studies.fuzzing.faults import Input
 
 LONGEST = 10.0  # s of processor time

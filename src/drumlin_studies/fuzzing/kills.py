@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from drumlin.journal import Journal
+from drumlin.base.journal import Journal
 from drumlin_studies.fuzzing.faults import BRAKES, brake_text
 
 CASES = 150

@@ -7,7 +7,7 @@ import random
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from drumlin.journal import Journal
+from drumlin.base.journal import Journal
 from drumlin_studies.fuzzing import faults
 from drumlin_studies.fuzzing.broken_sweeps import broken_sweep, damaged_journal
 from drumlin_studies.fuzzing.endings import fault_of, in_process, in_subprocess

@@ -5,18 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
+from drumlin.base.lapack import dpotrf, dtrtrs, solve_lower
 from drumlin.brake.brake import Shoe
-from drumlin.errors import NoAnswer
-from drumlin.fem.body import FRAME, Condensed, Inside, Ties, tie
-from drumlin.fem.elasticity import layers_of
-from drumlin.fem.elimination import SINGULAR
 from drumlin.fem.hp import shoe as shoes
 from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.grid import Block, Grid
 from drumlin.fem.hp.shoe import end_load, line_of
-from drumlin.fem.interface import ContactLine
-from drumlin.lapack import dpotrf, dtrtrs, solve_lower
+from drumlin.fem.substructure.body import FRAME, Condensed, Inside, Ties, tie
+from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.elimination import SINGULAR
+from drumlin.fem.substructure.interface import ContactLine
 from drumlin.response.response import own_edge_zone
 
 

@@ -6,17 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.fem.body import FRAME
-from drumlin.fem.elasticity import stacked
 from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, columns, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.element import condensed_elements, element, gauss_points
+from drumlin.fem.substructure.body import FRAME
+from drumlin.fem.substructure.elasticity import stacked
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
 LEFT = 0.02

@@ -11,16 +11,17 @@ from functools import partial
 import numpy as np
 import scipy.sparse as sp
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
-from drumlin.fem.assembly import Body, Seconds, clock, coupled, line_of, materials_of
-from drumlin.fem.body import FRAME, Ties, condense, stiffness
-from drumlin.fem.elimination import dissection
-from drumlin.fem.interface import edge_nodes, end_loads
+from drumlin.fem.mesh.edges import edge_nodes
+from drumlin.fem.preparation.assembly import Body, Seconds, clock, coupled, line_of, materials_of
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
 from drumlin.fem.solid.mesh import Solid, solid_mesh
+from drumlin.fem.substructure.body import FRAME, Ties, condense, stiffness
+from drumlin.fem.substructure.elimination import dissection
+from drumlin.fem.substructure.interface import end_loads
 
 HALVES = 2.0
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drumlin.arrays import Floats, Ints
-from drumlin.fem.interface import ContactLine, Coupling, Directions, edge_points
-from drumlin.fem.interface import couple as couple_line
+from drumlin.base.arrays import Floats, Ints
+from drumlin.fem.substructure.interface import ContactLine, Coupling, Directions, edge_points
+from drumlin.fem.substructure.interface import couple as couple_line
 from drumlin.response.response import Surface
 
 
