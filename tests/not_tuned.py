@@ -94,8 +94,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "FARTHEST": "tells another division from a moved one",
         "STILL": ROUND_OFF,
     },
-    "fem/mutual_work.py": {"CHUNK": MEMORY},
-    "fem/reach.py": {"LARGEST_TURN": SAID},
+    "fem/analysis/mutual_work.py": {"CHUNK": MEMORY},
+    "fem/equilibrium/reach.py": {"LARGEST_TURN": SAID},
     "fem/error_control/refinement.py": {
         "EPSILON": DEFINITION,
         "MOST_CORRECTIONS": PASSES,
