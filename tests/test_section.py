@@ -21,7 +21,7 @@ from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_text
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp import scene as hp
+from drumlin.fem.preparation import scene as hp
 from drumlin.fem.preparation.assembly import Scene, prepare
 from drumlin.fem.solid.mesh import solid_mesh
 from drumlin.verification.triangles.outline import outline

@@ -23,11 +23,11 @@ from drumlin.cli import commands as cli
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
 from drumlin.fem.analysis.sensitivity import as_text, sensitivity
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp import scene as hp
 from drumlin.fem.hp.grid import Grid
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.model import respond
+from drumlin.fem.preparation import scene as hp
 from drumlin.fem.preparation.assembly import prepare
 from drumlin.fem.solve import scene_of, solve
 from drumlin.fem.substructure.body import FRAME, scalar_basis, stiffness

@@ -13,8 +13,8 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.analysis.holding import TWO_ANSWERS, Hold, full_slip_rotation, hold
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp import scene as hp
 from drumlin.fem.model import respond
+from drumlin.fem.preparation import scene as hp
 from drumlin.fem.preparation.assembly import Scene, prepare
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check

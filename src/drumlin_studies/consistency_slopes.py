@@ -21,8 +21,8 @@ from drumlin.brake.fields import AnyMaterial
 from drumlin.brake.file import vary
 from drumlin.fem.analysis.sensitivity import Sensitivity, sensitivity
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp import scene as hp
 from drumlin.fem.model import respond
+from drumlin.fem.preparation import scene as hp
 from drumlin.fem.preparation.assembly import Cache, Scene, prepare
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check

@@ -1,4 +1,4 @@
-"""Commands that write a brake in another form: a picture, meshes, input decks."""
+"""Commands that write a brake as a picture, as meshes, or as input decks of another program."""
 
 from pathlib import Path
 from typing import Annotated
