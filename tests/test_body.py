@@ -16,7 +16,7 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import FRAME, condense, scalar_basis, stiffness, tie
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.elimination import dissection, eliminate

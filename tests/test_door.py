@@ -242,7 +242,7 @@ def test_what_the_manual_and_the_notebooks_import_is_public(root):
     ("old", "new", "name"),
     [
         ("drumlin.errors", "drumlin.base.errors", "BadInput"),
-        ("drumlin.fem.assembly", "drumlin.fem.preparation.assembly", "prepare"),
+        ("drumlin.fem.assembly", "drumlin.fem.preparation.prepare", "prepare"),
         ("drumlin.fem.group", "drumlin.fem.equilibrium.group", "groups_of"),
         ("drumlin.fem.self_locking", "drumlin.fem.analysis.self_locking", "limits"),
         ("drumlin.fem.sensitivity", "drumlin.fem.analysis.sensitivity", "sensitivity"),

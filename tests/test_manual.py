@@ -374,7 +374,7 @@ def is_there(name):
     parts = name.split(".")
     for end in range(len(parts), 0, -1):
         for module in MODULES.get(".".join(parts[:end]), ()):
-            value = importlib.import_module(module)
+            value: object = importlib.import_module(module)
             for part in parts[end:]:
                 fields = getattr(value, "__annotations__", {})
                 value = getattr(value, part, fields.get(part))

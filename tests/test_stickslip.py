@@ -18,7 +18,7 @@ from drumlin.fem.analysis.at_rest import holding_problem
 from drumlin.fem.analysis.holding import as_dict, full_slip_rotation, hold, turned
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.interface import ContactLine, couple
 
 BRAKE = read_brake(STUDY / "brake.toml")

@@ -10,7 +10,7 @@ from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from drumlin.lining_wear.archard import WearLaw, run, run_on, steady

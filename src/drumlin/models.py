@@ -36,9 +36,9 @@ def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
 
 
 def _fem_why_not(brake: Brake) -> str | None:
-    from drumlin.fem.preparation import assembly
+    from drumlin.fem.preparation.scene import why_not
 
-    return assembly.why_not(brake)
+    return why_not(brake)
 
 
 def _foundation(brake: Brake, **options: Any) -> Response:
@@ -167,7 +167,7 @@ def given_options(**options: Any) -> dict[str, Any]:
     """
     elements = options.get("elements")
     if elements is not None:
-        from drumlin.fem.preparation.assembly import MOST_ELEMENTS
+        from drumlin.fem.preparation.meshes import MOST_ELEMENTS
 
         if not 1 <= elements <= MOST_ELEMENTS:
             raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")

@@ -14,7 +14,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.comparison import Outcome, edge_of, run
 from drumlin.fem.analysis.self_locking import limits
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 from drumlin.lining_wear import worn_in

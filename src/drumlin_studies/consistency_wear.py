@@ -18,7 +18,8 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT, adapt
 from drumlin.fem.model import REFINED, respond
-from drumlin.fem.preparation.assembly import Scene, prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import scene_of
 from drumlin.lining_wear.archard import WearLaw, WearState, run_on
 from drumlin.lining_wear.linings import WearSetup, fem_setup

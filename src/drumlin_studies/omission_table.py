@@ -20,7 +20,10 @@ from drumlin.brake.file import vary
 from drumlin.fem.analysis.fields import fields
 from drumlin.fem.mesh.grading import divide
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import ELEMENTS, Scene, prepare, shape_of
+from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.response import Response
 from drumlin_studies.omission import (
     OMISSIONS,

@@ -18,7 +18,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.scene import scene
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance, relative
@@ -93,7 +93,7 @@ def level_rows(brake: Brake, refinement: Refinement = FINER) -> list[Row]:
     floor = 2 * distance(found.before, true)
     rows = []
     for level in (COARSE, *LEVELS):
-        made = scene(brake, level, places)
+        made = prepare(brake, level, places)
         response = respond(made, brake, penalty=math.inf, start=true)
         unknowns = max(body.unknowns for body in made.bodies)
         error = distance(response, true)

@@ -18,8 +18,8 @@ from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem.model import respond
-from drumlin.fem.preparation import assembly
 from drumlin.fem.preparation.finite_width import finite_width
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.face import ContactFace
 from drumlin.fem.solve import solve as by_elements
@@ -302,7 +302,7 @@ def ladder(brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]
 
 
 def _plane(brake: Brake, elements: int) -> Response:
-    return respond(assembly.prepare(brake, elements=elements), brake)
+    return respond(prepare(brake, elements=elements), brake)
 
 
 def _solid(brake: Brake, elements: int, across: int | None = None) -> Response:

@@ -24,16 +24,9 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.group import gap_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.preparation.assembly import (
-    ELEMENTS,
-    Assembled,
-    Mesher,
-    Seconds,
-    actuation,
-    assemble,
-    clock,
-    contact_stiffness,
-)
+from drumlin.fem.preparation.bodies import actuation, contact_stiffness
+from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
+from drumlin.fem.preparation.scene import Seconds, clock
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.interface import edge_points, radial
 from drumlin.response.balance import relative_balance, worst

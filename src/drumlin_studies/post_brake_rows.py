@@ -22,7 +22,7 @@ from drumlin.brake.file import vary
 from drumlin.comparison import run as timed
 from drumlin.fem.analysis.deflection import beam_deflection, rim_displacement
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import Scene
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import worn_in_foundation

@@ -24,7 +24,8 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.analysis.fields import Fields, fields
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import Scene, prepare, why_not
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene, why_not
 from drumlin.laws import hinged, law
 from drumlin.lining_wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
 from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup, guided

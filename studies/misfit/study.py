@@ -21,7 +21,7 @@ from drumlin.brake.clearance import ground_to, set_off
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import sine
 from drumlin.lining_wear.run_in import COEFFICIENT
 from drumlin.lining_wear.worn_in import worn_in

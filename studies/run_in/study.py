@@ -15,7 +15,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.lining_wear.linings import fem_setup
 from drumlin.lining_wear.run_in import distance
 from drumlin.report import figures as drawing

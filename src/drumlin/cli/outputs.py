@@ -52,7 +52,7 @@ def mesh(
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
     from drumlin.base.files import check_outputs
     from drumlin.fem.mesh.file import write_mesh
-    from drumlin.fem.preparation.assembly import prepare
+    from drumlin.fem.preparation.prepare import prepare
     from drumlin.fem.solve import check_divided
 
     if name is not None and Path(name).name != name:

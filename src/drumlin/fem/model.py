@@ -19,7 +19,9 @@ from drumlin.brake.units import mm
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.equilibrium.sharing import PULLED, WOULD_PULL
-from drumlin.fem.preparation.assembly import Scene, clock, held, shape_of
+from drumlin.fem.preparation.bodies import held
+from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.scene import Scene, clock
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import (

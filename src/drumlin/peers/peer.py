@@ -19,14 +19,9 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.motions import at_pin
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.preparation.assembly import (
-    ELEMENTS,
-    Assembled,
-    Mesher,
-    actuation,
-    assemble,
-    shape_of,
-)
+from drumlin.fem.preparation.bodies import actuation
+from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
 from drumlin.laws import rigid
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched

@@ -17,7 +17,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import value_of, vary
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.lining_wear import archard, run_in
 from drumlin.lining_wear.linings import fem_setup
 from drumlin.sweeps.cases import Case, Row

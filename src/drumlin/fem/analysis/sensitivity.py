@@ -32,7 +32,9 @@ from drumlin.fem.analysis.moving import Moves, lines_at, moves_by
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
 from drumlin.fem.equilibrium.group import gap_at, groups_of
 from drumlin.fem.model import PENALTY, check_penalty
-from drumlin.fem.preparation.assembly import Body, Scene, coupling_of, prepare
+from drumlin.fem.preparation.bodies import Body, coupling_of
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.elasticity import layers_of

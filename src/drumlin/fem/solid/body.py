@@ -16,7 +16,9 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.preparation.assembly import Body, Seconds, clock, coupled, line_of, materials_of
+from drumlin.fem.preparation.bodies import Body, coupled
+from drumlin.fem.preparation.meshes import line_of, materials_of
+from drumlin.fem.preparation.scene import Seconds, clock
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
 from drumlin.fem.solid.mesh import Solid, solid_mesh
 from drumlin.fem.substructure.body import FRAME, Ties, condense, stiffness
