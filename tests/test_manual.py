@@ -435,4 +435,4 @@ def test_a_name_that_is_gone_is_noticed():
     assert is_there("adapt.DEFAULT")
     assert is_there("drumlin.door.WearRun") or is_there("drumlin.lining_wear.whole_brake.WearRun")
     assert not is_there("drumlin.misfit")
-    assert not is_there("scene.why_not")
+    assert not is_there("assembly.coupled")
