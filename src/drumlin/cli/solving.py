@@ -184,9 +184,7 @@ def hold(
     penalty: Penalty = None,
     finite_width: FiniteWidth = False,
 ) -> None:
-    """Hold the drum: from rest through partial slip to full slip, as it is turned against the
-    shoes.
-    """
+    """Turn the drum against its shoes, from rest through partial slip to full slip."""
     from drumlin.base.files import check_outputs, write_json
 
     brake = drumlin.read_brake(brake_file)
@@ -235,9 +233,7 @@ def sensitivity(
     kind: Kind = None,
     penalty: Penalty = None,
 ) -> None:
-    """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the
-    elastic brake.
-    """
+    """How the torque changes with friction, force, moduli, clearance and hinge: exact slopes."""
     from drumlin.base.files import check_outputs, write_json
     from drumlin.fem.analysis.sensitivity import as_text
 
@@ -270,9 +266,7 @@ def wear(
     lift: of.Lift = None,
     finite_width: FiniteWidth = False,
 ) -> None:
-    """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe
-    law.
-    """
+    """Wear the linings by Archard's law until the pressure is that of the rigid-shoe law."""
     from drumlin.base.files import check_outputs, write_json
 
     brake = drumlin.read_brake(brake_file)
