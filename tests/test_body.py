@@ -170,7 +170,7 @@ def full_system(brake, elements=12):
 def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     basis, K, line, rigid, ties, loads = full_system(brake)
     n = 2 * len(line.nodes)
-    condensed = condense(K, ties, ties.matrix.T @ loads, n)
+    condensed = condense(K, ties, {"actuation": ties.matrix.T @ loads}, n)
     rng = np.random.default_rng(0)
     nodal = rng.normal(size=n) * 1e3
     forces = np.zeros(2 * basis.N)

@@ -41,7 +41,7 @@ from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import solve as solve_worn_in
 from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import Inside, largest, lobatto
-from drumlin.sweeps.cases import Case, solved
+from drumlin.sweeps.cases import SweepCase, solved
 from drumlin_studies.random_brake import random_brake
 
 STEEL = Material(E=210e9, nu=0.3)
@@ -220,7 +220,9 @@ def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
     """
     shoe, body = body_and_parts(vary(brake, CASES[case]))
     _, ties, loads = body.condensed.inside()
-    other = condense(body.basis.stiffness(layers_of(shoe)), ties, loads, 2 * len(body.line.nodes))
+    other = condense(
+        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
+    )
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     for name in ("load_c", "load_f", "load_work"):
@@ -237,7 +239,9 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     post = read_brake(Path(__file__).parents[1] / "studies" / "post_brake" / "brake.toml")
     shoe, body = body_and_parts(vary(post, {"drum.ring": None}))
     _, ties, loads = body.condensed.inside()
-    other = condense(body.basis.stiffness(layers_of(shoe)), ties, loads, 2 * len(body.line.nodes))
+    other = condense(
+        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
+    )
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     assert body.condensed.load_f == pytest.approx(other.load_f, abs=1e-8)
@@ -784,7 +788,7 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
 
 
 def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
-    cases = [Case(brake, {"friction": mu}) for mu in (0.3, 0.3001, 0.3002)]
+    cases = [SweepCase(brake, {"friction": mu}) for mu in (0.3, 0.3001, 0.3002)]
     rows = [solved(case, cache) for cache in [Cache()] for case in cases]
     assert all(
         0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque

@@ -402,7 +402,7 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
 
 
 def test_random_brakes_of_all_kinds_keep_their_slopes():
-    for seed in range(3, 2 * len(consistency_slopes.KINDS), 7):
+    for seed in range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7):
         rows = consistency_slopes.checks(seed, 1)
         assert all(row.outcome == "agrees" for row in rows), rows
 

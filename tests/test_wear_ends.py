@@ -205,6 +205,6 @@ def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.DRAWN_KINDS)))
+@pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.WEAR_KINDS)))
 def test_beginning_middle_and_end_agree_on_brakes_of_every_kind(seed: int) -> None:
     assert {row.outcome for row in consistency_wear.checks(seed)} <= {"agrees", "refused"}

@@ -23,7 +23,14 @@ from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import scene_of
 from drumlin.lining_wear.archard import WearLaw, WearState, run_on
 from drumlin.lining_wear.linings import WearSetup, fem_setup
-from drumlin.lining_wear.run_in import COEFFICIENT, SETTLED, apart, run_in, target, worn
+from drumlin.lining_wear.run_in import (
+    COEFFICIENT,
+    WEAR_SETTLED,
+    apart,
+    run_in,
+    target,
+    worn,
+)
 from drumlin.lining_wear.worn_in import worn_in
 from drumlin.response import Response
 from drumlin_studies import random_brake, random_kinds
@@ -42,8 +49,8 @@ their number squared where the law presses part of the lining, and faster elsewh
 LAW_PRESSURE = 0.02
 """The same of the pressure in L2. At the end of its contact the law has a kink within an
 element."""
-END_REACHED = 1.1 * SETTLED
-"""The same of the end of wear and its limit: SETTLED, and a little for the mesh and the penalty."""
+END_REACHED = 1.1 * WEAR_SETTLED
+"""The same of the end of wear and its limit: WEAR_SETTLED, and a little for the mesh and the penalty."""
 
 TRUE_REASONS = ("small displacements hold up to", "without its ever touching", "lost digits")
 """Parts of lines that refuse one way only and tell why. The first two: linings set up as worn in
@@ -53,12 +60,12 @@ EXACT_CONTACT = partial(respond, penalty=math.inf)
 """How brakes are solved here: without a penalty."""
 
 
-NOT_RIGID = ("table", "grip")
+ELASTIC_ONLY_KINDS = ("table", "grip")
 """Kinds that are what they are by their elastic bodies: without these they are others."""
-DRAWN_KINDS = (
-    *random_brake.KINDS,
-    *random_kinds.KINDS,
-    *(f"rigid {kind}" for kind in random_kinds.KINDS if kind not in NOT_RIGID),
+WEAR_KINDS = (
+    *random_brake.SHAPE_KINDS,
+    *random_kinds.HOLDING_KINDS,
+    *(f"rigid {kind}" for kind in random_kinds.HOLDING_KINDS if kind not in ELASTIC_ONLY_KINDS),
 )
 """The kinds of brakes that are drawn: those of both generators, and the second ones without
 elastic bodies."""
@@ -80,7 +87,7 @@ def checks(seed: int) -> list[Check]:
 
     The seed modulo the number of kinds is the kind.
     """
-    kind = DRAWN_KINDS[seed % len(DRAWN_KINDS)]
+    kind = WEAR_KINDS[seed % len(WEAR_KINDS)]
     try:
         brake = _drawn(seed, kind)
     except NoAnswer:
@@ -91,7 +98,7 @@ def checks(seed: int) -> list[Check]:
 
 
 def _drawn(seed: int, kind: str) -> Brake:
-    if kind in random_brake.KINDS:
+    if kind in random_brake.SHAPE_KINDS:
         return random_brake.random_brake(seed, kind)
     return random_kinds.random_kind(
         seed, kind.removeprefix("rigid "), rigid=kind.startswith("rigid ")

@@ -78,7 +78,7 @@ other begins.
 """
 
 
-class Change(NamedTuple):
+class OmissionChange(NamedTuple):
     """Relative changes that an omission makes: torque of the brake, p (L2 outside the edge zones,
     worst shoe).
 
@@ -96,12 +96,12 @@ class Change(NamedTuple):
     each: float
 
 
-def change(simple: Response, whole: Response) -> Change:
+def change(simple: Response, whole: Response) -> OmissionChange:
     """The change from the response of the `whole` brake to that of the simpler one."""
     pairs = list(zip(simple.shoes, whole.shoes, strict=True))
     off = [a.torque - b.torque for a, b in pairs]
     size = whole.torque or 1.0
-    return Change(
+    return OmissionChange(
         abs(sum(off)) / size,
         max(_pressure(a, b) for a, b in pairs),
         sum(map(abs, off)) / size,
@@ -194,7 +194,7 @@ def prepare_straight(brake: Brake, *, elements: int) -> Scene:
 
 def predict(
     brake: Brake, names: Sequence[str], respond: Respond, sketch: Make | None = None
-) -> Change:
+) -> OmissionChange:
     """What leaving `names` out of a brake changes, predicted on sketches in some milliseconds.
 
     `sketch`: a sketcher that may have meshed the linings before. Raises NoAnswer where one of the

@@ -31,7 +31,7 @@ from drumlin.lining_wear.archard import TOLERANCE, WearLaw, WearState, at, expli
 from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup, guided
 from drumlin.lining_wear.run_in import (
     COEFFICIENT,
-    Target,
+    WearTarget,
     checks,
     distance,
     life,
@@ -44,7 +44,7 @@ from drumlin.lining_wear.run_in import (
 from drumlin.response.norms import relative
 
 ARCHARD = WearLaw(COEFFICIENT)
-WITHIN = 0.01  # of the law: what "away from the law" means in the tables
+SPENT_WITHIN = 0.01  # of the law: what "away from the law" means in the tables
 AT_LAW = "at the law"
 PRESSURE, TORQUE = 0.01, 0.001  # what must hold after run-in
 
@@ -56,7 +56,7 @@ class Run:
     name: str
     setup: WearSetup
     states: list[WearState]
-    goal: Target
+    goal: WearTarget
     unit: float
 
     def distances(self) -> list[float]:
@@ -145,7 +145,7 @@ def run_row(one: Run) -> dict[str, Any]:
     """What a run says of a brake: new, worn in, how long it took, its balances."""
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
     new, end = distance(setup, states[0], goal), distance(setup, states[-1], goal)
-    spent = life(setup, states, goal, ARCHARD, within=WITHIN)
+    spent = life(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
     close = life(setup, states, goal, ARCHARD, within=TORQUE)
     balance = checks(setup, states, ARCHARD)
     holds = end.pressure <= PRESSURE and abs(end.torque) <= TORQUE
@@ -319,7 +319,7 @@ def least_touching(runs: Iterable[Run]) -> Run:
 
 
 @dataclass(frozen=True)
-class Frame:
+class RunFrame:
     """A moment of a run: its state, and of each shoe the fields and the turn about its pin [rad]."""
 
     state: WearState
@@ -327,7 +327,7 @@ class Frame:
     turns: Sequence[float]
 
 
-def frames(scene: Scene, one: Run, count: int) -> list[Frame]:
+def frames(scene: Scene, one: Run, count: int) -> list[RunFrame]:
     """Moments of a run, evenly spread over the logarithm of the distance, with the fields of the
     shoes.
     """
@@ -338,5 +338,5 @@ def frames(scene: Scene, one: Run, count: int) -> list[Frame]:
         brake = worn(one.setup, state)
         response = respond(scene, brake, penalty=math.inf)
         shown = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
-        found.append(Frame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))
+        found.append(RunFrame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))
     return found

@@ -18,7 +18,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.base.journal import Journal
-from drumlin.sweeps.cases import Case, Row, run
+from drumlin.sweeps.cases import Row, SweepCase, run
 from drumlin.sweeps.workers import Workers, executor
 
 # glibc: freed memory below these sizes [bytes] is kept; the one that Dask sets turns off that the
@@ -48,7 +48,7 @@ class Throughput(NamedTuple):
         return self.cases / self.seconds
 
 
-def processes(cases: Sequence[Case], workers: int) -> Throughput:
+def processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The cases by processes of this machine."""
     start, before = time.perf_counter(), _processor()
     with executor(workers) as found:
@@ -56,21 +56,23 @@ def processes(cases: Sequence[Case], workers: int) -> Throughput:
     return made._replace(processor=_processor() - before)
 
 
-def dask(cases: Sequence[Case], workers: int) -> Throughput:
+def dask(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The cases by a Dask scheduler and its workers, processes on the loopback interface, one
     thread each.
     """
     return _dask("Dask workers", cases, workers, {})
 
 
-def dask_keeping(cases: Sequence[Case], workers: int) -> Throughput:
+def dask_keeping(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The same, by workers that keep the memory that they free: Dask has it returned to the system
     at once.
     """
     return _dask("Dask workers that keep memory", cases, workers, KEEP)
 
 
-def _dask(by: str, cases: Sequence[Case], workers: int, environment: dict[str, str]) -> Throughput:
+def _dask(
+    by: str, cases: Sequence[SweepCase], workers: int, environment: dict[str, str]
+) -> Throughput:
     distributed: Any = importlib.import_module("distributed")
     start, before = time.perf_counter(), _processor()
     with (
@@ -107,7 +109,7 @@ def _processor() -> float:
     return sum(os.times()[:4])
 
 
-def _timed(by: str, cases: Sequence[Case], found: Workers, start: float) -> Throughput:
+def _timed(by: str, cases: Sequence[SweepCase], found: Workers, start: float) -> Throughput:
     """The first cases are solved by the sine law before, to wake the workers; condensing shared
     bodies counts.
     """
@@ -137,7 +139,7 @@ def torques(rows: Sequence[Row]) -> Floats:
     return np.array([row["torque"] for row in rows if row["status"] == "solved"])
 
 
-def coarser(cases: Sequence[Case], elements: Sequence[int | None], fine: int) -> list[Row]:
+def coarser(cases: Sequence[SweepCase], elements: Sequence[int | None], fine: int) -> list[Row]:
     """Time a case, and the largest error of the torque against `fine`, by so many elements along
     each lining; None: by the division that `solve` ends on.
     """
@@ -181,7 +183,7 @@ class Kill(NamedTuple):
 
 
 def killed(
-    cases: Sequence[Case],
+    cases: Sequence[SweepCase],
     path: Path,
     kills: int,
     seed: int,
@@ -226,7 +228,7 @@ def _process(process: Any) -> Iterator[Any]:
         process.join()
 
 
-def _run(cases: Sequence[Case], path: Path) -> None:
+def _run(cases: Sequence[SweepCase], path: Path) -> None:
     with Journal(path) as journal:
         run(cases, journal=journal)
 

@@ -18,7 +18,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import LARGEST_IMBALANCE, LARGEST_LOSS, MOST_LOSS, PENALTY
 from drumlin.fem.preparation.finite_width import LARGEST_NU
 from drumlin.fem.solid.model import SOFTEST
-from drumlin.lining_wear.run_in import COEFFICIENT, SETTLED, WORN_OUT
+from drumlin.lining_wear.run_in import COEFFICIENT, WEAR_SETTLED, WORN_OUT
 from drumlin.response.response import EDGE_ZONE
 from drumlin.studies import REPOSITORY
 
@@ -49,7 +49,7 @@ def values() -> dict[str, str]:
         "width_poisson": f"{LARGEST_NU:g}",
         "solid_poisson": f"{SOFTEST:g}",
         "wear_coefficient": f"{1e9 * COEFFICIENT:g} mm³/(N m)",
-        "wear_settled": f"{100 * SETTLED:g} %",
+        "wear_settled": f"{100 * WEAR_SETTLED:g} %",
         "worn_out": f"{100 * WORN_OUT:g} %",
         "solve_path": picture(),
         **_work_values(),

@@ -21,7 +21,7 @@ from drumlin.report.page import fill
 from drumlin_studies import consistency, self_locking
 from drumlin_studies.extreme_cases import cases
 from drumlin_studies.outcomes import (
-    POINTWISE,
+    POINTWISE_OUTCOMES,
     counted,
     faults,
     penalty_rows,
@@ -30,7 +30,14 @@ from drumlin_studies.outcomes import (
     timings,
     worst,
 )
-from drumlin_studies.trial import ANSWERS, DIGITS, OUTCOMES, REFUSALS, RESIDUAL, trial
+from drumlin_studies.trial import (
+    ANSWERS,
+    LARGEST_RESIDUAL,
+    REFUSALS,
+    TORQUE_DIGITS,
+    TRIAL_OUTCOMES,
+    trial,
+)
 
 HERE = Path(__file__).parent
 WORKERS = 2
@@ -116,17 +123,17 @@ def report(result: Result, folder: Path) -> Path:
         refused=[row for row in rows if row["outcome"] in (*REFUSALS.values(), "bad input")],
         unanswered=[row for row in rows if row["outcome"] not in ANSWERS],
         faults=faults(rows),
-        residual=RESIDUAL,
-        required=DIGITS,
+        residual=LARGEST_RESIDUAL,
+        required=TORQUE_DIGITS,
         grids={knob: _file(knob) for knob in GRIDS},
-        outcome_names=OUTCOMES,
-        outcomes=counted(rows, "outcome", OUTCOMES),
+        outcome_names=TRIAL_OUTCOMES,
+        outcomes=counted(rows, "outcome", TRIAL_OUTCOMES),
         known=known,
         median_digits=statistics.median(row["digits"] for row in known),
-        below=[row for row in known if row["digits"] < min(DIGITS, row["allowed"])],
+        below=[row for row in known if row["digits"] < min(TORQUE_DIGITS, row["allowed"])],
         worst=worst(rows),
-        pointwise_names=POINTWISE,
-        pointwise=counted(rows, "pointwise", POINTWISE),
+        pointwise_names=POINTWISE_OUTCOMES,
+        pointwise=counted(rows, "pointwise", POINTWISE_OUTCOMES),
         penalties=penalty_rows(rows) if swept else [],
         stiff=max(
             (change for values in swept.values() for a, change in values if a >= 1e6), default=None

@@ -12,7 +12,7 @@ from drumlin.base.errors import file_fault
 from drumlin.base.texts import one_line
 
 if TYPE_CHECKING:
-    from drumlin.comparison import Column as TableColumn
+    from drumlin.comparison import TableColumn
 
 SAME = ("case", "rotation")
 """Columns of a comparison that are the same in all rows of one brake; they are not printed."""

@@ -1,5 +1,6 @@
-"""Wear: Archard's law in implicit steps of contact problems, linings set up to be worn, running in,
-and the worn-in state found in one step.
+"""Wear: Archard's law in implicit steps of contact problems, and the end of wear in a single step.
 
-Stands on the finite elements, the foundation model and the laws; the models stand on it.
+The package sets the linings of a brake up to be worn, runs a brake in, and finds the worn-in state
+directly. It stands on the finite elements, the foundation model and the laws. The models stand on
+it.
 """

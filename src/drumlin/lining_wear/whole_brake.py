@@ -15,7 +15,7 @@ from drumlin.lining_wear.archard import WearLaw, WearState
 from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup
 from drumlin.lining_wear.run_in import (
     COEFFICIENT,
-    Target,
+    WearTarget,
     as_dict,
     check_depth,
     report_lines,
@@ -43,7 +43,7 @@ class WearRun:
     setup: WearSetup
     law: WearLaw
     states: tuple[WearState, ...]
-    target: Target
+    target: WearTarget
     notes: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:

@@ -28,15 +28,15 @@ def sweep(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
     BadInput
         for a file that cannot be read or is no sweep, in one line
     """
-    made = read_sweep(Path(path))
+    prepared = read_sweep(Path(path))
     with executor(jobs) as (pool, workers):
-        rows = run(made.cases, executor=pool, workers=workers)
-    return table_rows(made, rows, Path(path))
+        rows = run(prepared.cases, executor=pool, workers=workers)
+    return table_rows(prepared, rows, Path(path))
 
 
-def table_rows(made: Sweep, rows: list[Row], sweep_file: Path) -> list[Row]:
+def table_rows(prepared: Sweep, rows: list[Row], sweep_file: Path) -> list[Row]:
     """The rows of a sweep's table: changed keys and numbers, paths as seen from the sweep file."""
-    return table(made.cases, rows, sweep_file.parent.resolve(), made.pressure)
+    return table(prepared.cases, rows, sweep_file.parent.resolve(), prepared.pressure)
 
 
 def _unwatched(_: str) -> AbstractContextManager[Callable[[int, int], None]]:
@@ -45,7 +45,7 @@ def _unwatched(_: str) -> AbstractContextManager[Callable[[int, int], None]]:
 
 
 def kept_rows(
-    made: Sweep,
+    prepared: Sweep,
     table_file: Path,
     *,
     jobs: int | None = None,
@@ -59,7 +59,7 @@ def kept_rows(
 
     Parameters
     ----------
-    made : the sweep, as `read_sweep` gives it
+    prepared : the sweep, as `read_sweep` gives it
     table_file : path of the table; the journal's name is this name and ".journal"
     jobs : processes; None: one a core
     scheduler : address of a Dask scheduler, in place of processes of this machine
@@ -82,9 +82,17 @@ def kept_rows(
         for line in journal.notes:
             say(line)
         try:
-            with executor(jobs, scheduler, say) as (pool, workers), progress(made.title) as done:
+            with (
+                executor(jobs, scheduler, say) as (pool, workers),
+                progress(prepared.title) as done,
+            ):
                 return run(
-                    made.cases, executor=pool, workers=workers, journal=journal, done=done, say=say
+                    prepared.cases,
+                    executor=pool,
+                    workers=workers,
+                    journal=journal,
+                    done=done,
+                    say=say,
                 )
         except NoAnswer as error:
             raise NoAnswer(f"{error}; {len(journal)} {kept}") from error

@@ -124,9 +124,7 @@ class ShoeGroup:
 
     @cached_property
     def loads(self) -> tuple[tuple[Floats, float], ...]:
-        """Factors (3,) of each body's unit actuations, and the moment about its pin, see
-        `actuation`.
-        """
+        """Factors (l,) of each body's load columns, and the moment about its pin, see `actuation`."""
         return tuple(
             actuation(body, shoe) for body, shoe in zip(self.bodies, self.shoes, strict=True)
         )

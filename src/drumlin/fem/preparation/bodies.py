@@ -12,6 +12,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 from drumlin.fem.substructure.body import Condensed
 from drumlin.fem.substructure.interface import ContactLine, Coupling, radial, straight
+from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 
 
 class Actuated(Protocol):
@@ -21,17 +22,22 @@ class Actuated(Protocol):
     def load_centre(self) -> Floats:
         """The centre of the unit actuations."""
 
+    @property
+    def columns(self) -> LoadColumns:
+        """Which load column is which load."""
+
 
 @dataclass(frozen=True)
 class Body:
     """One shoe with its lining, condensed, in its own frame (angle phi from the hinge).
 
-    With the frame held, under the nodal forces -N^T and T^T and the unit actuations (force x, force
-    y, couple about `load_centre`): `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded`
-    (n, 3) are N times the contact displacements, what they take from the weighted gap;
-    `tip_dragged` (3, n) and `tip_loaded` (3, 3) what the unit actuations move along; `held_*` (3,
-    ...) the force x, y and moment that hold the frame meanwhile. The dragged ones are None where mu
-    = 0. `turned` (2n,): contact displacement per turn [rad] about the pin.
+    The frame is held, while the nodal forces -N^T (pressed) and T^T (dragged) and the l unit loads
+    act. `columns` names the loads; those of the actuation are force x, force y and couple about
+    `load_centre`. `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded` (n, l) are N
+    times the contact displacements, by which the weighted gap closes. `tip_dragged` (l, n) and
+    `tip_loaded` (l, l) are the displacements that the unit loads work on. `held_*` (3, ...) are
+    force x, y and moment that hold the frame meanwhile. The dragged ones are None where mu = 0.
+    `turned` (2n,) is the contact displacement per turn [rad] about the pin.
     """
 
     mesh: Any
@@ -49,6 +55,11 @@ class Body:
     held_pressed: Floats
     held_dragged: Floats | None
     held_loaded: Floats
+
+    @property
+    def columns(self) -> LoadColumns:
+        """Which of the load columns is which load."""
+        return self.condensed.columns
 
     @property
     def unknowns(self) -> int:
@@ -102,7 +113,8 @@ def coupled(
     forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
     Y = condensed.half(np.concatenate(forces, axis=1))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
-    pressed, loaded, dragged = slice(n), slice(n, n + 3), slice(n + 3, None)
+    beyond = n + condensed.columns.count
+    pressed, loaded, dragged = slice(n), slice(n, beyond), slice(beyond, None)
     x, y = line.xy - shoe.own_pin[:, None]
     return made(
         coupling=coupling,
@@ -121,16 +133,20 @@ def coupled(
 
 
 def actuation(body: Actuated, shoe: Shoe) -> tuple[Floats, float]:
-    """Factors (3,) of the body's unit actuations, and the moment about the pin [m], per newton of
-    force.
+    """Factors (l,) of all load columns of the body under its actuation, and the moment about the
+    pin [m], per newton of force.
 
-    In the shoe's frame; a negative force counts as one newton the other way.
+    In the shoe's frame; a negative force counts as one newton the other way. Columns of other loads
+    than the actuation have the factor zero.
     """
-    return load_on(body.load_centre, shoe)
+    own, moment = load_on(body.load_centre, shoe)
+    return body.columns.factors({ACTUATION: own}), moment
 
 
 def load_on(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
-    """As `actuation`, with the unit actuations at a `centre` (2,) [m] in the shoe's frame."""
+    """Factors (3,) of force x, y and couple about a `centre` (2,) [m] in the shoe's frame, and the
+    moment about the pin [m], per newton of the actuation.
+    """
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
     (fx, fy), (x, y) = (
         shoe.frame.to_shoe(direction).tolist(),
@@ -143,7 +159,8 @@ def load_on(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
 
 def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:
     """Force x, y and moment about the pin (3,) that hold the frame, under p (n,), drag mu s and
-    load (3,).
+    factors
+    load (l,) of the load columns.
     """
     forces = body.held_pressed @ p + body.held_loaded @ load
     return forces if body.held_dragged is None else forces + drag * (body.held_dragged @ p)

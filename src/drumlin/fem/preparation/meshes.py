@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from drumlin.fem.preparation.scene import DividedBodies, Seconds, clock
 from drumlin.fem.substructure.body import FRAME, Ties, condense, scalar_basis, stiffness, tie
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.interface import ContactLine, contact_line, end_loads
+from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 from drumlin.fem.substructure.ring import ring_body
 from drumlin.response.response import own_edge_zone
 
@@ -96,8 +97,8 @@ class Assembled:
     """One shoe with its lining, meshed and assembled, in its own frame: what condensation starts
     from.
 
-    `K` (2 nodes, 2 nodes): stiffness; `loads` (unknowns, 3): the unit actuations on the reduced
-    unknowns of `ties`.
+    `K` (2 nodes, 2 nodes): stiffness; `loads`: the unit loads (unknowns, k) on the reduced unknowns
+    of `ties`, by name; `load_centre` (2,) [m]: what those of the actuation act about.
     """
 
     mesh: Any
@@ -105,8 +106,13 @@ class Assembled:
     line: ContactLine
     K: Any
     ties: Ties
-    loads: Floats
+    loads: dict[str, Floats]
     load_centre: Floats
+
+    @cached_property
+    def columns(self) -> LoadColumns:
+        """Which load column is which load."""
+        return LoadColumns.of(self.loads)
 
 
 def line_of(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
@@ -135,11 +141,11 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         ties = tie(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.gripped:
             full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
-            loads = ties.matrix.T @ full
+            actuated = ties.matrix.T @ full
         else:  # the force acts on the rigid shoe itself, or on what holds the back of the body
-            loads, load_centre = np.zeros((ties.matrix.shape[1], 3)), pin
-            loads[-FRAME:] = np.eye(3)
-    return Assembled(mesh, basis, line, K, ties, loads, load_centre)
+            actuated, load_centre = np.zeros((ties.matrix.shape[1], FRAME)), pin
+            actuated[-FRAME:] = np.eye(FRAME)
+    return Assembled(mesh, basis, line, K, ties, {ACTUATION: actuated}, load_centre)
 
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
