@@ -20,7 +20,13 @@ from drumlin.fem.error_control.places import places_of, strengths
 from drumlin.fem.hp.division import Kind, divide
 from drumlin.fem.model import respond
 from drumlin.response import Response
-from drumlin_studies.consistency_blocks import FEWEST, KINDS, MOST, checks, random_blocks
+from drumlin_studies.consistency_blocks import (
+    BLOCK_KINDS,
+    FEWEST_BLOCK_STEPS,
+    MOST_BLOCK_STEPS,
+    checks,
+    random_blocks,
+)
 
 
 def off(one: np.ndarray, true: np.ndarray) -> float:
@@ -166,10 +172,13 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
 
 
 def test_random_linings_of_blocks_are_those_of_their_seed() -> None:
-    for seed in (11, len(KINDS) + 1):
+    for seed in (11, len(BLOCK_KINDS) + 1):
         brake, other = random_blocks(seed), random_blocks(seed, 6)
         assert brake == random_blocks(seed) and brake.title == other.title
-        assert all(FEWEST <= len(shoe.lining.misfit.blocks) <= MOST for shoe in brake.shoes)
+        assert all(
+            FEWEST_BLOCK_STEPS <= len(shoe.lining.misfit.blocks) <= MOST_BLOCK_STEPS
+            for shoe in brake.shoes
+        )
         assert all(len(shoe.lining.misfit.blocks) == 6 for shoe in other.shoes)
 
 

@@ -46,7 +46,7 @@ def test_importing_it_loads_nothing_and_changes_nothing():
     ("old", "new", "name"),
     [
         ("drumlin.errors", "drumlin.base.errors", "BadInput"),
-        ("drumlin.fem.assembly", "drumlin.fem.preparation.assembly", "prepare"),
+        ("drumlin.fem.assembly", "drumlin.fem.preparation.prepare", "prepare"),
         ("drumlin.fem.group", "drumlin.fem.equilibrium.group", "groups_of"),
         ("drumlin.fem.self_locking", "drumlin.fem.analysis.self_locking", "limits"),
         ("drumlin.fem.sensitivity", "drumlin.fem.analysis.sensitivity", "sensitivity"),

@@ -8,7 +8,7 @@ import pytest
 import drumlin
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
 from drumlin.wear.linings import fem_setup
 from drumlin.wear.run_in import checks, run_in, target

@@ -20,7 +20,7 @@ from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.file import write_mesh
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
 from drumlin.models import pick
 from drumlin.response.balance import loaded

@@ -20,7 +20,7 @@ from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
 from drumlin.response.merit import double_delta, rated, sensitivity
 from drumlin.response.response import Response
-from drumlin_studies.textbook_brakes import LINING, hinged, lever_block, pad
+from drumlin_studies.textbook_brakes import TEXTBOOK_LINING, hinged, lever_block, pad
 
 C = 1e-6
 """Relative tolerance of values given with seven or more digits."""
@@ -49,7 +49,7 @@ def shigley_16_2() -> Brake:
                 "name": name,
                 "side": "internal",
                 "hinge": {"radius": a, "angle": turned},
-                "lining": LINING
+                "lining": TEXTBOOK_LINING
                 | {
                     "width": 0.032,
                     "start": turned + min(0.0, hand * radians(126)),

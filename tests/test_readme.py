@@ -6,7 +6,7 @@ import re
 import pytest
 
 from conftest import ROOT
-from drumlin_studies.stated_true import QUANTITIES, ratio
+from drumlin_studies.stated_true import JUDGED_QUANTITIES, ratio
 from kept_reports import rows
 
 README = re.sub(r"\s+", " ", (ROOT / "README.md").read_text())
@@ -113,7 +113,7 @@ def test_stated_against_true_errors():
     )
     made = [{k: v for k, v in row.items() if v} for row in rows("verification/stated_true.csv")]
     assert len({row["seed"] for row in made}) == brakes
-    ratios = [ratio(row, name) for row in made for name in QUANTITIES]
+    ratios = [ratio(row, name) for row in made for name in JUDGED_QUANTITIES]
     judged = [one for one in ratios if not math.isnan(one)]
     assert len(judged) > 4000
     digits(above, 100 * sum(one < 1 for one in judged) / len(judged))
@@ -121,7 +121,7 @@ def test_stated_against_true_errors():
     whole_errors = [
         ratio(row | {f"unsure_{name}": 0.0}, name)
         for row in made
-        for name in QUANTITIES
+        for name in JUDGED_QUANTITIES
         if not math.isnan(ratio(row, name))
     ]
     digits(whole, 100 * sum(one < 1 for one in whole_errors) / len(judged))

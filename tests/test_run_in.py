@@ -10,7 +10,7 @@ from conftest import ROOT
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import hinged, rigid
 from drumlin.response.norms import pressure_distance
 from drumlin.wear.archard import WearLaw, ripple, run_on

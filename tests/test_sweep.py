@@ -14,8 +14,8 @@ from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake, unit_of, vary
-from drumlin.fem.preparation import assembly
-from drumlin.fem.preparation.assembly import Cache
+from drumlin.fem.preparation import meshes
+from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
 from drumlin.sweeps import file as sweep_file
 from drumlin.sweeps.cases import SweepCase, run, solved
@@ -199,8 +199,8 @@ def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
 
 def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
     made = []
-    assemble = assembly.assemble
-    monkeypatch.setattr(assembly, "assemble", lambda *a: made.append(1) or assemble(*a))
+    assemble = meshes.assemble
+    monkeypatch.setattr(meshes, "assemble", lambda *a: made.append(1) or assemble(*a))
     loads = [
         {"friction": 0.2},
         {"rotation": "clockwise", "shoe[0].actuation.force": 500.0},

@@ -14,7 +14,7 @@ from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake
-from drumlin.fem.preparation.assembly import Cache
+from drumlin.fem.preparation.cache import Cache
 from drumlin.sweeps import cases as sweeps
 from drumlin.sweeps import workers
 from drumlin.sweeps.cases import SweepCase, keys_of, run, solve_chunk, solved

@@ -10,7 +10,7 @@ from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from drumlin.wear.archard import WearLaw, run, run_on, steady
@@ -205,6 +205,6 @@ def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.DRAWN_KINDS)))
+@pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.WEAR_KINDS)))
 def test_beginning_middle_and_end_agree_on_brakes_of_every_kind(seed: int) -> None:
     assert {row.outcome for row in consistency_wear.checks(seed)} <= {"agrees", "refused"}

@@ -47,9 +47,9 @@ def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
 
 def _fem_why_not(brake: Brake) -> str | None:
     """Why the finite elements do not apply to a brake."""
-    from drumlin.fem.preparation import assembly
+    from drumlin.fem.preparation.scene import why_not
 
-    return assembly.why_not(brake)
+    return why_not(brake)
 
 
 def _foundation(brake: Brake, **options: Any) -> Response:

@@ -16,7 +16,7 @@ from drumlin.brake.brake import Brake
 from drumlin.foundation.model import ring_of
 from drumlin.foundation.post import Post, post
 
-MOST_ROUNDS = 100
+MOST_REVISIONS = 100
 
 
 class Iterated(NamedTuple):
@@ -39,7 +39,7 @@ def iterate(brake: Brake, index: int, sections: int) -> Iterated:
     theta = p.axis.origin + p.axis.sense * p.theta
     c = ring_of(brake, theta, theta, frozenset())
     pressed = np.ones(len(p.theta), dtype=bool)
-    for rounds in range(1, MOST_ROUNDS + 1):
+    for rounds in range(1, MOST_REVISIONS + 1):
         w, z = _displacements(p, c, np.where(pressed, p.k, 0.0))
         t = w[p.under] * np.cos(p.theta) - z - p.gap
         if np.array_equal(t > 0, pressed):

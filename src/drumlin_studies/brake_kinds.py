@@ -14,7 +14,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.comparison import Outcome, edge_of, run
 from drumlin.fem.analysis.self_locking import limits
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 from drumlin.models import MODELS, applicable
@@ -24,10 +24,10 @@ from drumlin.response.response import Response
 from drumlin.wear import worn_in
 
 TRUSTED, ROUGH = 0.05, 0.15  # relative errors up to which a law is trusted, and is an estimate
-EXACT = 1e-9  # below it the effect is no matter of the pressure
+NO_EFFECT_ERROR = 1e-9  # below it the effect is no matter of the pressure
 
 
-class Case(NamedTuple):
+class BrakeInMotion(NamedTuple):
     """A brake in one sense of motion: by its law, new, and worn in; `others`: by the other models
     that apply.
     """
@@ -45,7 +45,7 @@ def both_ways(brake: Brake) -> tuple[Brake, Brake]:
     return brake, brake.reversed()
 
 
-def case(file: str, brake: Brake, elements: int, *, solid: bool = False) -> Case:
+def case(file: str, brake: Brake, elements: int, *, solid: bool = False) -> BrakeInMotion:
     """A brake by law and finite elements; elements: along the worn-in linings; solid: also with
     solid shoes, where these apply. Raises NoAnswer.
     """
@@ -53,7 +53,7 @@ def case(file: str, brake: Brake, elements: int, *, solid: bool = False) -> Case
     others = [model for model in applicable(brake) if model.name not in {"fem", by_law.model}]
     if solid and MODELS["solid"].why_not(brake) is None:
         others.append(MODELS["solid"])
-    return Case(
+    return BrakeInMotion(
         file,
         brake,
         by_law,
@@ -74,7 +74,7 @@ def mu_lock(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
     return min((end.friction for end in found.values()), default=math.inf)
 
 
-def row_of(found: Case, limit: float | None) -> dict[str, Any]:
+def row_of(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
     """One row of the table of brakes; `factor`, `factor_worn`: brake factors by finite elements,
     new and worn in.
     """
@@ -106,7 +106,7 @@ def row_of(found: Case, limit: float | None) -> dict[str, Any]:
     }
 
 
-def others_of(found: Case) -> list[dict[str, Any]]:
+def others_of(found: BrakeInMotion) -> list[dict[str, Any]]:
     """A row for each other model that applies: how far its effect is from finite elements, new and
     worn in.
     """
@@ -150,7 +150,7 @@ def verdict(rows: list[dict[str, Any]]) -> str:
         )
         return f"{word} ({f'off by up to {100 * error:.2g}' if error > 1e-4 else 'off by less than 0.01'} %)"
 
-    if all(abs(row["new"]) < EXACT for row in rows):
+    if all(abs(row["new"]) < NO_EFFECT_ERROR for row in rows):
         return (
             f"The {effect_} follows from equilibrium alone, whatever the pressure. The pressure of the law {name!r} "
             f"{judged('p')} new, and {judged('p_worn')} worn in."

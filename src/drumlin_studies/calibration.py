@@ -28,8 +28,9 @@ from drumlin.fem.error_control.estimate import QUANTITIES, Errors, Factors, besi
 from drumlin.fem.error_control.levels import Step, steps
 from drumlin.fem.hp.corner import with_powers
 from drumlin.fem.model import respond
-from drumlin_studies.random_brake import KINDS, random_brake
-from drumlin_studies.random_kinds import KINDS as KINDS_OF_HOLDING
+from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
 from drumlin_studies.random_kinds import random_kind
 from drumlin_studies.stated_true import Truth, errors
 from drumlin_studies.stored_truth import CERTAIN, by_finer

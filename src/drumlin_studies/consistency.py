@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
-OUTCOMES = ("agrees", "said", "differs", "refused")
+CHECK_OUTCOMES = ("agrees", "said", "differs", "refused")
 
 
 class Check(NamedTuple):
@@ -32,7 +32,7 @@ class Check(NamedTuple):
 
     @property
     def outcome(self) -> str:
-        """One of OUTCOMES; "differs" is a fault of drumlin."""
+        """One of CHECK_OUTCOMES; "differs" is a fault of drumlin."""
         if self.refused:
             return "refused"
         if self.difference <= self.allowed:

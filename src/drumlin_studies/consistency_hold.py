@@ -14,12 +14,12 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.analysis.holding import TWO_ANSWERS, Hold, full_slip_rotation, hold
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.preparation import scene as hp
-from drumlin.fem.preparation.assembly import Scene, prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 
-CHECK = "hold's end = solve"
+HOLD_CHECK = "hold's end = solve"
 HOLD_STEPS = 4
 """Increments of the rotation; full slip is reached in any number of increments."""
 MESH_ELEMENTS = 12
@@ -27,7 +27,7 @@ MESH_ELEMENTS = 12
 LOCKED_ROTATION = 1.0
 """Rotation [rad] to which a brake is held that `solve` refuses: one that locks still sticks there.
 """
-SEVERAL = "more than one answer"
+TWO_ANSWERS_LINE = "more than one answer"
 """How the line of `full_slip_rotation` begins that has the moments of both ways."""
 
 
@@ -48,7 +48,7 @@ def checks(seed: int) -> list[Check]:
     if brake.friction == 0:
         return []
     on_columns = seed // len(kinds) % 2 == 1
-    scene = hp.scene(brake, LEVELS[1]) if on_columns else prepare(brake, elements=MESH_ELEMENTS)
+    scene = prepare(brake, LEVELS[1]) if on_columns else prepare(brake, elements=MESH_ELEMENTS)
     return [_check(f"{kind} {seed}", scene, brake)]
 
 
@@ -60,7 +60,7 @@ def _kinds() -> list[tuple[ModuleType, str]]:
 def _check(name: str, scene: Scene, brake: Brake) -> Check:
     """The row of a brake on a scene."""
     row = Check(
-        check=CHECK, brake=name, quantity="torque", difference=math.inf, allowed=TWO_ANSWERS
+        check=HOLD_CHECK, brake=name, quantity="torque", difference=math.inf, allowed=TWO_ANSWERS
     )
     try:
         sliding = respond(scene, brake).torque
@@ -71,7 +71,7 @@ def _check(name: str, scene: Scene, brake: Brake) -> Check:
     try:
         end = full_slip_rotation(scene, brake)
     except NoAnswer as error:
-        return row._replace(said=str(error) if SEVERAL in str(error) else "")
+        return row._replace(said=str(error) if TWO_ANSWERS_LINE in str(error) else "")
     last = _end(scene, brake, end)
     if last is None:
         return row

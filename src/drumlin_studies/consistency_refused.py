@@ -15,9 +15,9 @@ from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 from drumlin_studies.standing_off import standing_off
 
-MESHES = 20, 40, 80
+MESH_SIZES = 20, 40, 80
 """Elements along the lining of the three meshes."""
-ALIKE = 0.05
+SAME_FORCE = 0.05
 """Relative spread of the contact force up to which three meshes count as of one answer. Above it
 the meshes are too coarse for the contact and prove nothing.
 """
@@ -37,9 +37,9 @@ def checks(seed: int) -> list[Check]:
     refused = isinstance(found, str)
     if not refused and seed // 2 % HELD_AGAINST:
         return []
-    on_meshes = [_answer(brake, elements) for elements in MESHES]
+    on_meshes = [_answer(brake, elements) for elements in MESH_SIZES]
     forces = [force(mesh) for mesh in on_meshes if not isinstance(mesh, str)]
-    one_answer = len(forces) == len(MESHES) and spread(forces) <= ALIKE
+    one_answer = len(forces) == len(MESH_SIZES) and spread(forces) <= SAME_FORCE
     if isinstance(found, str):
         if one_answer:
             # Columns of high degree lose more digits than a mesh, and drumlin says that this is
@@ -59,9 +59,9 @@ def drawn(seed: int) -> Brake:
     half, odd = divmod(seed, 2)
     if not odd:
         return standing_off(half)
-    kinds = [*random_brake.KINDS, *random_kinds.KINDS]
+    kinds = [*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS]
     kind = kinds[half % len(kinds)]
-    if kind in random_brake.KINDS:
+    if kind in random_brake.SHAPE_KINDS:
         return random_brake.random_brake(half, kind)
     return random_kinds.random_kind(half, kind)
 

@@ -22,30 +22,31 @@ from drumlin.brake.file import vary
 from drumlin.fem.analysis.sensitivity import Sensitivity, sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.preparation import scene as hp
-from drumlin.fem.preparation.assembly import Cache, Scene, prepare
+from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 
-ELEMENTS = 10
+SLOPE_MESH_ELEMENTS = 10
 """Elements along a lining of the meshes. The slope is exact for the discrete brake, so that few
 elements are enough."""
-LEVEL = LEVELS[0]
+SLOPE_LEVEL = LEVELS[0]
 """The level of the columns, the coarsest, for the same reason."""
-STEPS = (1e-3, 3e-4, 1e-4)
+DIFFERENCE_STEPS = (1e-3, 3e-4, 1e-4)
 """Steps of the differences, relative to the size of the quantity. A larger step changes the contact
 set and has the error of the difference itself, a smaller one has the round-off of the solves, some
 1e-11 of the torque."""
-SMALLER = (1.0, 0.1, 0.01)
+STEP_FACTORS = (1.0, 0.1, 0.01)
 """Factors of the steps, tried in turn until no step changes the contact set."""
-ALLOWED = 0.01
+ALLOWED_SLOPE_DIFFERENCE = 0.01
 """Largest relative difference of a slope that counts as agreement; the aim of the project for
 printed slopes."""
-LEAST = 1e-3
+SMALLEST_SLOPE = 1e-3
 """A slope below this part of the torque over the quantity's size is compared with this part instead
-of itself, so that ALLOWED of it is 1e-5 of the torque: below that the differences have no
+of itself, so that ALLOWED_SLOPE_DIFFERENCE of it is 1e-5 of the torque: below that the differences have no
 digits."""
-SLOPES = 3
+SLOPES_PER_BRAKE = 3
 """Slopes of a brake that are compared, drawn by the seed; all of them would take some ten seconds
 of a large brake."""
 
@@ -79,7 +80,7 @@ class TorqueOnDivision(NamedTuple):
 @dataclass(frozen=True)
 class Divided:
     """How a brake is divided into elements: on a mesh of `elements` along a lining, or in columns
-    of LEVEL."""
+    of SLOPE_LEVEL."""
 
     elements: int | None
     cache: Cache
@@ -87,7 +88,7 @@ class Divided:
     def scene(self, own: Brake) -> Scene:
         """The prepared scene of a brake."""
         if self.elements is None:
-            return hp.scene(own, LEVEL, cache=self.cache)
+            return prepare(own, SLOPE_LEVEL, cache=self.cache)
         return prepare(own, elements=self.elements, cache=self.cache)
 
     def solved(self, brake: Brake) -> "TorqueOnDivision":
@@ -221,9 +222,9 @@ def difference(
     None where a step of each size changes the contact set, or the number of elements, so that there
     is no slope.
     """
-    for factor in SMALLER:
+    for factor in STEP_FACTORS:
         worst = 0.0
-        for step in STEPS:
+        for step in DIFFERENCE_STEPS:
             h = factor * step * slope.size
             try:
                 up, down = (divided.solved(vary(brake, slope.changes(s))) for s in (h, -h))
@@ -232,27 +233,29 @@ def difference(
             if not (up.alike(base) and down.alike(base)):
                 break
             near = (up.torque - down.torque) / (2 * h)
-            least = LEAST * base.torque / slope.size
+            least = SMALLEST_SLOPE * base.torque / slope.size
             worst = max(worst, abs(slope.exact - near) / max(abs(near), least))
         else:
             return worst
     return None
 
 
-KINDS = (*random_brake.KINDS, *random_kinds.KINDS)
+SLOPE_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
 """Kinds of both generators, in the order in which seeds draw them."""
 
 
 def brake_of(seed: int) -> tuple[str, Brake]:
     """Kind and brake of a seed, with friction; every other one with a body or a ring has a bending
     stiffness."""
-    kind = KINDS[seed % len(KINDS)]
-    draw = random_brake.random_brake if kind in random_brake.KINDS else random_kinds.random_kind
+    kind = SLOPE_KINDS[seed % len(SLOPE_KINDS)]
+    draw = (
+        random_brake.random_brake if kind in random_brake.SHAPE_KINDS else random_kinds.random_kind
+    )
     brake: Brake = draw(seed, kind)
     while brake.friction == 0:
         seed += 10**6
         brake = draw(seed, kind)
-    return kind, brake if seed // len(KINDS) % 2 else _with_bending_stiffness(
+    return kind, brake if seed // len(SLOPE_KINDS) % 2 else _with_bending_stiffness(
         brake, np.random.default_rng(seed)
     )
 
@@ -270,12 +273,12 @@ def _with_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
     return vary(brake, changes)
 
 
-def checks(seed: int, most: int | None = SLOPES) -> list[Check]:
+def checks(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
     """The printed slopes of the brake of a seed against differences of solves: some, or with most =
     None all."""
     kind, brake = brake_of(seed)
-    columns = bool(seed // len(KINDS) // 2 % 2)
-    divided = Divided(None if columns else ELEMENTS, Cache())
+    columns = bool(seed // len(SLOPE_KINDS) // 2 % 2)
+    divided = Divided(None if columns else SLOPE_MESH_ELEMENTS, Cache())
     name = f"{kind} {seed}, {'columns' if columns else 'mesh'}"
     try:
         base = divided.solved(brake)
@@ -284,9 +287,19 @@ def checks(seed: int, most: int | None = SLOPES) -> list[Check]:
     try:
         found = divided.slopes(brake)
     except NoAnswer as error:
-        return [Check("slopes", name, "all", math.inf, ALLOWED, str(error), refused=base is None)]
+        return [
+            Check(
+                "slopes",
+                name,
+                "all",
+                math.inf,
+                ALLOWED_SLOPE_DIFFERENCE,
+                str(error),
+                refused=base is None,
+            )
+        ]
     if base is None:
-        return [Check("slopes", name, "all", math.inf, ALLOWED, refusal)]
+        return [Check("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE, refusal)]
     table = slopes_of(brake, found)
     if most is not None:
         table = [table[k] for k in np.random.default_rng(seed).permutation(len(table))[:most]]
@@ -294,5 +307,5 @@ def checks(seed: int, most: int | None = SLOPES) -> list[Check]:
     for slope in table:
         apart = difference(brake, slope, divided, base)
         if apart is not None:
-            rows.append(Check("slopes", name, slope.what, apart, ALLOWED))
+            rows.append(Check("slopes", name, slope.what, apart, ALLOWED_SLOPE_DIFFERENCE))
     return rows

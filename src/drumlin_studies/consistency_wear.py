@@ -18,7 +18,8 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT, adapt
 from drumlin.fem.model import REFINED, respond
-from drumlin.fem.preparation.assembly import Scene, prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import scene_of
 from drumlin.response import Response
 from drumlin.wear.archard import WearLaw, WearState, run_on
@@ -52,12 +53,12 @@ EXACT_CONTACT = partial(respond, penalty=math.inf)
 """How brakes are solved here: without a penalty."""
 
 
-NOT_RIGID = ("table", "grip")
+ELASTIC_ONLY_KINDS = ("table", "grip")
 """Kinds that are what they are by their elastic bodies: without these they are others."""
-DRAWN_KINDS = (
-    *random_brake.KINDS,
-    *random_kinds.KINDS,
-    *(f"rigid {kind}" for kind in random_kinds.KINDS if kind not in NOT_RIGID),
+WEAR_KINDS = (
+    *random_brake.SHAPE_KINDS,
+    *random_kinds.HOLDING_KINDS,
+    *(f"rigid {kind}" for kind in random_kinds.HOLDING_KINDS if kind not in ELASTIC_ONLY_KINDS),
 )
 """The kinds of brakes that are drawn: those of both generators, and the second ones without
 elastic bodies."""
@@ -79,7 +80,7 @@ def checks(seed: int) -> list[Check]:
 
     The seed modulo the number of kinds is the kind.
     """
-    kind = DRAWN_KINDS[seed % len(DRAWN_KINDS)]
+    kind = WEAR_KINDS[seed % len(WEAR_KINDS)]
     try:
         brake = _drawn(seed, kind)
     except NoAnswer:
@@ -90,7 +91,7 @@ def checks(seed: int) -> list[Check]:
 
 
 def _drawn(seed: int, kind: str) -> Brake:
-    if kind in random_brake.KINDS:
+    if kind in random_brake.SHAPE_KINDS:
         return random_brake.random_brake(seed, kind)
     return random_kinds.random_kind(
         seed, kind.removeprefix("rigid "), rigid=kind.startswith("rigid ")

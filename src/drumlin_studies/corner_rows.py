@@ -18,10 +18,10 @@ from drumlin_studies.random_corners import random_corner
 from drumlin_studies.stated_true import ratio, row
 from drumlin_studies.stored_truth import by_deep_triangles
 
-TOLERANCES = (5e-3, 1e-3, 1e-4)
+CORNER_TOLERANCES = (5e-3, 1e-3, 1e-4)
 FIRST_CORNER = 410_000
 """Seed of the first brake. The rules for corners and tips were found on seeds 400000 to 400099."""
-STEEP = -0.3
+STEEPEST_JUDGED = -0.3
 """Power of p at a corner below which 0.1 % of p cannot be had with angles as floating-point
 numbers.
 
@@ -51,7 +51,7 @@ def rows(seed: int) -> list[dict[str, Any]]:
     except (NoAnswer, BadInput, AssertionError) as error:
         failure = str(error)
     base = {"seed": seed, "kind": kind, "power": power_of(brake)}
-    return [base | row(brake, tolerance, solve, true, failure) for tolerance in TOLERANCES]
+    return [base | row(brake, tolerance, solve, true, failure) for tolerance in CORNER_TOLERANCES]
 
 
 def power_of(brake: Brake) -> float:
@@ -67,16 +67,16 @@ def by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """For each kind and tolerance: brakes, the share that reaches it, and stated over true errors
     of p.
 
-    Two last groups hold all brakes, and all but those that press with a corner steeper than STEEP.
+    Two last groups hold all brakes, and all but those that press with a corner steeper than STEEPEST_JUDGED.
     """
     kinds = {
         kind: [one for one in rows if one["kind"] == kind]
         for kind in sorted({one["kind"] for one in rows})
     }
-    gentle = [one for one in rows if one["power"] >= STEEP]
+    gentle = [one for one in rows if one["power"] >= STEEPEST_JUDGED]
     table = []
     for kind, mine in {**kinds, "all": list(rows), "all but the steepest corners": gentle}.items():
-        for tolerance in TOLERANCES:
+        for tolerance in CORNER_TOLERANCES:
             own = [one for one in mine if one.get("tolerance") == tolerance]
             ratios = np.array([ratio(one, "pressure") for one in own])
             known = ratios[np.isfinite(ratios)]

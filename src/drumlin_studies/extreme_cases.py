@@ -21,8 +21,8 @@ from drumlin.brake.file import brake_from
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.grading import Division, divide
 
-SEED = 7
-SHORT = 12  # elements along the lining in the short setting, at most
+HYPERCUBE_SEED = 7
+SHORT_ELEMENTS = 12  # elements along the lining in the short setting, at most
 RADIUS, WIDTH = 0.15, 0.04  # m
 PIN = (0.125, math.radians(-75.0))  # radius [m], angle
 MODULUS = 3e8  # Pa, of the lining
@@ -39,7 +39,7 @@ CLEARANCES: dict[str, tuple[tuple[float, float], ...]] = {
 
 
 @dataclass(frozen=True)
-class Case:
+class KnobCase:
     """The knobs of a case. SI, but for the arc [deg] and what is relative.
 
     `knob`: which sweep it belongs to; `assisted`: whether friction turns the shoe as its actuation
@@ -73,7 +73,7 @@ class Case:
     @property
     def changes(self) -> dict[str, Any]:
         """The knobs that are not at their first value."""
-        base = dataclasses.asdict(Case())
+        base = dataclasses.asdict(KnobCase())
         return {
             key: value
             for key, value in dataclasses.asdict(self).items()
@@ -147,7 +147,7 @@ class Case:
         return None if self.aspect is None else partial(_slender, self)
 
 
-def _slender(case: Case, shoe: Shoe, radius: float) -> Any:
+def _slender(case: KnobCase, shoe: Shoe, radius: float) -> Any:
     """The mesh whose elements at the heel's surface have the case's aspect ratio, growing tenfold
     from there.
     """
@@ -171,7 +171,7 @@ def _growing(first: float, whole: float) -> Floats:
     return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
 
 
-def cases(*, short: bool = False) -> list[Case]:
+def cases(*, short: bool = False) -> list[KnobCase]:
     """The designed set; `short`: the ends and the middle of every sweep and a tenth of the crossed
     ones, coarser.
     """
@@ -182,7 +182,9 @@ def cases(*, short: bool = False) -> list[Case]:
         )
     ends = [sweep[i] for sweep in sweeps for i in sorted({0, len(sweep) // 2, len(sweep) - 1})]
     chosen = ends + _corners()[::8] + _grids()[::12] + _hypercube(8)
-    coarse = (dataclasses.replace(case, elements=min(case.elements, SHORT)) for case in chosen)
+    coarse = (
+        dataclasses.replace(case, elements=min(case.elements, SHORT_ELEMENTS)) for case in chosen
+    )
     return list(dict.fromkeys(coarse))
 
 
@@ -268,11 +270,11 @@ def _sweeps() -> dict[str, list[dict[str, Any]]]:
     }
 
 
-def _sweep(knob: str, settings: list[dict[str, Any]]) -> list[Case]:
-    return [Case(knob=knob, **setting) for setting in settings]
+def _sweep(knob: str, settings: list[dict[str, Any]]) -> list[KnobCase]:
+    return [KnobCase(knob=knob, **setting) for setting in settings]
 
 
-def _corners() -> list[Case]:
+def _corners() -> list[KnobCase]:
     """Five knobs at both ends, all combinations."""
     ends: dict[str, tuple[Any, Any]] = {
         "shoe": (1e-4, 1e6),
@@ -282,29 +284,29 @@ def _corners() -> list[Case]:
         "friction": (0.01, 0.6),
     }
     return [
-        Case(knob="corners", **dict(zip(ends, chosen, strict=True)))
+        KnobCase(knob="corners", **dict(zip(ends, chosen, strict=True)))
         for chosen in itertools.product(*ends.values())
     ]
 
 
-def _grids() -> list[Case]:
+def _grids() -> list[KnobCase]:
     """Two pairs of knobs over their whole ranges."""
     moduli, mu = _decades(-8, 8, 2), [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.5, 5.0]
     thicknesses, penalties = [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1 / 3], [*_decades(-2, 16, 3), math.inf]
     return [
-        *(Case(knob="shoe × friction", shoe=E, friction=f) for E in moduli for f in mu),
+        *(KnobCase(knob="shoe × friction", shoe=E, friction=f) for E in moduli for f in mu),
         *(
-            Case(knob="thickness × penalty", thickness=t, penalty=a)
+            KnobCase(knob="thickness × penalty", thickness=t, penalty=a)
             for t in thicknesses
             for a in penalties
         ),
     ]
 
 
-def _hypercube(count: int) -> list[Case]:
+def _hypercube(count: int) -> list[KnobCase]:
     """All knobs at once, drawn from their whole range, most of them on a logarithmic scale."""
     found = []
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng(HYPERCUBE_SEED)
     strata = np.array([rng.permutation(count) for _ in range(13)]).T
     for row in (strata + rng.random(strata.shape)) / count:
         u = iter(row.tolist())
@@ -326,7 +328,7 @@ def _hypercube(count: int) -> list[Case]:
         gap = log(-8, -2)
         friction = round(5 * next(u) ** 2.5, 3)
         found.append(
-            Case(
+            KnobCase(
                 knob="hypercube",
                 shoe=shoe,
                 penalty=penalty,

@@ -19,8 +19,8 @@ from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.interface import contact_line, couple, radial
 from drumlin.foundation.ring import two_forces
 from drumlin_studies import closed_forms
-from drumlin_studies.ladder_case import DISCRETE, EXACT, PRINTED, Case
-from drumlin_studies.two_bodies import STEEL, closed
+from drumlin_studies.ladder_case import DISCRETE, EXACT, PRINTED, KnownAnswer
+from drumlin_studies.two_bodies import LADDER_STEEL, closed
 from drumlin_studies.uncertainty import Index, grid_convergence
 
 # Values on three meshes, each twice as fine as the one before.
@@ -41,7 +41,7 @@ def _rectangle(length: float, height: float, along: int, through: int) -> tuple[
                 np.linspace(0, length, along + 1), np.linspace(-height / 2, height / 2, through + 1)
             )
         ),
-        STEEL,
+        LADDER_STEEL,
     )
 
 
@@ -66,7 +66,7 @@ def _stretched() -> float:
     """End force of a bar under the strain 1e-3, displacements e x, -nu e y."""
     basis, K = _rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
-    u = np.column_stack([1e-3 * x, -STEEL.nu * 1e-3 * y]).ravel()
+    u = np.column_stack([1e-3 * x, -LADDER_STEEL.nu * 1e-3 * y]).ravel()
     return float((K @ u)[0::2][x > 2 - 1e-12].sum())
 
 
@@ -76,7 +76,7 @@ def _bent() -> float:
     """
     basis, K = _rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
-    u = 1e-3 * np.column_stack([-x * y, 0.5 * (x**2 + STEEL.nu * y**2)]).ravel()
+    u = 1e-3 * np.column_stack([-x * y, 0.5 * (x**2 + LADDER_STEEL.nu * y**2)]).ravel()
     end = x > 2 - 1e-12
     return float(-((K @ u)[0::2] * y)[end].sum())
 
@@ -88,7 +88,7 @@ def _cantilever() -> float:
     Timoshenko & Goodier, art. 21: cubic displacements, so that the elements have an error.
     """
     L, c, P = 4.0, 0.5, 1.0
-    E, nu, I = STEEL.E, STEEL.nu, 2 * 0.5**3 / 3  # noqa: E741
+    E, nu, I = LADDER_STEEL.E, LADDER_STEEL.nu, 2 * 0.5**3 / 3  # noqa: E741
     G = E / (2 * (1 + nu))
     basis, K = _rectangle(L, 2 * c, 16, 4)
     x, y = basis.doflocs
@@ -205,44 +205,188 @@ def _lever() -> float:
 
 
 LAME = closed_forms.lame(0.1, 0.2, 60e6, 200e9, 0.3)
-E0, NU = STEEL.E, STEEL.nu
+STEEL_MODULUS, STEEL_POISSON = LADDER_STEEL.E, LADDER_STEEL.nu
 ROACHE_SAYS = "Roache, Verification and Validation (1998): f = .97050, .96854, .96178, r = 2; in single precision"
 TIMOSHENKO = "Timoshenko & Goodier, Theory of Elasticity"
-CASES = (
-    Case("grid convergence index", "Richardson extrapolation", ROACHE_SAYS, "order", 1.78618479, 1e-5, PRINTED,
-         lambda: _roache().order),
-    Case("grid convergence index", "Richardson extrapolation", ROACHE_SAYS, "extrapolated", 0.971300304, 1e-7, PRINTED,
-         lambda: _roache().extrapolated),
-    Case("grid convergence index", "uncertainty of an extrapolation", ROACHE_SAYS, "GCI, fine [%]", 0.103080, 5e-5,
-         PRINTED, lambda: 100 * _roache().fine),
-    Case("grid convergence index", "uncertainty of an extrapolation", ROACHE_SAYS, "GCI, coarse [%]", 0.356244, 5e-5,
-         PRINTED, lambda: 100 * _roache().coarse),
-    Case("uniaxial stress", "plane-stress stiffness", "s = E e", "end force [N]", E0 * 1e-3, 1e-11, EXACT, _stretched),
-    Case("pure bending", "quadratic elements", f"{TIMOSHENKO}: M = E I k", "end moment [N m]", E0 * 1e-3 / 12, 1e-11,
-         EXACT, _bent),
-    Case("cantilever under end shear", "quadratic elements", f"{TIMOSHENKO}, art. 21", "end force [N]", 1.0, 1e-4,
-         DISCRETE, _cantilever),
-    Case("curved bar under end shear", "curved quadratic elements", f"{TIMOSHENKO}: (ln 2 - .6)/pi", "P u_0",
-         (math.log(2) - 0.6) / math.pi, 2e-5, DISCRETE, _curved_bar),
-    Case("ring under inner pressure", "pressure on a curved edge", "Lame 1852", "u at the inner edge [m]", LAME[0],
-         2e-4, DISCRETE, lambda: _lame()[0]),
-    Case("ring under inner pressure", "pressure on a curved edge", "Lame 1852", "u at the outer edge [m]", LAME[1],
-         2e-4, DISCRETE, lambda: _lame()[1]),
-    Case("thin ring under a diametral pair, by elements", "slender elements", "Timoshenko, Strength of Materials II",
-         "closing E I/(F R^3)", math.pi / 4 - 2 / math.pi, 3e-3, DISCRETE, lambda: _thin_ring()[0]),
-    Case("thin ring under a diametral pair, by elements", "slender elements", "Timoshenko, Strength of Materials II",
-         "widening E I/(F R^3)", 2 / math.pi - 0.5, 3e-3, DISCRETE, lambda: _thin_ring()[1]),
-    Case("thin ring under a diametral pair, as a series", "ring of the foundation model",
-         "Timoshenko, Strength of Materials II", "closing E I/(F R^3)", math.pi / 4 - 2 / math.pi, 1e-12, EXACT,
-         lambda: 2 * float(two_forces(np.array(0.0))) / math.pi),
-    Case("thin ring under a diametral pair, as a series", "ring of the foundation model",
-         "Timoshenko, Strength of Materials II", "widening E I/(F R^3)", 2 / math.pi - 0.5, 1e-12, EXACT,
-         lambda: -2 * float(two_forces(np.array(math.pi / 2))) / math.pi),
-    Case("manufactured solution", "quadratic quadrilaterals", "Roache 2002; order of the element", "order", 3.0, 0.03,
-         DISCRETE, partial(_rate, "quad2")),
-    Case("manufactured solution", "linear triangles", "Roache 2002; order of the element", "order, tri1", 2.0, 0.03,
-         DISCRETE, partial(_rate, "tri1")),
-    Case("Murty's cycle", "active set", "Murty 1974: p = 1/3 at each node", "p", 1 / 3, 1e-13, EXACT, _murty),
-    Case("lever on two springs", "equilibrium of a free motion", "statics: F_2 = 2 F_1, F_1 + 2 F_2 = 6 N",
-         "force of the outer spring [N]", 2.4, 1e-12, EXACT, _lever),
-)  # fmt: skip
+BODY_CASES = (
+    KnownAnswer(
+        "grid convergence index",
+        "Richardson extrapolation",
+        ROACHE_SAYS,
+        "order",
+        1.78618479,
+        1e-5,
+        PRINTED,
+        lambda: _roache().order,
+    ),
+    KnownAnswer(
+        "grid convergence index",
+        "Richardson extrapolation",
+        ROACHE_SAYS,
+        "extrapolated",
+        0.971300304,
+        1e-7,
+        PRINTED,
+        lambda: _roache().extrapolated,
+    ),
+    KnownAnswer(
+        "grid convergence index",
+        "uncertainty of an extrapolation",
+        ROACHE_SAYS,
+        "GCI, fine [%]",
+        0.103080,
+        5e-5,
+        PRINTED,
+        lambda: 100 * _roache().fine,
+    ),
+    KnownAnswer(
+        "grid convergence index",
+        "uncertainty of an extrapolation",
+        ROACHE_SAYS,
+        "GCI, coarse [%]",
+        0.356244,
+        5e-5,
+        PRINTED,
+        lambda: 100 * _roache().coarse,
+    ),
+    KnownAnswer(
+        "uniaxial stress",
+        "plane-stress stiffness",
+        "s = E e",
+        "end force [N]",
+        STEEL_MODULUS * 1e-3,
+        1e-11,
+        EXACT,
+        _stretched,
+    ),
+    KnownAnswer(
+        "pure bending",
+        "quadratic elements",
+        f"{TIMOSHENKO}: M = E I k",
+        "end moment [N m]",
+        STEEL_MODULUS * 1e-3 / 12,
+        1e-11,
+        EXACT,
+        _bent,
+    ),
+    KnownAnswer(
+        "cantilever under end shear",
+        "quadratic elements",
+        f"{TIMOSHENKO}, art. 21",
+        "end force [N]",
+        1.0,
+        1e-4,
+        DISCRETE,
+        _cantilever,
+    ),
+    KnownAnswer(
+        "curved bar under end shear",
+        "curved quadratic elements",
+        f"{TIMOSHENKO}: (ln 2 - .6)/pi",
+        "P u_0",
+        (math.log(2) - 0.6) / math.pi,
+        2e-5,
+        DISCRETE,
+        _curved_bar,
+    ),
+    KnownAnswer(
+        "ring under inner pressure",
+        "pressure on a curved edge",
+        "Lame 1852",
+        "u at the inner edge [m]",
+        LAME[0],
+        2e-4,
+        DISCRETE,
+        lambda: _lame()[0],
+    ),
+    KnownAnswer(
+        "ring under inner pressure",
+        "pressure on a curved edge",
+        "Lame 1852",
+        "u at the outer edge [m]",
+        LAME[1],
+        2e-4,
+        DISCRETE,
+        lambda: _lame()[1],
+    ),
+    KnownAnswer(
+        "thin ring under a diametral pair, by elements",
+        "slender elements",
+        "Timoshenko, Strength of Materials II",
+        "closing E I/(F R^3)",
+        math.pi / 4 - 2 / math.pi,
+        3e-3,
+        DISCRETE,
+        lambda: _thin_ring()[0],
+    ),
+    KnownAnswer(
+        "thin ring under a diametral pair, by elements",
+        "slender elements",
+        "Timoshenko, Strength of Materials II",
+        "widening E I/(F R^3)",
+        2 / math.pi - 0.5,
+        3e-3,
+        DISCRETE,
+        lambda: _thin_ring()[1],
+    ),
+    KnownAnswer(
+        "thin ring under a diametral pair, as a series",
+        "ring of the foundation model",
+        "Timoshenko, Strength of Materials II",
+        "closing E I/(F R^3)",
+        math.pi / 4 - 2 / math.pi,
+        1e-12,
+        EXACT,
+        lambda: 2 * float(two_forces(np.array(0.0))) / math.pi,
+    ),
+    KnownAnswer(
+        "thin ring under a diametral pair, as a series",
+        "ring of the foundation model",
+        "Timoshenko, Strength of Materials II",
+        "widening E I/(F R^3)",
+        2 / math.pi - 0.5,
+        1e-12,
+        EXACT,
+        lambda: -2 * float(two_forces(np.array(math.pi / 2))) / math.pi,
+    ),
+    KnownAnswer(
+        "manufactured solution",
+        "quadratic quadrilaterals",
+        "Roache 2002; order of the element",
+        "order",
+        3.0,
+        0.03,
+        DISCRETE,
+        partial(_rate, "quad2"),
+    ),
+    KnownAnswer(
+        "manufactured solution",
+        "linear triangles",
+        "Roache 2002; order of the element",
+        "order, tri1",
+        2.0,
+        0.03,
+        DISCRETE,
+        partial(_rate, "tri1"),
+    ),
+    KnownAnswer(
+        "Murty's cycle",
+        "active set",
+        "Murty 1974: p = 1/3 at each node",
+        "p",
+        1 / 3,
+        1e-13,
+        EXACT,
+        _murty,
+    ),
+    KnownAnswer(
+        "lever on two springs",
+        "equilibrium of a free motion",
+        "statics: F_2 = 2 F_1, F_1 + 2 F_2 = 6 N",
+        "force of the outer spring [N]",
+        2.4,
+        1e-12,
+        EXACT,
+        _lever,
+    ),
+)

@@ -10,7 +10,7 @@ MODEL = "limit of the model"
 
 
 @dataclass(frozen=True)
-class Case:
+class KnownAnswer:
     """A known answer. `family`: what kind of case; `shows`: what of drumlin it judges; `source`: of
     `expected`.
 

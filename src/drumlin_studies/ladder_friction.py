@@ -31,9 +31,9 @@ from drumlin.laws.simscape import DoubleShoe
 from drumlin.response.response import Response
 from drumlin.wear.archard import WearInterface, WearLaw, WearState, run
 from drumlin_studies import closed_forms
-from drumlin_studies.ladder_case import DISCRETE, EXACT, MODEL, PRINTED, Case
-from drumlin_studies.ladder_contact import RHO, A, half_plane
-from drumlin_studies.two_bodies import STEEL, Pair, nested_start
+from drumlin_studies.ladder_case import DISCRETE, EXACT, MODEL, PRINTED, KnownAnswer
+from drumlin_studies.ladder_contact import GAP_RADIUS, HALF_WIDTH, half_plane
+from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, nested_start
 
 
 def _spring(push: float, shift: float, k: float = 100.0) -> Problem:
@@ -41,9 +41,19 @@ def _spring(push: float, shift: float, k: float = 100.0) -> Problem:
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     across, along = np.zeros((1, 0)), np.zeros((0, 1))
     return Problem(
-        A_wp=one / k, A_wt=none, A_sp=none, A_st=-one / k, B_w=across, B_s=across, C_p=along, C_t=along,
-        q_w=np.array([-push / k]), q_s=np.array([shift]), h=np.zeros(0), Q=0 * one,
-    )  # fmt: skip
+        A_wp=one / k,
+        A_wt=none,
+        A_sp=none,
+        A_st=-one / k,
+        B_w=across,
+        B_s=across,
+        C_p=along,
+        C_t=along,
+        q_w=np.array([-push / k]),
+        q_s=np.array([shift]),
+        h=np.zeros(0),
+        Q=0 * one,
+    )
 
 
 def _traction(shift: float) -> float:
@@ -96,11 +106,11 @@ def _cattaneo(share: float) -> float:
     From the tractions, which do not depend on where nodes lie: (1 - t/(mu p))^2 in the middle is
     c^2/a^2.
     """
-    mu, load = 0.3, A**2 * math.pi * STEEL.E / 2 / (4 * RHO)
-    pair = Pair.of(half_plane(-1, 14), half_plane(1, 12), motions="xy")
+    mu, load = 0.3, HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
+    pair = BodyPair.of(half_plane(-1, 14), half_plane(1, 12), motions="xy")
     s = pair.angle
-    gap, n = s**2 / (2 * RHO), len(s)
-    along = Pair(pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1])
+    gap, n = s**2 / (2 * GAP_RADIUS), len(s)
+    along = BodyPair(pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1])
     pressing = along.normal(gap, [load])
     state = np.where(active_set.solve(pressing, nested_start(pressing)).active, STICK, OPEN)
     found = stick_slip.solve(
@@ -109,13 +119,13 @@ def _cattaneo(share: float) -> float:
     for part in (0.5, 1.0):
         loads = [load, part * share * mu * load]
         found = stick_slip.solve(pair.frictional(gap, loads), mu, found.history, found.state)
-    middle = np.abs(s) < 0.2 * A
+    middle = np.abs(s) < 0.2 * HALF_WIDTH
     ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
     # t/(mu p) in the middle: 1 - c/a to second order of the window, which the same window of the
     # closed form takes off
-    exact_p = np.sqrt(1 - (s[middle] / A) ** 2)
+    exact_p = np.sqrt(1 - (s[middle] / HALF_WIDTH) ** 2)
     c = math.sqrt(1 - share)
-    exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * A)) ** 2)
+    exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * HALF_WIDTH)) ** 2)
     return float(1 - ratio + (exact_t.mean() / exact_p.mean() - (1 - c)))
 
 
@@ -165,9 +175,14 @@ def _meshed(grid: Any, to: Any, held: Any) -> Any:
     middle = grid.p[:, grid.facets].mean(axis=1)
     mesh = skfem.MeshQuad2.from_mesh(grid)
     return skfem.MeshQuad2(
-        to(*mesh.doflocs), mesh.t, _subdomains={"body": np.arange(mesh.nelements)},
-        _boundaries={"contact": np.flatnonzero(middle[0] < 1e-12), "support": np.flatnonzero(held(*middle))},
-    )  # fmt: skip
+        to(*mesh.doflocs),
+        mesh.t,
+        _subdomains={"body": np.arange(mesh.nelements)},
+        _boundaries={
+            "contact": np.flatnonzero(middle[0] < 1e-12),
+            "support": np.flatnonzero(held(*middle)),
+        },
+    )
 
 
 def _belt(mu: float, wrap: float) -> float:
@@ -180,7 +195,9 @@ def _belt(mu: float, wrap: float) -> float:
         lambda d, phi: phi > wrap - 1e-9,
     )
     at = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
-    belt = Flexible.of(mesh, STEEL, np.concatenate([2 * at, 2 * at + 1]), radial(-1), wrap / 2)
+    belt = Flexible.of(
+        mesh, LADDER_STEEL, np.concatenate([2 * at, 2 * at + 1]), radial(-1), wrap / 2
+    )
     N, T = belt.coupling.N, belt.coupling.T
     x, y = belt.basis.doflocs
     pulled = np.flatnonzero((np.abs(y) < 1e-12) & (x > 0))
@@ -218,11 +235,11 @@ def _flat_patch(turned: float) -> float:
     )
     N, M = strip.coupling.N, strip.coupling.M
     on, n = np.column_stack([2 * strip.line.nodes, 2 * strip.line.nodes + 1]).ravel(), len(M)
-    A = N @ strip.moved(strip.spread(N))[on]
+    HALF_WIDTH = N @ strip.moved(strip.spread(N))[on]
     none = np.zeros((n, 0))
     return float(
         active_set.solve(
-            equations.Problem(A, M @ np.full(n, -0.05), none, none.T, np.zeros(0))
+            equations.Problem(HALF_WIDTH, M @ np.full(n, -0.05), none, none.T, np.zeros(0))
         ).p.max()
     )
 
@@ -271,9 +288,19 @@ def pressed_plate() -> Plate:
     up = np.tile([0.0, 1.0], n)
     B_w, B_s = -(N @ up)[:, None], -(T @ up)[:, None]
     problem = Problem(
-        A_wp=N @ by_N, A_wt=-N @ by_T, A_sp=T @ by_N, A_st=-T @ by_T, B_w=B_w, B_s=B_s, C_p=B_w.T, C_t=-B_s.T,
-        q_w=-N @ by_f, q_s=-T @ by_f, h=np.array([-f[:, 1].sum()]), Q=np.zeros((n, n)),
-    )  # fmt: skip
+        A_wp=N @ by_N,
+        A_wt=-N @ by_T,
+        A_sp=T @ by_N,
+        A_st=-T @ by_T,
+        B_w=B_w,
+        B_s=B_s,
+        C_p=B_w.T,
+        C_t=-B_s.T,
+        q_w=-N @ by_f,
+        q_s=-T @ by_f,
+        h=np.array([-f[:, 1].sum()]),
+        Q=np.zeros((n, n)),
+    )
     found = stick_slip.solve(problem, mu, History(np.zeros(n), np.zeros(n)), np.full(n, STICK))
     whole = u @ np.concatenate([[1.0], -found.p, found.t])
     total = f.copy()
@@ -299,8 +326,8 @@ def _edge(along: Floats, nodes: Ints) -> Floats:
 
 K, RADIUS, WIDTH, PIN, MOMENT, MU = 4e10, 0.15, 0.04, 0.125, 250.0, 0.25
 ARC = (0.3, 2.2)
-WEAR = WearLaw(1e-13)
-UNIT = 1 / (WEAR.coefficient * K)
+SPRING_WEAR = WearLaw(1e-13)
+WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * K)
 
 
 def _winkler(mu: float) -> tuple[WearInterface, Floats]:
@@ -315,9 +342,12 @@ def _winkler(mu: float) -> tuple[WearInterface, Floats]:
     turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
     closing = coupling.N @ turned
     problem = equations.Problem(
-        coupling.M / K, coupling.M @ (2e-6 * np.cos(3 * phi)), -closing[:, None],
-        (mu * (coupling.T @ turned) - closing)[None], np.array([MOMENT]),
-    )  # fmt: skip
+        coupling.M / K,
+        coupling.M @ (2e-6 * np.cos(3 * phi)),
+        -closing[:, None],
+        (mu * (coupling.T @ turned) - closing)[None],
+        np.array([MOMENT]),
+    )
     interface = WearInterface(
         problem, np.zeros(49), coupling.M, np.ones(49), coupling.area, mu * coupling.lever
     )
@@ -332,9 +362,9 @@ def _winkler_limit() -> float:
 @cache
 def _worn() -> tuple[list[WearState], Floats]:
     interface, phi = _winkler(MU)
-    return run([interface], WEAR, distance=2 * UNIT, tolerance=1e-4), np.sin(phi) / float(
-        interface.problem.C[0] @ np.sin(phi)
-    )
+    return run([interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4), np.sin(
+        phi
+    ) / float(interface.problem.C[0] @ np.sin(phi))
 
 
 def _forgotten() -> float:
@@ -349,7 +379,7 @@ def _volume() -> float:
     states, _ = _worn()
     area = _winkler(MU)[0].area
     return float(
-        area @ (states[-1].depth - states[0].depth) / (WEAR.coefficient * states[-1].pressed)
+        area @ (states[-1].depth - states[0].depth) / (SPRING_WEAR.coefficient * states[-1].pressed)
     )
 
 
@@ -372,29 +402,131 @@ def _equilibrium() -> float:
     return abs(math.fsum(moments)) / response.torque
 
 
-CASES = (
-    *(Case("one node on springs", "friction states", "spring force k s up to mu p", f"traction at s = {shift} m",
-           min(100 * shift, 5.0), 1e-12, EXACT, partial(_traction, shift)) for shift in (0.02, 0.05, 0.2)),
-    Case("closed loop of slip", "dissipation", "area of the loop, 4 mu p (s - mu p/k)", "energy [J]",
-         4 * 0.5 * 10 * (0.2 - 0.5 * 10 / 100), 1e-9, EXACT, _loop),
-    *(Case("flat patch test", "even pressure", "El-Abbasi & Bathe 2001: E times the strain -.05",
-           f"largest p [Pa], inclined by {turned} rad", 1e5, 1e-10, EXACT, partial(_flat_patch, turned))
-      for turned in (0.0, 0.4)),
-    Case("block on a wedge", "direction of friction", "NAFEMS CGS-4: (tan a + mu)/(1 - mu tan a)", "push over weight",
-         0.412371, 1e-6, PRINTED, _wedge),
-    Case("tangentially loaded cylinders", "partial slip", "Cattaneo 1938, Mindlin 1949: c/a = sqrt(1 - Q/(mu P))",
-         "c/a at Q = mu P/2", math.sqrt(0.5), 1e-2, DISCRETE, partial(_cattaneo, 0.5)),
-    Case("belt on a drum", "drag of a flexible body", "capstan: e^(mu theta)", "ratio of tensions, mu = .3, 120 deg",
-         closed_forms.capstan(0.3, 2 * math.pi / 3), 1e-2, MODEL, partial(_belt, 0.3, 2 * math.pi / 3)),
-    Case("plate on a rigid plane", "stick, slip and open in one contact", "balance of moments about a corner",
-         "moment of p over all others", 1.0, 1e-9, EXACT, lambda: pressed_plate().moment),
-    Case("shoe on springs, self-locking", "limit of friction", "moments of p ~ sin about the hinge", "mu_lock",
-         closed_forms.sine_shoe_limit(RADIUS, PIN, *ARC), 1e-5, DISCRETE, _winkler_limit),
-    Case("shoe on springs, running in", "Archard wear in time", "exp(-k K s), all in contact",
-         "deviation left at k K s = 2", math.exp(-2), 1e-3, DISCRETE, _forgotten),
-    Case("worn volume", "Archard wear", "Archard 1953: V = k N s", "V over k Int N ds", 1.0, 1e-9, EXACT, _volume),
-    Case("rigid shoe with a thin lining", "whole brake by elements", "sine law in the limit", "torque over the law's",
-         1.0, 2e-2, MODEL, lambda: _brake()[1].torque / _brake()[0]),
-    Case("balance of a whole brake", "hinge reactions", "moments about the drum's centre", "moment over torque", 1.0,
-         1e-8, EXACT, _equilibrium),
-)  # fmt: skip
+FRICTION_CASES = (
+    *(
+        KnownAnswer(
+            "one node on springs",
+            "friction states",
+            "spring force k s up to mu p",
+            f"traction at s = {shift} m",
+            min(100 * shift, 5.0),
+            1e-12,
+            EXACT,
+            partial(_traction, shift),
+        )
+        for shift in (0.02, 0.05, 0.2)
+    ),
+    KnownAnswer(
+        "closed loop of slip",
+        "dissipation",
+        "area of the loop, 4 mu p (s - mu p/k)",
+        "energy [J]",
+        4 * 0.5 * 10 * (0.2 - 0.5 * 10 / 100),
+        1e-9,
+        EXACT,
+        _loop,
+    ),
+    *(
+        KnownAnswer(
+            "flat patch test",
+            "even pressure",
+            "El-Abbasi & Bathe 2001: E times the strain -.05",
+            f"largest p [Pa], inclined by {turned} rad",
+            1e5,
+            1e-10,
+            EXACT,
+            partial(_flat_patch, turned),
+        )
+        for turned in (0.0, 0.4)
+    ),
+    KnownAnswer(
+        "block on a wedge",
+        "direction of friction",
+        "NAFEMS CGS-4: (tan a + mu)/(1 - mu tan a)",
+        "push over weight",
+        0.412371,
+        1e-6,
+        PRINTED,
+        _wedge,
+    ),
+    KnownAnswer(
+        "tangentially loaded cylinders",
+        "partial slip",
+        "Cattaneo 1938, Mindlin 1949: c/a = sqrt(1 - Q/(mu P))",
+        "c/a at Q = mu P/2",
+        math.sqrt(0.5),
+        1e-2,
+        DISCRETE,
+        partial(_cattaneo, 0.5),
+    ),
+    KnownAnswer(
+        "belt on a drum",
+        "drag of a flexible body",
+        "capstan: e^(mu theta)",
+        "ratio of tensions, mu = .3, 120 deg",
+        closed_forms.capstan(0.3, 2 * math.pi / 3),
+        1e-2,
+        MODEL,
+        partial(_belt, 0.3, 2 * math.pi / 3),
+    ),
+    KnownAnswer(
+        "plate on a rigid plane",
+        "stick, slip and open in one contact",
+        "balance of moments about a corner",
+        "moment of p over all others",
+        1.0,
+        1e-9,
+        EXACT,
+        lambda: pressed_plate().moment,
+    ),
+    KnownAnswer(
+        "shoe on springs, self-locking",
+        "limit of friction",
+        "moments of p ~ sin about the hinge",
+        "mu_lock",
+        closed_forms.sine_shoe_limit(RADIUS, PIN, *ARC),
+        1e-5,
+        DISCRETE,
+        _winkler_limit,
+    ),
+    KnownAnswer(
+        "shoe on springs, running in",
+        "Archard wear in time",
+        "exp(-k K s), all in contact",
+        "deviation left at k K s = 2",
+        math.exp(-2),
+        1e-3,
+        DISCRETE,
+        _forgotten,
+    ),
+    KnownAnswer(
+        "worn volume",
+        "Archard wear",
+        "Archard 1953: V = k N s",
+        "V over k Int N ds",
+        1.0,
+        1e-9,
+        EXACT,
+        _volume,
+    ),
+    KnownAnswer(
+        "rigid shoe with a thin lining",
+        "whole brake by elements",
+        "sine law in the limit",
+        "torque over the law's",
+        1.0,
+        2e-2,
+        MODEL,
+        lambda: _brake()[1].torque / _brake()[0],
+    ),
+    KnownAnswer(
+        "balance of a whole brake",
+        "hinge reactions",
+        "moments about the drum's centre",
+        "moment over torque",
+        1.0,
+        1e-8,
+        EXACT,
+        _equilibrium,
+    ),
+)

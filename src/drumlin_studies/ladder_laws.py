@@ -17,7 +17,7 @@ from drumlin.models import MODELS
 from drumlin.response.merit import rated, sensitivity
 from drumlin.response.response import Response
 from drumlin_studies import closed_forms
-from drumlin_studies.ladder_case import EXACT, PRINTED, Case
+from drumlin_studies.ladder_case import EXACT, PRINTED, KnownAnswer
 from drumlin_studies.textbook_brakes import hinged, lever_block, pad
 
 
@@ -42,9 +42,14 @@ def _shigley_16_2() -> float:
 @cache
 def _shigley_p16_1() -> Response:
     block = DoubleShoe(
-        r_D=0.15, r_p=0.125, r_a=0.125 * cos(radians(30)), theta_p=radians(30), theta_sb=0.0, theta_s=radians(120),
+        r_D=0.15,
+        r_p=0.125,
+        r_a=0.125 * cos(radians(30)),
+        theta_p=radians(30),
+        theta_sb=0.0,
+        theta_s=radians(120),
         mu_Coulomb=0.28,
-    )  # fmt: skip
+    )
     return _solve("sine", block.brake(2200.0, "clockwise"))
 
 
@@ -52,9 +57,15 @@ def _shigley_p16_1() -> Response:
 def _bhandari_12_7() -> Response:
     h = float(pivot_radius(0.25, radians(50)))
     lever = hinged(
-        R=0.25, a=0.45, arc=(radians(30), radians(130)), moment=100.0, mu=0.2, side="external", width=0.1,
+        R=0.25,
+        a=0.45,
+        arc=(radians(30), radians(130)),
+        moment=100.0,
+        mu=0.2,
+        side="external",
+        width=0.1,
         pivot=(h, radians(80)),
-    )  # fmt: skip
+    )
     return _solve("pivoted", rated(lever, MODELS["pivoted"].solve, 0.5e6))
 
 
@@ -138,7 +149,7 @@ def _short_pad() -> float:
     return _solve("short", pad(h=H, span=(0.1, 0.16), moment=M, mu=PAD_MU)).shoes[0].normal_force
 
 
-NPTEL = {
+NPTEL_SHOE = {
     "R": 0.2,
     "a": 0.23,
     "arc": (radians(20), radians(130)),
@@ -157,10 +168,10 @@ def _nptel_moment() -> float:
 
 
 def _nptel_long_shoe() -> float:
-    return _solve("sine", hinged(**NPTEL, moment=_nptel_moment(), spin=1)).torque  # type: ignore[arg-type]
+    return _solve("sine", hinged(**NPTEL_SHOE, moment=_nptel_moment(), spin=1)).torque  # type: ignore[arg-type]
 
 
-SHORT = {
+SHORT_SHOE = {
     "R": 0.2,
     "a": 0.25,
     "arc": (radians(75) - 0.05, radians(75) + 0.05),
@@ -170,7 +181,7 @@ SHORT = {
 
 
 def _sensitivity() -> float:
-    return sensitivity(hinged(**SHORT, moment=50.0), MODELS["short"].solve)  # type: ignore[arg-type]
+    return sensitivity(hinged(**SHORT_SHOE, moment=50.0), MODELS["short"].solve)  # type: ignore[arg-type]
 
 
 def _sensitivity_by_formula() -> float:
@@ -189,45 +200,208 @@ LESSON, UWA = (
     "NPTEL, Machine Design II, lesson 12.1",
     "University of Western Australia, notes on brakes",
 )
-CASES = (
-    Case("internal shoes rated by pressure", "sine law", f"{SHIGLEY}, ex. 16-2, its formulas", "torque [N m]",
-         527.761, 1e-6, PRINTED, _shigley_16_2),
-    Case("internal shoes under a force", "sine law", f"{SHIGLEY}, problem 16-1", "peak pressure [kPa]", 734.0, 7e-4,
-         PRINTED, lambda: _shigley_p16_1().shoes[0].peak_pressure * 1e-3),
-    Case("internal shoes under a force", "sine law", f"{SHIGLEY}, problem 16-1, its formulas", "torque [N m]",
-         422.004, 1.2e-6, PRINTED, lambda: _shigley_p16_1().torque),
-    Case("pivoted block", "law of a shoe on a pivot", f"{BHANDARI}, ex. 12.7", "torque [N mm]", 957555.554, 1e-9,
-         PRINTED, lambda: _bhandari_12_7().torque * 1e3),
-    Case("internal shoes of a car", "sine law", f"{BHANDARI}, ex. 12.8", "force [N]", 2089.795894, 1e-9, PRINTED,
-         lambda: _bhandari_12_8()[0]),
-    Case("internal shoes of a car", "sine law", f"{BHANDARI}, ex. 12.8", "torque [N mm]", 434831.0515, 1e-9, PRINTED,
-         lambda: _bhandari_12_8()[1] * 1e3),
-    Case("block on a lever", "block law", "problem collection; printed with mu' rounded to .385", "torque [N m]",
-         83.87, 5e-4, PRINTED, lambda: _solve("block", _block()).torque),
-    Case("block on a lever, exact statics", "cosine law", "statics of p_0 cos, mu N at psi R", "torque [N m]",
-         _block_by_statics(), 1e-11, EXACT, lambda: _solve("cosine", _block()).torque),
-    *(Case("equivalent friction of a block", "block law", LESSON, f"mu'/mu, half-arc {angle} deg",
-           closed_forms.equivalent_block(radians(angle)), 1e-13, EXACT,
-           partial(lambda half: float(equivalent_friction(half)), radians(angle))) for angle in (30, 90)),
-    Case("back stop", "self-locking of a block", f"{LESSON}: mu' = x/a", "mu_lock",
-         0.03 / 0.15 / closed_forms.equivalent_block(radians(20)), 1e-9, EXACT, _lock_of_block),
-    Case("double block", "several shoes", LESSON, "torque over that of one block", 2.0, 1e-12, EXACT, _double_block),
-    Case("short shoe on a lever", "short-shoe law", "GATE examination", "normal force [N]", 232.558, 2e-6, PRINTED,
-         lambda: _gate().shoes[0].normal_force),
-    Case("short shoe on a lever", "short-shoe law", "GATE examination", "torque [N m]", 20.35, 2.5e-4, PRINTED,
-         lambda: _gate().torque),
-    Case("two short shoes", "short-shoe law", "statics by hand: .25 x .2 x (400 + 160)", "torque [N m]", 28.0, 1e-9,
-         EXACT, _two_short_shoes),
-    Case("long shoe on a plane", "linear law", f"{UWA}, eq. iv", "peak pressure [Pa]",
-         M * X_2 / 0.03 / ((X_2**3 - X_1**3) / 3 + PAD_MU * H * (X_2**2 - X_1**2) / 2), 1e-12, EXACT, _long_pad),
-    Case("short shoe on a plane", "short-shoe law", f"{UWA}, eq. iii", "normal force [N]",
-         M / (0.13 + PAD_MU * H), 1e-12, EXACT, _short_pad),
-    Case("external long shoe", "sine law", LESSON, "torque [N m]",
-         0.3 * 0.8e6 * 0.05 * 0.2**2 * (cos(radians(20)) - cos(radians(130))), 1e-12, EXACT, _nptel_long_shoe),
-    Case("sensitivity to friction", "S by differences", f"{UWA}, S = m/(m - n)", "S", _sensitivity_by_formula(), 1e-6,
-         EXACT, _sensitivity),
-    Case("double-shoe block of Simscape", "sine law", "Simscape Driveline, its formulas at its defaults", "T/F [m]",
-         0.2176081, 5e-7, PRINTED, partial(_simscape, "T/F")),
-    Case("double-shoe block of Simscape", "self-locking", "Simscape Driveline, its formulas at its defaults",
-         "mu_lock", 0.823082, 1e-6, PRINTED, partial(_simscape, "mu_lock")),
-)  # fmt: skip
+LAW_CASES = (
+    KnownAnswer(
+        "internal shoes rated by pressure",
+        "sine law",
+        f"{SHIGLEY}, ex. 16-2, its formulas",
+        "torque [N m]",
+        527.761,
+        1e-6,
+        PRINTED,
+        _shigley_16_2,
+    ),
+    KnownAnswer(
+        "internal shoes under a force",
+        "sine law",
+        f"{SHIGLEY}, problem 16-1",
+        "peak pressure [kPa]",
+        734.0,
+        7e-4,
+        PRINTED,
+        lambda: _shigley_p16_1().shoes[0].peak_pressure * 1e-3,
+    ),
+    KnownAnswer(
+        "internal shoes under a force",
+        "sine law",
+        f"{SHIGLEY}, problem 16-1, its formulas",
+        "torque [N m]",
+        422.004,
+        1.2e-6,
+        PRINTED,
+        lambda: _shigley_p16_1().torque,
+    ),
+    KnownAnswer(
+        "pivoted block",
+        "law of a shoe on a pivot",
+        f"{BHANDARI}, ex. 12.7",
+        "torque [N mm]",
+        957555.554,
+        1e-9,
+        PRINTED,
+        lambda: _bhandari_12_7().torque * 1e3,
+    ),
+    KnownAnswer(
+        "internal shoes of a car",
+        "sine law",
+        f"{BHANDARI}, ex. 12.8",
+        "force [N]",
+        2089.795894,
+        1e-9,
+        PRINTED,
+        lambda: _bhandari_12_8()[0],
+    ),
+    KnownAnswer(
+        "internal shoes of a car",
+        "sine law",
+        f"{BHANDARI}, ex. 12.8",
+        "torque [N mm]",
+        434831.0515,
+        1e-9,
+        PRINTED,
+        lambda: _bhandari_12_8()[1] * 1e3,
+    ),
+    KnownAnswer(
+        "block on a lever",
+        "block law",
+        "problem collection; printed with mu' rounded to .385",
+        "torque [N m]",
+        83.87,
+        5e-4,
+        PRINTED,
+        lambda: _solve("block", _block()).torque,
+    ),
+    KnownAnswer(
+        "block on a lever, exact statics",
+        "cosine law",
+        "statics of p_0 cos, mu N at psi R",
+        "torque [N m]",
+        _block_by_statics(),
+        1e-11,
+        EXACT,
+        lambda: _solve("cosine", _block()).torque,
+    ),
+    *(
+        KnownAnswer(
+            "equivalent friction of a block",
+            "block law",
+            LESSON,
+            f"mu'/mu, half-arc {angle} deg",
+            closed_forms.equivalent_block(radians(angle)),
+            1e-13,
+            EXACT,
+            partial(lambda half: float(equivalent_friction(half)), radians(angle)),
+        )
+        for angle in (30, 90)
+    ),
+    KnownAnswer(
+        "back stop",
+        "self-locking of a block",
+        f"{LESSON}: mu' = x/a",
+        "mu_lock",
+        0.03 / 0.15 / closed_forms.equivalent_block(radians(20)),
+        1e-9,
+        EXACT,
+        _lock_of_block,
+    ),
+    KnownAnswer(
+        "double block",
+        "several shoes",
+        LESSON,
+        "torque over that of one block",
+        2.0,
+        1e-12,
+        EXACT,
+        _double_block,
+    ),
+    KnownAnswer(
+        "short shoe on a lever",
+        "short-shoe law",
+        "GATE examination",
+        "normal force [N]",
+        232.558,
+        2e-6,
+        PRINTED,
+        lambda: _gate().shoes[0].normal_force,
+    ),
+    KnownAnswer(
+        "short shoe on a lever",
+        "short-shoe law",
+        "GATE examination",
+        "torque [N m]",
+        20.35,
+        2.5e-4,
+        PRINTED,
+        lambda: _gate().torque,
+    ),
+    KnownAnswer(
+        "two short shoes",
+        "short-shoe law",
+        "statics by hand: .25 x .2 x (400 + 160)",
+        "torque [N m]",
+        28.0,
+        1e-9,
+        EXACT,
+        _two_short_shoes,
+    ),
+    KnownAnswer(
+        "long shoe on a plane",
+        "linear law",
+        f"{UWA}, eq. iv",
+        "peak pressure [Pa]",
+        M * X_2 / 0.03 / ((X_2**3 - X_1**3) / 3 + PAD_MU * H * (X_2**2 - X_1**2) / 2),
+        1e-12,
+        EXACT,
+        _long_pad,
+    ),
+    KnownAnswer(
+        "short shoe on a plane",
+        "short-shoe law",
+        f"{UWA}, eq. iii",
+        "normal force [N]",
+        M / (0.13 + PAD_MU * H),
+        1e-12,
+        EXACT,
+        _short_pad,
+    ),
+    KnownAnswer(
+        "external long shoe",
+        "sine law",
+        LESSON,
+        "torque [N m]",
+        0.3 * 0.8e6 * 0.05 * 0.2**2 * (cos(radians(20)) - cos(radians(130))),
+        1e-12,
+        EXACT,
+        _nptel_long_shoe,
+    ),
+    KnownAnswer(
+        "sensitivity to friction",
+        "S by differences",
+        f"{UWA}, S = m/(m - n)",
+        "S",
+        _sensitivity_by_formula(),
+        1e-6,
+        EXACT,
+        _sensitivity,
+    ),
+    KnownAnswer(
+        "double-shoe block of Simscape",
+        "sine law",
+        "Simscape Driveline, its formulas at its defaults",
+        "T/F [m]",
+        0.2176081,
+        5e-7,
+        PRINTED,
+        partial(_simscape, "T/F"),
+    ),
+    KnownAnswer(
+        "double-shoe block of Simscape",
+        "self-locking",
+        "Simscape Driveline, its formulas at its defaults",
+        "mu_lock",
+        0.823082,
+        1e-6,
+        PRINTED,
+        partial(_simscape, "mu_lock"),
+    ),
+)

@@ -18,7 +18,7 @@ from drumlin.response.response import Response
 from drumlin.sweeps.cases import Row, row_of
 from drumlin.sweeps.tolerances import PERCENTILES, ManufacturingTolerance, Shares, numbers, spread
 
-QUANTITIES = {
+DRAWN_QUANTITIES = {
     "torque": "torque [N m]",
     "brake_factor": "brake factor T/(F R)",
     "peak_pressure": "peak pressure [MPa]",
@@ -109,7 +109,7 @@ def over_law(
 
 
 @dataclass(frozen=True)
-class Drawn:
+class DrawnBrakes:
     """Brakes drawn from tolerances: rows by state ("new", "worn in", "law": the same brakes by the
     sine law).
 
@@ -156,16 +156,16 @@ class Drawn:
 def nominal(brake: Brake, law: Response) -> dict[str, float]:
     """What the law says of the nominal brake, as `Drawn.sample` has it."""
     row = row_of(brake, law)
-    return {name: row[name] * (1e-6 if name == "peak_pressure" else 1) for name in QUANTITIES}
+    return {name: row[name] * (1e-6 if name == "peak_pressure" else 1) for name in DRAWN_QUANTITIES}
 
 
-def spread_rows(drawn: Drawn) -> list[dict[str, Any]]:
+def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
     """Distributions as rows; the last ones: torque over that of the sine law for the same friction,
     force and pins.
     """
     values = {
-        (QUANTITIES[name], state): drawn.sample(state, name)
-        for name in QUANTITIES
+        (DRAWN_QUANTITIES[name], state): drawn.sample(state, name)
+        for name in DRAWN_QUANTITIES
         for state in (*STATES, "law")
     }
     for state in STATES:
@@ -194,7 +194,7 @@ def share_rows(
         | {
             f"{state}_{name}": found[name][i].total.value
             for state, found in shares.items()
-            for name in QUANTITIES
+            for name in DRAWN_QUANTITIES
         }
         for i, tolerance in enumerate(tolerances)
     ]

@@ -20,11 +20,14 @@ from drumlin.brake.file import vary
 from drumlin.fem.analysis.fields import fields
 from drumlin.fem.mesh.grading import divide
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import ELEMENTS, Scene, prepare, shape_of
+from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.response import Response
 from drumlin_studies.omission import (
     OMISSIONS,
-    Change,
+    OmissionChange,
     change,
     predict,
     prepare_straight,
@@ -33,7 +36,7 @@ from drumlin_studies.omission import (
 )
 from drumlin_studies.reduced import sketcher
 
-EXACT = {
+EXACT_OMISSIONS = {
     "interior fields": "not recovered",
     "second of equal shoes": "condensed once",
     "flexibility under drag, mu = 0": "symmetric part only",
@@ -41,7 +44,7 @@ EXACT = {
 """What is left out without any change, and what is done instead."""
 
 
-class Pair(NamedTuple):
+class WholeAndSimple(NamedTuple):
     """A brake computed whole and with something left out: each a function that solves it from the
     start.
     """
@@ -128,7 +131,7 @@ def _cases(brake: Brake) -> list[tuple[str, str, bool, list[str] | None]]:
         if name != "curvature" and ("ring" not in names or name != "coupling")
     ]
     cases: list[tuple[str, str, bool, list[str] | None]] = [
-        (part, how, True, None) for part, how in EXACT.items()
+        (part, how, True, None) for part, how in EXACT_OMISSIONS.items()
     ]
     cases += [(part, OMISSIONS[part].instead, False, [part]) for part in names]
     if len(curved) > 1:
@@ -138,11 +141,11 @@ def _cases(brake: Brake) -> list[tuple[str, str, bool, list[str] | None]]:
     return cases
 
 
-def _judged(found: Change, prefix: str) -> dict[str, float]:
-    return {prefix + key: getattr(found, key) for key in Change._fields}
+def _judged(found: OmissionChange, prefix: str) -> dict[str, float]:
+    return {prefix + key: getattr(found, key) for key in OmissionChange._fields}
 
 
-def saved(pair: Pair, repeats: int) -> dict[str, float]:
+def saved(pair: WholeAndSimple, repeats: int) -> dict[str, float]:
     """Shares of time (median of the ratios of `repeats` runs in turn) and of peak memory saved by
     the simpler solve.
     """
@@ -167,15 +170,15 @@ def _memory(solve: Callable[[], object]) -> int:
         tracemalloc.stop()
 
 
-def _pair(brake: Brake, names: list[str], elements: int) -> Pair:
+def _pair(brake: Brake, names: list[str], elements: int) -> WholeAndSimple:
     whole = partial(prepare, elements=elements)
     make = partial(prepare_straight, elements=elements) if "curvature" in names else whole
-    return Pair(
+    return WholeAndSimple(
         lambda: respond(whole(brake), brake), lambda: respond(*scene_without(brake, names, make))
     )
 
 
-def _exact_pair(brake: Brake, part: str, elements: int) -> Pair | None:
+def _exact_pair(brake: Brake, part: str, elements: int) -> WholeAndSimple | None:
     """The pair of something that is left out exactly; None where the brake does not have it."""
     make = partial(prepare, elements=elements)
 
@@ -191,18 +194,18 @@ def _exact_pair(brake: Brake, part: str, elements: int) -> Pair | None:
                 fields(scene, brake, response, i)
             return response
 
-        return Pair(with_fields, simple)
+        return WholeAndSimple(with_fields, simple)
     if part == "second of equal shoes":
         if (
             len({shape_of(brake, shoe) for shoe in brake.shoes}) == len(brake.shoes)
             or brake.ring is not None
         ):
             return None
-        return Pair(lambda: respond(_each_alone(brake, make), brake), simple)
+        return WholeAndSimple(lambda: respond(_each_alone(brake, make), brake), simple)
     if brake.friction > 0:
         return None
     rubbing = vary(brake, {"friction": 0.3})
-    return Pair(lambda: respond(make(rubbing), brake), simple)
+    return WholeAndSimple(lambda: respond(make(rubbing), brake), simple)
 
 
 def _each_alone(brake: Brake, make: Callable[[Brake], Scene]) -> Scene:
@@ -213,7 +216,7 @@ def _each_alone(brake: Brake, make: Callable[[Brake], Scene]) -> Scene:
     )
 
 
-def _predicted(brake: Brake, names: Iterable[str], elements: int) -> Change:
+def _predicted(brake: Brake, names: Iterable[str], elements: int) -> OmissionChange:
     """`predict`, and for "curvature" in closed form, which a mesh of its own has on every number of
     elements.
     """

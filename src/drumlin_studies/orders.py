@@ -18,14 +18,14 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.scene import scene
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.verification.reference import Refinement, responses
 
-RIGID = {
+RIGID_CHANGES = {
     "shoe.body.material.E": 2.1e15,
     "shoe.lining.thickness": 3e-3,
 }  # E x 10^4 of steel, lining of R/50
@@ -64,11 +64,11 @@ def order_rows(
     return rows
 
 
-COARSE = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1)
+COARSE_LEVEL = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1)
 """Columns so coarse that they are off by some per cent: where the row of levels begins."""
 
 
-FINER = Refinement(
+LEVEL_REFERENCE = Refinement(
     3,
     (
         Level(8, 0.002, 0.0015, 3e-4, 0.5, 0.5, math.radians(12), 0.003, 0.0015, 0.4),
@@ -79,7 +79,7 @@ FINER = Refinement(
 """Columns against which the errors of the first four levels are known to within a half."""
 
 
-def level_rows(brake: Brake, refinement: Refinement = FINER) -> list[Row]:
+def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[Row]:
     """Errors of columns, level by level, their ends of the contact known from the reference; exact
     contact.
 
@@ -92,20 +92,27 @@ def level_rows(brake: Brake, refinement: Refinement = FINER) -> list[Row]:
     true, places = found.value, places_of(brake, found.value)
     floor = 2 * distance(found.before, true)
     rows = []
-    for level in (COARSE, *LEVELS):
-        made = scene(brake, level, places)
+    for level in (COARSE_LEVEL, *LEVELS):
+        made = prepare(brake, level, places)
         response = respond(made, brake, penalty=math.inf, start=true)
         unknowns = max(body.unknowns for body in made.bodies)
         error = distance(response, true)
         torque = abs(relative(response.torque, true.torque))
         if error < floor:
             break
-        rows.append({"degree": level.degree, "unknowns": unknowns, "root": unknowns ** (1 / 3), "pressure": error,
-                     "torque": torque})  # fmt: skip
+        rows.append(
+            {
+                "degree": level.degree,
+                "unknowns": unknowns,
+                "root": unknowns ** (1 / 3),
+                "pressure": error,
+                "torque": torque,
+            }
+        )
     return rows
 
 
-class Line(NamedTuple):
+class FittedLine(NamedTuple):
     """log10 of the error = a - fall (unknowns)^(1/3), fitted, its correlation, and the `decades`
     that it spans.
     """
@@ -115,7 +122,7 @@ class Line(NamedTuple):
     decades: float
 
 
-def line(rows: Sequence[Row]) -> Line:
+def line(rows: Sequence[Row]) -> FittedLine:
     """The straight line of `level_rows`."""
     x, y = (
         np.array(values)
@@ -123,7 +130,9 @@ def line(rows: Sequence[Row]) -> Line:
             *((row["root"], math.log10(row["pressure"])) for row in rows), strict=True
         )
     )
-    return Line(-float(np.polyfit(x, y, 1)[0]), -float(np.corrcoef(x, y)[0, 1]), float(np.ptp(y)))
+    return FittedLine(
+        -float(np.polyfit(x, y, 1)[0]), -float(np.corrcoef(x, y)[0, 1]), float(np.ptp(y))
+    )
 
 
 def estimate_row(
@@ -180,7 +189,7 @@ def rigid_limit(brake: Brake, elements: int) -> list[Row]:
     """Sine law against finite elements with a nearly rigid shoe and a thin lining: torque, and p /
     sin(phi).
     """
-    rigid = vary(brake, RIGID)
+    rigid = vary(brake, RIGID_CHANGES)
     law, fem = sine(rigid), solve(rigid, elements=elements)
     rows: list[Row] = []
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
@@ -197,9 +206,14 @@ def rigid_limit(brake: Brake, elements: int) -> list[Row]:
             }
         )
     rows.append(
-        {"rotation": brake.direction, "shoe": "all", "law": law.torque, "fem": fem.torque,
-         "difference": relative(fem.torque, law.torque)}
-    )  # fmt: skip
+        {
+            "rotation": brake.direction,
+            "shoe": "all",
+            "law": law.torque,
+            "fem": fem.torque,
+            "difference": relative(fem.torque, law.torque),
+        }
+    )
     return rows
 
 

@@ -8,10 +8,10 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from drumlin_studies.trial import FAULTS
+from drumlin_studies.trial import TRIAL_FAULTS
 
 Row = dict[str, Any]
-POINTWISE = (  # what becomes of the pointwise penalty
+POINTWISE_OUTCOMES = (  # what becomes of the pointwise penalty
     "agrees",
     "differs",
     "cycles",
@@ -21,12 +21,12 @@ POINTWISE = (  # what becomes of the pointwise penalty
     "not for rings",
     "not tried: too large",
 )
-TIMES = ("seconds", "seconds_whole", "pointwise_seconds", "steps", "pointwise_steps")
+TIME_KEYS = ("seconds", "seconds_whole", "pointwise_seconds", "steps", "pointwise_steps")
 
 
 def faults(rows: Sequence[Row]) -> list[Row]:
     """The cases that are neither right nor refused with a physical reason."""
-    return [row for row in rows if row["outcome"] in FAULTS]
+    return [row for row in rows if row["outcome"] in TRIAL_FAULTS]
 
 
 def worst(rows: Sequence[Row], count: int = 10) -> list[Row]:
@@ -57,7 +57,7 @@ def timings(rows: Sequence[Row]) -> list[Row]:
     for knob in [*dict.fromkeys(row["knob"] for row in rows), "all"]:
         there = [row for row in rows if knob in (row["knob"], "all")]
         line: Row = {"knob": knob, "cases": len(there)}
-        for key in TIMES:
+        for key in TIME_KEYS:
             values = [row[key] for row in there if row.get(key) is not None]
             line[key] = statistics.median(values) if values else None
             line[f"most_{key}"] = max(values) if values else None

@@ -18,8 +18,8 @@ from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem.model import respond
-from drumlin.fem.preparation import assembly
 from drumlin.fem.preparation.finite_width import finite_width
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.face import ContactFace
 from drumlin.fem.solve import solve as by_elements
@@ -31,7 +31,7 @@ from drumlin.wear.archard import WearLaw, run_on
 from drumlin.wear.linings import fem_setup
 from drumlin_studies.uncertainty import Index, Validation, grid_convergence, validate
 
-QUANTITIES = {
+WIDTH_QUANTITIES = {
     "torque": "torque",
     "pressure": "mean p over the width (L2)",
     "peak": "peak pressure against the face's",
@@ -41,7 +41,7 @@ QUANTITIES = {
     "corrected_pressure": "mean p, corrected",
 }
 SAID = {"torque": "the torque of each shoe", "pressure": "its mean pressure"}
-KNOWN = (0.01, 0.05, 0.20)
+READER_LIMITS = (0.01, 0.05, 0.20)
 """Errors within which a reader wants to know plane stress."""
 
 
@@ -182,7 +182,7 @@ def chart(
     say: Callable[[str], None],
 ) -> Map:
     """The errors over a grid of brakes."""
-    keys = [*QUANTITIES, "mid_over_side"]
+    keys = [*WIDTH_QUANTITIES, "mid_over_side"]
     errors = {key: np.full((len(y), len(x)), np.nan) for key in keys}
     for j, b in enumerate(y):
         for i, a in enumerate(x):
@@ -194,18 +194,18 @@ def chart(
 
 
 def shares(charts: Sequence[Map]) -> list[dict[str, Any]]:
-    """A row for each quantity of each chart: the share of the brakes within each of KNOWN, and the
+    """A row for each quantity of each chart: the share of the brakes within each of READER_LIMITS, and the
     largest error.
     """
     return [
         {
             "map": chart.name,
-            "quantity": QUANTITIES[key],
+            "quantity": WIDTH_QUANTITIES[key],
             "largest": float(np.abs(chart.errors[key]).max()),
         }
-        | {f"within_{limit:g}": chart.share_within(limit, key) for limit in KNOWN}
+        | {f"within_{limit:g}": chart.share_within(limit, key) for limit in READER_LIMITS}
         for chart in charts
-        for key in QUANTITIES
+        for key in WIDTH_QUANTITIES
     ]
 
 
@@ -302,7 +302,7 @@ def ladder(brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]
 
 
 def _plane(brake: Brake, elements: int) -> Response:
-    return respond(assembly.prepare(brake, elements=elements), brake)
+    return respond(prepare(brake, elements=elements), brake)
 
 
 def _solid(brake: Brake, elements: int, across: int | None = None) -> Response:
@@ -317,7 +317,7 @@ def _pressure_off(a: ShoeResponse, b: ShoeResponse, shoe: Shoe, brake: Brake) ->
     return pressure_distance(a, b, edge_zone(shoe, brake.scale_factor))
 
 
-class Worn(NamedTuple):
+class WornSolid(NamedTuple):
     """A solid lining over the sliding distance, in 1/(k K): by shoe how uneven p is, and its mean's
     distance (L2) from the sine law; `last`: the response as it is worn in.
     """
@@ -330,17 +330,22 @@ class Worn(NamedTuple):
 
 def wear(
     brake: Brake, elements: int, distances: Sequence[float], across: int | None = None
-) -> Worn:
+) -> WornSolid:
     """Run a brake's solid linings in by Archard's wear; the first of `distances` is 0."""
     scene = solid.prepare(brake, elements=elements, across=across)
     start, law = respond(scene, brake), sine(brake)
     setup = fem_setup(scene, brake)
     unit = 1 / setup.stiffness  # of k p: a coefficient of 1/Pa
     states = run_on(setup.interfaces, WearLaw(1.0), [s * unit for s in distances[1:]])
-    shoes = [[_worn(scene.bodies[s.shoe].line, start.shoes[s.shoe], s.part, s.forward, at.pressure) for at in states]
-             for s in setup.surfaces]  # fmt: skip
+    shoes = [
+        [
+            _worn(scene.bodies[s.shoe].line, start.shoes[s.shoe], s.part, s.forward, at.pressure)
+            for at in states
+        ]
+        for s in setup.surfaces
+    ]
     zones = [edge_zone(brake.shoes[s.shoe], brake.scale_factor) for s in setup.surfaces]
-    return Worn(
+    return WornSolid(
         tuple(distances),
         tuple(
             tuple(uneven(shoe, zone) for shoe in each)
@@ -403,7 +408,7 @@ def sentence(charts: Sequence[Map]) -> list[str]:
     for chart in charts:
         worst_of = chart.errors["torque"].ravel()[np.abs(chart.errors["torque"]).argmax()]
         for key, said in SAID.items():
-            found = [(limit, chart.where_within(limit, key)) for limit in KNOWN]
+            found = [(limit, chart.where_within(limit, key)) for limit in READER_LIMITS]
             last = next(
                 (k for k, (_, where) in enumerate(found) if where == "everywhere"), len(found) - 1
             )

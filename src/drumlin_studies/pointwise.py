@@ -24,27 +24,21 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.group import gap_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.preparation.assembly import (
-    ELEMENTS,
-    Assembled,
-    Mesher,
-    Seconds,
-    actuation,
-    assemble,
-    clock,
-    contact_stiffness,
-)
+from drumlin.fem.preparation.bodies import actuation, contact_stiffness
+from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
+from drumlin.fem.preparation.scene import Seconds, clock
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.interface import edge_points, radial
+from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
 
-PENALTY = 1e3
+POINTWISE_PENALTY = 1e3
 """Default penalty factor alpha: eps = alpha E/t. A stiffer one locks the points, which are more
 than the nodes.
 """
-MOST_STEPS = 60
+MOST_POINT_STEPS = 60
 
 
 def solve(
@@ -52,7 +46,7 @@ def solve(
     *,
     elements: int = ELEMENTS,
     kind: str = DEFAULT_KIND,
-    penalty: float = PENALTY,
+    penalty: float = POINTWISE_PENALTY,
     mesher: Mesher | None = None,
 ) -> Response:
     """Mesh and solve a brake with a rigid drum, each shoe by itself and anew; see
@@ -115,20 +109,24 @@ def _shoe(
         free = np.delete(
             np.arange(A.shape[0]), [-FRAME, 1 - FRAME]
         )  # the pin holds dx, dy of the frame
-        load = force * (parts.loads @ unit)
+        load = force * (parts.loads[ACTUATION] @ parts.columns.part(ACTUATION, unit))
         stiffness = contact_stiffness(shoe, penalty)
         u, on, steps = _newton(A, load, points, stiffness, free, shoe.name)
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
         nodal = points.pushing.T @ (points.weight * p)
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
-    given = force * unit
+    given = force * parts.columns.part(ACTUATION, unit)
     frame = shoe.frame
     balance = relative_balance(
         [contact.sum(axis=0), reaction, given[:2]],
-        [float(cross(parts.line.xy.T, contact).sum()), float(cross(shoe.own_pin, reaction)), force * moment,
-         float(cross(shoe.own_pin, given[:2]))],
-    )  # fmt: skip
+        [
+            float(cross(parts.line.xy.T, contact).sum()),
+            float(cross(shoe.own_pin, reaction)),
+            force * moment,
+            float(cross(shoe.own_pin, given[:2])),
+        ],
+    )
     assists = float((points.weight * p) @ ((points.pushing + points.closing) @ turned)) * moment > 0
     return (
         _response(shoe, points, p, abs(drag), frame.to_brake(reaction), assists, float(u[-1])),
@@ -183,7 +181,7 @@ def _newton(
     u, on = np.zeros(A.shape[0]), np.ones(len(points.gap), dtype=bool)
     K = A[free][:, free].tocsc()
     seen: set[bytes] = set()
-    for step in range(1, MOST_STEPS + 1):
+    for step in range(1, MOST_POINT_STEPS + 1):
         factor = sp.diags(on * points.weight * stiffness)
         pushing = points.pushing.T[free] @ factor
         try:
@@ -208,7 +206,7 @@ def _newton(
         seen.add(touching.tobytes())
         on = touching
     raise NoAnswer(
-        f"shoe {name!r}: not converged, the pointwise contact still changes after {MOST_STEPS} steps"
+        f"shoe {name!r}: not converged, the pointwise contact still changes after {MOST_POINT_STEPS} steps"
     )
 
 

@@ -22,7 +22,7 @@ from drumlin.brake.file import vary
 from drumlin.comparison import run as timed
 from drumlin.fem.analysis.deflection import beam_deflection, rim_displacement
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import Scene
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.response.merit import with_merits
@@ -30,26 +30,29 @@ from drumlin.response.norms import relative
 from drumlin.response.response import Merit, Response
 from drumlin.wear.worn_in import worn_in_foundation
 
-ALL = ("all",)
+ALL_LIFTS = ("all",)
 Solver = Callable[[Brake], Response]
 Offsets = dict[str, dict[str, list[tuple[float, float]]]]
 Merits = dict[str, dict[str, list[tuple[float, Merit]]]]
 Curve = tuple[Floats, Floats]  # x and y
-MODELS: dict[str, Solver] = {
+POST_MODELS: dict[str, Solver] = {
     "foundation": foundation.solve,
-    "lifted": partial(foundation.solve, lift=ALL),
+    "lifted": partial(foundation.solve, lift=ALL_LIFTS),
     "sine": sine,
 }
-TILT_AND_MODELS: dict[str, Solver] = {"tilt": partial(foundation.solve, lift=("tilt",)), **MODELS}
-MATCHED = {  # the assumptions of the model: soft lining, block stiff against it, no lateral contraction, rigid drum
+TILT_AND_MODELS: dict[str, Solver] = {
+    "tilt": partial(foundation.solve, lift=("tilt",)),
+    **POST_MODELS,
+}
+MATCHED_ASSUMPTIONS = {
     "drum.ring": None,
     "shoe.lining.material": {"E": 2e6, "nu": 0.0},
     "shoe.backing.material": {"E": 5e8, "nu": 0.0},
     "shoe.body.material.nu": 0.0,
 }
-ERRORS = ("foundation", "tilt", "lifted", "sine")
-MAPPED = ("sine", "foundation", "lifted")
-NAMES = {
+COMPARED_MODELS = ("foundation", "tilt", "lifted", "sine")
+MAPPED_MODELS = ("sine", "foundation", "lifted")
+MODEL_NAMES = {
     "fem": "finite elements",
     "sine": "sine law",
     "foundation": "foundation, as printed",
@@ -85,11 +88,13 @@ def lift_rows(brake: Brake, fem: Response) -> list[dict[str, Any]]:
     elements.
     """
     rows = []
-    for lift in ((), *((name,) for name in foundation.LIFTS), ALL):
+    for lift in ((), *((name,) for name in foundation.LIFTS), ALL_LIFTS):
         response = foundation.solve(brake, lift=lift)
         row = {"lift": ", ".join(lift) or "none (the paper)", "torque": response.torque}
-        row |= {f"error_{shoe.name}": relative(shoe.torque, true.torque)
-                for shoe, true in zip(response.shoes, fem.shoes, strict=True)}  # fmt: skip
+        row |= {
+            f"error_{shoe.name}": relative(shoe.torque, true.torque)
+            for shoe, true in zip(response.shoes, fem.shoes, strict=True)
+        }
         rows.append(row | {"error": relative(response.torque, fem.torque)})
     return rows
 
@@ -126,11 +131,11 @@ def clearance_rows(brake: Brake, scene: Scene) -> list[dict[str, Any]]:
         "set 1 mm towards the hinge": gaps(
             brake, lambda theta: 1e-3 * (np.sin(theta).max() - np.sin(theta))
         ),
-        "worn in": worn_in_foundation(brake, lift=ALL),
+        "worn in": worn_in_foundation(brake, lift=ALL_LIFTS),
     }
     nominal, rows = sine(brake), []
     for case, varied in cases.items():
-        answers = {"fem": respond(scene, varied), "lifted": MODELS["lifted"](varied)}
+        answers = {"fem": respond(scene, varied), "lifted": POST_MODELS["lifted"](varied)}
         for model, response in answers.items():
             merits = with_merits(varied, response).merits
             for shoe, merit, law in zip(response.shoes, merits, nominal.shoes, strict=True):
@@ -140,7 +145,7 @@ def clearance_rows(brake: Brake, scene: Scene) -> list[dict[str, Any]]:
                 )
                 row = {
                     "case": case,
-                    "model": NAMES[model],
+                    "model": MODEL_NAMES[model],
                     "shoe": shoe.name,
                     "torque": shoe.torque,
                 }
@@ -164,7 +169,7 @@ def radius_errors(brake: Brake, scene: Scene, errors: Floats) -> Offsets:
     """
     nominal = torques(sine(brake))
     found: Offsets = {shoe.name: {} for shoe in brake.shoes}
-    solvers: dict[str, Solver] = {name: MODELS[name] for name in ("foundation", "lifted")}
+    solvers: dict[str, Solver] = {name: POST_MODELS[name] for name in ("foundation", "lifted")}
     solvers["fem"] = partial(respond, scene)
     for larger in errors.tolist():
         varied = radius_gap(brake, larger)
@@ -178,7 +183,7 @@ def radius_errors(brake: Brake, scene: Scene, errors: Floats) -> Offsets:
 def merits_over_friction(brake: Brake, scene: Scene, friction: Floats) -> Merits:
     """Shoe -> model -> (mu, figures of merit); models stop where they lock."""
     found: Merits = {shoe.name: {} for shoe in brake.shoes}
-    solvers: dict[str, Solver] = {**MODELS, "fem": partial(respond, scene)}
+    solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(respond, scene)}
     for name, solver in solvers.items():
         for mu in friction.tolist():
             varied = vary(brake, {"friction": mu})
@@ -206,28 +211,33 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
     """From a brake that meets the model's assumptions, each left in turn: errors of the worst
     shoe's torque.
     """
-    base = vary(brake, MATCHED | with_arc(brake, 15))
+    base = vary(brake, MATCHED_ASSUMPTIONS | with_arc(brake, 15))
     ring = brake.ring
     assert ring is not None
     cases: dict[str, dict[str, Any]] = {
         "all met: 30 deg of arc, E/t of lining 1/36 of the block's, nu = 0": {},
         "60 deg of arc": with_arc(brake, 30),
         "80 deg of arc": with_arc(brake, 40),
-        "nu = 0.45 in lining and block": {"shoe.lining.material.nu": 0.45, "shoe.backing.material.nu": 0.45},
+        "nu = 0.45 in lining and block": {
+            "shoe.lining.material.nu": 0.45,
+            "shoe.backing.material.nu": 0.45,
+        },
         "lining 100 times stiffer: the block is the spring": {"shoe.lining.material.E": 2e8},
         "the same, 80 deg of arc": {"shoe.lining.material.E": 2e8} | with_arc(brake, 40),
         "beam 10 times softer": {"shoe.body.bending_stiffness": 4.5e7},
-        "beam 10 times softer, 80 deg of arc": {"shoe.body.bending_stiffness": 4.5e7} | with_arc(brake, 40),
+        "beam 10 times softer, 80 deg of arc": {"shoe.body.bending_stiffness": 4.5e7}
+        | with_arc(brake, 40),
         "elastic ring": {"drum.ring": ring.model_dump()},
         "elastic ring, 80 deg of arc": {"drum.ring": ring.model_dump()} | with_arc(brake, 40),
         "the brake of this study": brake.model_dump(by_alias=True),
-    }  # fmt: skip
+    }
     rows = []
     for case, changes in cases.items():
         varied = brake if case == "the brake of this study" else vary(base, changes)
         fem = solve(varied, elements=elements)
         rows.append(
-            {"case": case} | {name: worst(TILT_AND_MODELS[name](varied), fem) for name in ERRORS}
+            {"case": case}
+            | {name: worst(TILT_AND_MODELS[name](varied), fem) for name in COMPARED_MODELS}
         )
     return rows
 
@@ -261,7 +271,7 @@ def error_maps(
         body = soft.shoes[0].body
         assert soft.ring is not None and body is not None
         EI, EI_r = body.plates["shoe"].bending_stiffness * beam, soft.ring.EI * ring
-        error = {name: np.full((points, points), np.nan) for name in MODELS}
+        error = {name: np.full((points, points), np.nan) for name in POST_MODELS}
         for i, at_y in enumerate(y.tolist()):
             for j, at_x in enumerate(x.tolist()):
                 varied = vary(
@@ -273,11 +283,13 @@ def error_maps(
                 )
                 try:
                     fem = solve(varied, elements=elements)
-                    for name, model in MODELS.items():
+                    for name, model in POST_MODELS.items():
                         error[name][i, j] = worst(model(varied), fem)
                 except NoAnswer:
                     continue
-        rows.append([ErrorMap(f"{NAMES[name]}, {said}", x, y, error[name]) for name in MAPPED])
+        rows.append(
+            [ErrorMap(f"{MODEL_NAMES[name]}, {said}", x, y, error[name]) for name in MAPPED_MODELS]
+        )
         places.append((beam, ring))
     return rows, places
 
@@ -286,9 +298,13 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
     """Errors of the foundation model against a far finer grid, their ratios, steps and cost."""
     fixed = vary(
         brake,
-        {"shoe.lining.material.E": 5e6, "shoe.body.bending_stiffness": 4e9, "drum.ring.bending_stiffness": 4e9,
-         "shoe[0].lining.end": math.radians(35)},
-    )  # fmt: skip
+        {
+            "shoe.lining.material.E": 5e6,
+            "shoe.body.bending_stiffness": 4e9,
+            "drum.ring.bending_stiffness": 4e9,
+            "shoe[0].lining.end": math.radians(35),
+        },
+    )
 
     def numbers(response: Response) -> Floats:
         merit = response.merits[0]
@@ -345,7 +361,7 @@ def rim_curves(
     """
     turn = np.linspace(0, 2 * np.pi, 400)
     printed = foundation.rim(brake, responses["foundation"], turn)
-    lifted = foundation.rim(brake, responses["lifted"], turn, ALL).sum(axis=0)
+    lifted = foundation.rim(brake, responses["lifted"], turn, ALL_LIFTS).sum(axis=0)
     theta, z = rim_displacement(scene, brake, respond(scene, brake))
     fem = np.append(theta, theta[0]), np.append(z, z[0])
     own = {shoe.name: (turn, z) for shoe, z in zip(brake.shoes, printed, strict=True)}

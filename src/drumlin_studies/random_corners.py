@@ -1,12 +1,13 @@
 """Random brakes that press with a lining's corner alone or under a tip of the gap, from a seed.
 
-At a corner of a lining and under a kink of its clearance table that points to the drum (a tip) the
-pressure is singular. In most brakes the corner lies in the zone that no comparison looks at, or the
-tip bears a small part of the force. Here nearly all of the force is there: a taper, a table of
-clearances or an unlike radius keeps the rest of the lining off the drum.
+The pressure is singular at a corner of a lining. It is singular as well under a tip, a kink of the
+clearance table that points to the drum. In most brakes the corner lies in the edge zone, which no
+comparison covers, or the tip bears a small part of the force. In these brakes corner or tip bear
+nearly all of the force: a taper, a table of clearances or another radius keeps the rest of the
+lining off the drum.
 
-The linear problem feels only the force over the size of the gap. So the load is an ordinary one,
-and the gap is scaled until the contact has the length that was drawn for it.
+The contact depends only on the ratio of force to gap. So the force is an ordinary one, and the gap
+is scaled until the contact has the length that was drawn for it.
 """
 
 import math
@@ -25,76 +26,98 @@ from drumlin.fem.error_control.levels import steps
 from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
-from drumlin_studies.random_brake import KINDS as OF_SHAPE
-from drumlin_studies.random_kinds import KINDS as OF_HOLDING
+from drumlin_studies.random_brake import SHAPE_KINDS as OF_SHAPE
+from drumlin_studies.random_kinds import HOLDING_KINDS as OF_HOLDING
 
 MOST_ATTEMPTS = 200
-"""Draws for a seed before it counts as one that has no brake."""
+"""Draws for one seed before the generator gives up."""
 MORE_FRICTION = 1.2
-"""Factor on a brake's friction up to which it must have an answer: it is not about to lock."""
+"""Factor on a brake's friction up to which all shoes must press, so that the brake is far from
+locking.
+"""
 MOST_SCALINGS = 8
-"""Solves in which the gap is scaled to the length of contact that was drawn."""
+"""Solves of one draw in which the gap is scaled to the drawn length of contact."""
 FACTOR_DIGITS = 2
-"""Significant digits of the factor on a gap. A seed gives the same brake after a change of the
-solver that moves the length of contact by less than some percent.
+"""Significant digits of the factor on a gap.
+
+With so few digits a seed gives the same brake even after a change of the solver that moves the
+length of contact by some percent.
 """
-WITHIN = 1.25
-"""Factor by which the length of contact may miss the one that was drawn."""
+LENGTH_TOLERANCE_FACTOR = 1.25
+"""Factor by which the length of contact may differ from the drawn length, up or down."""
 FEW_LEVELS = 2
-"""Levels of a solve that find the length of a contact well enough: within some percent."""
+"""Levels of a solve that find the length of a contact to within some percent."""
 SHORT_CONTACT = math.radians(0.1), math.radians(0.8)
+"""Range of short contacts [rad]. More than half of a short contact lies in the edge zone."""
 LONG_CONTACT = math.radians(0.8), math.radians(8.0)
-"""Lengths of contact [rad]: short ones, of which more than half is in the zones that are left out
-of the errors of other brakes, and long ones.
-"""
+"""Range of long contacts [rad]."""
 SHORT_SHARE = 0.7
-"""Share of the brakes whose contact is short."""
-AT_END = 1e-9
-"""Angle [rad] up to which a contact reaches the lining's end."""
+"""Fraction of the brakes that are drawn with a short contact."""
+END_ANGLE = 1e-9
+"""Distance from the lining's end [rad] below which a contact counts as reaching the end."""
 
 Rng = np.random.Generator
 Gap = dict[str, Any]
-"""Keys of a lining that make its gap: `clearance` and `misfit`."""
+"""The keys of a lining that make its gap: `clearance` and `misfit`."""
 
 
 class CornerKind(NamedTuple):
-    """How a kind is drawn: which random brakes it may be, and what of the lining presses."""
+    """How a brake of a kind is drawn.
+
+    Attributes
+    ----------
+    shapes : tuple of str
+        Kinds of random brakes from which one is chosen: of SHAPE_KINDS or HOLDING_KINDS.
+    presses : str
+        What bears the force: "corner", "tip", or "table" for either under a random table.
+    """
 
     shapes: tuple[str, ...]
     presses: str
 
 
-RIGID, ARCS = ("rigid",), ("arc", "backed")
-RINGS = ("arc on ring", "linings on ring", "post on ring")
-FREE = ("guide", "abutment", "rough abutment", "pivot")
-KINDS: dict[str, CornerKind] = {
-    "corner": CornerKind(ARCS, "corner"),
-    "corner of a rigid shoe": CornerKind(RIGID, "corner"),
+RIGID_SHAPES, ARC_SHAPES = ("rigid",), ("arc", "backed")
+RING_SHAPES = ("arc on ring", "linings on ring", "post on ring")
+HINGELESS_KINDS = ("guide", "abutment", "rough abutment", "pivot")
+CORNER_KINDS: dict[str, CornerKind] = {
+    "corner": CornerKind(ARC_SHAPES, "corner"),
+    "corner of a rigid shoe": CornerKind(RIGID_SHAPES, "corner"),
     "corner of a post": CornerKind(("post",), "corner"),
-    "corner on a ring": CornerKind(RINGS, "corner"),
-    "corner of a shoe without hinge": CornerKind(FREE, "corner"),
-    "tip": CornerKind(ARCS, "tip"),
-    "tip of a rigid shoe": CornerKind(RIGID, "tip"),
-    "tip on a ring": CornerKind(RINGS, "tip"),
-    "tip of a shoe without hinge": CornerKind(FREE, "tip"),
-    "table": CornerKind((*ARCS, *RIGID, "post", *FREE), "table"),
+    "corner on a ring": CornerKind(RING_SHAPES, "corner"),
+    "corner of a shoe without hinge": CornerKind(HINGELESS_KINDS, "corner"),
+    "tip": CornerKind(ARC_SHAPES, "tip"),
+    "tip of a rigid shoe": CornerKind(RIGID_SHAPES, "tip"),
+    "tip on a ring": CornerKind(RING_SHAPES, "tip"),
+    "tip of a shoe without hinge": CornerKind(HINGELESS_KINDS, "tip"),
+    "table": CornerKind((*ARC_SHAPES, *RIGID_SHAPES, "post", *HINGELESS_KINDS), "table"),
 }
 
 
 def random_corner(seed: int, kind: str | None = None) -> Brake:
-    """The brake of a seed; `kind`: one of KINDS, by default seed modulo their number.
+    """The brake of a seed, in which one shoe presses with a corner or under a tip.
 
-    Every shoe is pressed, with its friction and with MORE_FRICTION times as much. One of them
-    presses with a corner or under a tip, as its kind says and the first FEW_LEVELS levels see it:
-    friction that drags towards the corner may lift the corner itself a little, which only finer
-    levels see. Raises NoAnswer for a seed without such a brake.
+    All shoes press, also with MORE_FRICTION times the friction of the brake. Corner and tip are
+    judged on the first FEW_LEVELS levels of a solve. Friction towards the corner may lift the
+    corner itself a little off the drum, but only finer levels show this.
+
+    Parameters
+    ----------
+    seed : int
+        The same seed always gives the same brake.
+    kind : str, optional
+        One of CORNER_KINDS. By default the seed modulo their number chooses the kind.
+
+    Raises
+    ------
+    NoAnswer
+        No brake of the kind passes in MOST_ATTEMPTS draws.
     """
-    names = list(KINDS)
+    names = list(CORNER_KINDS)
     kind = names[seed % len(names)] if kind is None else kind
     for attempt in range(MOST_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
         try:
-            brake = _scaled_to_length(rng, _drawn(rng, kind, seed), KINDS[kind].presses)
+            brake = _scaled_to_length(rng, _drawn(rng, kind, seed), CORNER_KINDS[kind].presses)
         except (BadInput, NoAnswer):
             continue
         if brake is not None:
@@ -103,14 +126,19 @@ def random_corner(seed: int, kind: str | None = None) -> Brake:
 
 
 def _drawn(rng: Rng, kind: str, seed: int) -> Callable[[float], Brake]:
-    """The brake by a factor on its gap, with a force line anywhere and gaps that are drawn."""
-    shape = str(rng.choice(KINDS[kind].shapes))
+    """A random brake of a kind, as a function of the factor on its gaps.
+
+    Each shoe has a random line of force and a random gap.
+    """
+    shape = str(rng.choice(CORNER_KINDS[kind].shapes))
     data = (OF_SHAPE | OF_HOLDING)[shape](rng)
     rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
     friction = 0.0 if rng.random() < 0.12 else float(f"{rng.uniform(0.01, 0.6):.4g}")
     data |= {"title": f"random {kind} {seed}", "rotation": rotation, "friction": friction}
     data["shoe"] = [_pushed_anywhere(rng, shoe) for shoe in data["shoe"]]
-    gaps = [_gap(rng, shoe, data["drum"]["radius"], KINDS[kind].presses) for shoe in data["shoe"]]
+    gaps = [
+        _gap(rng, shoe, data["drum"]["radius"], CORNER_KINDS[kind].presses) for shoe in data["shoe"]
+    ]
 
     def scaled(factor: float) -> Brake:
         shoes = [
@@ -123,25 +151,44 @@ def _drawn(rng: Rng, kind: str, seed: int) -> Callable[[float], Brake]:
 
 
 def _pushed_anywhere(rng: Rng, shoe: dict[str, Any]) -> dict[str, Any]:
-    """The shoe with its force turned by up to 60 degrees, nearer to the heel or the toe."""
+    """The shoe with its force turned by up to 1 rad, towards the heel or the toe."""
     push = shoe["actuation"]
     return shoe | {"actuation": push | {"direction": push["direction"] + rng.uniform(-1.0, 1.0)}}
 
 
 def _gap(rng: Rng, shoe: Mapping[str, Any], radius: float, presses: str) -> Callable[[float], Gap]:
-    """The gap of a lining by a factor on its size, which is about the lining's compression."""
+    """The gap of a lining as a function of a factor on its size.
+
+    At a factor of 1 the gap is about as large as the compression of the lining.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        What the gap is drawn from.
+    shoe : dict
+        Data of the shoe, as in a brake file.
+    radius : float
+        Radius of the drum [m].
+    presses : str
+        As `CornerKind.presses`.
+    """
     lining = shoe["lining"]
     area = radius * (lining["end"] - lining["start"]) * lining["width"]
     size = shoe["actuation"]["force"] / area * lining["thickness"] / lining["material"]["E"]
     if presses == "corner":
         return _gap_to_corner(rng, lining, radius, size)
-    return _gap_to_tip(rng, lining, size) if presses == "tip" else _gap_of_rows(rng, lining, size)
+    if presses == "tip":
+        return _gap_to_tip(rng, lining, size)
+    return _gap_of_rows(rng, lining, size)
 
 
 def _gap_to_corner(
     rng: Rng, lining: Mapping[str, Any], radius: float, size: float
 ) -> Callable[[float], Gap]:
-    """A gap that is closed, or nearly, at one corner of the lining, or at both."""
+    """A gap that is smallest at one corner of the lining, or at both.
+
+    size : size of the gap at a factor of 1 [m].
+    """
     way, sign = rng.random(), float(rng.choice([-1, 1]))
     if way < 0.4:
         return lambda factor: {"misfit": {"taper": sign * factor * size}}
@@ -149,22 +196,24 @@ def _gap_to_corner(
         return lambda factor: {"misfit": {"radius": radius + sign * factor * size}}
     if way < 0.6:
         return lambda factor: {"clearance": factor * size}
+    # A table of clearances that grow away from one corner.
     rises = np.cumsum([0.0, *rng.uniform(0.2, 1.0, int(rng.integers(1, 4)))])
     rises = rises[:: int(sign)] / rises.max()
     return lambda factor: {"clearance": _rows(lining, factor * size * rises)}
 
 
 def _gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
-    """A gap that opens to both sides of one place."""
+    """A gap that opens to both sides of one angle."""
     start, end = lining["start"], lining["end"]
-    at, (left, right) = start + rng.uniform(0.1, 0.9) * (end - start), rng.uniform(0.2, 1.0, 2)
+    at = start + rng.uniform(0.1, 0.9) * (end - start)
+    left, right = rng.uniform(0.2, 1.0, 2)
     return lambda factor: {
         "clearance": [[start, factor * size * left], [at, 0.0], [end, factor * size * right]]
     }
 
 
 def _gap_of_rows(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
-    """A gap by a table of rows that are drawn one by one."""
+    """A gap by a table of three to seven random clearances."""
     rows = rng.uniform(0.0, 1.0, int(rng.integers(3, 8)))
     return lambda factor: {"clearance": _rows(lining, factor * size * rows)}
 
@@ -176,11 +225,19 @@ def _rows(lining: Mapping[str, Any], gaps: Floats) -> list[list[float]]:
 
 
 def _scaled_to_length(rng: Rng, drawn: Callable[[float], Brake], presses: str) -> Brake | None:
-    """The brake whose shortest contact has a length that is drawn here; None where no factor gives
-    it.
+    """The brake whose shortest contact has a random length, or None where no factor gives it.
 
-    In a lining that is pressed on a wedge the length goes about as the inverse of the gap, and
-    under a curved one as its inverse root.
+    The length of contact falls as the inverse of the gap where the gap is a wedge, and as its
+    inverse root where the gap is curved. The power 0.8 of the correction lies between the two.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        What the length is drawn from.
+    drawn : function
+        The brake for a factor on its gap.
+    presses : str
+        As `CornerKind.presses`.
     """
     low, high = SHORT_CONTACT if rng.random() < SHORT_SHARE else LONG_CONTACT
     wanted, factor = math.exp(rng.uniform(math.log(low), math.log(high))), 3.0
@@ -191,7 +248,7 @@ def _scaled_to_length(rng: Rng, drawn: Callable[[float], Brake], presses: str) -
         length = min((_length(shoe) for shoe in found.shoes), default=0.0)
         if not length > 0:
             return None
-        if 1 / WITHIN < length / wanted < WITHIN:
+        if 1 / LENGTH_TOLERANCE_FACTOR < length / wanted < LENGTH_TOLERANCE_FACTOR:
             return brake if _as_drawn(brake, found, presses) else None
         factor *= min(max(length / wanted, 0.1), 10.0) ** 0.8
     return None
@@ -209,26 +266,27 @@ def _length(shoe: ShoeResponse) -> float:
 
 
 def _as_drawn(brake: Brake, found: Response, presses: str) -> bool:
-    """Whether all shoes press, also with more friction, and one with its corner or under a tip."""
+    """Whether all shoes press, also with more friction, and one of them where its kind says."""
     more = solve(vary(brake, {"friction": MORE_FRICTION * brake.friction}), elements=16)
     if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):
         return False
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
-    corner, tip = any(at_corner(*pair) for pair in pairs), any(at_tip(*pair) for pair in pairs)
+    corner = any(at_corner(shoe, response) for shoe, response in pairs)
+    tip = any(at_tip(shoe, response) for shoe, response in pairs)
     return {"corner": corner, "tip": tip, "table": corner or tip}[presses]
 
 
 def at_corner(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether the contact of a shoe reaches an end of its lining."""
-    ends = [end for arc in found.contact_arcs for end in arc]
-    corners = shoe.lining.start, shoe.lining.end
-    return any(abs(end - corner) < AT_END for end in ends for corner in corners)
+    ends = np.array(found.contact_arcs).ravel()
+    corners = np.array([shoe.lining.start, shoe.lining.end])
+    distances = np.abs(ends[:, None] - corners)
+    return bool((distances < END_ANGLE).any())
 
 
 def at_tip(shoe: Shoe, found: ShoeResponse) -> bool:
-    """Whether the contact of a shoe holds a tip of its gap."""
-    return any(
-        start < angle < end
-        for angle, _ in clearance.tips(shoe.lining)
-        for start, end in found.contact_arcs
-    )
+    """Whether a tip of the gap lies within the contact of a shoe."""
+    for angle, _ in clearance.tips(shoe.lining):
+        if any(start < angle < end for start, end in found.contact_arcs):
+            return True
+    return False

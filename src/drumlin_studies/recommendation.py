@@ -14,11 +14,11 @@ TARGETS = {
     "torque_error": (0.1, 0.05, 0.01, 1e-3, 1e-4),
     "pressure_error": (0.1, 0.05, 0.01, 5e-3, 1e-3, 1e-4),
 }
-NAMES = {"torque_error": "torque", "pressure_error": "p (L2)"}
-HALF = 5e-3  # of p, at which peers are compared
+TARGET_NAMES = {"torque_error": "torque", "pressure_error": "p (L2)"}
+HALF_PERCENT = 5e-3  # of p, at which peers are compared
 AIMS: Mapping[str, Mapping[float, tuple[float | None, float | None]]] = {
-    "GetFEM": {HALF: (20, 100), 1e-3: (25, 100), 1e-4: (50, 100)},
-    "CalculiX": {HALF: (1000, None), 1e-3: (1000, None)},
+    "GetFEM": {HALF_PERCENT: (20, 100), 1e-3: (25, 100), 1e-4: (50, 100)},
+    "CalculiX": {HALF_PERCENT: (1000, None), 1e-3: (1000, None)},
 }
 """Of an error of p, how many times as long as drumlin the peers are to take, cold and for a further
 load case.
@@ -52,7 +52,7 @@ def best_rows(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[dict[st
         for key, targets in TARGETS.items():
             for target in targets:
                 fit = enough(there, key, target, floors[name])
-                row = {"brake": name, "quantity": NAMES[key], "target": target}
+                row = {"brake": name, "quantity": TARGET_NAMES[key], "target": target}
                 if fit:
                     row |= {
                         k: fit[0].get(k)
@@ -99,12 +99,12 @@ def matrices(best: Sequence[Row]) -> list[Matrix]:
     for key, targets in TARGETS.items():
         lines: dict[str, list[Cell]] = {}
         for row in best:
-            if row["quantity"] == NAMES[key]:
+            if row["quantity"] == TARGET_NAMES[key]:
                 lines.setdefault(row["brake"], []).append(_cell(row))
         by_law = [
             sum(cells[k].sort == "law" for cells in lines.values()) for k in range(len(targets))
         ]
-        found.append(Matrix(NAMES[key], targets, lines, by_law))
+        found.append(Matrix(TARGET_NAMES[key], targets, lines, by_law))
     return found
 
 
@@ -143,8 +143,8 @@ class PeerTimes(NamedTuple):
 
 class AgainstPeers(NamedTuple):
     """What the peers take on one brake; `alike`: (peer's, drumlin's) rows on the same mesh within
-    HALF; `even`: the finest row of a peer on a mesh that is graded nowhere, and drumlin's fastest
-    within HALF, or None.
+    HALF_PERCENT; `even`: the finest row of a peer on a mesh that is graded nowhere, and drumlin's fastest
+    within HALF_PERCENT, or None.
     """
 
     brake: str
@@ -175,7 +175,7 @@ def _against_peers(name: str, rows: Sequence[Row], floors: Floors) -> AgainstPee
         (row, meshes[place])
         for row in there
         for place in [(row["kind"], row["elements"])]
-        if row["pressure_error"] <= HALF
+        if row["pressure_error"] <= HALF_PERCENT
         and place in meshes
         and not row.get("even")
         and not row.get("layers")
@@ -183,7 +183,7 @@ def _against_peers(name: str, rows: Sequence[Row], floors: Floors) -> AgainstPee
     even = [row for row in there if row.get("even")]
     last, own = (
         max(even, key=lambda row: row["elements"], default=None),
-        _fastest(mine, HALF, floors),
+        _fastest(mine, HALF_PERCENT, floors),
     )
     return AgainstPeers(name, times, alike, (last, own) if last and own else None)
 

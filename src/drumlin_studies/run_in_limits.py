@@ -24,7 +24,8 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.analysis.fields import Fields, fields
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import Scene, prepare, why_not
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene, why_not
 from drumlin.laws import hinged, law
 from drumlin.response.norms import relative
 from drumlin.wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
@@ -43,7 +44,7 @@ from drumlin.wear.run_in import (
 )
 
 ARCHARD = WearLaw(COEFFICIENT)
-WITHIN = 0.01  # of the law: what "away from the law" means in the tables
+SPENT_WITHIN = 0.01  # of the law: what "away from the law" means in the tables
 AT_LAW = "at the law"
 PRESSURE, TORQUE = 0.01, 0.001  # what must hold after run-in
 
@@ -144,7 +145,7 @@ def run_row(one: Run) -> dict[str, Any]:
     """What a run says of a brake: new, worn in, how long it took, its balances."""
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
     new, end = distance(setup, states[0], goal), distance(setup, states[-1], goal)
-    spent = life(setup, states, goal, ARCHARD, within=WITHIN)
+    spent = life(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
     close = life(setup, states, goal, ARCHARD, within=TORQUE)
     balance = checks(setup, states, ARCHARD)
     holds = end.pressure <= PRESSURE and abs(end.torque) <= TORQUE
@@ -318,7 +319,7 @@ def least_touching(runs: Iterable[Run]) -> Run:
 
 
 @dataclass(frozen=True)
-class Frame:
+class RunFrame:
     """A moment of a run: its state, and of each shoe the fields and the turn about its pin [rad]."""
 
     state: WearState
@@ -326,7 +327,7 @@ class Frame:
     turns: Sequence[float]
 
 
-def frames(scene: Scene, one: Run, count: int) -> list[Frame]:
+def frames(scene: Scene, one: Run, count: int) -> list[RunFrame]:
     """Moments of a run, evenly spread over the logarithm of the distance, with the fields of the
     shoes.
     """
@@ -337,5 +338,5 @@ def frames(scene: Scene, one: Run, count: int) -> list[Frame]:
         brake = worn(one.setup, state)
         response = respond(scene, brake, penalty=math.inf)
         shown = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
-        found.append(Frame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))
+        found.append(RunFrame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))
     return found

@@ -31,7 +31,8 @@ from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt
 from drumlin.fem.error_control.levels import Step, steps
 from drumlin.fem.model import respond
 from drumlin.response.response import Response
-from drumlin_studies.stated_true import QUANTITIES, errors, ratio
+from drumlin_studies.stated_true import JUDGED_QUANTITIES as QUANTITIES
+from drumlin_studies.stated_true import errors, ratio
 from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read
 
 ASKED = {"default": DEFAULT, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}

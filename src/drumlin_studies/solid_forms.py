@@ -68,8 +68,11 @@ def lame_error(
     (Lame).
     """
     a, b = radii
-    solid = ring_sector(np.linspace(a, b, elements + 1), np.linspace(0, math.pi / 2, 3 * elements + 1),
-                        np.linspace(0, half, 3))  # fmt: skip
+    solid = ring_sector(
+        np.linspace(a, b, elements + 1),
+        np.linspace(0, math.pi / 2, 3 * elements + 1),
+        np.linspace(0, half, 3),
+    )
     E, nu, p = material.E, material.nu, 1.0
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
     face, x = face_on(solid), solid.basis.doflocs
@@ -112,7 +115,7 @@ def patch_error(elements: int, material: Material) -> float:
     return float(np.abs(mine - wanted)[within].max() / np.abs(wanted[within]).max())
 
 
-class Point(NamedTuple):
+class PointContact(NamedTuple):
     """Hertz's point contact: peak pressure and L2 distance of p over the closed form, number of
     unknowns.
     """
@@ -129,7 +132,7 @@ def _upwards(x: Floats) -> tuple[Floats, Floats]:
 
 def point_contact(
     per_radius: int, nu: float = 0.3, size: float = 6.0, growth: float = 1.6
-) -> Point:
+) -> PointContact:
     """A rigid sphere of radius 1 pressed into a block so that the contact's radius is 1 (Hertz
     1882).
 
@@ -152,7 +155,7 @@ def point_contact(
     held = np.unique(edge_nodes(solid.plane, groups["hinge"]))
     ties = tie(solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True)
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
-    body = condense(K, ties, np.zeros((ties.matrix.shape[1], 0)), 2 * len(face.nodes))
+    body = condense(K, ties, {}, 2 * len(face.nodes))
     coupling = face.couple(0.0, _upwards)
     half = body.half(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
@@ -167,7 +170,7 @@ def point_contact(
     p = active_set.solve(problem, r < 1.05).p
     exact = 1.5 * load / math.pi * np.sqrt(np.maximum(1 - r**2, 0.0))
     off, size_ = p - exact, exact @ coupling.M @ exact
-    return Point(
+    return PointContact(
         float(p[r.argmin()] / exact.max()),
         math.sqrt(off @ coupling.M @ off / size_),
         int(3 * solid.basis.N),

@@ -1,6 +1,6 @@
-"""Random brakes whose linings stand off the drum by far more than their force compresses them.
+"""Random brakes whose clearance is far larger than the compression of their linings.
 
-The contact of such a brake is short, and it wanders along the lining as friction grows. The brakes
+The contact of these brakes is short, and it moves along the lining as friction grows. The brakes
 are those of `random_kinds` with a stiffer lining, a clearance and a smaller force.
 """
 
@@ -12,28 +12,45 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import any_from
 from drumlin.laws import law
-from drumlin_studies.random_kinds import ATTEMPTS, KINDS, Rng, facing, log_between, placed
+from drumlin_studies.random_kinds import (
+    HOLDING_ATTEMPTS,
+    HOLDING_KINDS,
+    Rng,
+    facing,
+    log_between,
+    placed,
+)
 
-STIFFNESS = 3e8, 1e11
-"""Least and largest Young's modulus of the linings [Pa]."""
-CLEARANCE = 1e-4, 1 / 300
-"""Least and largest clearance, as a fraction of the drum's radius or of the length of a pad."""
-CUT = 1.0, 300.0
-"""Least and largest factor by which the force of a brake of `random_kinds` is divided."""
+LINING_MODULI = 3e8, 1e11
+"""Smallest and largest Young's modulus of the linings [Pa]."""
+CLEARANCE_FRACTIONS = 1e-4, 1 / 300
+"""Smallest and largest clearance, as a fraction of the drum's radius or of a pad's length."""
+FORCE_DIVISORS = 1.0, 300.0
+"""Smallest and largest divisor of the force that `random_kinds` draws."""
 
 
 def standing_off(seed: int, kind: str | None = None) -> Brake:
-    """The brake of a seed.
+    """The brake of a seed, in which all shoes press by the rigid-shoe law.
 
-    kind: one of the kinds of `random_kinds`, by default the seed modulo their number. The
-    rigid-shoe law has an answer in which all shoes press. Nothing is solved by finite elements, so
-    some brakes may have no answer there.
+    Finite elements are not asked: by them some of these brakes have no answer.
+
+    Parameters
+    ----------
+    seed : int
+        The same seed always gives the same brake.
+    kind : str, optional
+        One of HOLDING_KINDS. By default the seed modulo their number chooses the kind.
+
+    Raises
+    ------
+    NoAnswer
+        No brake of the kind passes in HOLDING_ATTEMPTS draws.
     """
-    names = list(KINDS)
+    names = list(HOLDING_KINDS)
     kind = names[seed % len(names)] if kind is None else kind
-    for attempt in range(ATTEMPTS):
+    for attempt in range(HOLDING_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt, 1])
-        data = _off(rng, KINDS[kind](rng)) | {"title": f"standing off {kind} {seed}"}
+        data = _off(rng, HOLDING_KINDS[kind](rng)) | {"title": f"standing off {kind} {seed}"}
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
@@ -44,41 +61,43 @@ def standing_off(seed: int, kind: str | None = None) -> Brake:
                 return brake
         except (BadInput, NoAnswer):
             continue
-    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {ATTEMPTS} attempts")
+    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
 
 
 def _off(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
-    """The data of a brake with a clearance, other moduli of the linings and smaller forces.
+    """The data of a brake with clearances, other moduli of the linings and smaller forces.
 
-    The shoes of a cam are mirror images: it moves both tips alike, and of shoes that stand off
-    differently it would press one only.
+    The shoes of a cam become mirror images. A cam moves both tips by the same distance, so that of
+    two shoes with different clearances only one would press.
     """
-    cut = log_between(rng, *CUT)
-    shoes = [_shoe_off(rng, shoe, data.get("drum"), cut) for shoe in data["shoe"]]
-    found = data | {"shoe": shoes}
+    divisor = log_between(rng, *FORCE_DIVISORS)
+    shoes = [_shoe_off(rng, shoe, data.get("drum"), divisor) for shoe in data["shoe"]]
+    result = data | {"shoe": shoes}
     if "actuation" in data:
-        found["actuation"] = _cut(data["actuation"], cut)
-        if "force" in data["actuation"]:
-            found["shoe"] = [shoes[0], facing(shoes[0])]
-    return found
+        result["actuation"] = _weaker(data["actuation"], divisor)
+        has_cam = "force" in data["actuation"]
+        if has_cam:
+            result["shoe"] = [shoes[0], facing(shoes[0])]
+    return result
 
 
 def _shoe_off(
-    rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, cut: float
+    rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, divisor: float
 ) -> dict[str, Any]:
+    """The data of a shoe with a clearance, another modulus of the lining and a smaller force."""
     lining = {key: value for key, value in shoe["lining"].items() if key != "misfit"}
     size = lining["end"] - lining["start"] if drum is None else drum["radius"]
-    lining["clearance"] = size * log_between(rng, *CLEARANCE)
-    lining["material"] = lining["material"] | {"E": log_between(rng, *STIFFNESS)}
-    found = shoe | {"lining": lining}
+    lining["clearance"] = size * log_between(rng, *CLEARANCE_FRACTIONS)
+    lining["material"] = lining["material"] | {"E": log_between(rng, *LINING_MODULI)}
+    result = shoe | {"lining": lining}
     if "actuation" in shoe:
-        found["actuation"] = _cut(shoe["actuation"], cut)
-    return found
+        result["actuation"] = _weaker(shoe["actuation"], divisor)
+    return result
 
 
-def _cut(actuation: dict[str, Any], cut: float) -> dict[str, Any]:
-    """An actuation whose force or pressure is divided by a factor."""
+def _weaker(actuation: dict[str, Any], divisor: float) -> dict[str, Any]:
+    """The actuation with its force or pressure divided by a number."""
     return {
-        key: value / cut if key in {"force", "pressure"} else value
+        key: value / divisor if key in {"force", "pressure"} else value
         for key, value in actuation.items()
     }

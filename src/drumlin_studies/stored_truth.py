@@ -44,12 +44,13 @@ from drumlin.verification import triangles
 from drumlin.verification.triangles.levels import LEVELS as TRIANGLE_LEVELS
 from drumlin.verification.triangles.outline import Level as TriangleLevel
 from drumlin.verification.triangles.solution import ShoeSolution
-from drumlin_studies.random_brake import KINDS as DRAWN_KINDS
+from drumlin_studies.random_brake import SHAPE_KINDS as DRAWN_KINDS
 from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_corners import KINDS as CORNERS
+from drumlin_studies.random_corners import CORNER_KINDS as CORNERS
 from drumlin_studies.random_corners import random_corner
 from drumlin_studies.random_kinds import random_kind
-from drumlin_studies.stated_true import Solved, Truth, of_last_three, round_off
+from drumlin_studies.stated_true import TrueShoe as Solved
+from drumlin_studies.stated_true import Truth, of_last_three, round_off
 
 TRIANGLES = (*TRIANGLE_LEVELS, TriangleLevel(6, 17, 0.7, 0.8))
 """Meshes of triangles: those of the studies and one of a higher degree, graded more steeply. On

@@ -6,7 +6,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from
 from drumlin.brake.plane_brake import any_from
 
-LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
+TEXTBOOK_LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 
 
 def hinged(
@@ -34,7 +34,7 @@ def hinged(
         "name": "shoe",
         "side": side,
         "hinge": {"radius": a, "angle": turned},
-        "lining": LINING | {"start": start, "end": end, "width": width},
+        "lining": TEXTBOOK_LINING | {"start": start, "end": end, "width": width},
         "actuation": {
             "force": moment,
             "direction": turned + pressing * math.pi / 2,
@@ -73,7 +73,7 @@ def lever_block(
         "name": "block",
         "side": "external",
         "hinge": {"x": -x, "y": R + a},
-        "lining": LINING | {"start": math.pi / 2 - half, "end": math.pi / 2 + half},
+        "lining": TEXTBOOK_LINING | {"start": math.pi / 2 - half, "end": math.pi / 2 + half},
         "actuation": {"force": P, "direction": -math.pi / 2, "point": {"x": arm - x, "y": R + a}},
     }
     return brake_from(

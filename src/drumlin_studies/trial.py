@@ -1,6 +1,6 @@
 """A trial: what becomes of a case of `extreme_cases`, and whether that is right.
 
-Every trial ends in one of OUTCOMES. An answer is right where its own forces balance and its
+Every trial ends in one of TRIAL_OUTCOMES. An answer is right where its own forces balance and its
 pressures and gaps are complementary to 1e-8, and where six digits of its torque agree with the
 whole system refined in long double (`drumlin.fem.error_control.refinement`), or as many as its condition allows. A
 refusal is right where it names a physical reason.
@@ -20,10 +20,11 @@ from drumlin.contact.equations import condition
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.error_control.refinement import EPSILON
 from drumlin.fem.model import REFINED, refined_group, respond
-from drumlin.fem.preparation.assembly import Scene, prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.response import Response
 from drumlin_studies import pointwise
-from drumlin_studies.extreme_cases import Case
+from drumlin_studies.extreme_cases import KnobCase
 
 ANSWERS = ("answer", "no contact")
 REFUSALS = {  # what a refusal says -> why
@@ -35,18 +36,26 @@ REFUSALS = {  # what a refusal says -> why
     "too far apart": "arithmetic",
     "singular stiffness": "arithmetic",
 }
-FAULTS = ("not converged", "traceback", "inaccurate")
-OUTCOMES = (*ANSWERS, *dict.fromkeys(REFUSALS.values()), "bad input", *FAULTS)
-RESIDUAL = 1e-8  # relative, of balances and complementarity
-DIGITS = 6  # of the torque
+TRIAL_FAULTS = ("not converged", "traceback", "inaccurate")
+TRIAL_OUTCOMES = (*ANSWERS, *dict.fromkeys(REFUSALS.values()), "bad input", *TRIAL_FAULTS)
+LARGEST_RESIDUAL = 1e-8  # relative, of balances and complementarity
+TORQUE_DIGITS = 6  # of the torque
 OTHER_ORDER = "MMD_AT_PLUS_A"  # of the elimination than the model takes where it refines
-STIFFEST = 1e16  # penalty of the pointwise method in the place of an infinite one
-POINTWISE = {"repeats": "cycles", "singular": "singular"}  # what its refusal says -> why
-LARGEST = 12_000  # unknowns of a shoe up to which the pointwise method is tried: it takes up to 60 factorisations
-SAME = 1e-2  # relative difference of torques up to which both methods agree: less than that is in the meshes
+STIFFEST_PENALTY = 1e16  # penalty of the pointwise method in the place of an infinite one
+POINTWISE_REFUSALS = {"repeats": "cycles", "singular": "singular"}  # what its refusal says -> why
+LARGEST_POINTWISE = 12_000
+"""Unknowns of a shoe up to which the pointwise method is tried.
+
+The method takes up to 60 factorisations.
+"""
+POINTWISE_AGREEMENT = 1e-2
+"""Relative difference of the torques up to which both methods agree.
+
+A smaller difference is within the errors of the meshes.
+"""
 
 
-def trial(case: Case) -> dict[str, Any]:
+def trial(case: KnobCase) -> dict[str, Any]:
     """One row: the outcome of a case, its reason, and what the answer is worth."""
     row: dict[str, Any] = {"knob": case.knob, "case": said(case), "knobs": dataclasses.asdict(case)}
     start = time.perf_counter()
@@ -83,12 +92,12 @@ def trial(case: Case) -> dict[str, Any]:
             if not sound(row):
                 row |= {"outcome": "inaccurate"}
     if brake is not None and scene is not None:
-        large = max(body.unknowns for body in scene.bodies) > LARGEST
+        large = max(body.unknowns for body in scene.bodies) > LARGEST_POINTWISE
         row |= {"pointwise": "not tried: too large"} if large else beside(case, brake, response)
     return row
 
 
-def said(case: Case) -> str:
+def said(case: KnobCase) -> str:
     """What a case changes, in a few words."""
     return ", ".join(
         f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"
@@ -100,8 +109,8 @@ def sound(row: dict[str, Any]) -> bool:
     """Whether residuals and digits of an answer are as they must be, or as its condition allows."""
     if row["digits"] is None:
         return False
-    return max(row["balance"], row["complementarity"]) <= RESIDUAL and row["digits"] >= min(
-        DIGITS, row["allowed"]
+    return max(row["balance"], row["complementarity"]) <= LARGEST_RESIDUAL and row["digits"] >= min(
+        TORQUE_DIGITS, row["allowed"]
     )
 
 
@@ -178,7 +187,7 @@ def digits_of(error: float) -> float:
     return float(np.clip(-math.log10(max(error, 1e-16)), 0, 16))
 
 
-def beside(case: Case, brake: Brake, response: Response | None) -> dict[str, Any]:
+def beside(case: KnobCase, brake: Brake, response: Response | None) -> dict[str, Any]:
     """What the classical pointwise penalty makes of a case: outcome, difference of torque, steps,
     time.
     """
@@ -190,7 +199,7 @@ def beside(case: Case, brake: Brake, response: Response | None) -> dict[str, Any
                 brake,
                 elements=case.elements,
                 kind=case.kind,
-                penalty=min(case.penalty, STIFFEST),
+                penalty=min(case.penalty, STIFFEST_PENALTY),
                 mesher=case.mesher(),
             )
         row["pointwise_steps"] = other.iterations
@@ -200,12 +209,16 @@ def beside(case: Case, brake: Brake, response: Response | None) -> dict[str, Any
             row["pointwise"] = "agrees"
         else:
             off = abs(other.torque - response.torque) / max(response.torque, other.torque)
-            row |= {"pointwise": "agrees" if off < SAME else "differs", "pointwise_off": off}
+            row |= {
+                "pointwise": "agrees" if off < POINTWISE_AGREEMENT else "differs",
+                "pointwise_off": off,
+            }
     except BadInput:
         row["pointwise"] = "not for rings"
     except NoAnswer as error:
         row["pointwise"] = next(
-            (why for words, why in POINTWISE.items() if words in str(error)), "does not end"
+            (why for words, why in POINTWISE_REFUSALS.items() if words in str(error)),
+            "does not end",
         )
     except Exception as error:
         row["pointwise"] = f"{type(error).__name__}"

@@ -64,7 +64,7 @@ def closed(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
 
 
 @dataclass(frozen=True)
-class Body:
+class ContactBody:
     """A body with its contact line, condensed."""
 
     basis: Any
@@ -72,29 +72,29 @@ class Body:
     condensed: Condensed
 
 
-def body(mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0) -> Body:
+def body(mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0) -> ContactBody:
     """A condensed body, held at its support."""
     basis = scalar_basis(mesh)
     line = contact_line(basis, mesh.boundaries["contact"], middle)
     ties = tie(basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2))
     K = stiffness(basis, {"body": ElasticLayer.of(material, width)})
-    return Body(
-        basis, line, condense(K, ties, np.zeros((ties.matrix.shape[1], 0)), 2 * len(line.nodes))
-    )
+    return ContactBody(basis, line, condense(K, ties, {}, 2 * len(line.nodes)))
 
 
 @dataclass(frozen=True)
-class Pair:
+class BodyPair:
     """Flexibilities of both bodies together: P under -N^T (normal), T under T^T (tangential)."""
 
-    inner: Body
+    inner: ContactBody
     coupling: Coupling
     pressed: Floats
     dragged: Floats
     motions: Floats
 
     @classmethod
-    def of(cls, inner: Body, outer: Body | None, sign: int = 1, motions: str = "") -> "Pair":
+    def of(
+        cls, inner: ContactBody, outer: ContactBody | None, sign: int = 1, motions: str = ""
+    ) -> "BodyPair":
         """An `inner` body against an outer one, or against a rigid drum; `motions` of the inner
         holder: "x", "xy".
         """
@@ -171,8 +171,8 @@ def nested_start(problem: Problem, share: int = 6) -> Bools:
     return np.asarray(P @ active_set.solve(coarse, start).p > 0)
 
 
-def _half(one: Body, forces: Floats) -> Floats:
+def _half(one: ContactBody, forces: Floats) -> Floats:
     return one.condensed.half(forces.T)
 
 
-STEEL = Material(E=210e9, nu=0.3)
+LADDER_STEEL = Material(E=210e9, nu=0.3)

@@ -30,7 +30,8 @@ from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.mesh.grading import EDGE_SIZE, Division, graded, inner_steps, lining_layers
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import Scene, prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, edge_zone
@@ -38,26 +39,26 @@ from drumlin.verification.cost import peak_memory
 from drumlin.verification.reference import Trio, peak_away
 from drumlin_studies import pointwise
 
-REPEATS = 5  # at least
+TIMED_REPEATS = 5  # at least
 LEAST_SECONDS = 0.1  # of a measurement, all repeats together
 MOST_REPEATS = 9
 LEAST_SAMPLE = 2e-3  # s; what is faster is run several times a sample
-ALIKE = 1.2  # times that differ by less are taken as equal
-FURTHER = 0.9  # of the friction coefficient, in the further load case
+EQUAL_TIMES = 1.2  # times that differ by less are taken as equal
+FURTHER_FRICTION = 0.9  # of the friction coefficient, in the further load case
 GRADED_FROM = 36
 """Elements along a lining from which on the smallest ones of a `refined_mesh` shrink in proportion,
 so that its error goes on falling where the pressure is singular. Coarser meshes are graded as any
 other.
 """
-BEHIND = 4
+LAYERS_BEHIND = 4
 """Least number of layers through backing and body each of a `refined_mesh`: their error stays below
 the lining's, where a mesh is to show how far refinement goes.
 """
-ERRORS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
+ERROR_KEYS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
 
 
 class Method(NamedTuple):
-    """A way to solve a brake. `family`: of FAMILIES or PEER_FAMILIES; `options`: its own, plain
+    """A way to solve a brake. `family`: of METHOD_FAMILIES or PEER_FAMILIES; `options`: its own, plain
     data.
     """
 
@@ -71,7 +72,7 @@ class Method(NamedTuple):
         return {"family": self.family, "method": self.name, **self.options}
 
 
-class Solved(NamedTuple):
+class ColdSolve(NamedTuple):
     """What a cold solve leaves: `further` solves another friction with what can be reused of it."""
 
     response: Response
@@ -81,12 +82,12 @@ class Solved(NamedTuple):
 
 def _other(brake: Brake) -> Brake:
     """The brake of the further load case."""
-    return vary(brake, {"friction": FURTHER * brake.friction})
+    return vary(brake, {"friction": FURTHER_FRICTION * brake.friction})
 
 
-def _model(brake: Brake, *, model: str, **options: Any) -> Solved:
+def _model(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
     solver = pick(model, brake).solve
-    return Solved(solver(brake, **options), partial(solver, _other(brake), **options))
+    return ColdSolve(solver(brake, **options), partial(solver, _other(brake), **options))
 
 
 def even_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
@@ -116,7 +117,7 @@ def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> D
         angles=graded(start, end, count, zone, smallest),
         depths=graded(0, shoe.lining.thickness, layers, shoe.lining.thickness / 2, smallest),
         step=step,
-        behind=BEHIND,
+        behind=LAYERS_BEHIND,
     )
 
 
@@ -127,11 +128,11 @@ def _mesh(
     kind: str = DEFAULT_KIND,
     even: bool = False,
     penalty: float = math.inf,
-) -> Solved:
+) -> ColdSolve:
     mesher = partial(even_mesh, elements=elements, kind=kind) if even else None
     scene = prepare(brake, elements=elements, kind=kind, mesher=mesher)
     response = respond(scene, brake, penalty=penalty)
-    return Solved(
+    return ColdSolve(
         response, lambda: respond(scene, _other(brake), penalty=penalty), partial(_unknowns, scene)
     )
 
@@ -144,35 +145,35 @@ def _unknowns(scene: Scene) -> int:
     )
 
 
-def _columns(brake: Brake, *, level: int) -> Solved:
+def _columns(brake: Brake, *, level: int) -> ColdSolve:
     """Columns of a level without an estimate, after the coarsest one has found the ends of the
     contact.
     """
     answer = partial(respond, penalty=math.inf)
     *_, (scene, response) = steps(brake, answer, levels=(LEVELS[0], LEVELS[level])[-level - 1 :])
-    return Solved(response, lambda: answer(scene, _other(brake)), partial(_unknowns, scene))
+    return ColdSolve(response, lambda: answer(scene, _other(brake)), partial(_unknowns, scene))
 
 
-def _estimated(brake: Brake, *, tolerance: float) -> Solved:
+def _estimated(brake: Brake, *, tolerance: float) -> ColdSolve:
     """Columns to a tolerance that is estimated; of the torque the default, where that is less."""
     answer, allowed = (
         partial(respond, penalty=math.inf),
         Tolerance(tolerance, min(tolerance, DEFAULT.torque)),
     )
     scene, response = adapt(brake, allowed, answer)
-    return Solved(response, lambda: answer(scene, _other(brake)), partial(_unknowns, scene))
+    return ColdSolve(response, lambda: answer(scene, _other(brake)), partial(_unknowns, scene))
 
 
-def _pointwise(brake: Brake, *, elements: int, penalty: float) -> Solved:
+def _pointwise(brake: Brake, *, elements: int, penalty: float) -> ColdSolve:
     solver = partial(pointwise.solve, elements=elements, penalty=penalty)
-    return Solved(
+    return ColdSolve(
         solver(brake),
         lambda: solver(_other(brake)),
         lambda: _unknowns(prepare(brake, elements=elements)),
     )
 
 
-FAMILIES: Mapping[str, Callable[..., Solved]] = {
+METHOD_FAMILIES: Mapping[str, Callable[..., ColdSolve]] = {
     "law": _model,
     "foundation": _model,
     "even mesh": _mesh,
@@ -185,16 +186,16 @@ FAMILIES: Mapping[str, Callable[..., Solved]] = {
 PEER_FAMILIES = {written: name for name, written in peers.PEERS.items()}
 
 
-def solved(brake: Brake, method: Method) -> Solved:
+def solved(brake: Brake, method: Method) -> ColdSolve:
     """A brake by a method, cold. Raises BadInput where it does not apply, NoAnswer where it fails."""
-    return FAMILIES[method.family](brake, **method.options)
+    return METHOD_FAMILIES[method.family](brake, **method.options)
 
 
 def errors(brake: Brake, response: Response, truth: Response) -> dict[str, float]:
     """Relative errors against a truth: torque of the brake, and of the worst shoe the peak pressure
     and p in L2, both away from the edges, and the hinge reaction.
     """
-    found: dict[str, list[float]] = {key: [] for key in ERRORS[1:]}
+    found: dict[str, list[float]] = {key: [] for key in ERROR_KEYS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
         edge = edge_zone(spec, brake.scale_factor)
         found["peak_error"].append(abs(relative(peak_away(a, edge), peak_away(b, edge))))
@@ -242,7 +243,7 @@ def timing(call: Callable[[], object], unit: Callable[[], object], first: float)
     loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
     samples: list[float] = []
     ratios: list[float] = []
-    while len(samples) < REPEATS or (
+    while len(samples) < TIMED_REPEATS or (
         sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
     ):
         beside = _spent(unit, 1)
@@ -320,7 +321,7 @@ def _grown(brake: Brake, method: Method) -> int:
     return peak_memory() - before
 
 
-def process_seconds(brake_file: Path, *options: str, repeats: int = REPEATS) -> float:
+def process_seconds(brake_file: Path, *options: str, repeats: int = TIMED_REPEATS) -> float:
     """Wall-clock seconds of a whole `drumlin solve` of a brake file, from the start of its process;
     the median.
     """
@@ -345,7 +346,7 @@ def peer_row(
     method: Method,
     truth: Response,
     unit: Callable[[], object],
-    repeats: int = REPEATS,
+    repeats: int = TIMED_REPEATS,
 ) -> dict[str, Any]:
     """The row of a peer, by drumlin.peers; times are those that it states, medians of the repeats,
     ratios to the unit that is timed before each; options `even`: on a mesh that is graded nowhere,
@@ -364,25 +365,33 @@ def peer_row(
     answers, beside = [], []
     try:
         for _ in range(repeats):
-            beside.append(median(_spent(unit) for _ in range(REPEATS)))
+            beside.append(median(_spent(unit) for _ in range(TIMED_REPEATS)))
             answers.append(peers.solve(PEER_FAMILIES[method.family], brake, **options))
     except DrumlinError as error:
         return row | {"seconds": time.perf_counter() - start, "status": _said(error)}
     samples = [answer.seconds for answer in answers]
     middle, lower, upper = _quartiles(samples)
-    return row | errors(brake, answers[0].response, truth) | {
-        "seconds": middle,
-        "lower": lower,
-        "upper": upper,
-        "repeats": repeats,
-        "ratio": median(answer.seconds / pace for answer, pace in zip(answers, beside, strict=True)),
-        "further_ratio": median(answer.further_seconds / pace for answer, pace in zip(answers, beside, strict=True)),
-        "process": median(answer.process_seconds for answer in answers),
-        "further": median(answer.further_seconds for answer in answers),
-        "unknowns": answers[0].unknowns,
-        "version": answers[0].version,
-        "status": "converged",
-    }  # fmt: skip
+    return (
+        row
+        | errors(brake, answers[0].response, truth)
+        | {
+            "seconds": middle,
+            "lower": lower,
+            "upper": upper,
+            "repeats": repeats,
+            "ratio": median(
+                answer.seconds / pace for answer, pace in zip(answers, beside, strict=True)
+            ),
+            "further_ratio": median(
+                answer.further_seconds / pace for answer, pace in zip(answers, beside, strict=True)
+            ),
+            "process": median(answer.process_seconds for answer in answers),
+            "further": median(answer.further_seconds for answer in answers),
+            "unknowns": answers[0].unknowns,
+            "version": answers[0].version,
+            "status": "converged",
+        }
+    )
 
 
 def enough(
@@ -403,7 +412,7 @@ def enough(
         above = [k for k, row in enumerate(members) if row[key] > target]
         found += members[above[-1] + 1 if above else 0 :]
     found.sort(key=lambda row: row["ratio"])
-    ties = [row for row in found if row["ratio"] <= ALIKE * found[0]["ratio"]]
+    ties = [row for row in found if row["ratio"] <= EQUAL_TIMES * found[0]["ratio"]]
     return sorted(ties, key=lambda row: row[key]) + found[len(ties) :]
 
 
@@ -445,11 +454,11 @@ def unit_seconds(rows: Iterable[Mapping[str, Any]]) -> float:
 
 
 def spread(rows: Iterable[Mapping[str, Any]]) -> float:
-    """The interquartile range of the repeats over their median; the median of the rows with REPEATS
+    """The interquartile range of the repeats over their median; the median of the rows with TIMED_REPEATS
     or more.
     """
     return median(
         (row["upper"] - row["lower"]) / row["seconds"]
         for row in rows
-        if row.get("repeats", 0) >= REPEATS
+        if row.get("repeats", 0) >= TIMED_REPEATS
     )

@@ -30,7 +30,7 @@ def _pivot(response: Response, axis: int) -> float:
     return math.nan if reaction is None else abs(float(reaction[axis]))
 
 
-QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
+PRINTED_QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
     "force [N]": lambda b, r: b.shoes[0].actuation.force,
     "torque [N m]": lambda b, r: r.torque,
     "torque [N mm]": lambda b, r: r.torque * 1e3,
@@ -64,7 +64,15 @@ def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
     response = solve(brake)
     origin, remark = example["origin"], example.get("remark", "")
     return [
-        compared(law, source, quantity, text, QUANTITIES[quantity](brake, response), origin, remark)
+        compared(
+            law,
+            source,
+            quantity,
+            text,
+            PRINTED_QUANTITIES[quantity](brake, response),
+            origin,
+            remark,
+        )
         for quantity, text in example["given"].items()
     ]
 

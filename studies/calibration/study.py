@@ -122,6 +122,12 @@ def report(result: Result, folder: Path) -> Path:
         for name, found in ratios.items()
     ]
     return fill(
-        HERE / "page.html", folder / "index.html", result=result, spread=spread, meaning=MEANING, quantile=QUANTILE,
-        relevant=RELEVANT, failed=[row for row in result.rows if not row["levels"]],
-    )  # fmt: skip
+        HERE / "page.html",
+        folder / "index.html",
+        result=result,
+        spread=spread,
+        meaning=MEANING,
+        quantile=QUANTILE,
+        relevant=RELEVANT,
+        failed=[row for row in result.rows if not row["levels"]],
+    )

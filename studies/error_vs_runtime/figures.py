@@ -123,10 +123,17 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
         )
         light = family in {"even mesh", "weak penalty"}
         axes.errorbar(
-            seconds, error, xerr=spread, color=COLORS[family], marker=MARKERS.get(name.split(",")[0], "o"),
-            ms=9 if family == "law" else 4.5, lw=1.0 if light else 1.5, alpha=0.75 if light else 1.0,
-            ls=_style(family, name), elinewidth=0.8,
-        )  # fmt: skip
+            seconds,
+            error,
+            xerr=spread,
+            color=COLORS[family],
+            marker=MARKERS.get(name.split(",")[0], "o"),
+            ms=9 if family == "law" else 4.5,
+            lw=1.0 if light else 1.5,
+            alpha=0.75 if light else 1.0,
+            ls=_style(family, name),
+            elinewidth=0.8,
+        )
     axes.set_xscale("log")
     axes.set_yscale("log")
     top = max(100 * row[key] for row in rows if row["status"] == "converged")
@@ -157,9 +164,16 @@ def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
                 if points:
                     x, y = zip(*points, strict=True)
                     axes.plot(
-                        [100 * v for v in x], [100 * v for v in y],
-                        marker, ms=7 if marker != "*" else 10, color=color, mec="white", mew=0.6, ls="", label=part,
-                    )  # fmt: skip
+                        [100 * v for v in x],
+                        [100 * v for v in y],
+                        marker,
+                        ms=7 if marker != "*" else 10,
+                        color=color,
+                        mec="white",
+                        mew=0.6,
+                        ls="",
+                        label=part,
+                    )
             ends = [100 * LEAST, 1000]
             axes.plot(ends, ends, color=INK, lw=1, zorder=1)
             axes.fill_between(

@@ -17,7 +17,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import as_csv
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.preparation.assembly import ELEMENTS
+from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.solve import solve
 from drumlin.report.figures import save
 from drumlin.report.page import fill, versions
@@ -46,7 +46,7 @@ from drumlin_studies.recommendation import (
 )
 from drumlin_studies.work_precision import (
     PEER_FAMILIES,
-    REPEATS,
+    TIMED_REPEATS,
     Method,
     floor,
     measure,
@@ -141,7 +141,7 @@ def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], Trio]) ->
 def _row(brake: Brake, method: Method, trio: Callable[[], Trio], unit: Callable[[], object]) -> Row:
     if method.family in PEER_FAMILIES:
         return peer_row(
-            brake, method, trio().value, unit, 1 if method.family == "CalculiX" else REPEATS
+            brake, method, trio().value, unit, 1 if method.family == "CalculiX" else TIMED_REPEATS
         )
     return measure(brake, method, trio().value, unit)
 
@@ -211,7 +211,7 @@ def report(result: Result, folder: Path) -> Path:
             row for name, values in result.references.items() for row in summary_rows(values, name)
         ],
         spread=spread(rows),
-        repeats=REPEATS,
+        repeats=TIMED_REPEATS,
         unit_elements=UNIT_ELEMENTS,
         versions_text="\n".join(f"{name}: {version}" for name, version in versions().items()),
     )

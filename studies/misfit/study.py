@@ -21,7 +21,7 @@ from drumlin.brake.clearance import ground_to, set_off
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import sine
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
@@ -42,7 +42,7 @@ from drumlin.sweeps.workers import executor
 from drumlin.wear.run_in import COEFFICIENT
 from drumlin.wear.worn_in import worn_in
 from drumlin_studies import misfit_rows
-from drumlin_studies.misfit_rows import QUANTITIES, STATES, Drawn
+from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
@@ -107,9 +107,9 @@ class Result:
     seconds: float
 
     @property
-    def drawn(self) -> Drawn:
+    def drawn(self) -> DrawnBrakes:
         """The brakes drawn from the tolerances."""
-        return Drawn(self.rows, self.deviates.shape[1])
+        return DrawnBrakes(self.rows, self.deviates.shape[1])
 
 
 def study(
@@ -144,9 +144,12 @@ def study(
 
         def solve(what: str, several: Sequence[SweepCase]) -> list[Row]:
             return sweep.run(
-                several, executor=pool, workers=workers, journal=journal,
+                several,
+                executor=pool,
+                workers=workers,
+                journal=journal,
                 done=lambda finished, of: say(f"{what}: {finished} of {of}"),
-            )  # fmt: skip
+            )
 
         sides = (
             np.linspace(-SIDES[0], SIDES[0], setting.wide),
@@ -194,7 +197,7 @@ def study(
         shares={
             state: {
                 name: shares(tolerances, numbers(rows[state], name).reshape(-1, n), seed=SEED)
-                for name in QUANTITIES
+                for name in DRAWN_QUANTITIES
             }
             for state in STATES
         },

@@ -88,9 +88,14 @@ def curves(
                 model, _, rest = name.partition(" ")
                 points = len(x) < 12
                 axes.plot(
-                    x, y, marker="o" if points else None, ms=4, lw=0 if points else 1.8,
-                    **(look_of(model) | ({"ls": ":"} if rest else {})), label=f"{name_of(model)} {rest}".strip(),
-                )  # fmt: skip
+                    x,
+                    y,
+                    marker="o" if points else None,
+                    ms=4,
+                    lw=0 if points else 1.8,
+                    **(look_of(model) | ({"ls": ":"} if rest else {})),
+                    label=f"{name_of(model)} {rest}".strip(),
+                )
             axes.set_title(title)
             axes.set_xlabel(xlabel)
             if zero:

@@ -76,9 +76,15 @@ def _over_distance(axes: Axes, one: Run, surface: WornLining, top: float) -> Non
     levels = np.geomspace(end * 1e-4, end, 240)
     p = np.array([surface.along(at(one.states, s * one.unit).pressure) for s in levels])
     axes.pcolormesh(
-        np.degrees(surface.angles), levels, np.where(p > 0, p, np.nan), cmap="viridis", vmin=0, vmax=top,
-        shading="gouraud" if (p > 0).all() else "nearest", rasterized=True,
-    )  # fmt: skip
+        np.degrees(surface.angles),
+        levels,
+        np.where(p > 0, p, np.nan),
+        cmap="viridis",
+        vmin=0,
+        vmax=top,
+        shading="gouraud" if (p > 0).all() else "nearest",
+        rasterized=True,
+    )
     axes.set_yscale("log")
     axes.set_ylabel(DISTANCE)
     axes.grid(False)

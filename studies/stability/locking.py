@@ -63,11 +63,17 @@ def study(
         for k in [k / 2 for k in range(-6, 13)][::every]
     ]
     ring = [
-        locked(**{"drum.ring": RING | {"support": support}, "drum.ring.material.E": 120e9 * 10**k, "factor": 10**k,
-                  "support": support})
+        locked(
+            **{
+                "drum.ring": RING | {"support": support},
+                "drum.ring.material.E": 120e9 * 10**k,
+                "factor": 10**k,
+                "support": support,
+            }
+        )
         for support in ("free", "fixed")
         for k in [k / 2 for k in range(-8, 9)][::every]
-    ]  # fmt: skip
+    ]
     rigid = [
         locked(**{"shoe.body": None, "shoe.lining.thickness": 8e-3 / 2**k, "n": 2 * elements})
         for k in range(3 if short else 6)

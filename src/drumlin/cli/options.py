@@ -34,7 +34,7 @@ def fem_options(
 ) -> dict[str, Any]:
     """The options of the finite elements that were given. Raises BadInput for what they cannot be."""
     if elements is not None:
-        from drumlin.fem.preparation.assembly import MOST_ELEMENTS
+        from drumlin.fem.preparation.meshes import MOST_ELEMENTS
 
         if not 1 <= elements <= MOST_ELEMENTS:
             raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")

@@ -53,7 +53,7 @@ def mesh(
     from drumlin.base.files import check_outputs
     from drumlin.brake.plane_brake import read_any
     from drumlin.fem.mesh.file import write_mesh
-    from drumlin.fem.preparation.assembly import prepare
+    from drumlin.fem.preparation.prepare import prepare
     from drumlin.fem.solve import check_divided
 
     if name is not None and Path(name).name != name:

@@ -16,8 +16,9 @@ from drumlin.explore.knobs import LARGEST_WEAR, KnobSetting, brake_of, knobs_of
 from drumlin.fem.analysis.self_locking import limits
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import Scene, bare, prepare
-from drumlin.fem.preparation.scene import scene
+from drumlin.fem.preparation.cache import bare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import solve
 from drumlin.laws import LAWS, locking_friction
 from drumlin.models import pick
@@ -159,7 +160,7 @@ class Explorer:
             rough = vary(brake, {"friction": 1.0})
             if any(shoe.mesh for shoe in rough.shoes):
                 return prepare(rough)
-            return scene(rough, EXPLORE_LEVEL)
+            return prepare(rough, EXPLORE_LEVEL)
 
         return self._scene.get(bare(brake).model_copy(update={"friction": 1.0}), make)
 

@@ -28,7 +28,7 @@ from drumlin.base.files import write_text
 from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.preparation.assembly import ELEMENTS, Mesher
+from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
 from drumlin.fem.substructure.interface import ContactLine, couple, radial
 from drumlin.peers.deck import (
     BEARING_STIFFNESS,

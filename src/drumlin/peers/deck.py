@@ -21,7 +21,7 @@ from drumlin.fem.equilibrium.group import gap_at
 from drumlin.fem.mesh.abaqus import NAMES
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.preparation.assembly import materials_of
+from drumlin.fem.preparation.meshes import materials_of
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.interface import end_loads
 from drumlin.peers.peer import Loaded

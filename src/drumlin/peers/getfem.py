@@ -27,7 +27,7 @@ from drumlin.fem.equilibrium.group import gap_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.model import LARGEST_IMBALANCE
-from drumlin.fem.preparation.assembly import ELEMENTS, Mesher
+from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
 from drumlin.fem.substructure.elasticity import layers_of, split
 from drumlin.peers.peer import (
     Loaded,

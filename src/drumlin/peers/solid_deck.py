@@ -17,7 +17,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
-from drumlin.fem.preparation.assembly import materials_of
+from drumlin.fem.preparation.meshes import materials_of
 from drumlin.fem.solid.body import end_forces, face_of, hinged
 from drumlin.fem.solid.fields import oriented, serendipity
 from drumlin.fem.solid.mesh import Solid, solid_mesh

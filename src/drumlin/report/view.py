@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from drumlin.base.arrays import Ints
 from drumlin.brake.brake import Brake
 from drumlin.fem.hp.grid import Grid
-from drumlin.fem.preparation.assembly import Body
+from drumlin.fem.preparation.bodies import Body
 from drumlin.fem.solve import scene_of
 from drumlin.models import refusals
 from drumlin.report.drawing import draw_brake

@@ -23,7 +23,7 @@ from drumlin.base.journal import Journal, key_of, source_stamp
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.mesh.content import content_digest
-from drumlin.fem.preparation.assembly import Cache
+from drumlin.fem.preparation.cache import Cache
 from drumlin.models import pick
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Response, ShoeResponse

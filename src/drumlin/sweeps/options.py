@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from drumlin.brake.fields import Part
 from drumlin.fem import solid
-from drumlin.fem.preparation.assembly import MOST_ELEMENTS
+from drumlin.fem.preparation.meshes import MOST_ELEMENTS
 
 
 class ContactOptions(Part):

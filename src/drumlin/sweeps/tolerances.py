@@ -16,7 +16,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import value_of, vary
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.sweeps.cases import Row, SweepCase
 from drumlin.wear import archard, run_in
 from drumlin.wear.linings import fem_setup

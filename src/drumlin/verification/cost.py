@@ -21,7 +21,8 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.grading import Division, divide
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.preparation.assembly import Mesher, prepare
+from drumlin.fem.preparation.meshes import Mesher
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.elasticity import layers_of
 

@@ -20,7 +20,7 @@ from drumlin.brake.file import vary
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
-from drumlin.fem.preparation.assembly import Scene
+from drumlin.fem.preparation.scene import Scene
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment

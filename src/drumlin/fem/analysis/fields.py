@@ -16,7 +16,8 @@ from drumlin.brake.brake import Brake, Frame, Shoe
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import Grid
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.fem.preparation.assembly import Body, Scene, actuation
+from drumlin.fem.preparation.bodies import Body, actuation
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.substructure.elasticity import layers_of, ring_layers, stress
 from drumlin.fem.substructure.interface import Directions, radial, straight
 from drumlin.response.balance import loaded

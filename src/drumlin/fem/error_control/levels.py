@@ -11,8 +11,10 @@ from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp.division import Kind, Level, Place
-from drumlin.fem.preparation import assembly
-from drumlin.fem.preparation.scene import scene
+from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import alike as equal_shapes
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.response import Response
 
 DEG = math.pi / 180
@@ -125,23 +127,21 @@ smaller, a level takes more passes for an end that it knows.
 class Respond(Protocol):
     """What answers for a brake on a scene, from the contact of an earlier response."""
 
-    def __call__(
-        self, scene: assembly.Scene, brake: Brake, *, start: Response | None = None
-    ) -> Response:
+    def __call__(self, scene: Scene, brake: Brake, *, start: Response | None = None) -> Response:
         """The response."""
 
 
 class Step(NamedTuple):
     """A level's scene and response."""
 
-    scene: assembly.Scene
+    scene: Scene
     response: Response
 
 
 def steps(
     brake: Brake,
     respond: Respond,
-    cache: assembly.Cache | None = None,
+    cache: Cache | None = None,
     levels: Sequence[Level] = (),
 ) -> Iterator[Step]:
     """The brake on all levels, or on those given, finer and finer; cache: see `scene`.
@@ -156,14 +156,14 @@ def steps(
     have none.
     """
     last: Response | None = None
-    alike = assembly.alike(brake)
+    alike = equal_shapes(brake)
     refused, even = 0, math.inf
     for level in levels or LEVELS:
         step: Step | None = None
         places = places_of(brake, last, alike, level.error)
         tried: list[Mapping[int, Sequence[Place]]] = []
         for _ in range(MOST_PASSES):
-            made = scene(brake, _evened(level, even), places, cache, alike)
+            made = prepare(brake, _evened(level, even), places, alike=alike, cache=cache)
             try:
                 found = respond(made, brake, start=last)
             except NoAnswer as refusal:
