@@ -48,7 +48,7 @@ SCRIPT = Path(__file__).with_name("getfem_brake.py")
 INSTALL_GETFEM = "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
 FORMULATIONS = ("full slip", "coulomb")
 
-FURTHER_FRICTION = 0.9
+FURTHER_LOAD_FRICTION = 0.9
 """Friction coefficient of the further load case, relative to the brake's."""
 
 SLIPPING = 0.99
@@ -373,7 +373,7 @@ def _problem(
         "shoes": [_shoe_data(brake, loaded) for loaded in shoes],
         "formulation": formulation,
         "repeats": repeats,
-        "friction": [brake.friction, FURTHER_FRICTION * brake.friction],
+        "friction": [brake.friction, FURTHER_LOAD_FRICTION * brake.friction],
     }
     return arrays | {"data": json.dumps(data)}
 

@@ -44,7 +44,7 @@ displacement, traction that holds the shoe, and pressure or traction of the cont
 MOST_NEWTON_STEPS = 60
 """Newton steps after which a solve counts as not converged. Some ten are usual."""
 
-RESIDUAL = 1e-11
+NEWTON_RESIDUAL = 1e-11
 """Largest residual with which Newton's method ends; smaller ones are round-off."""
 
 
@@ -306,7 +306,7 @@ class PeerBody:
         self._set_gap(shoe, drag)
         for name, value in (shoe.get("state") or self.start(shoe)).items():
             md.set_variable(name, value)
-        options = {"max_iter": MOST_NEWTON_STEPS, "max_res": RESIDUAL, "lsolver": "mumps"}
+        options = {"max_iter": MOST_NEWTON_STEPS, "max_res": NEWTON_RESIDUAL, "lsolver": "mumps"}
         options |= {"lsearch": "simplest", "alpha min": 1.0}
         # GetFEM takes its options as a list of names and values in turn.
         arguments: list[Any] = []

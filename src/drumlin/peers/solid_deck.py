@@ -49,7 +49,7 @@ ROTATION = 4e-3
 Friction has the direction of the slip. As the lining is pressed it widens and creeps sideways by
 some ten micrometres, which must be little beside the way of the drum."""
 
-HALF_WIDTH = 0.5
+MODELLED_WIDTH = 0.5
 """Part of the shoe that the deck holds. It takes the place of the plane deck's thickness."""
 
 FACES = [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
@@ -83,7 +83,7 @@ def export(
     -------
     the files, and the names of shoes without a deck, which their force turns away from the drum
     """
-    setting = DeckSetting(rotation=ROTATION, thickness=HALF_WIDTH)
+    setting = DeckSetting(rotation=ROTATION, thickness=MODELLED_WIDTH)
     paths, apart = [], []
     for loaded, solid in _posed(brake, elements, across):
         if not loaded.approaches:
@@ -112,7 +112,7 @@ def solve(
     setting : of the decks
     """
     installed = calculix.version()
-    start = (setting or DeckSetting(rotation=ROTATION))._replace(thickness=HALF_WIDTH)
+    start = (setting or DeckSetting(rotation=ROTATION))._replace(thickness=MODELLED_WIDTH)
     tally = calculix.RunTally()
     for loaded, solid in _posed(brake, elements, across):
         if not loaded.approaches:
