@@ -43,8 +43,8 @@ BEYOND_ELEMENTS = 2
 """Number of the drum's elements past each end of the lining."""
 
 BEARING_STIFFNESS = 1e10
-"""Stiffness of the springs that bear the pin [N/mm]. The pin moves by some 1e-7 mm under kN; a
-stiffer spring would lose the digits of this motion, from which the reaction is computed."""
+"""Stiffness of the springs that bear the pin [N/mm]. Under 1 kN the pin moves by 1e-7 mm, which
+changes nothing, and CalculiX prints the motion with all its digits."""
 
 DRUM_MODULUS = 1e-6
 """Modulus of the drum relative to the lining's. All of the drum's nodes are prescribed. A soft drum

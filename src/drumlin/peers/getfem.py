@@ -61,8 +61,7 @@ EQUAL_WAYS = 1e-10
 """Relative difference of the ways of two tips up to which a cam moves them alike."""
 
 MOST_FORCE_PARTS = 12
-"""Largest number of ways to share the cam's force that are tried. The secant method takes some
-four."""
+"""Largest number of ways to share the cam's force that are tried. Linings that fit take two."""
 
 
 @functools.cache

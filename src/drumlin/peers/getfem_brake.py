@@ -42,7 +42,7 @@ UNKNOWNS = ("u", "hold", "p")
 displacement, traction that holds the shoe, and pressure or traction of the contact."""
 
 MOST_NEWTON_STEPS = 60
-"""Newton steps after which a solve counts as not converged. Some ten are usual."""
+"""Newton steps after which a solve counts as not converged. A judgement."""
 
 NEWTON_RESIDUAL = 1e-11
 """Largest residual with which Newton's method ends; smaller ones are round-off."""

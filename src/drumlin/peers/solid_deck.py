@@ -167,7 +167,7 @@ def deck(
     held = np.intersect1d(hinged(solid, shoe), used)
     grid = _grid(loaded, points, cells, held)
     drum_mesh = drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
-    # The mid-plane stays plane. The hinge of a rigid shoe is the lining's back, which is held, too.
+    # The mid-plane stays plane. A rigid shoe holds the back of its lining in this direction, too.
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
     face = face_of(solid, shoe, brake.size).nodes

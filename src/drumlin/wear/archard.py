@@ -56,7 +56,7 @@ TOLERANCE = 1e-3
 pressure. Steps above it are repeated with a shorter distance. A judgement."""
 
 MAX_WEAR_STEPS = 20_000
-"""Largest number of steps. A run that needs more is refused; runs that settle take some hundred."""
+"""Largest number of steps. A run that needs more is refused; the example brakes settle in some 40."""
 
 MAX_STEP_GROWTH = 4.0
 """Largest factor from one step to the next. Larger ones risk a step that has to be repeated."""
@@ -72,7 +72,7 @@ NEWTON_TOLERANCE = 1e-11
 values are round-off."""
 
 MAX_NEWTON_STEPS = 60
-"""Newton steps after which a stage counts as not converged. Some ten are usual."""
+"""Newton steps after which a stage counts as not converged. A judgement."""
 
 SHORTEST_STEP = 1e-13
 """Step, relative to the distance so far, below which the run gives up: round-off of the distance
