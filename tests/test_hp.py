@@ -38,10 +38,10 @@ from drumlin.fem.solve import scene_of, solve
 from drumlin.fem.substructure.body import FRAME, condense
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.laws import sine
+from drumlin.lining_wear.worn_in import solve as solve_worn_in
 from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import Inside, largest, lobatto
 from drumlin.sweeps.cases import SweepCase, solved
-from drumlin.wear.worn_in import solve as solve_worn_in
 from drumlin_studies.random_brake import random_brake
 
 STEEL = Material(E=210e9, nu=0.3)

@@ -18,10 +18,10 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.foundation import model as foundation
 from drumlin.laws import sine
+from drumlin.lining_wear import run_in
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.worn_in import worn_in
 from drumlin.response.norms import pressure_distance
-from drumlin.wear import run_in
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.worn_in import worn_in
 
 R = 0.15
 TEXT = (STUDY / "brake.toml").read_text()

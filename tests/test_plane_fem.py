@@ -19,9 +19,9 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
-from drumlin.wear.archard import WearLaw
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.run_in import COEFFICIENT, run_in, unit_distance, worn
+from drumlin.lining_wear.archard import WearLaw
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.run_in import COEFFICIENT, run_in, unit_distance, worn
 from drumlin_studies.ladder_pads import guided
 from drumlin_studies.random_kinds import placed
 from flat_pads import BODY, KINDS, LINING, pad

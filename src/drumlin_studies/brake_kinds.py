@@ -17,11 +17,11 @@ from drumlin.fem.analysis.self_locking import limits
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import law
+from drumlin.lining_wear import worn_in
 from drumlin.models import MODELS, applicable
 from drumlin.response.merit import brake_factor
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response
-from drumlin.wear import worn_in
 
 TRUSTED, ROUGH = 0.05, 0.15  # relative errors up to which a law is trusted, and is an estimate
 NO_EFFECT_ERROR = 1e-9  # below it the effect is no matter of the pressure

@@ -21,11 +21,18 @@ from drumlin.fem.model import REFINED, respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import scene_of
+from drumlin.lining_wear.archard import WearLaw, WearState, run_on
+from drumlin.lining_wear.linings import WearSetup, fem_setup
+from drumlin.lining_wear.run_in import (
+    COEFFICIENT,
+    WEAR_SETTLED,
+    apart,
+    run_in,
+    target,
+    worn,
+)
+from drumlin.lining_wear.worn_in import worn_in
 from drumlin.response import Response
-from drumlin.wear.archard import WearLaw, WearState, run_on
-from drumlin.wear.linings import WearSetup, fem_setup
-from drumlin.wear.run_in import COEFFICIENT, WEAR_SETTLED, apart, run_in, target, worn
-from drumlin.wear.worn_in import worn_in
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 

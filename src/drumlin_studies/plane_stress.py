@@ -25,10 +25,10 @@ from drumlin.fem.solid.face import ContactFace
 from drumlin.fem.solve import solve as by_elements
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, hinged, sine
+from drumlin.lining_wear.archard import WearLaw, run_on
+from drumlin.lining_wear.linings import fem_setup
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, ShoeResponse, Surface, edge_zone
-from drumlin.wear.archard import WearLaw, run_on
-from drumlin.wear.linings import fem_setup
 from drumlin_studies.uncertainty import Index, Validation, grid_convergence, validate
 
 WIDTH_QUANTITIES = {

@@ -49,8 +49,9 @@ def solve(
     penalty: float = POINTWISE_PENALTY,
     mesher: Mesher | None = None,
 ) -> Response:
-    """Mesh and solve a brake with a rigid drum, each shoe by itself and anew; see
-    `drumlin.fem.model.solve`.
+    """Mesh and solve a brake with a rigid drum, each shoe by itself and anew.
+
+    Options are those of `drumlin.fem.solve.solve`.
 
     The pressure of the response is linear between the values at the Gauss points. Raises NoAnswer
     where the set of touching points repeats itself or does not settle, BadInput for an elastic ring

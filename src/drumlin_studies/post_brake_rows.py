@@ -25,10 +25,10 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
+from drumlin.lining_wear.worn_in import worn_in_foundation
 from drumlin.response.merit import with_merits
 from drumlin.response.norms import relative
 from drumlin.response.response import Merit, Response
-from drumlin.wear.worn_in import worn_in_foundation
 
 ALL_LIFTS = ("all",)
 Solver = Callable[[Brake], Response]

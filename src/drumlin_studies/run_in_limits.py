@@ -27,10 +27,9 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import Scene, why_not
 from drumlin.laws import hinged, law
-from drumlin.response.norms import relative
-from drumlin.wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
-from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup, guided
-from drumlin.wear.run_in import (
+from drumlin.lining_wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
+from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup, guided
+from drumlin.lining_wear.run_in import (
     COEFFICIENT,
     WearTarget,
     checks,
@@ -42,6 +41,7 @@ from drumlin.wear.run_in import (
     unit_distance,
     worn,
 )
+from drumlin.response.norms import relative
 
 ARCHARD = WearLaw(COEFFICIENT)
 SPENT_WITHIN = 0.01  # of the law: what "away from the law" means in the tables

@@ -23,6 +23,8 @@ from drumlin.comparison import as_csv
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import sine
+from drumlin.lining_wear.run_in import COEFFICIENT
+from drumlin.lining_wear.worn_in import worn_in
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.response.response import Response
@@ -39,8 +41,6 @@ from drumlin.sweeps.tolerances import (
     shares,
 )
 from drumlin.sweeps.workers import executor
-from drumlin.wear.run_in import COEFFICIENT
-from drumlin.wear.worn_in import worn_in
 from drumlin_studies import misfit_rows
 from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
 

@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from drumlin.lining_wear.archard import at
+from drumlin.lining_wear.linings import WornLining
+from drumlin.lining_wear.run_in import peak
 from drumlin.report.figures import STYLE, key, mark_cut
 from drumlin.report.palette import BLUE, INK, RED
-from drumlin.wear.archard import at
-from drumlin.wear.linings import WornLining
-from drumlin.wear.run_in import peak
 from drumlin_studies.run_in_limits import Board, Reversals, Run
 
 NEW, LATE, LAW = BLUE, INK, RED

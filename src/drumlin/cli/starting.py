@@ -1,4 +1,4 @@
-"""Commands to start from: example brakes, and the schema of the files for an editor."""
+"""Commands for a first file: example brakes, and the JSON schema that an editor completes by."""
 
 import json
 from typing import Annotated

@@ -21,13 +21,13 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import solve
 from drumlin.laws import LAWS, locking_friction
+from drumlin.lining_wear.archard import WearLaw, WearState, at
+from drumlin.lining_wear.linings import WearSetup, fem_setup
+from drumlin.lining_wear.run_in import COEFFICIENT, WORN_OUT, run_in, unit_distance, worn
 from drumlin.models import pick
 from drumlin.response import Response
 from drumlin.response.merit import with_merits
 from drumlin.response.norms import pressure_distance, relative
-from drumlin.wear.archard import WearLaw, WearState, at
-from drumlin.wear.linings import WearSetup, fem_setup
-from drumlin.wear.run_in import COEFFICIENT, WORN_OUT, run_in, unit_distance, worn
 
 EXPLORE_LEVEL = LEVELS[1]
 """The fixed division of parametric shoes. On it the torque is known within some 3e-4, and the

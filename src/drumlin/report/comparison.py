@@ -67,16 +67,13 @@ def draw_fields(
     None, or the reason why there is no picture, such as a machine without off-screen rendering
     """
     # These imports are heavy, and most commands draw no fields.
-    from drumlin.fem.analysis.fields import fields, ring_fields, write_vtu  # noqa: PLC0415
+    from drumlin.fem.analysis.fields import all_fields, write_vtu  # noqa: PLC0415
     from drumlin.fem.solve import scene_of  # noqa: PLC0415
     from drumlin.report.render import render  # noqa: PLC0415
 
     brake.check_meshable()
     scene = scene_of(brake, **options)
-    parts = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
-    if scene.ring is not None:
-        parts.append(ring_fields(scene, brake, response))
-    write_vtu(folder / f"{name}.vtu", parts)
+    write_vtu(folder / f"{name}.vtu", all_fields(scene, brake, response))
     title = f"{brake.title}, {brake.motion}"
     return render(folder / f"{name}.vtu", folder / f"{name}.png", loaded(brake, response), title)
 

@@ -17,9 +17,9 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import value_of, vary
 from drumlin.fem.preparation.prepare import prepare
+from drumlin.lining_wear import archard, run_in
+from drumlin.lining_wear.linings import fem_setup
 from drumlin.sweeps.cases import Row, SweepCase
-from drumlin.wear import archard, run_in
-from drumlin.wear.linings import fem_setup
 
 PERCENTILES = (1, 5, 50, 95, 99)
 """The percentiles [%] by which a distribution is reported."""

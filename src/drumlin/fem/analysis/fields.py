@@ -78,6 +78,14 @@ def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
     return _fields(ring.mesh, ring.basis, u, layers, pressure, Frame(0.0, 1), np.asarray, radial(1))
 
 
+def all_fields(scene: Scene, brake: Brake, response: Response) -> list[Fields]:
+    """The fields of each shoe, and after them those of the drum ring where it is elastic."""
+    found = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
+    if scene.ring is not None:
+        found.append(ring_fields(scene, brake, response))
+    return found
+
+
 def _fields(
     mesh: Any, basis: Any, u: Floats, layers: dict[str, ElasticLayer], pressure: Floats, frame: Frame,
     place: Callable[[Floats], Floats], directions: Directions,

@@ -45,10 +45,10 @@ from drumlin.fem.solve import scene_of
 from drumlin.foundation.model import SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import sine
+from drumlin.lining_wear.archard import WearInterface, WearLaw, steady
+from drumlin.lining_wear.linings import fem_setup
 from drumlin.response import Response
 from drumlin.response.merit import with_merits
-from drumlin.wear.archard import WearInterface, WearLaw, steady
-from drumlin.wear.linings import fem_setup
 
 LEAST_CLOSING = 0.01
 """Closing of the gap by the most even motion, relative to the largest one along the lining, below

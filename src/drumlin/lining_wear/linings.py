@@ -24,7 +24,7 @@ from drumlin.fem.preparation.scene import Scene
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment
-from drumlin.wear.archard import Footing, WearInterface, from_soft
+from drumlin.lining_wear.archard import Footing, WearInterface, from_soft
 
 AnyBrake = TypeVar("AnyBrake", bound=Brake)
 

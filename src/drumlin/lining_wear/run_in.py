@@ -20,11 +20,11 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.units import mm
 from drumlin.laws import rigid
 from drumlin.laws.rigid import Pressed
+from drumlin.lining_wear import archard
+from drumlin.lining_wear.archard import WearLaw, WearState, steady
+from drumlin.lining_wear.linings import WearSetup, WornLining, worn_by
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
-from drumlin.wear import archard
-from drumlin.wear.archard import WearLaw, WearState, steady
-from drumlin.wear.linings import WearSetup, WornLining, worn_by
 
 COEFFICIENT = 1e-14
 """Wear coefficient k [1/Pa] where none is given: 1e-5 mm^3/(N m), the order of organic linings.
