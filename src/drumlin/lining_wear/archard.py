@@ -56,7 +56,7 @@ TOLERANCE = 1e-3
 pressure. Steps above it are repeated with a shorter distance. A judgement."""
 
 MAX_WEAR_STEPS = 20_000
-"""Largest number of steps. A run that needs more is refused; the example brakes settle in some 40."""
+"""Largest number of steps. Runs that need more are refused; the example brakes take some 40."""
 
 MAX_STEP_GROWTH = 4.0
 """Largest factor from one step to the next. Larger ones risk a step that has to be repeated."""
