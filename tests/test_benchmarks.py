@@ -75,7 +75,7 @@ def test_every_figure_is_in_the_table_and_in_one_panel():
     rows = [*kept, other]
     table = history.table(rows)
     panels = history.picture(rows).axes
-    labels = [line.get_label() for axes in panels for line in axes.get_lines()]
+    labels = [str(line.get_label()) for axes in panels for line in axes.get_lines()]
     assert sorted(labels) == sorted(other.figures)
     for name in other.figures:
         assert f"| {name} |" in table

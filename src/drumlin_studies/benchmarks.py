@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 import drumlin
+from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.fem.solve import scene_of
 from drumlin.studies import REPOSITORY, examples
@@ -27,7 +28,14 @@ from drumlin.studies import REPOSITORY, examples
 HISTORY = REPOSITORY / "reports" / "reference" / "benchmarks" / "history.jsonl"
 """The kept file: one line a measurement, the oldest first."""
 
-TIMED_SOLVES = ("double_shoe", "double_shoe_flexible", "post_brake", "duo_servo", "band", "rail_clamp")
+TIMED_SOLVES = (
+    "double_shoe",
+    "double_shoe_flexible",
+    "post_brake",
+    "duo_servo",
+    "band",
+    "rail_clamp",
+)
 """Example brakes whose default solve is timed.
 
 They stand for stiff and flexible shoes, an elastic ring, shoes that share a strut, a band of
@@ -70,7 +78,7 @@ def workload() -> float:
     A change of this function makes the earlier lines of the history incomparable.
     """
     matrix = np.eye(SYSTEM_SIZE) + 1 / (1 + np.arange(SYSTEM_SIZE**2).reshape(SYSTEM_SIZE, -1))
-    right = np.ones(SYSTEM_SIZE)
+    right: Floats = np.ones(SYSTEM_SIZE)
     for _ in range(SYSTEMS):
         right = np.linalg.solve(matrix, right)
     total = float(right.sum())
