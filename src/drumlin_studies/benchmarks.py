@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 
 import drumlin
-from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.fem.solve import scene_of
 from drumlin.studies import REPOSITORY, examples
@@ -78,10 +77,10 @@ def workload() -> float:
     A change of this function makes the earlier lines of the history incomparable.
     """
     matrix = np.eye(SYSTEM_SIZE) + 1 / (1 + np.arange(SYSTEM_SIZE**2).reshape(SYSTEM_SIZE, -1))
-    right: Floats = np.ones(SYSTEM_SIZE)
+    right = np.ones(SYSTEM_SIZE)
+    total = 0.0
     for _ in range(SYSTEMS):
-        right = np.linalg.solve(matrix, right)
-    total = float(right.sum())
+        total += float(np.linalg.solve(matrix, right).sum())
     for number in range(ADDITIONS):
         total += number
     return total
