@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from drumlin.contact import active_set
 from drumlin.contact.equations import (
-    LARGE,
+    BORDERED_ABOVE,
     Changed,
     Equations,
     Problem,
@@ -398,13 +398,19 @@ def test_a_few_changed_nodes_use_the_factors_that_there_are():
     def changed(base, count):
         return base.on ^ (np.arange(len(base.on)) < count)
 
-    base, few = start(LARGE + 8), few_changed
-    assert few(base, changed(base, LARGE // 8))
-    assert not few(base, changed(base, LARGE // 8 + 1))  # more than an eighth of what is on
-    assert not few(start(LARGE + 7), changed(start(LARGE + 7), 1))  # as fast factorised
-    other = base.on ^ np.isin(np.arange(len(base.on)), [4, 9, LARGE + 5])
-    x = Changed(base, np.eye(LARGE + 8) + 0.1, other).solve(-np.arange(1.0, LARGE + 9))
-    assert x[[4, 9, LARGE + 4]].tolist() == [0, 0, 0] and (x != 0).sum() == LARGE
+    base, few = start(BORDERED_ABOVE + 8), few_changed
+    assert few(base, changed(base, BORDERED_ABOVE // 8))
+    assert not few(
+        base, changed(base, BORDERED_ABOVE // 8 + 1)
+    )  # more than an eighth of what is on
+    assert not few(
+        start(BORDERED_ABOVE + 7), changed(start(BORDERED_ABOVE + 7), 1)
+    )  # as fast factorised
+    other = base.on ^ np.isin(np.arange(len(base.on)), [4, 9, BORDERED_ABOVE + 5])
+    x = Changed(base, np.eye(BORDERED_ABOVE + 8) + 0.1, other).solve(
+        -np.arange(1.0, BORDERED_ABOVE + 9)
+    )
+    assert x[[4, 9, BORDERED_ABOVE + 4]].tolist() == [0, 0, 0] and (x != 0).sum() == BORDERED_ABOVE
 
 
 def test_pairs_of_nodes_that_carry_no_two_motions_are_passed_over_in_silence():

@@ -22,7 +22,7 @@ from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
 from drumlin.errors import BadInput
 
 
-class Frame(NamedTuple):
+class ShoeFrame(NamedTuple):
     """A shoe's own frame: a coordinate phi that counts from the pin (`Held.pin`) towards the
     lining.
 
@@ -104,7 +104,7 @@ class Shoe(Meshed):
 
     @property
     @abstractmethod
-    def frame(self) -> Frame:
+    def frame(self) -> ShoeFrame:
         """The shoe's own frame."""
 
     @cached_property
@@ -255,7 +255,7 @@ class Brake(Part):
 
     @property
     def unit(self) -> float:
-        """The surface's coordinate per unit of phi, see `Frame`."""
+        """The surface's coordinate per unit of phi, see `ShoeFrame`."""
         return self.size / self.scale_factor
 
     @property

@@ -85,7 +85,7 @@ def bonded(plates: Sequence[Section]) -> Bonded:
     )
 
 
-STEEL = Material(E=210e9, nu=0.3)
+ASSUMED_STEEL = Material(E=210e9, nu=0.3)
 """The material of what is known by its bending stiffness alone: then its width follows, and plane
 stress feels only the product of both.
 """
@@ -100,7 +100,7 @@ def _section(part: "Ring | Beam | Bar", EI: float | None) -> Section | None:
     if EI is None:
         known = part.width is not None and part.material is not None
         return Section(part.thickness, part.width, part.material) if known else None  # type: ignore[arg-type]
-    section = Section(part.thickness, part.width or 1.0, part.material or STEEL)
+    section = Section(part.thickness, part.width or 1.0, part.material or ASSUMED_STEEL)
     return section._replace(width=section.width * EI / section.bending_stiffness)
 
 
@@ -180,7 +180,7 @@ LARGEST_MISFIT = 0.05
 """Of the drum's radius, or a pad's length; beyond it normals along the drum's radii are no longer a
 model.
 """
-STEP = math.radians(1.0)  # rad
+ROUNDED_STEP = math.radians(1.0)  # rad
 """Arc of the rounded step from one block's height to the next. A sharp edge, and the corner of a
 straight chamfer, carry a pressure without bound, and no mesh would settle.
 """
@@ -291,7 +291,7 @@ class DrumLining(Lining):
     @property
     def step(self) -> float:
         """Arc [rad] of the rounded step from one block's height to the next."""
-        return STEP
+        return ROUNDED_STEP
 
     @model_validator(mode="after")
     def _arc(self) -> Self:
@@ -385,7 +385,7 @@ class Bar(Part):
         return self.thickness + (self.table.thickness if self.table else 0.0)
 
 
-class Body(Bar):
+class ArcBody(Bar):
     """The elastic shoe behind lining and backing: an arc of constant section from `start` to `end`."""
 
     shape: Literal["arc"] = "arc"
@@ -466,7 +466,7 @@ def _shape(data: object) -> str:
 
 
 AnyBody = Annotated[
-    Annotated[Body, Tag("arc")] | Annotated[Beam, Tag("beam")],
+    Annotated[ArcBody, Tag("arc")] | Annotated[Beam, Tag("beam")],
     Discriminator(
         _shape,
         custom_error_type="shape",

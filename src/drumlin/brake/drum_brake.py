@@ -17,14 +17,14 @@ from pydantic import (
 
 from drumlin.arrays import Floats, angle_near
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.brake import Brake, Frame, Shoe
+from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
     LARGEST_MISFIT,
     AnyBody,
+    ArcBody,
     Backing,
     Bar,
     Beam,
-    Body,
     Drum,
     DrumLining,
     Friction,
@@ -52,14 +52,14 @@ class DrumShoe(Shoe):
     body: AnyBody | None = None
 
     @cached_property
-    def frame(self) -> Frame:
+    def frame(self) -> ShoeFrame:
         """The shoe's own frame; its origin is chosen so that phi of the lining's middle is in [0,
         pi].
         """
         middle = 0.5 * (self.lining.start + self.lining.end)
         offset = math.remainder(middle - self.pin.angle, 2 * math.pi)
         sense = 1 if offset >= 0 else -1
-        return Frame(middle - offset, sense)
+        return ShoeFrame(middle - offset, sense)
 
     @property
     def own_pin(self) -> Floats:
@@ -223,7 +223,7 @@ THINNEST = 1e-9  # of the drum's radius: a thinner layer has no elements that ar
 
 
 def _check_thickness(
-    key: str, part: "DrumLining | Backing | Body | Beam | Ring | Table | None", radius: float
+    key: str, part: "DrumLining | Backing | ArcBody | Beam | Ring | Table | None", radius: float
 ) -> None:
     thickness = None if part is None else part.thickness
     if thickness is not None and thickness < THINNEST * radius:
@@ -234,7 +234,7 @@ def _check_thickness(
 
 def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
     """Raise ValueError where a shoe does not fit together or into a drum of this radius [m]."""
-    table = shoe.body.table if isinstance(shoe.body, Body) else None
+    table = shoe.body.table if isinstance(shoe.body, ArcBody) else None
     parts = {"lining": shoe.lining, "backing": shoe.backing, "body": shoe.body, "body.table": table}
     for name, part in parts.items():
         _check_thickness(f"{key}.{name}", part, radius)
@@ -252,7 +252,7 @@ def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
     body, lining = shoe.body, shoe.lining
     if isinstance(body, Beam):
         _check_beam(key, shoe, radius)
-    if not isinstance(body, Body):
+    if not isinstance(body, ArcBody):
         return
     if not 0 < body.end - body.start < 2 * math.pi:
         raise ValueError(

@@ -23,7 +23,7 @@ from pydantic import (
 )
 
 from drumlin.arrays import Floats
-from drumlin.brake.units import EXAMPLES, NAMES, to_si
+from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, to_si
 from drumlin.texts import nearest
 
 
@@ -329,7 +329,9 @@ def _number_or_rows(
 ) -> float | Rows:
     if not isinstance(value, list | tuple):
         return _si(value, si, info)
-    rows = _rows(value, info, place=place, name=name, row=row, kinds=f"{NAMES[si]} or rows")
+    rows = _rows(
+        value, info, place=place, name=name, row=row, kinds=f"{QUANTITY_NAMES[si]} or rows"
+    )
     if len(rows) < 2:
         raise ValueError(f"the table needs at least two rows, with growing {place}s")
     return rows

@@ -18,8 +18,8 @@ from drumlin.errors import BadInput
 from drumlin.files import read_text
 from drumlin.texts import check_toml
 
-LARGEST_FILE = 500_000  # bytes; a brake file has a few thousand
-ALLOWED = {
+LARGEST_BRAKE_FILE = 500_000  # bytes; a brake file has a few thousand
+FAULT_TEXTS = {
     "tuple_type": "must be tables, each under [[{key}]]",
     "dict_type": "must be a table, [{key}]",
     "too_short": "needs one entry at least",
@@ -37,7 +37,7 @@ says well.
 """
 
 
-KINDS = {"arc", "beam", "isotropic", "orthotropic", "float", "str"}
+UNION_TAGS = {"arc", "beam", "isotropic", "orthotropic", "float", "str"}
 """Steps to a fault that say which kind of body, material or value was read, and are no key of the
 file."""
 
@@ -47,7 +47,7 @@ def _line(error: ValidationError, data: Any) -> str:
     fault = error.errors()[0]
     key = ""
     for step in fault["loc"]:
-        if step in KINDS:
+        if step in UNION_TAGS:
             continue
         key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
         try:
@@ -55,7 +55,7 @@ def _line(error: ValidationError, data: Any) -> str:
         except (LookupError, TypeError):
             data = None
     said = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-    message = ALLOWED[fault["type"]].format(key=key) if fault["type"] in ALLOWED else said
+    message = FAULT_TEXTS[fault["type"]].format(key=key) if fault["type"] in FAULT_TEXTS else said
     if fault["type"] == "missing":
         return f"{key}: is missing"
     shown = f" = {data!r}" if isinstance(data, str | int | float) else ""
@@ -95,7 +95,7 @@ def brake_from(
 
 def toml_text(path: Path) -> str:
     """The text of a brake file; raises BadInput where it cannot be read."""
-    return read_text(path, LARGEST_FILE, "a brake file")
+    return read_text(path, LARGEST_BRAKE_FILE, "a brake file")
 
 
 def toml_data(text: str, path: Path) -> dict[str, Any]:

@@ -16,8 +16,16 @@ import numpy as np
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from drumlin.arrays import Floats
-from drumlin.brake.brake import Brake, Frame, Shoe
-from drumlin.brake.components import LARGEST_MISFIT, STEP, Backing, Bar, Friction, Lining, Misfit
+from drumlin.brake.brake import Brake, Shoe, ShoeFrame
+from drumlin.brake.components import (
+    LARGEST_MISFIT,
+    ROUNDED_STEP,
+    Backing,
+    Bar,
+    Friction,
+    Lining,
+    Misfit,
+)
 from drumlin.brake.drive import Drive, Link, driven
 from drumlin.brake.drum_brake import DrumBrake, check_grip
 from drumlin.brake.fields import (
@@ -95,7 +103,7 @@ class FlatLining(Lining):
     @property
     def step(self) -> float:
         """Length [m] of the rounded step from one block's height to the next."""
-        return STEP * (self.end - self.start)
+        return ROUNDED_STEP * (self.end - self.start)
 
 
 class FlatBody(Bar):
@@ -110,7 +118,7 @@ class FlatBody(Bar):
         return "arc"
 
 
-class FlatFrame(Frame):
+class FlatFrame(ShoeFrame):
     """A flat shoe's own frame, whose origin is the hinge's foot on the plane.
 
     Its points are (distance from there towards the lining, height above the plane) [m].

@@ -13,7 +13,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from drumlin.brake import fields
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.plane_brake import FlatBrake
-from drumlin.brake.units import EXAMPLES, NAMES
+from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 QUANTITY = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?\s*[A-Za-zµμ°%1].*$"
@@ -21,7 +21,7 @@ QUANTITY = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?\s*[A-Za-zµμ°%1].*$
 
 def quantity(si: str) -> dict[str, Any]:
     """The schema of a text with its unit, of the dimension of an SI unit."""
-    said = f"{NAMES[si]} with its unit, such as {EXAMPLES[si]!r}"
+    said = f"{QUANTITY_NAMES[si]} with its unit, such as {EXAMPLES[si]!r}"
     return {"type": "string", "pattern": QUANTITY, "description": said, "examples": [EXAMPLES[si]]}
 
 
@@ -90,8 +90,8 @@ def written(schema: Any) -> Any:
     )
 
 
-IN_FILES = re.compile(r'"(#/\$defs/)?Drum(Brake|Lining|Shoe)"')
-"""Names of the classes that read a brake on a drum. A schema calls them Brake, Lining and Shoe,
+IN_FILES = re.compile(r'"(#/\$defs/)?(?:Drum(Brake|Lining|Shoe)|Arc(Body))"')
+"""Names of the classes that read a brake on a drum. A schema calls them Brake, Lining, Shoe and Body,
 which stays.
 """
 
@@ -99,7 +99,7 @@ which stays.
 def brake_schema() -> dict[str, Any]:
     """The schema of a brake file, on a drum or on a plane."""
     made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
-    found = json.loads(IN_FILES.sub(r'"\1\2"', json.dumps(written(made))))
+    found = json.loads(IN_FILES.sub(r'"\1\2\3"', json.dumps(written(made))))
     return {
         "$schema": DIALECT,
         "title": "drumlin brake file",

@@ -20,7 +20,7 @@ from drumlin.brake.components import Actuation
 from drumlin.brake.fields import Angle, Name, Part, Place, Point
 from drumlin.files import keep_input
 
-KINDS = ("hinge", "abutment", "guide")
+MAIN_SUPPORTS = ("hinge", "abutment", "guide")
 MOVES = {
     "hinge": "it turns about its hinge",
     "pivot": "it turns about a pivot on its lever, not about its hinge",
@@ -91,7 +91,7 @@ def moved(motions: Floats, xy: Floats) -> Floats:
     return np.array([dx - turn * y, dy + turn * x])
 
 
-class Change(NamedTuple):
+class SupportChange(NamedTuple):
     """How `motions` and `tests` (k, 3) of a shoe's freedoms change with one number of what holds
     it.
     """
@@ -119,14 +119,14 @@ class Held(Part):
 
     @model_validator(mode="after")
     def _held(self) -> Self:
-        given = [key for key in KINDS if getattr(self, key) is not None]
+        given = [key for key in MAIN_SUPPORTS if getattr(self, key) is not None]
         if not given:
             raise ValueError(
                 "hinge: is missing; a shoe is held by one of hinge, hinge and pivot, abutment, guide"
             )
         if len(given) > 1:
             raise ValueError(
-                f"{given[1]}: a shoe is held by one of {', '.join(KINDS)}, not by {' and '.join(given)}"
+                f"{given[1]}: a shoe is held by one of {', '.join(MAIN_SUPPORTS)}, not by {' and '.join(given)}"
             )
         if self.pivot is not None and self.hinge is None:
             raise ValueError("pivot: is on a lever, whose pin is the hinge; hinge is missing")
@@ -217,17 +217,17 @@ class Held(Part):
             work[1] = tip[1] = 0.0
         return Freedoms(moved, tested, work, tip, tuple(names))
 
-    def changes(self, sense: int = 1) -> dict[str, tuple[Change, ...]]:
+    def changes(self, sense: int = 1) -> dict[str, tuple[SupportChange, ...]]:
         """How its freedoms change with what holds it, by key: points along x and y [per m],
         directions [per rad], friction [1]. Exact: freedoms are linear in points; sense: as of
         `freedoms`.
         """
         k = len(self.freedoms(sense).names)
 
-        def both(row: int, change: Floats) -> Change:
-            return Change(_rows(k, row, change), _rows(k, row, change))
+        def both(row: int, change: Floats) -> SupportChange:
+            return SupportChange(_rows(k, row, change), _rows(k, row, change))
 
-        def point(row: int) -> tuple[Change, ...]:
+        def point(row: int) -> tuple[SupportChange, ...]:
             return both(row, np.array([0.0, -1.0, 0.0])), both(row, np.array([1.0, 0.0, 0.0]))
 
         if self.guide is not None:
@@ -240,11 +240,11 @@ class Held(Part):
         mu, along = self.abutment.friction, self.abutment.direction + math.pi / 2
         tested = slide_along(along + sense * math.atan(mu) + math.pi / 2)
         found["abutment.direction"] = (
-            Change(_rows(k, 1, slide_along(along + math.pi / 2)), _rows(k, 1, tested)),
+            SupportChange(_rows(k, 1, slide_along(along + math.pi / 2)), _rows(k, 1, tested)),
         )
         if mu > 0:
             found["abutment.friction"] = (
-                Change(np.zeros((k, 3)), _rows(k, 1, sense * tested / (1 + mu**2))),
+                SupportChange(np.zeros((k, 3)), _rows(k, 1, sense * tested / (1 + mu**2))),
             )
         return found
 

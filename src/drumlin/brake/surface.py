@@ -13,10 +13,10 @@ numbers of a brake tie q to lengths:
   the effect is conjugate to q, a torque on a drum and a braking force on a plane.
 - `Brake.size` [m]: the length by which others are measured, and with which bodies are compared: R
   on a drum, the length of the first lining on a plane.
-- `Frame.unit`: q per unit of phi, the coordinate of a shoe's own frame, which finite elements use:
+- `ShoeFrame.unit`: q per unit of phi, the coordinate of a shoe's own frame, which finite elements use:
   phi = s/size. So phi is an angle on a drum, where the unit is 1, and a length in sizes on a plane.
 
-`Frame.theta` and `Frame.phi` change between q and phi, so that a response needs no conversion. The
+`ShoeFrame.theta` and `ShoeFrame.phi` change between q and phi, so that a response needs no conversion. The
 rest of the geometry is that of a `Shoe`: where its frame lies, how its points and depths lie to the
 surface. Formulas that hold on one surface only, those of the laws of hinged shoes and of the
 foundation model, refuse the other one by its `word`.

@@ -19,7 +19,7 @@ _QUANTITY = re.compile(
     rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{{1,3}})?)\s*({_UNIT})\s*", re.ASCII
 )
 
-LARGEST = 1e30  # beyond any brake, and products of such numbers are still numbers
+LARGEST_NUMBER_SI = 1e30  # beyond any brake, and products of such numbers are still numbers
 SMALLEST = 1e-30  # below it a quantity is nothing: squares of such numbers would vanish, but not the numbers
 EXAMPLES = {
     "m": "8 mm",
@@ -30,7 +30,7 @@ EXAMPLES = {
     "N m^2": "12 MN m^2",
     "1/Pa": "1e-5 mm^3/(N m)",
 }
-NAMES = {
+QUANTITY_NAMES = {
     "m": "a length",
     "N": "a force",
     "Pa": "a stress",
@@ -70,10 +70,10 @@ def _by_pint(unit: str, si: str) -> float:
         si_factor, si_base = registry.get_base_units(si)
     except Exception as error:  # pint raises many kinds (undefined unit, token errors, ...)
         raise ValueError(
-            f"unknown unit {unit.strip()!r}; allowed: {NAMES[si]} such as {EXAMPLES[si]!r}"
+            f"unknown unit {unit.strip()!r}; allowed: {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}"
         ) from error
     if base != si_base:
-        raise ValueError(f"must be {NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     return float(factor / si_factor)
 
 
@@ -93,22 +93,22 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
     if isinstance(value, str):
         if len(value) > LONGEST_QUANTITY:
             raise ValueError(
-                f"must be {NAMES[si]} in at most {LONGEST_QUANTITY} characters, such as {EXAMPLES[si]!r}"
+                f"must be {QUANTITY_NAMES[si]} in at most {LONGEST_QUANTITY} characters, such as {EXAMPLES[si]!r}"
             )
         match = _QUANTITY.fullmatch(value)
         if match is None:
             raise ValueError(
-                f"must be {NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}"
+                f"must be {QUANTITY_NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}"
             )
         number = float(match.group(1)) * _factor(match.group(2), si)
     elif isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"must be {NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     elif unit_required:
-        raise ValueError(f"has no unit; write {NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(f"has no unit; write {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     else:
         number = _float(value)
-    if not abs(number) <= LARGEST:
-        raise ValueError(f"must be finite and at most {LARGEST:g} in SI units")
+    if not abs(number) <= LARGEST_NUMBER_SI:
+        raise ValueError(f"must be finite and at most {LARGEST_NUMBER_SI:g} in SI units")
     return number if abs(number) >= SMALLEST else 0.0
 
 

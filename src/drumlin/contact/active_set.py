@@ -28,18 +28,18 @@ from drumlin.contact.equations import (
     TINY,
     Changed,
     Equations,
+    EquilibratedSystem,
     Problem,
-    System,
     equilibrated,
     few_changed,
     regular,
 )
 from drumlin.errors import NoAnswer
 
-MOST_STEPS = 120  # a brake that has an answer needs some ten
-MOST_PASSES = 10  # changes of each node while an answer is followed from wider gaps
+MOST_PIVOT_STEPS = 120  # a brake that has an answer needs some ten
+MOST_SET_CHANGES = 10  # changes of each node while an answer is followed from wider gaps
 GOLDEN = (math.sqrt(5) - 1) / 2
-WIDER = math.sqrt(np.finfo(float).eps)
+PATH_LIFT = math.sqrt(np.finfo(float).eps)
 """Relative size of the lift under which no two nodes change together where a path of answers
 begins: the root of the round-off, so far above it as it is below the gaps themselves. With a lift
 as large as the gaps a path may miss an answer that it finds with all smaller ones.
@@ -51,11 +51,11 @@ Then they change one at a time, along a path that takes as many steps as nodes c
 Pires (1994) wait for up to ten steps. On 50 random holding brakes a patience of one takes 1.2 times
 the factorisations, five to twelve within 2 % of each other; the answers are the same with any.
 """
-SMALL = 48
+COARSENED_FROM = 48
 """Nodes below which a contact set is not guessed from a coarser problem, as it is found in no time:
 with 24 and 96 a tenth more or less of the steps, in the same time.
 """
-SLACK = (
+SET_ROUND_OFF = (
     1e-12  # relative: a pressure or gap below it is round-off, and does not change the contact set
 )
 
@@ -76,7 +76,7 @@ class Contact:
     active: Bools
     steps: int
     regular: bool
-    system: System
+    system: EquilibratedSystem
     tangent: Callable[[Floats], Floats]
 
 
@@ -106,7 +106,10 @@ class NotSettled(NoAnswer):
 
 
 def settle(
-    problem: Problem, start: Bools | None = None, most: int = MOST_STEPS, like: System | None = None
+    problem: Problem,
+    start: Bools | None = None,
+    most: int = MOST_PIVOT_STEPS,
+    like: EquilibratedSystem | None = None,
 ) -> Contact:
     """The answer that changing all wrong nodes at once leads to from `start`, in at most `most`
     steps.
@@ -133,8 +136,8 @@ def settle(
         left = r + closed  # w, and what the equilibria are out of balance by
         w = left[:n]
         w += opened
-        p_slack = SLACK * np.abs(p).max()
-        w_slack = SLACK * max(largest_q, np.abs(opened).max(), np.abs(closed[:n]).max())
+        p_slack = SET_ROUND_OFF * np.abs(p).max()
+        w_slack = SET_ROUND_OFF * max(largest_q, np.abs(opened).max(), np.abs(closed[:n]).max())
         change = np.where(active, p < -p_slack, w < -w_slack)
         wrong = int(np.count_nonzero(change))
         if not wrong:
@@ -212,7 +215,7 @@ def _blocking(
     unit = np.zeros(len(K))
     unit[leaving] = -1.0
     slope = (K @ equations.solve(unit))[: len(w)]
-    closes = ~active & (slope < -SLACK * np.abs(slope).max(initial=0.0))
+    closes = ~active & (slope < -SET_ROUND_OFF * np.abs(slope).max(initial=0.0))
     if not closes.any():
         return None
     reach = np.full(len(w), np.inf)
@@ -236,13 +239,13 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
     K, r, n = system.K, system.r, system.n
     active = _first_touch(system.problem, alone=True)
     s, way, last, e = 1.0, -1, -1, np.zeros(len(r))
-    for step in range(MOST_PASSES * n):
+    for step in range(MOST_SET_CHANGES * n):
         equations = Equations(K, system.on(active))
         x = equations.solve(r)
         w = (r + K @ x)[:n]
         if step == 0:
             uneven = 1 + np.arange(n) * GOLDEN % 1  # no two nodes change together
-            wider = WIDER * max(np.abs(w).max(), np.abs(r[:n]).max())
+            wider = PATH_LIFT * max(np.abs(w).max(), np.abs(r[:n]).max())
             e[:n] = np.where(active, 0.0, np.maximum(-w, 0.0) + wider * uneven)
         dx = equations.solve(e)
         value, slope = (
@@ -282,7 +285,7 @@ def coarse_start(problem: Problem) -> Bools:
     """
     count = len(problem.q)
     active = np.ones(count, dtype=bool)
-    if count < SMALL:
+    if count < COARSENED_FROM:
         return active
     try:
         coarse = settle(halved(problem)).p > 0
@@ -329,7 +332,7 @@ def halved_sums(rows: Floats, axis: int = 0) -> Floats:
     return half
 
 
-def _tangent(equations: Equations, system: System, dq: Floats) -> Floats:
+def _tangent(equations: Equations, system: EquilibratedSystem, dq: Floats) -> Floats:
     dr = np.zeros(len(system.r))
     dr[: system.n] = dq
     return (system.across * equations.solve(system.down * dr))[: system.n]
@@ -387,7 +390,7 @@ def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:
     return touching
 
 
-MOST_SETS = 2016
+MOST_CANDIDATE_SETS = 2016
 """Limit of memory: sets of nodes, as many as there are motions, among which those that bear these
 motions first are looked for. It takes all pairs of 64 nodes, or all triples of 23; of more nodes
 every few.
@@ -435,7 +438,7 @@ def _first_nodes(q: Floats, B: Floats, C: Floats, h: Floats, own: Bools) -> Ints
     """
     k, on = len(h), np.flatnonzero(own)
     few = len(on)
-    while math.comb(few, k) > MOST_SETS:
+    while math.comb(few, k) > MOST_CANDIDATE_SETS:
         few -= 1
     on = on[np.unique(np.linspace(0, len(on) - 1, few).astype(int))]
     sets = on[np.array(list(combinations(range(len(on)), k)), dtype=int).reshape(-1, k)]
@@ -457,4 +460,4 @@ def _independent(matrices: Floats) -> Bools:
     """
     scaled = matrices / np.maximum(np.abs(matrices).max(axis=(0, 2)), TINY)[:, None]
     scaled = scaled / np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), TINY)
-    return np.asarray(np.abs(np.linalg.det(scaled)) > SLACK)
+    return np.asarray(np.abs(np.linalg.det(scaled)) > SET_ROUND_OFF)

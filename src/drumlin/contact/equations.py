@@ -14,7 +14,7 @@ from drumlin.errors import NoAnswer
 from drumlin.lapack import dgecon, dgetrf, dgetrs
 
 TINY = np.finfo(float).tiny
-LARGE = 100
+BORDERED_ABOVE = 100
 """Unknowns of a set up to which factorising another one is as fast as bordering: with 50 to 400
 solves take the same time to 4 %. Without bordering those of 300 and 700 elements take 1.15 and 1.24
 times it.
@@ -31,7 +31,7 @@ class Problem(NamedTuple):
     h: Floats
 
 
-class System(NamedTuple):
+class EquilibratedSystem(NamedTuple):
     """A problem as w = r + K x with x = (p, y), K = [[A, B], [C, 0]], r = (q, -h), equilibrated.
 
     Its rows and columns are multiplied by `down` and `across` (n + k,): w = w'/down, x = across x'.
@@ -56,7 +56,7 @@ class System(NamedTuple):
         return on
 
 
-def equilibrated(problem: Problem, like: System | None = None) -> System:
+def equilibrated(problem: Problem, like: EquilibratedSystem | None = None) -> EquilibratedSystem:
     """The problem with unit diagonal of A, unit columns of B and rows of C, or with the scales that
     these have in a problem `like` it. Signs, and so the answer, stay.
     """
@@ -68,7 +68,7 @@ def equilibrated(problem: Problem, like: System | None = None) -> System:
     K[:n, n:], K[n:, :n] = B * down[:n, None], C * across[:n] * down[n:, None]
     rows = K[:n]
     rows *= across  # in place: where there are many nodes, half of the time is that of new memory
-    return System(K, down * np.concatenate([q, -h]), down, across, n)
+    return EquilibratedSystem(K, down * np.concatenate([q, -h]), down, across, n)
 
 
 def _scales(problem: Problem) -> tuple[Floats, Floats]:
@@ -168,7 +168,7 @@ class Changed(Equations):
         return np.concatenate([solution, border[out:]])
 
 
-def regular(equations: Equations, system: System) -> bool:
+def regular(equations: Equations, system: EquilibratedSystem) -> bool:
     """Whether no motion has lost its resistance: det A > 0 and C A^-1 B without negative
     eigenvalue.
     """
@@ -217,4 +217,6 @@ def few_changed(base: Equations, on: Bools) -> bool:
     """Whether unknowns differ from factorised ones by few, and are many: then it is cheaper to
     border those.
     """
-    return len(base._at) > LARGE and bool(8 * np.count_nonzero(base.on ^ on) < len(base._at))
+    return len(base._at) > BORDERED_ABOVE and bool(
+        8 * np.count_nonzero(base.on ^ on) < len(base._at)
+    )

@@ -12,7 +12,7 @@ answer is followed from mu = 0, and the limit is the eigenvalue of a set that ho
 It does not depend on force or clearance then, which nothing keeps beside pressures without bound.
 Else the answer ends where it turns back: at a change of the contact set beyond which the
 determinant has the other sign. Other answers may stand beyond, to which the contact would leap and
-grow: so a step over which the set changes is short enough that pressures grow by less than QUIET of
+grow: so a step over which the set changes is short enough that pressures grow by less than LARGEST_FORCE_GROWTH of
 themselves.
 """
 
@@ -27,26 +27,26 @@ from drumlin.contact.active_set import Contact, beside, between, halved, halved_
 from drumlin.contact.equations import Problem, equilibrated
 from drumlin.errors import NoAnswer
 
-LARGEST = 1e3  # friction coefficient up to which a limit is looked for
-STEP = 0.05
+LARGEST_FRICTION = 1e3  # friction coefficient up to which a limit is looked for
+LARGEST_FRICTION_STEP = 0.05
 """Largest step of mu by which an answer is followed; above mu = 1 relative to it. It is a matter of
-time: steps over which the contact set changes are halved until QUIET holds, and while it does not
+time: steps over which the contact set changes are halved until LARGEST_FORCE_GROWTH holds, and while it does not
 change the determinant shows the pole. On 30 brakes 0.025 takes 1.07 times the factorisations, 0.1
 the same, 0.4
 1.1 times, with the same answers.
 """
-CLOSE = 1e-8  # relative distance from an eigenvalue at which the contact set must hold
-QUIET = 0.5
+POLE_DISTANCE = 1e-8  # relative distance from an eigenvalue at which the contact set must hold
+LARGEST_FORCE_GROWTH = 0.5
 """Largest relative growth of the contact force, the sum of pressures times their areas, over a step
 of friction that the answer is followed through without a look at what lies between. The force grows
 as 1/(mu_lock - mu), so that it grows by no more over the second half of any friction up to half of
 mu_lock: (1 - 1/4)/(1 - 1/2) = 1.5. Above it the step is halved.
 """
-LARGE = 600
+HALVED_ABOVE = 600
 """Nodes above which the answer is followed on every other one, as the work goes with their cube. It
-is a matter of time alone: the answer is the same, see LIKE.
+is a matter of time alone: the answer is the same, see LARGEST_MESH_DIFFERENCE.
 """
-LIKE = 0.1
+LARGEST_MESH_DIFFERENCE = 0.1
 """Part of the pressures, in the norm of their work, by which the answers on all nodes and on every
 other one may differ. Of two meshes of one answer it is 0.004, of two answers 0.7: any number
 between tells them apart, and too small a one costs time.
@@ -77,7 +77,7 @@ class Sliding(NamedTuple):
 class Limit(NamedTuple):
     """Where the answer that is followed from mu = 0 ends.
 
-    `friction`: mu_lock, inf where there is none up to LARGEST; `bounded`: whether it turns back
+    `friction`: mu_lock, inf where there is none up to LARGEST_FRICTION; `bounded`: whether it turns back
     there at finite pressure, at a change of the contact set; else pressure grows without bound as
     1/(mu_lock - mu). `last`: the answer at the last friction coefficient that was `reached`; its
     contact set is that of the limit.
@@ -90,7 +90,7 @@ class Limit(NamedTuple):
     steps: int
 
 
-class Ended(NoAnswer):
+class PathEnded(NoAnswer):
     """The answer that is followed from mu = 0 ends before the friction that was asked for: at
     `end`.
     """
@@ -102,7 +102,7 @@ class Ended(NoAnswer):
 
 def limit(
     sliding: Sliding,
-    most: float = LARGEST,
+    most: float = LARGEST_FRICTION,
     known: tuple[float, Contact] | None = None,
     areas: Floats | None = None,
 ) -> Limit:
@@ -114,7 +114,7 @@ def limit(
     areas = _areas(sliding.still, areas)
     mu, found = (0.0, _without_friction(sliding.still)) if known is None else known
     steps = 0
-    reach, critical, of = STEP, np.inf, np.zeros(0, dtype=bool)
+    reach, critical, of = LARGEST_FRICTION_STEP, np.inf, np.zeros(0, dtype=bool)
     while mu < most:
         steps += 1
         target = min(mu + reach, most)
@@ -122,11 +122,11 @@ def limit(
         if after is not None and (
             np.array_equal(after.active, found.active) or _quiet(after, found, areas)
         ):
-            found, mu, reach = after, target, min(2 * reach, STEP * max(1.0, mu))
+            found, mu, reach = after, target, min(2 * reach, LARGEST_FRICTION_STEP * max(1.0, mu))
             continue
         if not np.array_equal(of, found.active):
             critical, of = next_eigenvalue(sliding, mu, found.active), found.active
-            near = mu + (critical - mu) * (1 - CLOSE)
+            near = mu + (critical - mu) * (1 - POLE_DISTANCE)
             met = critical - mu < RESOLUTION * max(
                 mu, 1e-3
             )  # the step before has met the pole itself
@@ -160,7 +160,7 @@ def answer(
     there.
 
     Below the limit of the rigid shoe that is the stable one that settles at once from the contact
-    set `start`, if from half of the friction on the contact force grows by less than QUIET of
+    set `start`, if from half of the friction on the contact force grows by less than LARGEST_FORCE_GROWTH of
     itself, as it does up to half of the limit; else it is followed in many small steps, from half
     of the friction on where the answer there is as quiet. Not any stable one, nor the one that
     wider gaps lead to: near the limit, where the contact grows fast, and beyond it some stand
@@ -168,16 +168,16 @@ def answer(
 
     problem_at: the problem at a friction coefficient, linear in it; areas (n,): of the nodes [m^2],
     by which pressures make a force, 1 where they are forces already; law: mu_lock of the rigid
-    shoe; brake: what there is an equilibrium of, in words. Of a LARGE problem the answer on every
+    shoe; brake: what there is an equilibrium of, in words. Of a HALVED_ABOVE problem the answer on every
     other node is followed, at a fraction of the cost; the one that settles at once from its contact
-    set is taken where the two are LIKE each other. Raises Ended with both limits where the answer
+    set is taken where the two are LARGEST_MESH_DIFFERENCE each other. Raises Ended with both limits where the answer
     ends before that friction, and NoAnswer with another reason where friction is not to blame.
     """
     if friction == 0:
         return _without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
     areas = _areas(problem, areas)
-    if len(problem.q) > LARGE:
+    if len(problem.q) > HALVED_ABOVE:
         like = _as_coarser(problem, problem_at(0.0), friction, start, areas, law)
         if like is not None:
             return like
@@ -205,7 +205,7 @@ def answer(
         raise NoAnswer(reason) from None
     if np.isinf(end.friction):
         return end.last
-    raise Ended(locks(friction, end.friction, law=law, brake=brake), end)
+    raise PathEnded(locks(friction, end.friction, law=law, brake=brake), end)
 
 
 def locks(friction: float, limit: float, *, law: float, brake: str) -> str:
@@ -239,7 +239,9 @@ def _as_coarser(
     except NoAnswer:
         return None
     off = between(like.p, len(found.p)) - found.p
-    same = float(off @ (problem.A @ off)) < LIKE**2 * float(found.p @ (problem.A @ found.p))
+    same = float(off @ (problem.A @ off)) < LARGEST_MESH_DIFFERENCE**2 * float(
+        found.p @ (problem.A @ found.p)
+    )
     return found if found.regular and same else None
 
 
@@ -257,13 +259,15 @@ def _sure(
 
 
 def _quiet(found: Contact, before: Contact, areas: Floats) -> bool:
-    """Whether the contact force has grown by less than QUIET since the answer at less friction.
+    """Whether the contact force has grown by less than LARGEST_FORCE_GROWTH since the answer at less friction.
 
     The force, not the sum of pressures: the contact moves along the lining as friction grows, and
     where it comes from wide columns to narrow ones more nodes press, and harder, under the same
     force.
     """
-    return before.regular and float(areas @ found.p) <= (1 + QUIET) * float(areas @ before.p)
+    return before.regular and float(areas @ found.p) <= (1 + LARGEST_FORCE_GROWTH) * float(
+        areas @ before.p
+    )
 
 
 def _areas(problem: Problem, areas: Floats | None) -> Floats:

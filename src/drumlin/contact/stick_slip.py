@@ -32,17 +32,17 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.arrays import Bools, Floats, Ints
-from drumlin.contact.active_set import GOLDEN, PATIENCE, WIDER
+from drumlin.contact.active_set import GOLDEN, PATH_LIFT, PATIENCE
 from drumlin.errors import NoAnswer
 from drumlin.lapack import dgetrf, dgetrs
 
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
-MOST_STEPS = 60  # of Newton's method; an increment of a brake needs some five
-MOST_PASSES = 6  # changes of each node while an answer is followed
-SLACK = 1e-10
+MOST_NEWTON_STEPS = 60  # of Newton's method; an increment of a brake needs some five
+MOST_STATE_CHANGES = 6  # changes of each node while an answer is followed
+STATE_ROUND_OFF = 1e-10
 
 
-class Problem(NamedTuple):
+class FrictionalProblem(NamedTuple):
     """The matrices and vectors of the equations above."""
 
     A_wp: Floats
@@ -86,7 +86,9 @@ class Increment:
         return History(self.t, self.s)
 
 
-def solve(problem: Problem, mu: float | Floats, history: History, start: Ints) -> Increment:
+def solve(
+    problem: FrictionalProblem, mu: float | Floats, history: History, start: Ints
+) -> Increment:
     """Solve one increment from the states `start` (n,); mu: of all nodes, or of each (n,).
 
     Raises NoAnswer where neither Newton's method nor a path from these states or from wide gaps
@@ -127,7 +129,9 @@ class _Point(NamedTuple):
     y: Floats
 
 
-def _system(problem: Problem, mu: float | Floats, history: History) -> tuple[_System, Floats]:
+def _system(
+    problem: FrictionalProblem, mu: float | Floats, history: History
+) -> tuple[_System, Floats]:
     """The scaled equations, and the scales (2n,): z = scales z', v = v' / scales."""
     A = np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st - problem.Q]])
     q = np.concatenate([problem.q_w, problem.q_s - history.s + problem.Q @ history.t])
@@ -191,16 +195,16 @@ class _Piece:
 
 # The piece beyond each edge [state, edge]; from open it is FORWARD or BACKWARD by the sign of the
 # slip.
-BEYOND = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
+NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
 
 
 def _newton(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
     """States, point and steps of Newton's method. Raises NoAnswer where it cycles."""
     state, fewest, patience = start, 3 * len(start), PATIENCE
-    for step in range(1, MOST_STEPS + 1):
+    for step in range(1, MOST_NEWTON_STEPS + 1):
         piece = _Piece(system, state)
         point = piece.at(system.q, system.h)
-        outside = piece.margins(point) < -SLACK * _sizes(system, piece, point)
+        outside = piece.margins(point) < -STATE_ROUND_OFF * _sizes(system, piece, point)
         wrong = int(np.count_nonzero(outside))
         if not wrong:
             return state, point, step
@@ -216,7 +220,7 @@ def _wanted(system: _System, state: Ints, point: _Point, outside: Bools) -> Ints
     (p, _), (w, slip) = np.split(point.z, 2), np.split(point.v, 2)
     wanted = state.copy()
     for edge in (0, 1):
-        wanted[outside[edge]] = BEYOND[state[outside[edge]], edge]
+        wanted[outside[edge]] = NEXT_STATE[state[outside[edge]], edge]
     closing = (state == OPEN) & outside[0]
     wanted[closing] = np.select(
         [slip > -system.mu * w, slip < system.mu * w], [FORWARD, BACKWARD], STICK
@@ -270,7 +274,7 @@ def _path(system: _System, state: Ints, *, wide: bool) -> tuple[Ints, _Point, in
     state, r, way, node, edge = state.copy(), 1.0, -1.0, -1, 0
     piece = _Piece(system, state)
     e, f = _lift(system, piece, wide)
-    for passed in range(1, MOST_PASSES * len(state) + 1):
+    for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
         point, slope = piece.at(system.q, system.h), piece.at(e, f)
         value, change = piece.margins(point), piece.margins(slope)
         if node >= 0:
@@ -289,9 +293,9 @@ def _path(system: _System, state: Ints, *, wide: bool) -> tuple[Ints, _Point, in
         before = state[node]
         slip = point.v[len(state) + node] + r * slope.v[len(state) + node]
         state[node] = (
-            (FORWARD if slip > 0 else BACKWARD) if before == OPEN else BEYOND[before, edge]
+            (FORWARD if slip > 0 else BACKWARD) if before == OPEN else NEXT_STATE[before, edge]
         )
-        edge = int(BEYOND[state[node], 1] == before) if before != OPEN else 0
+        edge = int(NEXT_STATE[state[node], 1] == before) if before != OPEN else 0
         piece = _Piece(system, state)
     raise NoAnswer(
         "not converged: stick and slip do not settle, nor does a path lead to where they do"
@@ -302,7 +306,7 @@ def _lift(system: _System, piece: _Piece, wide: bool) -> tuple[Floats, Floats]:
     """Changes of q (2n,) and h (k,) under which every node lies within its piece."""
     point, state = piece.at(system.q, system.h), piece.state
     n = len(state)
-    slack = WIDER * _sizes(system, piece, point)
+    slack = PATH_LIFT * _sizes(system, piece, point)
     margin = piece.margins(point)
     uneven = 1 + np.arange(2 * n).reshape(2, n) * GOLDEN % 1  # no two nodes change together
     low = margin <= 0

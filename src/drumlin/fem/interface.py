@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from drumlin.arrays import Floats, Ints, angle_near
-from drumlin.response.response import Surface
-from drumlin.response.resultants import GAUSS, WEIGHTS, Inside, at_gauss, shape, slopes
+from drumlin.response.response import PressureField
+from drumlin.response.resultants import GAUSS, WEIGHTS, InnerPart, at_gauss, shape, slopes
 
 Directions = Callable[
     [Floats], tuple[Floats, Floats]
@@ -51,9 +51,9 @@ class ContactLine:
         return couple(self, width, directions)
 
     @cached_property
-    def inside(self) -> Inside:
+    def inside(self) -> InnerPart:
         """Where its pressure may peak."""
-        return Inside(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
+        return InnerPart(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] and pressure (n,) [Pa] along the line; of a face its mean over the
@@ -61,7 +61,7 @@ class ContactLine:
         """
         return self.phi, p
 
-    def surface(self, p: Floats) -> Surface | None:
+    def surface(self, p: Floats) -> PressureField | None:
         """The pressure over arc and width, of a face."""
         return None
 

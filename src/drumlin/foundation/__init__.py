@@ -2,6 +2,6 @@
 Scieszka 1987).
 """
 
-from drumlin.foundation.model import LIFTS, SECTIONS, rim, solve, why_not
+from drumlin.foundation.model import LIFTS, RING_SECTIONS, rim, solve, why_not
 
-__all__ = ["LIFTS", "SECTIONS", "rim", "solve", "why_not"]
+__all__ = ["LIFTS", "RING_SECTIONS", "rim", "solve", "why_not"]

@@ -35,8 +35,10 @@ from drumlin.response.merit import with_merits
 from drumlin.response.response import Deformation, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import Resultant
 
-SECTIONS = 360
-LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
+RING_SECTIONS = 360
+LARGEST_SHOE_TURN = (
+    0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
+)
 
 LIFTS = {
     "plane-stress": "layers as columns of stiffness E/t, not bonded and held along the arc: E/((1 - nu^2) t)",
@@ -89,7 +91,7 @@ def lifted(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
     return frozenset(names | ({"all-modes"} if "own-pressure" in names else set()))
 
 
-class System(NamedTuple):
+class FoundationSystem(NamedTuple):
     """Shoes that meet the ring together: their posts, the ring's flexibilities c (n, n) [m/N], the
     problem.
     """
@@ -99,7 +101,7 @@ class System(NamedTuple):
     problem: Problem
 
 
-def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> System:
+def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> FoundationSystem:
     """The contact problem of a group of shoes; its pressures are the normal forces of the sectors
     [N].
 
@@ -132,7 +134,7 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
         block_diag(*C),
         np.concatenate(h),
     )
-    return System(posts, ring, problem)
+    return FoundationSystem(posts, ring, problem)
 
 
 def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) -> Floats:
@@ -167,7 +169,7 @@ def rim(brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = (
 def solve(
     brake: Brake,
     *,
-    sections: int = SECTIONS,
+    sections: int = RING_SECTIONS,
     lift: Iterable[str] = (),
     start: list[Bools] | None = None,
 ) -> Response:
@@ -229,7 +231,7 @@ def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
 def _found(
     brake: Brake,
     group: list[int],
-    parts: System,
+    parts: FoundationSystem,
     sections: int,
     names: frozenset[str],
     start: list[Bools] | None,
@@ -250,10 +252,10 @@ def _found(
     except NoAnswer as error:
         raise NoAnswer(f"{said}: {error}") from error
     turn = float(np.abs(found.y).max())
-    if turn > LARGEST_TURN:
+    if turn > LARGEST_SHOE_TURN:
         raise NoAnswer(
             f"{said}: it would have to turn by {math.degrees(turn):.3g} deg; "
-            f"small displacements hold up to {math.degrees(LARGEST_TURN):.3g} deg"
+            f"small displacements hold up to {math.degrees(LARGEST_SHOE_TURN):.3g} deg"
         )
     return found
 

@@ -18,7 +18,7 @@ from drumlin.arrays import Floats
 from drumlin.brake.components import Ring
 from drumlin.brake.fields import Material
 
-SHEAR = 6 / 5  # shear factor of a rectangular section
+SHEAR_FACTOR = 6 / 5  # shear factor of a rectangular section
 
 
 def _turn(d: Floats) -> tuple[Floats, Floats]:
@@ -77,7 +77,7 @@ def flexibility(
     r = radius + sign * section.thickness / 2
     e = section.thickness**2 / (12 * r**2)
     assert isinstance(section.material, Material)  # why_not
-    shear = 2 * (1 + section.material.nu) * SHEAR
+    shear = 2 * (1 + section.material.nu) * SHEAR_FACTOR
     hoop = 0.5
     n2 = shear_of_one_force(d)
     if twin:

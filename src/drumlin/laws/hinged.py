@@ -17,7 +17,7 @@ from drumlin.brake.support import MOVES
 from drumlin.brake.surface import DRUM
 from drumlin.brake.units import deg
 from drumlin.errors import NoAnswer
-from drumlin.laws.rigid import LEFT_OUT, NODES, no_contact
+from drumlin.laws.rigid import LEFT_OUT, PRESSURE_NODES, no_contact
 from drumlin.laws.shapes import SINE, Law, Layout, Load, equivalent_friction
 from drumlin.response.balance import contact_resultant, shoe_balance, worst
 from drumlin.response.merit import double_delta, with_merits
@@ -25,7 +25,7 @@ from drumlin.response.response import Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
 from drumlin.texts import formatted
 
-SLACK = 1e-9  # rad
+ANGLE_ROUND_OFF = 1e-9  # rad
 
 
 def layout(brake: Brake, shoe: Shoe) -> Layout:
@@ -51,11 +51,11 @@ def why_not(law: Law, brake: Brake) -> str | None:
         if shoe.held_by != "hinge":
             return f"{said} {MOVES[shoe.held_by]}"
         if law is SINE:
-            if phi_1 < -SLACK or phi_2 > math.pi + SLACK:
+            if phi_1 < -ANGLE_ROUND_OFF or phi_2 > math.pi + ANGLE_ROUND_OFF:
                 return f"{said} the lining must lie within 0 to 180 deg of the hinge, not {deg(phi_1)} to {deg(phi_2)}"
-        elif phi_2 - phi_1 > math.pi + SLACK:
+        elif phi_2 - phi_1 > math.pi + ANGLE_ROUND_OFF:
             return f"{said} the lining's arc {deg(phi_2 - phi_1)} must not be more than 180 deg"
-        elif not SLACK < 0.5 * (phi_1 + phi_2) < math.pi - SLACK:
+        elif not ANGLE_ROUND_OFF < 0.5 * (phi_1 + phi_2) < math.pi - ANGLE_ROUND_OFF:
             return f"{said} the normal force passes through the hinge, so that no moment can press the lining"
     return None
 
@@ -164,7 +164,7 @@ def pressed(
     lumped: bool = False,
 ) -> ShoeResponse:
     """The response of a rigid shoe that touches all along its lining with pressure(phi) [Pa]."""
-    phi = np.linspace(*shoe.arc, NODES)[:: shoe.frame.sense]
+    phi = np.linspace(*shoe.arc, PRESSURE_NODES)[:: shoe.frame.sense]
     helping = contact.moment + float(cross(-shoe.pin.xy, contact.friction))
     return ShoeResponse(
         name=shoe.name,

@@ -24,7 +24,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM
 from drumlin.laws.shapes import Layout, cos_load, moments_about, sine_load
 
-ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no moment about the pivot"
+PIVOTED_ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no moment about the pivot"
 
 
 class Rows(NamedTuple):

@@ -27,18 +27,20 @@ from drumlin.response.merit import with_merits
 from drumlin.response.response import NEITHER, Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
 
-ASSUMES = "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
+RIGID_ASSUMES = (
+    "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
+)
 _FITS = "clearance and misfit: the law is that of a lining that fits, new or worn in, on a"
 LEFT_OUT = {
     "drum": ("elasticity of shoe, backing and drum: rigid by assumption", f"{_FITS} round drum"),
     "plane": ("elasticity: rigid by assumption", f"{_FITS} plane"),
 }
 """What the law leaves out, by the word of the surface."""
-NODES = 257  # of p over a lining; quadratic pieces: integrals are right to 1e-10
-MOST_STEPS = 200
+PRESSURE_NODES = 257  # of p over a lining; quadratic pieces: integrals are right to 1e-10
+MOST_CONTACT_STEPS = 200
 
 
-class Pressed(NamedTuple):
+class PressedShoe(NamedTuple):
     """A rigid shoe that presses: `c` (2,) the mixture of shapes [Pa], `amounts` (k,) of its
     freedoms [Pa m/m of the gap], the `arcs` where it presses, `freedoms` with the `sense` of an
     abutment's friction.
@@ -92,7 +94,7 @@ def locking_friction(brake: Brake, shoe: Shoe) -> float:
     return min(of)
 
 
-def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> Pressed | None:
+def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> PressedShoe | None:
     """The shoe as it presses under its actuation; None where that lifts it off, or is none.
 
     whole: all of the lining bears, tension included, as closed forms have it. Raises NoAnswer:
@@ -130,7 +132,7 @@ def bears(brake: Brake, shoe: Shoe) -> int:
         return 0
 
 
-def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> Pressed:
+def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> PressedShoe:
     free, ends, mu = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end), brake.friction
     shapes = face.closing(free.motions)
     arcs: Arcs = (ends,)
@@ -141,7 +143,7 @@ def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> P
         mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
         if mu >= mu_lock:
             raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_CONTACT_STEPS):
         N, F = system(face, free, shoe.lining.width, arcs)
         try:
             amounts: Floats = np.linalg.solve(N - mu * brake.spin * F, free.work).astype(float)
@@ -153,7 +155,7 @@ def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> P
             mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
             if mu >= mu_lock:
                 break
-            return Pressed(face, c, amounts, arcs, free, sense)
+            return PressedShoe(face, c, amounts, arcs, free, sense)
         if not after:
             break
         arcs = after
@@ -170,18 +172,20 @@ def _same(a: Arcs, b: Arcs) -> bool:
     )
 
 
-def _contact(brake: Brake, shoe: Shoe, found: Pressed) -> Resultant:
+def _contact(brake: Brake, shoe: Shoe, found: PressedShoe) -> Resultant:
     loads = shoe.lining.width * found.face.products(found.arcs) @ found.c
     normal, friction, moment = found.face.force(loads, brake.friction * brake.spin)
     return Resultant(normal, friction, moment)
 
 
-def respond(brake: Brake, shoe: Shoe, found: Pressed | None) -> ShoeResponse:
+def respond(brake: Brake, shoe: Shoe, found: PressedShoe | None) -> ShoeResponse:
     """The response of a shoe that presses so, or not at all."""
     if found is None:
         return untouched(shoe, -shoe.actuation.vector)
     contact, flat = _contact(brake, shoe, found), shoe.flat
-    place = nodes((shoe.lining.start, shoe.lining.end), found.arcs, 2 if flat else NODES - 1)
+    place = nodes(
+        (shoe.lining.start, shoe.lining.end), found.arcs, 2 if flat else PRESSURE_NODES - 1
+    )
     reaction = -shoe.actuation.vector - contact.force
     about = _about(shoe, contact)
     if shoe.guide is None:  # the moment of friction about the pin has the sense of the actuation's
@@ -209,7 +213,7 @@ def respond(brake: Brake, shoe: Shoe, found: Pressed | None) -> ShoeResponse:
     )
 
 
-def pressure(found: Pressed | None, place: Floats) -> Floats:
+def pressure(found: PressedShoe | None, place: Floats) -> Floats:
     """The pressure [Pa] of a shoe that presses so at the places of its lining, same shape; 0 of one
     that does not.
     """

@@ -241,7 +241,7 @@ UNIFORM = Law(
     _constant,
     _middle,
 )
-SHORT = Law(
+SHORT_LAW = Law(
     "short",
     "short shoe: N = p_m A and friction mu N at the lining's middle",
     short_load,
@@ -249,4 +249,4 @@ SHORT = Law(
     _middle,
     lumped=True,
 )
-LAWS = {law.name: law for law in (SINE, COSINE, BLOCK, UNIFORM, SHORT)}
+LAWS = {law.name: law for law in (SINE, COSINE, BLOCK, UNIFORM, SHORT_LAW)}

@@ -27,7 +27,7 @@ from drumlin.brake.units import deg, mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws.shapes import SINE, Layout
 
-LINING = Material(E=300e6, nu=0.25)
+SIMSCAPE_LINING = Material(E=300e6, nu=0.25)
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ class DoubleShoe:
         *,
         width: float = 0.04,
         thickness: float = 0.008,
-        material: Material = LINING,
+        material: Material = SIMSCAPE_LINING,
     ) -> Brake:
         """The block at full friction as a Brake, symmetric about the y axis, its pins below.
 

@@ -10,7 +10,7 @@ from drumlin.brake.brake import Brake
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import Resultant, cross, resultant
 
-B = TypeVar("B", bound=Brake)
+BrakeType = TypeVar("BrakeType", bound=Brake)
 
 
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
@@ -32,7 +32,7 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
     )
 
 
-def loaded(brake: B, response: Response) -> B:
+def loaded(brake: BrakeType, response: Response) -> BrakeType:
     """The brake under the forces that its shoes share in a response."""
     forces = [shoe.force for shoe in response.shoes]
     if all(force is None for force in forces):

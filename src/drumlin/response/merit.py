@@ -22,7 +22,7 @@ from drumlin.response.limits import warnings
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
 from drumlin.response.resultants import Resultant, cross, integrate
 
-B = TypeVar("B", bound=Brake)
+BrakeVar = TypeVar("BrakeVar", bound=Brake)
 
 
 def double_delta(brake: Brake, shoe: Shoe) -> int:
@@ -172,7 +172,7 @@ def sensitivity(brake: Brake, solve: Callable[[Brake], Response], step: float = 
     return (high - low) / (high + low) / step
 
 
-def rated(brake: B, solve: Callable[[B], Response], peak_pressure: float) -> B:
+def rated(brake: BrakeVar, solve: Callable[[BrakeVar], Response], peak_pressure: float) -> BrakeVar:
     """The brake with all actuation forces scaled alike, so that its largest peak pressure is the
     given one [Pa].
 

@@ -13,7 +13,7 @@ from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
 from drumlin.response.resultants import (
-    Inside,
+    InnerPart,
     Resultant,
     by_piece,
     contact_arcs,
@@ -26,11 +26,11 @@ EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp
 elastic edge. It is part of what an error of p means, in README and in stated errors.
 """
-STEP = math.radians(0.2)
+CURVE_SPACING = math.radians(0.2)
 """Longest step [rad] of a curve that is drawn or written: 500 points of a lining of 100 degrees, as
 many as a picture has dots. No answer depends on it.
 """
-CURVE_STEP = 1e-9
+SMALLEST_CURVE_PIECE = 1e-9
 """Distance [rad] of a curve's pieces from the lining's ends: angles that are nearer to each other
 are one in a table. At a pressed corner p has pieces down to 1e-12 rad; 1e-5 of its force is left
 so.
@@ -60,7 +60,7 @@ class Deformation(NamedTuple):
     z: Floats
 
 
-class Change(NamedTuple):
+class ShoeChange(NamedTuple):
     """The parts of a shoe's `pressure` (L2, outside EDGE_ZONE at the lining's ends), `torque` and
     `reaction` by which something changes them, and of its peak that of the pressure near it,
     `peak`.
@@ -72,7 +72,7 @@ class Change(NamedTuple):
     peak: float = 0.0
 
 
-NONE = Change(0.0, 0.0, 0.0)
+NO_CHANGE = ShoeChange(0.0, 0.0, 0.0)
 NEAR_PEAK = 0.8  # of the peak: p that is near it
 NO_FORCE = 1e-6  # of the contact's: a smaller reaction is none
 
@@ -84,7 +84,7 @@ def reaction_size(reaction: Floats, normal_force: float) -> float:
     return max(math.hypot(*reaction), NO_FORCE * normal_force) or 1.0
 
 
-class Surface(NamedTuple):
+class PressureField(NamedTuple):
     """The pressure over arc and width: `pressure` (n, m) [Pa] at the response's angles and at `z`
     (m,) [m] off the mid-plane, growing; between these quadratic in z over every two steps.
     """
@@ -135,10 +135,10 @@ class ShoeResponse:
     force: float | None = None
     motion: tuple[float, float, float] | None = None
     deformation: Deformation | None = None
-    surface: Surface | None = None
+    surface: PressureField | None = None
     error: Mapping[str, float] | None = None
-    softness: Change = NONE
-    lost: Change = NONE
+    softness: ShoeChange = NO_CHANGE
+    lost: ShoeChange = NO_CHANGE
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
@@ -170,9 +170,11 @@ class ShoeResponse:
         if self.order <= 2:
             return self.theta, self.pressure
         ends = self.theta[:: self.order]
-        apart = np.minimum(ends - ends[0], ends[-1] - ends) > CURVE_STEP
+        apart = np.minimum(ends - ends[0], ends[-1] - ends) > SMALLEST_CURVE_PIECE
         ends = np.concatenate([ends[:1], ends[apart], ends[-1:]])
-        counts = 2 * np.maximum(self.order, np.ceil(np.diff(ends) / (2 * STEP))).astype(int)
+        counts = 2 * np.maximum(self.order, np.ceil(np.diff(ends) / (2 * CURVE_SPACING))).astype(
+            int
+        )
         theta = np.concatenate(
             [
                 np.linspace(a, b, n + 1)[:-1]
@@ -368,7 +370,7 @@ def pressed_shoe(
     turn: float | None = None,
     located: bool = True,
     peak: float | None = None,
-    surface: Surface | None = None,
+    surface: PressureField | None = None,
     **more: Any,
 ) -> ShoeResponse:
     """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad],
@@ -383,7 +385,7 @@ def pressed_shoe(
     if peak is None:
         zone = edge_zone(shoe, scale_factor)
         if located:
-            peak = Inside(theta, order, zone).peak(pressure)
+            peak = InnerPart(theta, order, zone).peak(pressure)
         else:
             peak = nodal_peak(theta, pressure, edge_left_out(theta, pressure, order, zone))
     arcs = contact_arcs(theta, pressure, order, located=located)
@@ -433,7 +435,7 @@ def singular_zone(length: float, unit: float = 1.0) -> float:
     return min(unit * EDGE_ZONE, 0.25 * length)
 
 
-class Place(NamedTuple):
+class PeakPlace(NamedTuple):
     """Where a pressure peaks: the angle (on a plane x) `at` [rad, m], and the `zone` at the ends
     that is left out.
     """
@@ -442,8 +444,8 @@ class Place(NamedTuple):
     zone: float
 
 
-def peak_place(brake: Brake, index: int, response: ShoeResponse) -> Place | None:
-    """Where shoe `index` has its peak pressure, within STEP; None where it does not touch.
+def peak_place(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | None:
+    """Where shoe `index` has its peak pressure, within CURVE_SPACING; None where it does not touch.
 
     The points of the curve may miss the peak. So the zones at the ends are said to be left out
     where the largest value between them is nearer to the peak than the largest one of all.
@@ -456,7 +458,7 @@ def peak_place(brake: Brake, index: int, response: ShoeResponse) -> Place | None
     apart = abs(pressure[inside].max(initial=0.0) - response.peak_pressure)
     if abs(pressure.max() - response.peak_pressure) <= apart:
         inside, zone = np.ones(len(theta), dtype=bool), 0.0
-    return Place(float(theta[inside][pressure[inside].argmax()]), zone)
+    return PeakPlace(float(theta[inside][pressure[inside].argmax()]), zone)
 
 
 def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:

@@ -124,17 +124,17 @@ def by_piece(values: Floats, order: int) -> Floats:
     return found
 
 
-SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
+PEAK_SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
 """Where in a piece its largest value is looked for; between them a parabola tells."""
 
 
 @cache
 def _at_samples(order: int) -> Floats:
-    return shape(order, SAMPLES)
+    return shape(order, PEAK_SAMPLES)
 
 
 @dataclass(frozen=True)
-class Inside:
+class InnerPart:
     """The part of a line more than `zone` [rad] from its ends, for all piecewise polynomials on its
     nodes theta (n,), growing; none where nothing is so far away.
     """
@@ -178,7 +178,7 @@ class Inside:
         on = (low < high).nonzero()[0]
         cut = ((low > start) | (high < end))[on].nonzero()[0]
         a, b, start, end = (x[on[cut], None] for x in (low, high, start, end))
-        xi = (a + b - start - end + (b - a) * SAMPLES) / (end - start)
+        xi = (a + b - start - end + (b - a) * PEAK_SAMPLES) / (end - start)
         return slice(int(on[0]), int(on[-1]) + 1), cut, shape(self.order, xi).swapaxes(0, 1)
 
     def largest(self, values: Floats) -> float:
@@ -188,11 +188,11 @@ class Inside:
         found = pieces @ _at_samples(self.order)
         if len(cut):
             found[cut] = (pieces[cut, None] @ at)[:, 0]
-        i, j = divmod(int(found.argmax()), len(SAMPLES))
-        if j in {0, len(SAMPLES) - 1}:
+        i, j = divmod(int(found.argmax()), len(PEAK_SAMPLES))
+        if j in {0, len(PEAK_SAMPLES) - 1}:
             return float(found[i, j])
         (before, x, after), (below, top, beyond) = (
-            SAMPLES[j - 1 : j + 2].tolist(),
+            PEAK_SAMPLES[j - 1 : j + 2].tolist(),
             found[i, j - 1 : j + 2].tolist(),
         )
         left, right = (top - below) / (x - before), (beyond - top) / (after - x)
@@ -211,14 +211,14 @@ class Inside:
 
 def largest(theta: Floats, values: Floats, order: int) -> float:
     """Largest value of a piecewise polynomial."""
-    return Inside(theta, order, 0.0).largest(values)
+    return InnerPart(theta, order, 0.0).largest(values)
 
 
 def edge_left_out(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
     """The zone [rad] at the ends that may be left out of judging p(theta): none where half of the
     force is there.
     """
-    return zone if Inside(theta, order, zone).part(pressure) > 0.5 else 0.0
+    return zone if InnerPart(theta, order, zone).part(pressure) > 0.5 else 0.0
 
 
 def integrate(theta: Floats, values: Floats, order: int) -> float:

@@ -12,7 +12,7 @@ from drumlin.brake.surface import FrictionSurface
 if TYPE_CHECKING:
     from drumlin.response.response import Response, ShoeResponse
 
-POINTS = 20  # of a curve in each piece of the pressure
+POINTS_PER_PIECE = 20  # of a curve in each piece of the pressure
 
 
 def arcs_text(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
@@ -83,7 +83,9 @@ def plot(response: "Response", axes: Any = None) -> Any:
     surface = response.surface
     for shoe in response.shoes:
         ends = shoe.theta[:: shoe.order]
-        theta = np.unique(np.concatenate([np.linspace(a, b, POINTS) for a, b in pairwise(ends)]))
+        theta = np.unique(
+            np.concatenate([np.linspace(a, b, POINTS_PER_PIECE) for a, b in pairwise(ends)])
+        )
         axes.plot(theta * surface.shown, shoe.pressure_at(theta) * 1e-6, label=shoe.name)
     axes.set(xlabel=surface.axis, ylabel="pressure p [MPa]", title=_title(response))
     axes.legend()

@@ -15,7 +15,7 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, equations, self_locking, stick_slip
-from drumlin.contact.stick_slip import OPEN, STICK, History, Problem
+from drumlin.contact.stick_slip import OPEN, STICK, FrictionalProblem, History
 from drumlin.fem.body import scalar_basis, stiffness
 from drumlin.fem.interface import ContactLine, Coupling, Directions, contact_line, couple, radial
 from drumlin.fem.solve import solve
@@ -29,11 +29,11 @@ from drumlin.verification.two_bodies import STEEL, Pair, nested_start
 from drumlin.wear.archard import WearInterface, WearLaw, WearState, run
 
 
-def _spring(push: float, shift: float, k: float = 100.0) -> Problem:
+def _spring(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
     """One node on springs k, pushed against a drum that has moved by `shift`."""
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     across, along = np.zeros((1, 0)), np.zeros((0, 1))
-    return Problem(
+    return FrictionalProblem(
         A_wp=one / k, A_wt=none, A_sp=none, A_st=-one / k, B_w=across, B_s=across, C_p=along, C_t=along,
         q_w=np.array([-push / k]), q_s=np.array([shift]), h=np.zeros(0), Q=0 * one,
     )  # fmt: skip
@@ -263,7 +263,7 @@ def pressed_plate() -> Plate:
     by_f, by_N, by_T = u[on, 0], u[on, 1 : 1 + n], u[on, 1 + n :]
     up = np.tile([0.0, 1.0], n)
     B_w, B_s = -(N @ up)[:, None], -(T @ up)[:, None]
-    problem = Problem(
+    problem = FrictionalProblem(
         A_wp=N @ by_N, A_wt=-N @ by_T, A_sp=T @ by_N, A_st=-T @ by_T, B_w=B_w, B_s=B_s, C_p=B_w.T, C_t=-B_s.T,
         q_w=-N @ by_f, q_s=-T @ by_f, h=np.array([-f[:, 1].sum()]), Q=np.zeros((n, n)),
     )  # fmt: skip

@@ -25,7 +25,7 @@ from drumlin.fem.solve import solve as by_elements
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, hinged, sine
 from drumlin.response.norms import pressure_distance, relative, vector_distance
-from drumlin.response.response import Response, ShoeResponse, Surface, edge_zone
+from drumlin.response.response import PressureField, Response, ShoeResponse, edge_zone
 from drumlin.texts import formatted
 from drumlin.verification.uncertainty import Index, Validation, grid_convergence, validate
 from drumlin.wear.archard import WearLaw, run_on
@@ -81,7 +81,7 @@ def uneven(shoe: ShoeResponse, zone: float) -> float:
     return float(np.sqrt(variance / size)) if size > 0 else 0.0
 
 
-def surface_of(shoe: ShoeResponse) -> Surface:
+def surface_of(shoe: ShoeResponse) -> PressureField:
     """The surface of a solid shoe's pressure."""
     assert shoe.surface is not None
     return shoe.surface

@@ -14,7 +14,7 @@ import numpy as np
 
 from drumlin.arrays import Floats
 from drumlin.brake.surface import DRUM, PLANE
-from drumlin.brake.units import LARGEST
+from drumlin.brake.units import LARGEST_NUMBER_SI
 from drumlin.errors import BadInput
 from drumlin.files import read_text, write_text
 from drumlin.texts import check_digits, check_toml
@@ -188,7 +188,7 @@ def _numbers(value: object, *shape: int) -> Floats:
     fits = array.ndim == len(shape) and all(
         n in {-1, m} for n, m in zip(shape, array.shape, strict=True)
     )
-    if not fits or not (np.abs(array) <= LARGEST).all():
+    if not fits or not (np.abs(array) <= LARGEST_NUMBER_SI).all():
         raise ValueError("not finite numbers of the shape that is needed")
     return array
 

@@ -27,9 +27,9 @@ from drumlin.fem.hp.levels import steps
 from drumlin.fem.model import respond
 from drumlin.response.response import (
     EDGE_ZONE,
-    NONE,
-    Change,
+    NO_CHANGE,
     Response,
+    ShoeChange,
     ShoeResponse,
     edge_zone,
     reaction_size,
@@ -112,15 +112,15 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
     return of_last_three(brake, found[best - 2 : best + 1], begin, round_off(found[best]))
 
 
-def round_off(shoes: Sequence[ShoeResponse]) -> Change:
+def round_off(shoes: Sequence[ShoeResponse]) -> ShoeChange:
     """What the elimination may have lost at most of each quantity, over all shoes, relative."""
-    return Change(
+    return ShoeChange(
         *(ROUND_OFF * max(parts) for parts in zip(*(shoe.lost for shoe in shoes), strict=True))
     )
 
 
 def of_last_three(
-    brake: Brake, last: Sequence[Sequence[Solved]], begin: float, lost: Change = NONE
+    brake: Brake, last: Sequence[Sequence[Solved]], begin: float, lost: ShoeChange = NO_CHANGE
 ) -> Truth:
     """The truth that the last three solutions of a sequence tell of.
 

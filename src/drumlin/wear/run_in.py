@@ -19,7 +19,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.units import mm
 from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import rigid
-from drumlin.laws.rigid import Pressed
+from drumlin.laws.rigid import PressedShoe
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
 from drumlin.texts import formatted
@@ -88,10 +88,10 @@ def _held(p: Floats, size: float, torque: float | None) -> Target:
     return Target(p, size) if torque is None else Target(p * torque / size, torque)
 
 
-def _torque(setup: WearSetup, surface: Surface, found: Pressed) -> float:
+def _torque(setup: WearSetup, surface: Surface, found: PressedShoe) -> float:
     """The torque [N m] of a lining by the law, on a plane the braking force [N]."""
     brake, lining = setup.brake, setup.brake.shoes[surface.shoe].lining
-    theta = rigid.nodes((lining.start, lining.end), found.arcs, rigid.NODES - 1)
+    theta = rigid.nodes((lining.start, lining.end), found.arcs, rigid.PRESSURE_NODES - 1)
     _, p, weight = gauss_points(theta, rigid.pressure(found, theta), 2)
     return float(brake.friction * lining.width * brake.scale_factor**2 * (p * weight).sum())
 

@@ -44,7 +44,7 @@ from drumlin.errors import NoAnswer
 from drumlin.fem.assembly import Scene
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.solve import scene_of
-from drumlin.foundation.model import SECTIONS, lifted, system
+from drumlin.foundation.model import RING_SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import sine
 from drumlin.response import Response
@@ -142,7 +142,7 @@ def fitted(brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool =
 
 
 def worn_in_foundation(
-    brake: Brake, *, sections: int = SECTIONS, lift: Iterable[str] = ()
+    brake: Brake, *, sections: int = RING_SECTIONS, lift: Iterable[str] = ()
 ) -> Brake:
     """The brake with every clearance and misfit replaced by that at which the foundation model
     bears by the sine law.
