@@ -367,10 +367,14 @@ def test_equilibration_makes_units_of_a_b_and_c_and_is_undone():
     assert np.abs(scaled.B).max() == np.abs(scaled.C).max() == 1 and scaled.B[
         1, 0
     ] == pytest.approx(1 / 3)
-    assert scaled.h / scaled.C[0, 0] * system.across[0] == pytest.approx(8 / 4)
-    assert system.across[2:] == pytest.approx([1 / 3]) and system.down[2:] == pytest.approx([1 / 2])
+    assert scaled.h / scaled.C[0, 0] * system.column_scales[0] == pytest.approx(8 / 4)
+    assert system.column_scales[2:] == pytest.approx([1 / 3]) and system.row_scales[
+        2:
+    ] == pytest.approx([1 / 2])
     whole = np.block([[problem.A, problem.B], [problem.C, np.zeros((1, 1))]])
-    np.testing.assert_allclose(system.K, system.down[:, None] * whole * system.across, rtol=1e-15)
+    np.testing.assert_allclose(
+        system.K, system.row_scales[:, None] * whole * system.column_scales, rtol=1e-15
+    )
 
 
 def test_coarse_problems_are_those_on_every_other_node():
@@ -434,8 +438,8 @@ def test_with_the_scales_of_another_problem_the_answer_is_the_same():
     other = one._replace(A=3 * A + np.eye(6), C=-0.5 * x[None])
     found, like = active_set.settle(other), active_set.settle(one).system
     scaled = active_set.settle(other, like=like)
-    assert equilibrated(other, like).down is like.down and not np.array_equal(
-        found.system.down, like.down
+    assert equilibrated(other, like).row_scales is like.row_scales and not np.array_equal(
+        found.system.row_scales, like.row_scales
     )
     np.testing.assert_array_equal(scaled.active, found.active)
     np.testing.assert_allclose(scaled.p, found.p, rtol=1e-12)
