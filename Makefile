@@ -11,7 +11,7 @@ TESTS = -n 2 --dist loadscope --no-skips  # or --skipped for --no-skips: what ma
 
 # of the oldest and newest versions: what a change of a library breaks first; its deprecations are for others to read
 SHORT = tests/test_brake.py tests/test_files.py tests/test_fem.py tests/test_laws_examples.py tests/test_page.py \
-  tests/test_cli.py tests/test_bad_input.py
+  tests/test_cli.py tests/test_faults.py
 # what the libraries are for, at length: the main study with its field picture, a Dask scheduler, the manual
 WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask_worker_is_killed \
   tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone
@@ -61,16 +61,16 @@ newest:
 
 # Far finer solutions of some forty brakes, by which the tests judge stated errors: ten minutes.
 truths: .venv/ready
-	$(BIN)/python -m drumlin.verification.stored_truth tests/truths
+	$(BIN)/python -m drumlin_studies.stored_truth tests/truths
 
 # The factors of the error estimate, fitted anew on random brakes: twenty minutes on two cores.
 calibrate: .venv/ready
 	$(BIN)/drumlin study calibration
-	cp reports/calibration/factors.json src/drumlin/fem/hp/factors.json
+	cp reports/calibration/factors.json src/drumlin/fem/error_control/factors.json
 
 # By how much stated errors are larger than true ones now; the tests notice where this changes.
 sharpness: .venv/ready
-	$(BIN)/python -m drumlin.verification.sharpness tests/truths
+	$(BIN)/python -m drumlin_studies.sharpness tests/truths
 
 # Which tests notice where a number that was found by trying is changed: half an hour. make noticed ARGS="fem/model.py".
 noticed: .venv/ready

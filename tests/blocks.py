@@ -16,7 +16,7 @@ from drumlin.brake import read_brake
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.verification import triangles
-from drumlin.verification.stated_true import errors
+from drumlin_studies.stated_true import errors
 
 HERE = Path(__file__).parent
 STORED = HERE / "blocks_truth.json"

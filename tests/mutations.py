@@ -58,20 +58,24 @@ these constants, so that no test asks for it; `make noticed` tries them.
 """
 
 TUNED: dict[str, dict[str, Guard]] = {
-    "fem/hp/levels.py": dict.fromkeys(("RULE", "SETTLED", "EVEN"), JUDGED),
-    "fem/hp/adapt.py": dict.fromkeys(("SHORTEST", "NEAR", "DEFAULT"), JUDGED),
-    "fem/hp/estimate.py": dict.fromkeys(("SOFTER", "ROUND_OFF"), JUDGED),
-    "fem/hp/factors.json": dict.fromkeys(("pressure", "force", "cancelled", "peak"), Guard("down")),
+    "fem/error_control/levels.py": dict.fromkeys(("RULE", "SETTLED", "EVEN"), JUDGED),
+    "fem/error_control/adapt.py": dict.fromkeys(("SHORTEST", "NEAR", "DEFAULT"), JUDGED),
+    "fem/error_control/estimate.py": dict.fromkeys(("SOFTER", "ROUND_OFF"), JUDGED),
+    "fem/error_control/factors.json": dict.fromkeys(
+        ("pressure", "force", "cancelled", "peak"), Guard("down")
+    ),
     "fem/hp/division.py": dict.fromkeys(
         ("FINEST", "SAME", "SHARPEST", "CORNER_SIZE", "CORNER_COUNTS"), JUDGED
     ),
     "fem/hp/corner.py": dict.fromkeys(("SMOOTH", "NEAR_CORNER", "PIECE_RATIO"), JUDGED),
-    "fem/hp/places.py": dict.fromkeys(("UNFELT", "SEEN", "FEW", "SHORTER", "DIGITS"), JUDGED),
+    "fem/error_control/places.py": dict.fromkeys(
+        ("UNFELT", "SEEN", "FEW", "SHORTER", "DIGITS"), JUDGED
+    ),
     "fem/hp/shoe.py": dict.fromkeys(("LEFT",), JUDGED),
-    "fem/assembly.py": {
+    "fem/preparation/meshes.py": {
         "ELEMENTS": Guard("down", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
     },
-    "fem/holding.py": {
+    "fem/analysis/holding.py": {
         "HALVINGS": Guard(
             "down", ("tests/test_holding.py::test_an_increment_that_does_not_settle_is_halved",)
         ),

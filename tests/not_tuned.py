@@ -11,7 +11,6 @@ DEFINITION, FORMAT = "definition", "format"
 MEMORY, PASSES = "limit of memory or size", "limit of passes or steps"
 ROUND_OFF, SAID = "round-off", "threshold of a warning or a refusal that names it"
 SPEED = "size of pieces that stay near the processor"
-SKETCH = "size of a sketch that predicts within a factor of two"
 
 NOT_TUNED: dict[str, dict[str, str]] = {
     "contact/active_set.py": {
@@ -26,7 +25,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     },
     "contact/equations.py": {"BORDERED_ABOVE": SPEED},
     "contact/self_locking.py": {
-        "LARGEST_FRICTION": "limit of the search that is said",
+        "LARGEST_SOUGHT_FRICTION": "limit of the search that is said",
         "POLE_DISTANCE": ROUND_OFF,
         "RESOLUTION": ROUND_OFF,
         "LARGEST_FRICTION_STEP": "first step of a search that adapts; a matter of time",
@@ -40,27 +39,28 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_STATE_CHANGES": PASSES,
         "STATE_ROUND_OFF": ROUND_OFF,
     },
-    "fem/assembly.py": {"MOST_ELEMENTS": MEMORY, "ROOM": MEMORY},
-    "fem/body.py": {"FRAME": DEFINITION},
-    "fem/elimination.py": {"LEAF": SPEED},
-    "fem/finite_width.py": {
+    "fem/preparation/cache.py": {"ROOM": MEMORY},
+    "fem/preparation/meshes.py": {"MOST_ELEMENTS": MEMORY},
+    "fem/substructure/body.py": {"FRAME": DEFINITION},
+    "fem/substructure/elimination.py": {"LEAF": SPEED},
+    "fem/preparation/finite_width.py": {
         "HELD": "share that solid shoes show, whose difference is said with the answer",
         "LARGEST_NU": "range that has been checked",
         "TORQUE": "measured error that is said",
         "PRESSURE": "measured error that is said",
     },
-    "fem/group.py": {
+    "fem/equilibrium/group.py": {
         "FRICTION_STEP": "a quarter of self_locking.LARGEST_FRICTION_STEP",
         "NEAR_POLE": "last digit of a limit that is printed",
         "ROWS": SPEED,
     },
-    "fem/holding.py": {
+    "fem/analysis/holding.py": {
         "FIRST": "start of a geometric search",
         "MOST_INCREMENTS": PASSES,
         "TWO_ANSWERS": SAID,
         "OTHER_FRICTION": SAID,
     },
-    "fem/hp/adapt.py": {"UNDER_TIP": DEFINITION},
+    "fem/error_control/adapt.py": {"UNDER_TIP": DEFINITION},
     "fem/hp/corner.py": {
         "LEAST_ROOT": "limit of a search",
         "ROOTS_TRIED": "steps of a search",
@@ -68,9 +68,9 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "AT_TIP": ROUND_OFF,
     },
     "fem/hp/element.py": {"CHUNK": SPEED},
-    "fem/hp/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
+    "fem/error_control/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
     "fem/hp/ring.py": {"TURN": DEFINITION, "CLOSE": ROUND_OFF},
-    "fem/hp/scene.py": {"MOST_NODES": MEMORY},
+    "fem/preparation/columns.py": {"MOST_NODES": MEMORY},
     "fem/mesh/abaqus.py": {"NODES": FORMAT, "MOST_MEMBERS": MEMORY, "PER_LINE": FORMAT},
     "fem/mesh/check.py": dict.fromkeys(
         ("ARC_SLACK", "APART", "MOST_PAIRS", "LARGEST", "BENT", "OFF", "DEEP", "STEEP", "UPRIGHT"),
@@ -90,31 +90,22 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MAX_REFINED": "limit of time: seconds of a refinement",
         "SETTLED": ROUND_OFF,
     },
-    "fem/moving.py": {
+    "fem/analysis/moving.py": {
         "STEP": ROUND_OFF,
         "FARTHEST": "tells another division from a moved one",
         "STILL": ROUND_OFF,
     },
-    "fem/mutual_work.py": {"CHUNK": MEMORY},
-    "fem/omission.py": {"OMISSIONS": DEFINITION},
-    "fem/reach.py": {"LARGEST_TURN": SAID},
-    "fem/reduced.py": {
-        **dict.fromkeys(("ELEMENTS", "SECTIONS", "MODES", "WAVES"), SKETCH),
-        "MOST_MODES": MEMORY,
-        "DEGREE": ROUND_OFF,
-        "SHORT": "1 % of a closed form",
-        "STIFF": ROUND_OFF,
-        "SHEAR": DEFINITION,
-    },
-    "fem/refinement.py": {
+    "fem/analysis/mutual_work.py": {"CHUNK": MEMORY},
+    "fem/equilibrium/reach.py": {"LARGEST_TURN": SAID},
+    "fem/error_control/refinement.py": {
         "EPSILON": DEFINITION,
         "MOST_CORRECTIONS": PASSES,
         "SETTLED": ROUND_OFF,
         "SLOWEST": "factor by which corrections that converge shrink",
         "MOST_SETS": PASSES,
     },
-    "fem/sensitivity.py": {"PERCENT_PER_MM": DEFINITION},
-    "fem/sharing.py": {"PULLED": ROUND_OFF},
+    "fem/analysis/sensitivity.py": {"PERCENT_PER_MM": DEFINITION},
+    "fem/equilibrium/sharing.py": {"PULLED": ROUND_OFF},
     "fem/solid/__init__.py": {"MOST_ELEMENTS": MEMORY, "MOST_ACROSS": MEMORY},
     "fem/solid/body.py": {"HALVES": DEFINITION},
     "fem/solid/fields.py": dict.fromkeys(("_BOTTOM", "_CORNERS", "_EDGES", "_TURNED"), FORMAT),

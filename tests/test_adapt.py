@@ -8,15 +8,15 @@ import time
 import numpy as np
 import pytest
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import vary
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.reference import responses
-from drumlin.verification.work_precision import refined_division
+from drumlin_studies.work_precision import refined_division
 
 NAMES = ("pressure", "torque", "peak", "reaction")
 CLEARANCE = {
@@ -154,7 +154,7 @@ def test_a_tolerance_that_cannot_be_met_is_refused_with_what_was_reached(brake, 
         NoAnswer,
         match=r"tolerance 1e-12 not reached on 3 meshes .* error of p .*e-0., of the torque",
     ):
-        monkeypatch.setattr("drumlin.fem.hp.levels.LEVELS", LEVELS[:3])
+        monkeypatch.setattr("drumlin.fem.error_control.levels.LEVELS", LEVELS[:3])
         solve(brake, tolerance=1e-12)
 
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import drumlin
+from drumlin.base.errors import BadInput
 from drumlin.brake import read_any, vary
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from
-from drumlin.errors import BadInput
-from drumlin.fem.holding import full_slip_rotation, hold
-from drumlin.fem.sensitivity import sensitivity
+from drumlin.fem.analysis.holding import full_slip_rotation, hold
+from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 

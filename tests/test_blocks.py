@@ -10,17 +10,23 @@ import pytest
 
 import blocks
 from drumlin import solve
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
-from drumlin.fem.hp import levels
-from drumlin.fem.hp.adapt import DEFAULT
+from drumlin.fem.error_control import levels
+from drumlin.fem.error_control.adapt import DEFAULT
+from drumlin.fem.error_control.levels import LEVELS, steps
+from drumlin.fem.error_control.places import places_of, strengths
 from drumlin.fem.hp.division import Kind, divide
-from drumlin.fem.hp.levels import LEVELS, steps
-from drumlin.fem.hp.places import places_of, strengths
 from drumlin.fem.model import respond
 from drumlin.response import Response
-from drumlin.verification.consistency_blocks import FEWEST, KINDS, MOST, checks, random_blocks
+from drumlin_studies.consistency_blocks import (
+    BLOCK_KINDS,
+    FEWEST_BLOCK_STEPS,
+    MOST_BLOCK_STEPS,
+    checks,
+    random_blocks,
+)
 
 
 def off(one: np.ndarray, true: np.ndarray) -> float:
@@ -89,7 +95,7 @@ def curved(brake: Brake, rows: int) -> Brake:
 def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Response]:
     """The default response, and that on the second level with all kinks as places."""
     found = solve(brake)
-    monkeypatch.setattr("drumlin.fem.hp.places.UNFELT", 0.0)
+    monkeypatch.setattr("drumlin.fem.error_control.places.UNFELT", 0.0)
     (*_, true) = islice(steps(brake, respond), 2)
     return found, true.response
 
@@ -166,10 +172,13 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
 
 
 def test_random_linings_of_blocks_are_those_of_their_seed() -> None:
-    for seed in (11, len(KINDS) + 1):
+    for seed in (11, len(BLOCK_KINDS) + 1):
         brake, other = random_blocks(seed), random_blocks(seed, 6)
         assert brake == random_blocks(seed) and brake.title == other.title
-        assert all(FEWEST <= len(shoe.lining.misfit.blocks) <= MOST for shoe in brake.shoes)
+        assert all(
+            FEWEST_BLOCK_STEPS <= len(shoe.lining.misfit.blocks) <= MOST_BLOCK_STEPS
+            for shoe in brake.shoes
+        )
         assert all(len(shoe.lining.misfit.blocks) == 6 for shoe in other.shoes)
 
 
@@ -177,7 +186,7 @@ def test_a_brake_without_a_truth_is_a_row_that_is_refused(monkeypatch: pytest.Mo
     def none(*_: Any) -> Any:
         raise NoAnswer("no level has an answer")
 
-    monkeypatch.setattr("drumlin.verification.consistency_blocks.by_columns", none)
+    monkeypatch.setattr("drumlin_studies.consistency_blocks.by_columns", none)
     assert [(row.outcome, row.said) for row in checks(11)] == [
         ("refused", "no level has an answer")
     ]

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import STUDY
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import ShoeFrame
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.brake.units import to_si
-from drumlin.errors import BadInput
 
 TEXT = (STUDY / "brake.toml").read_text()
 

@@ -8,12 +8,12 @@ import math
 import numpy as np
 import pytest
 
-from drumlin.fem.hp import estimate
-from drumlin.fem.hp.estimate import FACTORS, QUANTITIES, Factors, read_factors
-from drumlin.fem.hp.levels import steps
+from drumlin.fem.error_control import estimate
+from drumlin.fem.error_control.estimate import FACTORS, QUANTITIES, Factors, read_factors
+from drumlin.fem.error_control.levels import steps
 from drumlin.fem.model import respond
 from drumlin.studies import load
-from drumlin.verification.calibration import (
+from drumlin_studies.calibration import (
     QUANTILE,
     RELEVANT,
     Level,
@@ -24,7 +24,7 @@ from drumlin.verification.calibration import (
     observed,
     samples,
 )
-from drumlin.verification.stored_truth import by_finer
+from drumlin_studies.stored_truth import by_finer
 
 PROVENANCE = Provenance("1 to 3", 3, 9, "abc", "2000-01-01")
 

@@ -244,6 +244,7 @@ HEAVY = {
     "jinja2",
     "scipy.stats",
     "drumlin.verification",
+    "drumlin_studies",
 }
 
 

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drumlin.base.errors import NoAnswer
 from drumlin.contact import active_set
 from drumlin.contact.equations import (
     BORDERED_ABOVE,
@@ -15,7 +16,6 @@ from drumlin.contact.equations import (
     equilibrated,
     few_changed,
 )
-from drumlin.errors import NoAnswer
 
 
 def free(A, q):

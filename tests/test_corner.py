@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drumlin.fem.error_control.levels import steps
 from drumlin.fem.hp.corner import (
     NEAR_CORNER,
     corner_power,
@@ -21,11 +22,10 @@ from drumlin.fem.hp.corner import (
     tip_size,
     with_powers,
 )
-from drumlin.fem.hp.levels import steps
 from drumlin.fem.model import respond
 from drumlin.response.resultants import gauss_points, lobatto
-from drumlin.verification.stated_true import errors
-from drumlin.verification.stored_truth import read
+from drumlin_studies.stated_true import errors
+from drumlin_studies.stored_truth import read
 
 TRUTHS = Path(__file__).parent / "truths"
 

@@ -16,12 +16,12 @@ from drumlin.brake.elasticity import (
     solid_elasticity_matrix,
 )
 from drumlin.brake.fields import Material
-from drumlin.fem.body import scalar_basis, stiffness
-from drumlin.fem.elasticity import across, split, stress
 from drumlin.fem.hp import element as hp
 from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import columns, stack, turned
 from drumlin.fem.hp.shoe import nodes_of
+from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin.fem.substructure.elasticity import across, split, stress
 from drumlin.response.resultants import lobatto
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.triangulation import Layer, start

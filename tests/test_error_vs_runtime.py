@@ -6,14 +6,14 @@ from dataclasses import replace
 import pytest
 
 import independent
-from drumlin.errors import BadInput
+from drumlin.base.errors import BadInput
+from drumlin.base.journal import Journal
 from drumlin.fem.solve import solve
-from drumlin.journal import Journal
 from drumlin.studies import load
-from drumlin.verification import work_precision
-from drumlin.verification.recommendation import NAMES, best_rows, matrices
 from drumlin.verification.reference import Trio, responses
-from drumlin.verification.work_precision import ERRORS, Method, floor, measure, timing
+from drumlin_studies import work_precision
+from drumlin_studies.recommendation import TARGET_NAMES, best_rows, matrices
+from drumlin_studies.work_precision import ERROR_KEYS, Method, floor, measure, timing
 
 pytestmark = pytest.mark.slow
 
@@ -58,7 +58,9 @@ def outcome(tmp_path_factory):
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "responses", once)
-        patch.setattr(work_precision, "REPEATS", 3)  # of times that no test here asks for closely
+        patch.setattr(
+            work_precision, "TIMED_REPEATS", 3
+        )  # of times that no test here asks for closely
         for cases in (1, 6):
             with Stopping(path, cases) as journal, pytest.raises(Stopped):
                 module.study(short=True, journal=journal)
@@ -95,7 +97,7 @@ def test_finite_elements_know_more_than_laws_and_laws_are_faster(rows):
     fem, law = pick(rows, "graded mesh", kind="quad2", elements=40), pick(rows, "law", model="sine")
     truth = independent.torque("double_shoe/brake")
     assert law["torque_error"] == pytest.approx(abs(independent.SINE_LAW / truth - 1), abs=5e-5)
-    for key in ERRORS:
+    for key in ERROR_KEYS:
         assert fem[key] < 0.1 * law[key]
     assert law["seconds"] < fem["seconds"] / 3
     assert fem["further"] < fem["seconds"] / 3
@@ -142,7 +144,7 @@ def test_the_floor_lies_below_what_is_claimed(outcome):
         assert 0 < floors["torque_error"] < 1e-6 and floors["pressure_error"] < 1e-3
         for row in best_rows(result.rows, result.floors):
             if row["brake"] == name and "error" in row:
-                key = next(k for k, said in NAMES.items() if said == row["quantity"])
+                key = next(k for k, said in TARGET_NAMES.items() if said == row["quantity"])
                 assert floors[key] < row["target"] and row["error"] <= row["target"]
 
 
@@ -151,7 +153,7 @@ def test_every_converged_row_is_whole(outcome):
         if row["status"] == "converged":
             assert row["lower"] <= row["seconds"] <= row["upper"] and row["repeats"] >= 3
             assert 1e5 < row["memory"] < 1e9
-            assert all(math.isfinite(row[key]) for key in ERRORS)
+            assert all(math.isfinite(row[key]) for key in ERROR_KEYS)
 
 
 def test_report(outcome, tmp_path):

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT, STUDY
+from drumlin.base.errors import BadInput
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.writing import brake_text
-from drumlin.errors import BadInput
 from drumlin.explore.answers import Explorer
 from drumlin.explore.page import reply
 from drumlin.explore.serve import _Server

@@ -10,14 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from conftest import STUDY
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import converge
 from drumlin.contact import active_set
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import prepare
-from drumlin.fem.fields import fields, write_vtu
-from drumlin.fem.group import ShoeGroup
+from drumlin.fem.analysis.fields import fields, write_vtu
+from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, sine
 from drumlin.response.norms import pressure_distance

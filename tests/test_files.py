@@ -15,9 +15,8 @@ from pathlib import Path
 import pytest
 
 from conftest import STUDY
-from drumlin.cli.process import run
-from drumlin.errors import BadInput, NoAnswer, Stopped, ended, line_and_status
-from drumlin.files import (
+from drumlin.base.errors import BadInput, NoAnswer, Stopped, ended, line_and_status
+from drumlin.base.files import (
     cell,
     check_folder,
     check_outputs,
@@ -27,7 +26,8 @@ from drumlin.files import (
     replacing,
     write_text,
 )
-from drumlin.texts import MOST_DIGITS, check_digits, check_toml, one_line, typed
+from drumlin.base.texts import MOST_DIGITS, check_digits, check_toml, one_line, typed
+from drumlin.cli.process import run
 
 
 def node(path, kind, minor):
@@ -136,7 +136,7 @@ def test_a_pipe_is_written_to_and_read(tmp_path):
 
 def test_a_file_that_standard_output_goes_to_keeps_what_is_printed(tmp_path):
     code = (
-        "from pathlib import Path; from drumlin.files import write_text; print('first', flush=True);"
+        "from pathlib import Path; from drumlin.base.files import write_text; print('first', flush=True);"
         "write_text(Path('out'), 'written\\n'); print('last')"
     )
     with (tmp_path / "out").open("wb") as out:

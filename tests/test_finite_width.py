@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from command_line import drumlin
+from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
-from drumlin.errors import BadInput
-from drumlin.fem import finite_width
+from drumlin.fem.preparation import finite_width
 from drumlin.fem.solid import model
 from drumlin.fem.solve import solve
 from drumlin.sweeps.cases import solved

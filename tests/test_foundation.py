@@ -13,17 +13,17 @@ from hypothesis import strategies as st
 
 from conftest import ROOT
 from drumlin import foundation
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.foundation import ring
 from drumlin.foundation.model import system
 from drumlin.foundation.post import post, stations
 from drumlin.laws import locking_friction, sine
+from drumlin.lining_wear.worn_in import worn_in_foundation
 from drumlin.models import MODELS, applicable
 from drumlin.response.merit import barecki_shoe_factor
-from drumlin.verification.barecki_iteration import iterate
-from drumlin.wear.worn_in import worn_in_foundation
+from drumlin_studies.barecki_iteration import iterate
 
 POST = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
 PAPER = {"tilt": False, "wedge": False, "plane_stress": False}

@@ -9,13 +9,13 @@ import pytest
 
 from conftest import ROOT, partly
 from drumlin import foundation
+from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import prepare
-from drumlin.fem.body import scalar_basis
-from drumlin.fem.deflection import beam_deflection, rim_displacement
+from drumlin.fem.analysis.deflection import beam_deflection, rim_displacement
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
+from drumlin.fem.substructure.body import scalar_basis
 from drumlin.foundation.ring import flexibility
 from drumlin.laws import sine
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import drumlin
+from drumlin.base.errors import BadInput
 from drumlin.brake.file import brake_from, vary
-from drumlin.errors import BadInput
-from drumlin.fem.fields import fields
+from drumlin.fem.analysis.fields import fields
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from held_shoes import BODY, KINDS, THIN, brake_of
@@ -92,14 +92,14 @@ def test_a_foot_that_friction_holds_is_a_pin_also_where_the_lining_stands_off() 
 
 @pytest.mark.slow
 def test_the_whole_system_refined_is_the_same_answer() -> None:
-    from drumlin.fem.group import groups_of
-    from drumlin.fem.hp.levels import LEVELS
-    from drumlin.fem.hp.scene import scene
+    from drumlin.fem.equilibrium.group import groups_of
+    from drumlin.fem.error_control.levels import LEVELS
     from drumlin.fem.model import refined_group
+    from drumlin.fem.preparation.prepare import prepare
 
     for kind in KINDS:
         brake = brake_of(kind, 1, body=BODY)
-        (group,) = groups_of(scene(brake, LEVELS[1]), brake, 1e6)
+        (group,) = groups_of(prepare(brake, LEVELS[1]), brake, 1e6)
         group, found = group.settled()
         for order in ("COLAMD", "MMD_AT_PLUS_A"):
             refined = refined_group(group, found.active, order)

@@ -12,10 +12,10 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from, validated, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws import LAWS, law, rigid
 from drumlin.laws.hinged import layout
 from drumlin.laws.shapes import equivalent_friction

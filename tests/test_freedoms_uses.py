@@ -6,11 +6,11 @@ import pytest
 import drumlin
 from drumlin.brake.file import vary
 from drumlin.contact import stick_slip
-from drumlin.fem.assembly import prepare
-from drumlin.fem.at_rest import Feet, holding_problem
-from drumlin.fem.group import grouped
-from drumlin.fem.holding import full_slip_rotation, hold
+from drumlin.fem.analysis.at_rest import Feet, holding_problem
+from drumlin.fem.analysis.holding import full_slip_rotation, hold
+from drumlin.fem.equilibrium.group import grouped
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.prepare import prepare
 from held_shoes import BODY, brake_of
 from shared_forces import cam_brake, servo
 

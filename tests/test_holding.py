@@ -10,19 +10,19 @@ import pytest
 
 import independent
 from conftest import STUDY
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import prepare
-from drumlin.fem.at_rest import holding_problem
-from drumlin.fem.group import grouped
-from drumlin.fem.holding import full_slip_rotation, hold
+from drumlin.fem.analysis.at_rest import holding_problem
+from drumlin.fem.analysis.holding import full_slip_rotation, hold
+from drumlin.fem.analysis.self_locking import limits
+from drumlin.fem.equilibrium.group import grouped
 from drumlin.fem.model import respond
-from drumlin.fem.self_locking import limits
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import random_kind
-from drumlin.verification.standing_off import standing_off
+from drumlin.fem.preparation.prepare import prepare
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.standing_off import standing_off
 
 ELEMENTS = 16
 OTHER = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}

@@ -170,6 +170,9 @@ def test_the_sdist_is_complete_and_the_wheel_carries_what_commands_need(built):
         kept = name.startswith("reports/reference/") and not name.endswith((".png", "index.html"))
         if name.startswith(("studies/", "meshes/")) or kept:
             assert f"drumlin/carried/{name}" in names
+        # Both packages are in the wheel: what a user runs, and what its studies import.
+        if name.startswith("src/") and name.endswith(".py"):
+            assert name.removeprefix("src/") in names
     assert not any("__pycache__" in name or name.startswith(("studies", "tests")) for name in names)
 
 

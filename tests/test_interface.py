@@ -9,12 +9,12 @@ import skfem
 from drumlin.brake.file import vary
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set
-from drumlin.fem.assembly import prepare
-from drumlin.fem.body import scalar_basis
-from drumlin.fem.interface import ContactLine, contact_line, couple, radial
-from drumlin.fem.ring import couple_ring
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.substructure.body import scalar_basis
+from drumlin.fem.substructure.interface import ContactLine, contact_line, couple, radial
+from drumlin.fem.substructure.ring import couple_ring
 from drumlin.response.resultants import cross, integrate, resultant
-from drumlin.verification import two_bodies as pair
+from drumlin_studies import two_bodies as pair
 
 
 @pytest.fixture(scope="module", params=[3, 10, 80])
@@ -85,10 +85,10 @@ def test_patch_test_on_the_arc(sign):
     interference, exact, spreads, means = 1e-4, lame_interference(1e-4), [], []
     for inside, outside in ((24, 30), (48, 60), (96, 120)):
         rings = [
-            pair.body(pair.closed(angles, np.linspace(0, 0.4, depth), 1.0, way), pair.STEEL)
+            pair.body(pair.closed(angles, np.linspace(0, 0.4, depth), 1.0, way), pair.LADDER_STEEL)
             for angles, depth, way in ((circle(inside), 5, -1), (circle(outside) + 0.01, 6, 1))
         ]
-        both = pair.Pair.of(*rings[::sign], sign=sign)
+        both = pair.BodyPair.of(*rings[::sign], sign=sign)
         found = active_set.solve(both.normal(np.full(len(both.angle), -interference)))
         spreads.append(np.ptp(found.p) / exact)
         means.append(abs(found.p.mean() / exact - 1))
@@ -118,7 +118,7 @@ def lame_interference(interference):
     """Pressure between rings of R = 1 held at r = 0.6 and r = 1.4, plane stress: u = A r + B/r, u =
     0 where held.
     """
-    E, nu = pair.STEEL.E, pair.STEEL.nu
+    E, nu = pair.LADDER_STEEL.E, pair.LADDER_STEEL.nu
     yielding = 0.0  # radial displacement per pressure, of both
     for held in (0.6, 1.4):
         A, B = 1.0, -(held**2)

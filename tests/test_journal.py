@@ -10,8 +10,8 @@ import random
 
 import pytest
 
-from drumlin.errors import BadInput
-from drumlin.journal import Journal
+from drumlin.base.errors import BadInput
+from drumlin.base.journal import Journal
 
 CASES = 40
 

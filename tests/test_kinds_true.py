@@ -11,9 +11,9 @@ import pytest
 import drumlin
 from drumlin.brake.brake import Brake
 from drumlin.verification import triangles
-from drumlin.verification.random_kinds import KINDS, random_kind
-from drumlin.verification.stated_true import (
-    QUANTITIES,
+from drumlin_studies.random_kinds import HOLDING_KINDS, random_kind
+from drumlin_studies.stated_true import (
+    JUDGED_QUANTITIES,
     Truth,
     by_columns,
     errors,
@@ -22,7 +22,7 @@ from drumlin.verification.stated_true import (
     row,
 )
 
-ON_DRUM = [kind for kind in KINDS if not kind.startswith("pad")]
+ON_DRUM = [kind for kind in HOLDING_KINDS if not kind.startswith("pad")]
 QUICK = triangles.LEVELS[:1]
 
 
@@ -53,7 +53,9 @@ def rows_of(kind: str, seeds: range, tolerance: float) -> list[dict[str, Any]]:
         brake = brake_of(seed, kind)
         before, last = triangles.sequence(brake, triangles.LEVELS[:2])
         moved = errors(brake, before, last)
-        true = Truth(last, {name: limit(2 * moved[name], moved[name]) for name in QUANTITIES}, 0.0)
+        true = Truth(
+            last, {name: limit(2 * moved[name], moved[name]) for name in JUDGED_QUANTITIES}, 0.0
+        )
         rows.append(row(brake, tolerance, drumlin.solve, true))
     return rows
 
@@ -79,7 +81,7 @@ def test_an_opening_between_two_nodes_is_found_before_an_error_is_stated() -> No
     brake = brake_of(79, "strut")
     one = row(brake, 1e-3, drumlin.solve, by_columns(brake, 1e-3))
     assert len(drumlin.solve(brake, tolerance=0.02).shoes[0].contact_arcs) == 2
-    for name in QUANTITIES:
+    for name in JUDGED_QUANTITIES:
         assert ratio(one, name) > 1, one
 
 
@@ -91,5 +93,5 @@ def test_a_reaction_does_not_move_late() -> None:
     brake = brake_of(121, "guide")
     one = row(brake, 1e-2, drumlin.solve, by_columns(brake, 1e-3))
     assert 5e-5 < one["true_reaction"] < 2e-4, one
-    for name in QUANTITIES:
+    for name in JUDGED_QUANTITIES:
         assert ratio(one, name) > 1, one

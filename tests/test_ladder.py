@@ -7,15 +7,15 @@ import pytest
 from pytest import approx
 
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK
-from drumlin.verification import closed_forms
-from drumlin.verification.ladder import CASES, families, within
-from drumlin.verification.ladder_friction import pressed_plate
+from drumlin_studies import closed_forms
+from drumlin_studies.ladder import LADDER_CASES, families, within
+from drumlin_studies.ladder_friction import pressed_plate
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.mark.parametrize(
-    "case", CASES, ids=lambda case: f"{case.family}: {case.quantity}".replace(" ", "_")
+    "case", LADDER_CASES, ids=lambda case: f"{case.family}: {case.quantity}".replace(" ", "_")
 )
 def test_every_case_is_within_its_tolerance(case):
     value = case.found()
@@ -29,9 +29,9 @@ def test_every_case_is_within_its_tolerance(case):
 
 def test_the_ladder_has_forty_families_each_with_its_source():
     assert len(families()) >= 40
-    assert all(case.source and case.shows for case in CASES)
-    assert len({(case.family, case.quantity) for case in CASES}) == len(CASES)
-    assert all(0 < case.tolerance <= 0.03 for case in CASES)
+    assert all(case.source and case.shows for case in LADDER_CASES)
+    assert len({(case.family, case.quantity) for case in LADDER_CASES}) == len(LADDER_CASES)
+    assert all(0 < case.tolerance <= 0.03 for case in LADDER_CASES)
 
 
 def test_the_plate_sticks_slips_and_lifts_off_at_once():

@@ -12,10 +12,10 @@ from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.fem.mesh.grading import graded
 from drumlin.response.resultants import integrate
-from drumlin.verification import closed_forms
-from drumlin.verification.two_bodies import (
-    STEEL,
-    Pair,
+from drumlin_studies import closed_forms
+from drumlin_studies.two_bodies import (
+    LADDER_STEEL,
+    BodyPair,
     body,
     both_sides,
     closed,
@@ -30,7 +30,7 @@ R = 1.0
 A = 0.005  # intended half-width of the Hertz contacts, radius 1: curvature of the interface is without effect
 
 
-def half_plane(sign, per_half=20, material=STEEL, end=0.5):
+def half_plane(sign, per_half=20, material=LADDER_STEEL, end=0.5):
     angles = both_sides(2 * A, 4 * per_half, 1.35, end)
     return body(sector(angles, towards(A / per_half, 1.3, 0.5), R, sign), material)
 
@@ -44,7 +44,7 @@ def half_planes():
 @pytest.fixture(scope="module")
 def hertz(half_planes):
     """Pressed along x, free along it."""
-    return Pair.of(*half_planes, motions="x")
+    return BodyPair.of(*half_planes, motions="x")
 
 
 def hertz_load(rho, E):
@@ -56,7 +56,7 @@ def test_hertz(hertz):
     """Parabolic gap: a = sqrt(4 P rho/(pi E*)), p_0 = sqrt(P E*/(pi rho)), 1/E* = 2/E in plane
     stress.
     """
-    rho, E = 2.0, STEEL.E / 2
+    rho, E = 2.0, LADDER_STEEL.E / 2
     P = hertz_load(rho, E)
     s = R * hertz.angle
     problem = hertz.normal(s**2 / (2 * rho), [P])
@@ -77,12 +77,12 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     """Tangential load Q < mu P after P: stick within c = a sqrt(1 - Q/(mu P)), slip outside, t by
     superposition.
     """
-    rho, mu, E = 2.0, 0.3, STEEL.E / 2
+    rho, mu, E = 2.0, 0.3, LADDER_STEEL.E / 2
     P = hertz_load(rho, E)
     s = R * hertz.angle
     problem = hertz.normal(s**2 / (2 * rho), [P])
     touching = active_set.solve(problem, nested_start(problem)).active
-    hertz = Pair.of(*half_planes, motions="xy")
+    hertz = BodyPair.of(*half_planes, motions="xy")
     rest = stick_slip.History(np.zeros(len(s)), np.zeros(len(s)))
     start = np.where(touching, stick_slip.STICK, stick_slip.OPEN)
     first = stick_slip.solve(hertz.frictional(s**2 / (2 * rho), [P, 0.0]), mu, rest, start)
@@ -130,9 +130,9 @@ def disc_in_hole(eps, count=50):
         rest = graded(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
         return np.concatenate([inner, rest[1:-1]])
 
-    disc = body(closed(angles(count), towards(0.01, 1.18, 0.985), R, -1), STEEL)
-    plate = body(closed(angles(count + 7), towards(0.01, 1.2, 39.0), R, 1), STEEL)
-    return Pair.of(disc, plate, motions="x")
+    disc = body(closed(angles(count), towards(0.01, 1.18, 0.985), R, -1), LADDER_STEEL)
+    plate = body(closed(angles(count + 7), towards(0.01, 1.2, 39.0), R, 1), LADDER_STEEL)
+    return BodyPair.of(disc, plate, motions="x")
 
 
 @pytest.mark.parametrize("half_angle", [20, 40, 60, 75, 85])
@@ -141,7 +141,7 @@ def test_disc_in_a_hole_of_the_same_material(half_angle):
     b, Q = math.tan(math.radians(half_angle) / 2), 1e6
     pair = disc_in_hole(math.radians(half_angle))
     theta = pair.angle
-    gap = closed_forms.persson_clearance(b) * Q / STEEL.E * (1 - np.cos(theta))
+    gap = closed_forms.persson_clearance(b) * Q / LADDER_STEEL.E * (1 - np.cos(theta))
     problem = pair.normal(gap, [Q])
     found = active_set.solve(problem, nested_start(problem))
     exact = closed_forms.persson_pressure(b, theta) * Q / R
@@ -159,11 +159,12 @@ def test_disc_in_a_hole_of_the_same_material(half_angle):
 def ring_pair(count=48, other=60):
     """A ring held inside, pressed by a ring held outside, on meshes that do not match."""
     inner = body(
-        closed(np.linspace(-math.pi, math.pi, count + 1)[:-1], np.linspace(0, 0.4, 5), R, -1), STEEL
+        closed(np.linspace(-math.pi, math.pi, count + 1)[:-1], np.linspace(0, 0.4, 5), R, -1),
+        LADDER_STEEL,
     )
     outer = body(
         closed(np.linspace(-math.pi, math.pi, other + 1)[:-1] + 0.01, np.linspace(0, 0.5, 6), R, 1),
-        STEEL,
+        LADDER_STEEL,
     )
     return inner, outer
 
@@ -171,7 +172,7 @@ def ring_pair(count=48, other=60):
 def test_swapping_sides_changes_nothing_beyond_discretisation():
     """The pressure carried by the inner or by the outer ring's nodes: the same field."""
     inner, outer = ring_pair(120, 97)
-    one, two = Pair.of(inner, outer), Pair.of(outer, inner, sign=-1)
+    one, two = BodyPair.of(inner, outer), BodyPair.of(outer, inner, sign=-1)
 
     def gap(angle):
         return 1e-4 * (np.cos(angle) - 0.3)
@@ -195,11 +196,14 @@ def wavy(mean_share, m=40):
     count = 12 * m
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
     depths = towards(2 * math.pi / count, 1.25, 0.5)
-    inner, outer = (body(closed(angles, depths, R, sign), STEEL) for sign in (-1, 1))
-    pair = Pair.of(inner, outer)
-    soft = sum(abs(closed_forms.ring_yield(0, 1.0, held, STEEL.E, STEEL.nu)) for held in (0.5, 1.5))
+    inner, outer = (body(closed(angles, depths, R, sign), LADDER_STEEL) for sign in (-1, 1))
+    pair = BodyPair.of(inner, outer)
+    soft = sum(
+        abs(closed_forms.ring_yield(0, 1.0, held, LADDER_STEEL.E, LADDER_STEEL.nu))
+        for held in (0.5, 1.5)
+    )
     amplitude = 1e-6
-    p_star = math.pi * (STEEL.E / 2) * amplitude * m / (2 * math.pi * R) * 1.0
+    p_star = math.pi * (LADDER_STEEL.E / 2) * amplitude * m / (2 * math.pi * R) * 1.0
     gap = amplitude * (1 - np.cos(m * pair.angle)) - mean_share * p_star * soft - amplitude
     found = active_set.solve(pair.normal(gap))
     return pair, found, p_star
@@ -234,8 +238,8 @@ def test_lame_ring_under_inner_pressure():
     """a = .1, b = .2 m, p = 60 MPa inside, E = 200 GPa, nu = .3: u(a) = 5.90e-5, u(b) = 4.00e-5 m."""
     from scipy.sparse.linalg import spsolve
 
-    from drumlin.fem.body import scalar_basis, stiffness
-    from drumlin.fem.interface import contact_line, couple, radial
+    from drumlin.fem.substructure.body import scalar_basis, stiffness
+    from drumlin.fem.substructure.interface import contact_line, couple, radial
 
     mesh = closed(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis = scalar_basis(mesh)

@@ -13,8 +13,8 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
-from drumlin.fem.body import scalar_basis, stiffness
-from drumlin.verification.two_bodies import Pair, body, sector, towards
+from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin_studies.two_bodies import BodyPair, body, sector, towards
 
 pytestmark = pytest.mark.slow
 
@@ -82,7 +82,7 @@ def strip():
     thickness, half = 0.05, 0.1
     fine = towards(1e-8, 1.35, half)
     angles = np.concatenate([-half + fine, (half - fine)[::-1][1:]])
-    return thickness, Pair.of(
+    return thickness, BodyPair.of(
         body(sector(angles, towards(1e-8, 1.35, thickness), 1.0, -1), Material(E=3e8, nu=0.3)), None
     )
 

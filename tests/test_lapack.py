@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drumlin.lapack import solve_lower
+from drumlin.base.lapack import solve_lower
 
 
 @pytest.mark.parametrize("shape", [(6,), (6, 1), (6, 4)])

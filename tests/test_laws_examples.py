@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from, vary
-from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS, Layout, locking_friction
 from drumlin.laws.shapes import equivalent_friction, m_and_n, pivot_radius
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
 from drumlin.response.merit import double_delta, rated, sensitivity
 from drumlin.response.response import Response
-from drumlin.verification.textbook_brakes import LINING, hinged, lever_block, pad
+from drumlin_studies.textbook_brakes import TEXTBOOK_LINING, hinged, lever_block, pad
 
 C = 1e-6
 """Relative tolerance of values given with seven or more digits."""
@@ -49,7 +49,7 @@ def shigley_16_2() -> Brake:
                 "name": name,
                 "side": "internal",
                 "hinge": {"radius": a, "angle": turned},
-                "lining": LINING
+                "lining": TEXTBOOK_LINING
                 | {
                     "width": 0.032,
                     "start": turned + min(0.0, hand * radians(126)),

@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
 from drumlin.laws import LAWS, Layout, pivoted
 from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout
 from drumlin.laws.hinged import layout
@@ -22,7 +22,7 @@ from drumlin.models import MODELS
 from drumlin.response.balance import shoe_balance
 from drumlin.response.merit import barecki_shoe_factor, double_delta, sensitivity
 from drumlin.response.response import ShoeResponse
-from drumlin.verification.textbook_brakes import hinged, pad
+from drumlin_studies.textbook_brakes import hinged, pad
 
 many = settings(
     max_examples=2 * settings.default.max_examples, suppress_health_check=[HealthCheck.too_slow]

@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli import main
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS, pick
-from drumlin.verification.textbook_brakes import hinged
+from drumlin_studies.textbook_brakes import hinged
 
 STUDIES = Path(__file__).parent.parent / "studies"
 ON_DRUM = {"sine", "cosine", "block", "uniform", "short"}

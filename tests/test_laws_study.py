@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from drumlin.brake.plane_brake import read_any
 from drumlin.report.drawing import draw_brake
 from drumlin.studies import load
-from drumlin.verification.law_table import word_rows
-from drumlin.verification.worked_examples import compared
+from drumlin_studies.law_table import word_rows
+from drumlin_studies.worked_examples import compared
 
 STUDIES = Path(__file__).parent.parent / "studies"
 

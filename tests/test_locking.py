@@ -8,20 +8,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import partly, settled_sizes
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
 from drumlin.contact.self_locking import Sliding, limit
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import prepare
-from drumlin.fem.group import ShoeGroup, groups_of
-from drumlin.fem.hp import scene as hp
-from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.analysis.self_locking import limits, torques
+from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.self_locking import limits, torques
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, rigid
-from drumlin.verification.random_brake import random_brake
+from drumlin_studies.random_brake import random_brake
 
 RING = {
     "drum.ring": {
@@ -160,7 +159,7 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
     friction that would leap too.
     """
     brake = random_brake(37, "locking")
-    scenes = prepare(brake, elements=16), hp.scene(brake, LEVELS[2]), prepare(brake, elements=64)
+    scenes = prepare(brake, elements=16), prepare(brake, LEVELS[2]), prepare(brake, elements=64)
     ends = []
     for scene in scenes:
         problems = ShoeGroup(scene, brake, (0,)).sliding

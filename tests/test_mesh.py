@@ -7,15 +7,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import ROOT, STUDY
+from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import prepare
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
 from drumlin.fem.mesh.grading import graded
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
-from drumlin.verification.stated_true import errors
+from drumlin_studies.stated_true import errors
 
 
 @given(st.integers(1, 300), st.floats(1e-3, 2), st.floats(1e-3, 1))

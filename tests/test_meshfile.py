@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from conftest import ROOT
+from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.file import read_brake, vary
-from drumlin.errors import BadInput, DrumlinError
-from drumlin.fem.assembly import prepare
 from drumlin.fem.mesh.abaqus import read_inp
 from drumlin.fem.mesh.arc import KINDS, shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import check_divided, solve
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance

@@ -9,22 +9,22 @@ import numpy as np
 import pytest
 
 from conftest import STUDY, partly
+from drumlin.base.errors import BadInput
 from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import prepare
-from drumlin.fem.hp.adapt import Tolerance, adapt
+from drumlin.fem.error_control.adapt import Tolerance, adapt
 from drumlin.fem.model import respond
-from drumlin.fem.omission import change, predict, scene_without, simplified
-from drumlin.fem.reduced import SHORT, ring_modes, sketcher
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
-from drumlin.verification.omission_table import (
+from drumlin_studies.omission import change, predict, scene_without, simplified
+from drumlin_studies.omission_table import (
     omissions,
     prediction_ratios,
     time_saved,
     worst_straight,
 )
+from drumlin_studies.reduced import SHORT, ring_modes, sketcher
 
 BRAKE = read_brake(STUDY / "brake.toml")
 POST = read_brake(STUDY.parent / "post_brake" / "brake.toml")
@@ -212,7 +212,7 @@ def test_omissions_compose_and_their_words_are_checked():
 
 
 def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
-    from drumlin.fem.group import ShoeGroup
+    from drumlin.fem.equilibrium.group import ShoeGroup
 
     brake = vary(BRAKE, ringed("free"))
     scene, simple = scene_without(brake, ["drag"], lambda spec: prepare(spec, elements=16))

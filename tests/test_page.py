@@ -7,8 +7,8 @@ import jinja2
 import pytest
 
 from conftest import ROOT
+from drumlin.base.texts import formatted
 from drumlin.report.page import fill
-from drumlin.texts import formatted
 
 TEMPLATE = """{% extends "base.html" %}
 {% from "blocks.html" import figure, table, fields %}

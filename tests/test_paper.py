@@ -5,9 +5,9 @@ import re
 import pytest
 
 from conftest import ROOT
-from drumlin.errors import BadInput
+from drumlin.base.errors import BadInput
+from drumlin.base.texts import formatted
 from drumlin.studies import load
-from drumlin.texts import formatted
 from kept_reports import rows
 
 study = load("paper")[0]

@@ -14,17 +14,17 @@ import pytest
 
 import drumlin
 from conftest import partly
+from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.writing import brake_text
 from drumlin.cli.commands import app
 from drumlin.comparison import compare
-from drumlin.errors import BadInput, DrumlinError
-from drumlin.fem.assembly import prepare
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
 from drumlin.fem.mesh.grading import divide
-from drumlin.verification.random_kinds import placed
+from drumlin.fem.preparation.prepare import prepare
+from drumlin_studies.random_kinds import placed
 from flat_pads import BODY, KINDS, pad
 
 ELEMENTS = 16

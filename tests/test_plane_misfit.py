@@ -11,19 +11,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import drumlin
+from drumlin.base.errors import BadInput
 from drumlin.brake import off_circle
 from drumlin.brake.fields import Point
 from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import FlatBrake
-from drumlin.errors import BadInput
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp.division import Kind
-from drumlin.fem.hp.levels import LEVELS
-from drumlin.fem.hp.places import places_of
-from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
 from drumlin.response.response import ShoeResponse
-from drumlin.verification.random_kinds import placed, scaled
+from drumlin_studies.random_kinds import placed, scaled
 from flat_pads import BODY, LINING, pad
 
 LENGTH, WIDTH, E = 0.12, 0.04, 3e8
@@ -155,7 +155,7 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     assert 0.02 < second[0] < 0.02 + step
     brake = pad("hinge", body=BODY)  # under which only the far end bears
     stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
-    (places,) = places_of(stepped, respond(scene(brake, LEVELS[1]), brake)).values()
+    (places,) = places_of(stepped, respond(prepare(brake, LEVELS[1]), brake)).values()
     assert sum(kind in {Kind.STEP, Kind.OPEN_STEP} for *_, kind in places) == 4
     a, b = pressed(brake), pressed(stepped)
     assert b.contact_arcs[0] == pytest.approx(a.contact_arcs[0], rel=1e-3)

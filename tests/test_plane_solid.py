@@ -14,7 +14,7 @@ from conftest import ROOT, partly
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.response.norms import pressure_distance
-from drumlin.verification.random_kinds import placed
+from drumlin_studies.random_kinds import placed
 from flat_pads import BODY, KINDS, LINING, pad
 
 NO_NU = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.fem.solve import solve
-from drumlin.verification import pointwise
+from drumlin_studies import pointwise
 
 BRAKE = Path(__file__).parents[1] / "studies" / "double_shoe" / "brake.toml"
 

@@ -1,10 +1,10 @@
 """Every promise names a test that exists; the page of promises is in the fault study."""
 
 from conftest import ROOT
-from drumlin.fuzzing import trials
-from drumlin.fuzzing.endings import fault_of
-from drumlin.fuzzing.promises import PROMISES
 from drumlin.studies import load
+from drumlin_studies.fuzzing import trials
+from drumlin_studies.fuzzing.endings import fault_of
+from drumlin_studies.fuzzing.promises import PROMISES
 from judged_endings import BAD, GIVEN
 
 

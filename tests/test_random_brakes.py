@@ -13,11 +13,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import brake_from
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import prepare
-from drumlin.fem.group import ShoeGroup
+from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.prepare import prepare
 
 UNIQUE = 0.6  # friction up to which any start must lead to the same answer
 ROTATIONS = ("counter-clockwise", "clockwise")

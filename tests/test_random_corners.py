@@ -5,8 +5,8 @@ import math
 import pytest
 
 import drumlin
-from drumlin.verification.random_corners import (
-    KINDS,
+from drumlin_studies.random_corners import (
+    CORNER_KINDS,
     SHORT_CONTACT,
     at_corner,
     at_tip,
@@ -19,7 +19,7 @@ FIRST = 400_000
 @pytest.mark.parametrize("number", [0, 1, 5, 6, 9])
 def test_a_seed_gives_a_brake_that_presses_as_its_kind_says(number):
     """With a corner or under a tip, and on no more of the lining than some degrees."""
-    kind = list(KINDS)[number]
+    kind = list(CORNER_KINDS)[number]
     brake = random_corner(FIRST + number)
     assert brake == random_corner(FIRST + number, kind)
     found = drumlin.solve(brake)
@@ -29,7 +29,7 @@ def test_a_seed_gives_a_brake_that_presses_as_its_kind_says(number):
         "tip": at_tip,
         "table": lambda *pair: at_corner(*pair) or at_tip(*pair),
     }
-    assert any(presses[KINDS[kind].presses](*pair) for pair in pairs)
+    assert any(presses[CORNER_KINDS[kind].presses](*pair) for pair in pairs)
     assert all(
         math.fsum(b - a for a, b in shoe.contact_arcs) < math.radians(12) for shoe in found.shoes
     )

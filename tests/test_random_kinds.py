@@ -14,21 +14,21 @@ from hypothesis import strategies as st
 
 import drumlin
 from conftest import partly
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.writing import brake_text
-from drumlin.errors import NoAnswer
-from drumlin.fem.self_locking import limits
+from drumlin.fem.analysis.self_locking import limits
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.response import Response
 from drumlin.response.resultants import cross
-from drumlin.verification.random_kinds import KINDS, placed, random_kind, scaled
+from drumlin_studies.random_kinds import HOLDING_KINDS, placed, random_kind, scaled
 
 ELEMENTS = 10
-SEEDS, NAMES = st.integers(0, 10**6), st.sampled_from(list(KINDS))
+SEEDS, NAMES = st.integers(0, 10**6), st.sampled_from(list(HOLDING_KINDS))
 
 
 def fem(brake: Brake) -> Response:
@@ -194,13 +194,13 @@ def rigid_limit(seed: int, kind: str) -> int:
     return answers
 
 
-@pytest.mark.parametrize("kind", partly(KINDS, {"hinge", "abutment", "strut", "cam"}))
+@pytest.mark.parametrize("kind", partly(HOLDING_KINDS, {"hinge", "abutment", "strut", "cam"}))
 def test_rigid_shoes_with_thin_linings_answer_as_the_law_both_ways(kind: str) -> None:
     assert rigid_limit(9, kind) >= 1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", HOLDING_KINDS)
 def test_rigid_shoes_with_thin_linings_answer_as_the_law_many_times(kind: str) -> None:
     assert sum(rigid_limit(seed, kind) for seed in range(12)) >= 12
 

@@ -1,7 +1,7 @@
 """What is recommended for a target, from rows made by hand."""
 
-from drumlin.verification.recommendation import AIMS, TARGETS, against_peers, best_rows, matrices
-from drumlin.verification.work_precision import enough, series
+from drumlin_studies.recommendation import AIMS, TARGETS, against_peers, best_rows, matrices
+from drumlin_studies.work_precision import enough, series
 
 
 def row_of(elements, error, seconds, family="graded mesh"):

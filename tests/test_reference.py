@@ -13,10 +13,10 @@ from typer.testing import CliRunner
 
 import independent
 from conftest import ROOT, STUDY
+from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.cli.commands import app
-from drumlin.errors import BadInput
-from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.verification import triangles

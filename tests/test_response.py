@@ -11,14 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin.arrays import angle_near
+from drumlin.base.arrays import angle_near
 from drumlin.brake.file import vary
 from drumlin.brake.surface import DRUM
 from drumlin.response.balance import contact_resultant, relative_balance, shoe_balance, worst
 from drumlin.response.response import (
     Balance,
     Deformation,
-    PressureField,
+    PressureOverWidth,
     Response,
     ShoeResponse,
     nodal_peak,
@@ -211,7 +211,7 @@ def test_an_elastic_lining_by_growing_angles(brake):
                          hinge_reaction=np.zeros(2))  # fmt: skip
     rows = p[:, None] * np.ones(3)
     over_width = pressed_shoe(shoe, 0.15, theta, p, order=2, torque=3.0, normal_force=4.0, self_energising=False,
-                              hinge_reaction=np.zeros(2), surface=PressureField(np.arange(3.0), rows))  # fmt: skip
+                              hinge_reaction=np.zeros(2), surface=PressureOverWidth(np.arange(3.0), rows))  # fmt: skip
     assert over_width.surface.pressure.mean(axis=1) == pytest.approx(over_width.pressure)
     assert other.theta == pytest.approx(theta[::-1]) and other.pressure == pytest.approx(p)
     assert other.turn is None and 0 < other.contact_arcs[0][0] < 0.125  # p = 0 at the first node

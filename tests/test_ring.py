@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from conftest import STUDY
+from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import prepare
-from drumlin.fem.fields import fields, ring_fields
+from drumlin.fem.analysis.fields import fields, ring_fields
 from drumlin.fem.model import respond
-from drumlin.fem.ring import ring_mesh
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
+from drumlin.fem.substructure.ring import ring_mesh
 
 BRAKE = read_brake(STUDY / "brake.toml")
 

@@ -11,21 +11,21 @@ import numpy as np
 import pytest
 
 from command_line import drumlin
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, History
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import prepare
-from drumlin.fem.at_rest import Feet, holding_problem
-from drumlin.fem.group import groups_of
-from drumlin.fem.holding import full_slip_rotation, hold
+from drumlin.fem.analysis.at_rest import Feet, holding_problem
+from drumlin.fem.analysis.holding import full_slip_rotation, hold
+from drumlin.fem.analysis.self_locking import limits, torques
+from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.self_locking import limits, torques
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import rigid
-from drumlin.verification.consistency_hold import checks
-from drumlin.verification.random_kinds import random_kind
+from drumlin_studies.consistency_hold import checks
+from drumlin_studies.random_kinds import random_kind
 
 ELEMENTS = 12
 

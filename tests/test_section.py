@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import drumlin
+from drumlin.base.errors import BadInput
 from drumlin.brake import read_any, vary
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import ASSUMED_STEEL, Section, bonded
@@ -18,14 +19,13 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, validated
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_text
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import Scene, prepare
-from drumlin.fem.hp import scene as hp
-from drumlin.fem.hp.levels import LEVELS
-from drumlin.fem.reduced import sketcher
-from drumlin.fem.sensitivity import sensitivity
+from drumlin.fem.analysis.sensitivity import sensitivity
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solid.mesh import solid_mesh
 from drumlin.verification.triangles.outline import outline
+from drumlin_studies.reduced import sketcher
 from held_shoes import BODY, brake_of
 
 S = {"E": 2.1e11, "nu": 0.3}
@@ -71,7 +71,7 @@ def bar(**body: Any) -> Brake:
 
 
 def scenes(brake: Brake) -> list[Scene]:
-    return [prepare(brake, elements=10), hp.scene(brake, LEVELS[0])]
+    return [prepare(brake, elements=10), prepare(brake, LEVELS[0])]
 
 
 @pytest.mark.parametrize(

@@ -11,14 +11,14 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from conftest import STUDY
+from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake.file import vary
 from drumlin.cli import commands as cli
-from drumlin.errors import DrumlinError, NoAnswer
-from drumlin.fem.assembly import prepare
+from drumlin.fem.analysis.sensitivity import against_differences, sensitivity
 from drumlin.fem.model import respond
-from drumlin.fem.sensitivity import against_differences, sensitivity
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
-from drumlin.verification.random_brake import random_brake
+from drumlin_studies.random_brake import random_brake
 
 RING = {
     "drum.ring": {

@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 import drumlin
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import prepare
-from drumlin.fem.group import groups_of
-from drumlin.fem.hp.levels import LEVELS
-from drumlin.fem.hp.scene import scene as hp_scene
+from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
 from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor
@@ -64,7 +63,7 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
     )
     (true,) = triangles.sequence(brake, triangles.LEVELS[:1])
-    found = respond(hp_scene(brake, LEVELS[1]), brake, penalty=math.inf)
+    found = respond(prepare(brake, LEVELS[1]), brake, penalty=math.inf)
     for a, b in zip(found.shoes, true, strict=True):
         assert a.hinge_reaction == pytest.approx(
             b.hinge_reaction, abs=1e-5 * np.linalg.norm(b.hinge_reaction)
@@ -88,8 +87,8 @@ def test_the_tip_moves_as_the_energy_says() -> None:
     body, part = group.bodies[0], group.parts[0]
     nodal = -body.coupling.N.T @ found.p[part]
     u = body.condensed.displacement(nodal, np.array([0.0, 0.0, found.y[0]]), _load(group))
-    from drumlin.fem.body import stiffness
-    from drumlin.fem.elasticity import layers_of
+    from drumlin.fem.substructure.body import stiffness
+    from drumlin.fem.substructure.elasticity import layers_of
 
     energy = 0.5 * float(
         u.T.ravel() @ (stiffness(body.basis, layers_of(group.shoes[0])) @ u.T.ravel())
@@ -98,7 +97,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
 
 
 def _load(group: Any) -> Any:
-    from drumlin.fem.assembly import actuation
+    from drumlin.fem.preparation.bodies import actuation
 
     return actuation(group.bodies[0], group.shoes[0])[0]
 

@@ -20,21 +20,20 @@ from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.cli import commands as cli
-from drumlin.fem.assembly import prepare
-from drumlin.fem.body import FRAME, scalar_basis, stiffness
-from drumlin.fem.hp import scene as hp
+from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
+from drumlin.fem.analysis.sensitivity import as_text, sensitivity
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.grid import Grid
-from drumlin.fem.hp.levels import LEVELS
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.model import respond
-from drumlin.fem.mutual_work import change_by_nodes, work_by_part
-from drumlin.fem.sensitivity import as_text, sensitivity
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of, solve
-from drumlin.verification import consistency_slopes
-from drumlin.verification.consistency_slopes import Divided, difference, slopes_of
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import random_kind
+from drumlin.fem.substructure.body import FRAME, scalar_basis, stiffness
+from drumlin_studies import consistency_slopes
+from drumlin_studies.consistency_slopes import Divided, difference, slopes_of
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import random_kind
 
 ELEMENTS = 10
 POST = {
@@ -96,7 +95,7 @@ def on_mesh(brake: Brake) -> Any:
 
 
 def on_columns(brake: Brake) -> Any:
-    return hp.scene(brake, LEVELS[0])
+    return prepare(brake, LEVELS[0])
 
 
 def central(
@@ -403,7 +402,7 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
 
 
 def test_random_brakes_of_all_kinds_keep_their_slopes():
-    for seed in range(3, 2 * len(consistency_slopes.KINDS), 7):
+    for seed in range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7):
         rows = consistency_slopes.checks(seed, 1)
         assert all(row.outcome == "agrees" for row in rows), rows
 

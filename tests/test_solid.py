@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 
 from command_line import drumlin
 from conftest import settled_sizes
+from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model
 from drumlin.fem.solid.body import face_of
 from drumlin.fem.solid.face import width_matrix
@@ -29,7 +29,7 @@ from drumlin.response.balance import contact_resultant
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.sweeps.cases import run
 from drumlin.sweeps.file import sweep_from
-from drumlin.verification import solid_forms
+from drumlin_studies import solid_forms
 from sections import t_section
 
 pytestmark = pytest.mark.slow

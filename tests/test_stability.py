@@ -10,27 +10,27 @@ from itertools import islice
 import numpy as np
 import pytest
 
+from drumlin.base.errors import NoAnswer
+from drumlin.base.journal import Journal
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem, condition
-from drumlin.errors import NoAnswer
 from drumlin.fem import model
-from drumlin.fem.assembly import prepare
-from drumlin.fem.body import stiffness
-from drumlin.fem.elasticity import layers_of
-from drumlin.fem.group import ShoeGroup
-from drumlin.fem.hp.adapt import Tolerance, adapt
-from drumlin.fem.hp.estimate import ROUND_OFF
-from drumlin.fem.hp.levels import steps
+from drumlin.fem.equilibrium.group import ShoeGroup
+from drumlin.fem.error_control.adapt import Tolerance, adapt
+from drumlin.fem.error_control.estimate import ROUND_OFF
+from drumlin.fem.error_control.levels import steps
 from drumlin.fem.model import LARGEST_LOSS, MOST_LOSS, REFINED, refined_group, respond
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
-from drumlin.journal import Journal
+from drumlin.fem.substructure.body import stiffness
+from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.studies import load
 from drumlin.verification import triangles
-from drumlin.verification.extreme_cases import Case, cases
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import KINDS, random_kind
-from drumlin.verification.stated_true import by_triangles, errors
-from drumlin.verification.trial import trial, worth
+from drumlin_studies.extreme_cases import KnobCase, cases
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import HOLDING_KINDS, random_kind
+from drumlin_studies.stated_true import by_triangles, errors
+from drumlin_studies.trial import trial, worth
 
 
 def solved(case):
@@ -88,7 +88,7 @@ def test_the_designed_set_turns_every_knob_to_its_end():
 
 def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_motion():
     for kind in ("quad2", "quad1", "tri2", "tri1"):
-        scene, brake, _ = solved(Case(elements=8, kind=kind))
+        scene, brake, _ = solved(KnobCase(elements=8, kind=kind))
         body, layers = scene.bodies[0], layers_of(brake.shoes[0])
         K, L = (stiffness(body.basis, layers, precise=precise) for precise in (False, True))
         assert L.dtype == np.longdouble
@@ -105,7 +105,7 @@ def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_mo
 @pytest.mark.parametrize("ring", [None, (1e-8, "free"), (400.0, "fixed"), (400.0, "free")])
 def test_the_whole_system_gives_the_torque_of_the_condensed_bodies(ring):
     extra = {} if ring is None else {"ring": ring[0], "support": ring[1], "shoes": 2}
-    scene, brake, response = solved(Case(elements=20, **extra))
+    scene, brake, response = solved(KnobCase(elements=20, **extra))
     group = list(range(len(brake.shoes)))
     p = [response.shoes[i].pressure[:: brake.shoes[i].frame.sense] for i in group]
     refined = refined_group(ShoeGroup(scene, brake, tuple(group), 1e6), np.concatenate(p) > 0)
@@ -115,7 +115,7 @@ def test_the_whole_system_gives_the_torque_of_the_condensed_bodies(ring):
 
 
 def test_the_whole_system_finds_the_contact_set_itself():
-    scene, brake, response = solved(Case(clearance="split", elements=24))
+    scene, brake, response = solved(KnobCase(clearance="split", elements=24))
     wrong = everywhere(scene)
     refined = refined_group(ShoeGroup(scene, brake, (0,), 1e6), wrong)
     assert refined.sets > 1
@@ -123,8 +123,8 @@ def test_the_whole_system_finds_the_contact_set_itself():
 
 
 def test_a_torque_near_self_locking_has_a_bad_condition():
-    scene, brake, _ = solved(Case(friction=0.3, elements=12))
-    scene_, brake_, _ = solved(Case(friction=1.17, elements=12))
+    scene, brake, _ = solved(KnobCase(friction=0.3, elements=12))
+    scene_, brake_, _ = solved(KnobCase(friction=1.17, elements=12))
     mild, sharp = (
         refined_group(ShoeGroup(s, b, (0,), 1e6), everywhere(s)).condition
         for s, b in ((scene, brake), (scene_, brake_))
@@ -138,7 +138,7 @@ def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
     come back.
     """
     softer = [
-        answer(Case(shoe=E, assisted=assisted, elements=20)) for E in (1e-5, 1e-6, 1e-7, 1e-8)
+        answer(KnobCase(shoe=E, assisted=assisted, elements=20)) for E in (1e-5, 1e-6, 1e-7, 1e-8)
     ]
     for response in softer[1:]:
         assert REFINED in response.notes[0]
@@ -150,7 +150,7 @@ def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
     assert second == pytest.approx(first / 10, rel=0.1)
 
 
-@pytest.mark.parametrize("kind", sorted({*KINDS} - {"cam", "strut", "chain"}))
+@pytest.mark.parametrize("kind", sorted({*HOLDING_KINDS} - {"cam", "strut", "chain"}))
 def test_a_refined_reaction_is_that_of_the_strains_where_those_have_their_digits(kind, monkeypatch):
     """However a shoe is held; those that share a force are not refined."""
     brake = random_kind(0, kind)
@@ -176,7 +176,7 @@ def test_a_reaction_whose_strains_lose_their_digits_follows_from_the_pressure():
         "arc": 325.0,
         "clearance": 4.45e-8,
     }
-    case = Case(**knobs, penalty=5.8e8, force=72.4, lever=0.0229, nu=0.3634, elements=8)
+    case = KnobCase(**knobs, penalty=5.8e8, force=72.4, lever=0.0229, nu=0.3634, elements=8)
     scene, brake, response = solved(case)
     assert worth(scene, brake, response, case.penalty)["digits"] > 8
     assert max(response.balance.force, response.balance.moment) < 1e-9
@@ -184,7 +184,7 @@ def test_a_reaction_whose_strains_lose_their_digits_follows_from_the_pressure():
 
 def test_digits_that_no_arithmetic_keeps_are_refused_with_the_reason():
     with pytest.raises(NoAnswer, match=r"lost digits.*certain only to .*too far apart"):
-        answer(Case(shoe=1e-13, elements=16))
+        answer(KnobCase(shoe=1e-13, elements=16))
 
 
 def test_a_mesh_that_states_no_error_is_refused_where_digits_are_missing():
@@ -192,7 +192,7 @@ def test_a_mesh_that_states_no_error_is_refused_where_digits_are_missing():
     with pytest.raises(
         NoAnswer, match=r"even refined its pressure is certain only to [1-9]\.\de-05"
     ):
-        answer(Case(shoe=1e-11, elements=16))
+        answer(KnobCase(shoe=1e-11, elements=16))
 
 
 def test_digits_that_condensation_loses_on_a_fine_division_are_part_of_the_error():
@@ -240,7 +240,7 @@ def test_wide_gaps_on_tiny_compressions_keep_their_digits():
     force, to round-off.
     """
     torques = [
-        answer(Case(clearance=1e-4, force=F, elements=16)).torque / F
+        answer(KnobCase(clearance=1e-4, force=F, elements=16)).torque / F
         for F in (1e-9, 1e-7, 1e-5, 1e-3)
     ]
     assert torques == pytest.approx([torques[0]] * 4, rel=1e-9)
@@ -261,7 +261,7 @@ def test_a_contact_set_of_one_node_carries_the_moment_exactly():
 
 
 def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix():
-    scene, brake, _ = solved(Case(elements=10))
+    scene, brake, _ = solved(KnobCase(elements=10))
     problem = ShoeGroup(scene, brake, (0,)).problem
     A, _, B, C, _ = problem
     d = 1 / np.sqrt(np.diagonal(A))
@@ -274,7 +274,7 @@ def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix()
 
 
 def test_a_stiff_penalty_costs_nothing_and_a_soft_one_errs_in_proportion():
-    scene, brake, exact = solved(Case(penalty=math.inf, elements=20))
+    scene, brake, exact = solved(KnobCase(penalty=math.inf, elements=20))
     torque = {a: respond(scene, brake, penalty=a) for a in (1e3, 1e4, 1e5, 1e6, 1e9, 1e12, 1e16)}
     for a in (1e6, 1e9, 1e12, 1e16):
         assert torque[a].torque == pytest.approx(exact.torque, rel=1e-5)
@@ -287,18 +287,18 @@ def test_a_stiff_penalty_costs_nothing_and_a_soft_one_errs_in_proportion():
 def test_units_do_not_matter():
     """The same brake in m and N, and counted in mm and MPa as numbers."""
     base, other = (
-        answer(Case(elements=20, **knobs)) for knobs in ({}, {"size": 1e3, "pressure": 1e-6})
+        answer(KnobCase(elements=20, **knobs)) for knobs in ({}, {"size": 1e3, "pressure": 1e-6})
     )
     assert other.torque == pytest.approx(1e3 * base.torque, rel=1e-10)
 
 
 def test_a_trial_says_what_went_wrong():
-    row = trial(Case(friction=1.5, elements=12))
+    row = trial(KnobCase(friction=1.5, elements=12))
     assert row["outcome"] == "self-locking" and "mu_lock" in row["reason"]
-    assert trial(Case(clearance=0.03, elements=12))["outcome"] == "out of reach"
-    assert trial(Case(lever=-1e-6, elements=12))["outcome"] == "no contact"
-    assert trial(Case(nu=0.5, elements=12))["outcome"] == "bad input"
-    assert trial(Case(shoe=1e-13, elements=12))["outcome"] == "arithmetic"
+    assert trial(KnobCase(clearance=0.03, elements=12))["outcome"] == "out of reach"
+    assert trial(KnobCase(lever=-1e-6, elements=12))["outcome"] == "no contact"
+    assert trial(KnobCase(nu=0.5, elements=12))["outcome"] == "bad input"
+    assert trial(KnobCase(shoe=1e-13, elements=12))["outcome"] == "arithmetic"
 
 
 def test_an_empty_journal_is_one():

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 
 from conftest import partly
+from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.file import brake_from, vary
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
-from drumlin.errors import LostDigits, NoAnswer
-from drumlin.fem.assembly import prepare
-from drumlin.fem.hp.levels import EVEN, LEVELS, steps
-from drumlin.fem.self_locking import limits
+from drumlin.fem.analysis.self_locking import limits
+from drumlin.fem.error_control.levels import EVEN, LEVELS, steps
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import law
-from drumlin.verification import consistency_refused
-from drumlin.verification.consistency_refused import checks, drawn, force
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.standing_off import standing_off
+from drumlin_studies import consistency_refused
+from drumlin_studies.consistency_refused import checks, drawn, force
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.standing_off import standing_off
 
 ONE_SHOE = {
     "title": "stands off",

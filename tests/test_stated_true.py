@@ -9,22 +9,23 @@ import numpy as np
 import pytest
 
 from conftest import partly
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
-from drumlin.fem.hp.adapt import Tolerance, adapt, seen
-from drumlin.fem.hp.estimate import FACTORS, ROUND_OFF, SOFTER, Errors, beside, estimate
-from drumlin.fem.hp.levels import LEVELS as COLUMNS
-from drumlin.fem.hp.levels import Step, steps
-from drumlin.fem.hp.scene import scene
+from drumlin.fem.error_control.adapt import Tolerance, adapt, seen
+from drumlin.fem.error_control.estimate import FACTORS, ROUND_OFF, SOFTER, Errors, beside, estimate
+from drumlin.fem.error_control.levels import LEVELS as COLUMNS
+from drumlin.fem.error_control.levels import Step, steps
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import NO_CHANGE, ShoeChange, reaction_size
 from drumlin.response.resultants import cross, integrate
-from drumlin.verification import stated_true
-from drumlin.verification.random_brake import KINDS, random_brake
-from drumlin.verification.stated_true import (
-    QUANTITIES,
+from drumlin.verification.triangles import Level, sequence
+from drumlin_studies import stated_true
+from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
+from drumlin_studies.stated_true import (
+    JUDGED_QUANTITIES,
     Truth,
     by_columns,
     errors,
@@ -33,7 +34,6 @@ from drumlin.verification.stated_true import (
     row,
     summary,
 )
-from drumlin.verification.triangles import Level, sequence
 
 LEVELS = (Level(3, 5, 1.4, 1.0), Level(4, 7, 1.2, 1.0))
 
@@ -44,7 +44,7 @@ def truth(brake):
     return Truth(last, MappingProxyType(errors(brake, before, last)), 0.0)
 
 
-@pytest.mark.parametrize("kind", partly(KINDS, {"linings on ring", "post on ring"}))
+@pytest.mark.parametrize("kind", partly(SHAPE_KINDS, {"linings on ring", "post on ring"}))
 def test_a_brake_of_each_kind_is_drawn_again_by_its_seed(kind):
     brake = random_brake(5, kind)
     assert brake == random_brake(5, kind)
@@ -55,24 +55,24 @@ def test_a_brake_of_each_kind_is_drawn_again_by_its_seed(kind):
 
 def test_the_kinds_follow_each_other_by_seed():
     assert [random_brake(seed).title for seed in range(3)] == [
-        f"random {kind} {i}" for i, kind in enumerate(KINDS)
+        f"random {kind} {i}" for i, kind in enumerate(SHAPE_KINDS)
     ][:3]
 
 
 def test_what_a_response_states_is_held_against_the_truth(brake, truth):
     coarse = solve(brake, elements=12)
-    stated = dict.fromkeys(QUANTITIES, 1e-2)
+    stated = dict.fromkeys(JUDGED_QUANTITIES, 1e-2)
     seen = row(brake, 1e-2, lambda brake, tolerance: replace(coarse, error=stated), truth)
     assert seen["outcome"] == "reached"
     off = errors(brake, coarse.shoes, truth.shoes)
-    assert {name: seen[f"true_{name}"] for name in QUANTITIES} == off
+    assert {name: seen[f"true_{name}"] for name in JUDGED_QUANTITIES} == off
     torque = sum(shoe.torque for shoe in truth.shoes)
     assert off["torque"] == pytest.approx(abs(coarse.torque - torque) / torque)
     assert 1e-3 < off["pressure"] < 0.1
     liar = row(
         brake,
         1e-2,
-        lambda brake, tolerance: replace(coarse, error=dict.fromkeys(QUANTITIES, 1e-9)),
+        lambda brake, tolerance: replace(coarse, error=dict.fromkeys(JUDGED_QUANTITIES, 1e-9)),
         truth,
     )
     assert ratio(liar, "pressure") < 1e-5
@@ -145,7 +145,7 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
 
 @pytest.fixture(scope="module")
 def level(brake):
-    return respond(scene(brake, COLUMNS[0]), brake, penalty=math.inf)
+    return respond(prepare(brake, COLUMNS[0]), brake, penalty=math.inf)
 
 
 def shifted(response, by):
@@ -211,7 +211,7 @@ def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(br
 
 def test_the_shortest_contact_of_a_shoe_counts(brake):
     """Of two levels whose one torque moves by 1e-3; one contact of two is a nanometre long."""
-    made = scene(brake, COLUMNS[0])
+    made = prepare(brake, COLUMNS[0])
     found = respond(made, brake, penalty=math.inf)
     one, other = found.shoes
     before = replace(found, shoes=(replace(one, torque=1.001 * one.torque), other))
@@ -273,7 +273,7 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
     """Down to one a thousand times as soft as the lining, whose pressure hardly hangs on it any
     more.
     """
-    level = scene(brake, COLUMNS[2])
+    level = prepare(brake, COLUMNS[2])
     firm, soft = (respond(level, brake, penalty=each).shoes for each in (math.inf, penalty))
     for a, b in zip(soft, firm, strict=True):
         reaction = float(
@@ -288,7 +288,7 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
 def test_what_a_soft_contact_changes_of_a_post_is_stated_too():
     """Of its pressure it changes a third more than to first order."""
     brake = random_brake(300_501, "post")
-    level = scene(brake, COLUMNS[1])
+    level = prepare(brake, COLUMNS[1])
     firm, soft = (respond(level, brake, penalty=each) for each in (math.inf, 10.0))
     true = pressure_distance(soft.shoes[0], firm.shoes[0])
     assert true > 1e-2
@@ -324,7 +324,7 @@ def test_columns_are_a_truth_that_triangles_share(brake, truth):
     """
     finer = by_columns(brake, 1e-2)
     apart = errors(brake, finer.shoes, truth.shoes)
-    for name in QUANTITIES:
+    for name in JUDGED_QUANTITIES:
         assert apart[name] <= 2 * (finer.unsure[name] + truth.unsure[name])
     coarse = solve(brake, elements=12)
     one, other = (errors(brake, coarse.shoes, true.shoes)["pressure"] for true in (finer, truth))
@@ -422,7 +422,7 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     highest = float(lower.max())
     lower[first if at_start else last_column] = part * highest
     lowered = replace(shoe, pressure=lower, peak_pressure=highest)
-    nothing = Errors.worst(0.0, [dict.fromkeys(QUANTITIES, 0.0)])
+    nothing = Errors.worst(0.0, [dict.fromkeys(JUDGED_QUANTITIES, 0.0)])
     error, _ = seen(nothing, brake, replace(last.response, shoes=(lowered,)))
     assert error.brake["peak"] == unknown
 

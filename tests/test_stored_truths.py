@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drumlin.verification.sharpness import (
+from drumlin_studies.sharpness import (
     complaints,
     judge_folder,
     read_sharpness,
     scaled,
     truth_files,
 )
-from drumlin.verification.stated_true import QUANTITIES
-from drumlin.verification.stored_truth import BRAKES, FINER, make, read
+from drumlin_studies.stated_true import JUDGED_QUANTITIES
+from drumlin_studies.stored_truth import BRAKES, FINER, make, read
 
 FOLDER = Path(__file__).parent / "truths"
 
@@ -48,13 +48,13 @@ def test_no_other_stated_error_is_below_half_of_the_true_one(rows):
     small = {
         (one.name, one.asked, quantity): one.ratio(quantity)
         for one in rows
-        for quantity in QUANTITIES
+        for quantity in JUDGED_QUANTITIES
     }
     assert {key for key, value in small.items() if value < 0.5} == BELOW_HALF
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
-@pytest.mark.parametrize("quantity", QUANTITIES)
+@pytest.mark.parametrize("quantity", JUDGED_QUANTITIES)
 def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(
     rows, written, quantity, factor
 ):
@@ -63,7 +63,7 @@ def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(
 
 
 def test_every_quantity_is_judged_by_truths_that_are_known_well_enough(rows):
-    for quantity in QUANTITIES:
+    for quantity in JUDGED_QUANTITIES:
         assert sum(one.certain(quantity) for one in rows) >= 60, quantity
 
 
@@ -123,8 +123,8 @@ def test_a_stored_truth_is_found_again_by_its_command(name):
 
 def test_finer_hp_elements_agree_with_triangles_where_both_have_an_answer():
     """What stands for the truth on planes is held against the independent solution on a drum."""
-    from drumlin.verification.stated_true import errors
-    from drumlin.verification.stored_truth import by_finer
+    from drumlin_studies.stated_true import errors
+    from drumlin_studies.stored_truth import by_finer
 
     stored = read(FOLDER / "hinge.json")
     assert stored.by == "triangles" and len(FINER) == 3

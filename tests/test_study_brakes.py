@@ -10,7 +10,7 @@ from drumlin.brake import read_any, vary
 from drumlin.brake.brake import Brake
 from drumlin.laws import law
 from drumlin.response.merit import brake_factor
-from drumlin.verification.brake_kinds import both_ways, cam_factor, case, others_of, row_of, verdict
+from drumlin_studies.brake_kinds import both_ways, cam_factor, case, others_of, row_of, verdict
 
 FILES = sorted((Path(__file__).parents[1] / "studies/brakes").glob("*.toml"))
 KINDS = {"hinge", "abutment", "pivot"}

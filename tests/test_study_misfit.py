@@ -7,10 +7,10 @@ import pytest
 
 import independent
 from conftest import STUDY
+from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake
-from drumlin.journal import Journal
 from drumlin.studies import load
-from drumlin.verification.misfit_rows import spread_rows
+from drumlin_studies.misfit_rows import spread_rows
 
 pytestmark = pytest.mark.slow
 

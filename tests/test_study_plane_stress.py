@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from drumlin.fem import finite_width
+from drumlin.fem.preparation import finite_width
 from drumlin.studies import load
-from drumlin.verification import plane_stress
+from drumlin_studies import plane_stress
 
 pytestmark = pytest.mark.slow
 

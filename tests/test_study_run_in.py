@@ -15,7 +15,7 @@ from drumlin.brake.file import read_brake
 from drumlin.cli import main
 from drumlin.cli.commands import app
 from drumlin.studies import load
-from drumlin.verification.run_in_limits import run_row
+from drumlin_studies.run_in_limits import run_row
 
 pytestmark = pytest.mark.slow
 

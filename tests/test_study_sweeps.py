@@ -5,7 +5,7 @@ import os
 import pytest
 
 from drumlin.studies import load
-from drumlin.verification import throughput
+from drumlin_studies import throughput
 
 pytestmark = pytest.mark.slow
 

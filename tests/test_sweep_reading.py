@@ -8,14 +8,14 @@ import random
 import pytest
 
 from conftest import ROOT, STUDY, partly
+from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Part
 from drumlin.brake.file import is_interval, unit_of, values_of, vary
 from drumlin.cli import terminal
-from drumlin.errors import BadInput
 from drumlin.sweeps import file as sweep_file
 from drumlin.sweeps.file import sweep_from
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import random_kind
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import random_kind
 
 BRAKE = str(STUDY / "brake.toml")
 

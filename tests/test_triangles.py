@@ -10,17 +10,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.errors import NoAnswer
 from drumlin.fem.solve import solve
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.stated_true import pressure_error
 from drumlin.verification.triangles import Level, contact, lagrange, levels, sequence
 from drumlin.verification.triangles.face import along, edge_nodes, shaped
 from drumlin.verification.triangles.outline import Outline
 from drumlin.verification.triangles.triangulation import Layer, bisect, edges_of, graded, start
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.stated_true import pressure_error
 
 pytestmark = pytest.mark.slow
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin.verification.uncertainty import grid_convergence, validate
+from drumlin_studies.uncertainty import grid_convergence, validate
 
 
 def test_nasas_example():

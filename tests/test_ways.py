@@ -3,7 +3,7 @@
 import pytest
 
 from drumlin.studies import load
-from drumlin.verification.consistency import Check, counted
+from drumlin_studies.consistency import Check, counted
 
 WAYS = load("stability")[0].ways.WAYS
 # Seeds of brakes on which nothing was mended, nor shown by the study.

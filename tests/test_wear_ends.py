@@ -9,15 +9,13 @@ import drumlin
 from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.assembly import prepare
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
-from drumlin.verification import consistency_wear
-from drumlin.verification.random_kinds import random_kind
-from drumlin.wear.archard import WearLaw, run, run_on, steady
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.run_in import (
+from drumlin.lining_wear.archard import WearLaw, run, run_on, steady
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.run_in import (
     COEFFICIENT,
     discrete_end,
     distance,
@@ -26,7 +24,9 @@ from drumlin.wear.run_in import (
     target,
     worn,
 )
-from drumlin.wear.worn_in import worn_in
+from drumlin.lining_wear.worn_in import worn_in
+from drumlin_studies import consistency_wear
+from drumlin_studies.random_kinds import random_kind
 from winkler_lining import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler
 
 ARCHARD = WearLaw(COEFFICIENT)
@@ -205,6 +205,6 @@ def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.DRAWN_KINDS)))
+@pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.WEAR_KINDS)))
 def test_beginning_middle_and_end_agree_on_brakes_of_every_kind(seed: int) -> None:
     assert {row.outcome for row in consistency_wear.checks(seed)} <= {"agrees", "refused"}

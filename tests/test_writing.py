@@ -7,7 +7,7 @@ import pytest
 from conftest import ROOT, partly
 from drumlin.brake import read_any, vary
 from drumlin.brake.writing import brake_text, quantity_text
-from drumlin.verification.random_brake import random_brake
+from drumlin_studies.random_brake import random_brake
 from flat_pads import LINING, pad
 from shared_forces import cam_brake, servo
 

@@ -15,14 +15,14 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
+from drumlin.base.errors import NoAnswer
+from drumlin.base.files import cell
+from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake
-from drumlin.errors import NoAnswer
-from drumlin.files import cell
 from drumlin.models import applicable
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import EDGE_ZONE, Response
 from drumlin.response.show import arcs_text
-from drumlin.texts import formatted
 
 B = TypeVar("B", bound=Brake)
 
@@ -90,7 +90,7 @@ def extrapolate(coarse: float, medium: float, fine: float, ratio: float = 2.0) -
     return richardson(fine, medium - coarse, fine - medium, ratio)
 
 
-class Column(NamedTuple):
+class TableColumn(NamedTuple):
     """A column of a table: key of the row, heading, unit as people read it, factor from SI, format."""
 
     key: str
@@ -115,21 +115,21 @@ class Column(NamedTuple):
 
 
 COLUMNS = (
-    Column("case", "case"),
-    Column("rotation", "drum turns"),
-    Column("shoe", "shoe"),
-    Column("model", "model"),
-    Column("torque", "torque", "N m", 1, ".5g"),
-    Column("torque_error", "error of torque", "%", 100, "+.2f"),
-    Column("peak_pressure", "peak pressure", "MPa", 1e-6, ".4g"),
-    Column("peak_error", "error of peak", "%", 100, "+.1f"),
-    Column("pressure_error", "error of p (L2)", "%", 100, ".1f"),
-    Column("reaction", "hinge reaction", "N", 1, ".5g"),
-    Column("reaction_error", "error of reaction", "%", 100, ".1f"),
-    Column("contact", "contact arcs", "deg"),
-    Column("self_energising", "self-energising"),
-    Column("seconds", "run time", "ms", 1e3, ".3g"),
-    Column("status", "status"),
+    TableColumn("case", "case"),
+    TableColumn("rotation", "drum turns"),
+    TableColumn("shoe", "shoe"),
+    TableColumn("model", "model"),
+    TableColumn("torque", "torque", "N m", 1, ".5g"),
+    TableColumn("torque_error", "error of torque", "%", 100, "+.2f"),
+    TableColumn("peak_pressure", "peak pressure", "MPa", 1e-6, ".4g"),
+    TableColumn("peak_error", "error of peak", "%", 100, "+.1f"),
+    TableColumn("pressure_error", "error of p (L2)", "%", 100, ".1f"),
+    TableColumn("reaction", "hinge reaction", "N", 1, ".5g"),
+    TableColumn("reaction_error", "error of reaction", "%", 100, ".1f"),
+    TableColumn("contact", "contact arcs", "deg"),
+    TableColumn("self_energising", "self-energising"),
+    TableColumn("seconds", "run time", "ms", 1e3, ".3g"),
+    TableColumn("status", "status"),
 )
 
 
@@ -196,7 +196,7 @@ def edge_of(brake: Brake) -> float:
     return EDGE_ZONE * brake.unit
 
 
-def columns_of(brake: Brake) -> tuple[Column, ...]:
+def columns_of(brake: Brake) -> tuple[TableColumn, ...]:
     """The columns of a table of a brake: on a plane the braking force stands for the torque,
     lengths for angles.
     """

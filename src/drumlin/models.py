@@ -1,15 +1,15 @@
 """The models that answer for a brake, by name. Each takes a brake and returns a Response."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
+from drumlin.base.errors import BadInput
+from drumlin.base.texts import nearest
 from drumlin.brake.brake import Brake
 from drumlin.brake.orthotropic import isotropic_only
-from drumlin.errors import BadInput
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
 from drumlin.response.response import Response
-from drumlin.texts import nearest
 
 
 class Model(NamedTuple):
@@ -27,7 +27,7 @@ class Model(NamedTuple):
 
 def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
     if worn_in:
-        from drumlin.wear.worn_in import solve as by_worn_in
+        from drumlin.lining_wear.worn_in import solve as by_worn_in
 
         return by_worn_in(brake, **options)
     from drumlin.fem.solve import solve as by_elements
@@ -36,9 +36,9 @@ def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
 
 
 def _fem_why_not(brake: Brake) -> str | None:
-    from drumlin.fem import assembly
+    from drumlin.fem.preparation.scene import why_not
 
-    return assembly.why_not(brake)
+    return why_not(brake)
 
 
 def _foundation(brake: Brake, **options: Any) -> Response:
@@ -144,34 +144,6 @@ MODELS: Mapping[str, Model] = {
 }
 
 
-def solve(brake: Brake, model: str = "fem", **options: Any) -> Response:
-    """Solve a brake by one model.
-
-    Parameters
-    ----------
-    brake : as `read_brake` gives it model : "fem", the finite elements, or a law: a name of MODELS
-    options : those of the model; of "fem": `tolerance` (relative error of p and torque), or
-    `elements` along each
-        lining; `kind` of the elements; `penalty`, the contact stiffness as a multiple of E/t of the
-        lining; `worn_in`, for linings that are worn in; `finite_width`, for linings' moduli
-        corrected for the widths of the shoes. Of "solid": `elements`, `across` over half the
-        lining's width, `penalty`. Of "foundation": `sections`, `lift`
-
-    Returns
-    -------
-    the response: torque [N m], of each shoe p(theta) [Pa over rad], reactions [N], figures of
-    merit, the load of the drum's bearings [N]
-
-    Raises
-    ------
-    BadInput
-        for an unknown model, one that does not apply to the brake, an option out of range
-    NoAnswer
-        for a brake without an answer: self-locking, no equilibrium, not converged
-    """
-    return pick(model, brake).solve(brake, **options)
-
-
 def pick(name: str, brake: Brake) -> Model:
     """The model called `name`; raises BadInput where there is none, or where it does not apply to
     the brake.
@@ -191,6 +163,47 @@ def pick(name: str, brake: Brake) -> Model:
             f"--model = {name!r}: does not apply to this brake: {reason}; allowed: {apply}"
         )
     return model
+
+
+def given_options(**options: Any) -> dict[str, Any]:
+    """The options that were given: all but None and False.
+
+    Raises BadInput for `elements` out of range, whatever the model makes of them.
+    """
+    elements = options.get("elements")
+    if elements is not None:
+        from drumlin.fem.preparation.meshes import MOST_ELEMENTS
+
+        if not 1 <= elements <= MOST_ELEMENTS:
+            raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")
+    return {
+        name: value for name, value in options.items() if value is not None and value is not False
+    }
+
+
+OWN_OPTIONS: Mapping[str, tuple[str, ...]] = {
+    "fem": ("elements", "kind", "penalty", "tolerance", "finite-width"),
+    "solid": ("elements", "across", "penalty", "fields"),
+    "foundation": ("sections", "lift"),
+}
+"""The options of the models that have some, as the command line spells them."""
+
+
+def check_options(model: str, given: Collection[str]) -> None:
+    """Raise BadInput where an option belongs to other models than the chosen one.
+
+    given: names of the options, as Python spells them.
+    """
+    own = OWN_OPTIONS.get(model, ())
+    for owner, names in OWN_OPTIONS.items():
+        others = [f"--{name}" for name in names if name not in own]
+        asked = any(option[2:].replace("-", "_") in given for option in others)
+        if model != owner and asked:
+            *some, last = others
+            said = f"{', '.join(some)} and {last} belong" if some else f"{last} belongs"
+            raise BadInput(f"{said} to --model {owner}, not to {model!r}")
+    if "worn_in" in given and model != "fem":
+        raise BadInput(f"worn_in belongs to --model fem, not to {model!r}")
 
 
 def applicable(brake: Brake) -> tuple[Model, ...]:

@@ -14,13 +14,15 @@ from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
-from drumlin.errors import BadInput
-from drumlin.journal import Journal, source_stamp
-from drumlin.texts import nearest
+from drumlin.base.errors import BadInput
+from drumlin.base.journal import Journal, source_stamp
+from drumlin.base.texts import nearest
 
 CARRIED = Path(__file__).resolve().parent / "carried"
 REPOSITORY = CARRIED if CARRIED.is_dir() else Path(__file__).resolve().parents[2]
 """The folder of studies/ and meshes/: the checkout, or what an installed drumlin carries of it."""
+JUDGE = Path(__file__).resolve().parents[1] / "drumlin_studies"
+"""The package that studies import. A study's results depend on its source as well as on drumlin's."""
 
 
 def examples() -> dict[str, Path]:
@@ -93,7 +95,7 @@ def run(name: str, folder: Path | None, *, short: bool, say: Callable[[str], Non
         page: Path = module.report(module.study(short=short, say=say), folder)
         return page
     path = folder / ("journal-short.jsonl" if short else "journal.jsonl")
-    with Journal(path, source_stamp(root / "studies")) as journal:
+    with Journal(path, source_stamp(root / "studies", JUDGE)) as journal:
         for line in journal.notes:
             say(line)
         if len(journal):

@@ -8,16 +8,16 @@ from typing import Any, NamedTuple
 
 from matplotlib.figure import Figure
 
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
-from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
 from drumlin.report.page import fill
-from drumlin.verification.brake_kinds import (
+from drumlin_studies.brake_kinds import (
     TRUSTED,
-    Case,
+    BrakeInMotion,
     both_ways,
     cam_factor,
     case,
@@ -37,7 +37,7 @@ class Result(NamedTuple):
     each file; `cams`: by file of an S-cam brake the brake factor that it wears to in closed form.
     """
 
-    cases: list[Case]
+    cases: list[BrakeInMotion]
     rows: list[dict[str, Any]]
     others: list[dict[str, Any]]
     verdicts: dict[str, str]
@@ -48,7 +48,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     """All files by law and finite elements; `short`: three of them, coarser worn-in linings, no
     solid shoes, no limits of locking.
     """
-    cases: list[Case] = []
+    cases: list[BrakeInMotion] = []
     rows: list[dict[str, Any]] = []
     verdicts, cams = {}, {}
     for path in sorted(HERE.glob("*.toml")):

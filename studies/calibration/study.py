@@ -9,13 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.fem.hp.estimate import QUANTITIES, Factors
-from drumlin.files import write_text
-from drumlin.journal import Journal
+from drumlin.base.files import write_text
+from drumlin.base.journal import Journal
+from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.report import figures
 from drumlin.report.page import fill
-from drumlin.report.stated_true_figure import shares
-from drumlin.verification.calibration import (
+from drumlin_studies.calibration import (
     BRAKES,
     FIRST_SEED,
     MEANING,
@@ -28,7 +27,8 @@ from drumlin.verification.calibration import (
     observe,
     samples,
 )
-from drumlin.verification.side_by_side import PROCESSES, Case, kept
+from drumlin_studies.side_by_side import PROCESSES, Case, kept
+from drumlin_studies.stated_true_figure import shares
 
 HERE = Path(__file__).parent
 FEW = 4  # brakes of the short setting
@@ -36,7 +36,7 @@ COMPUTING = (
     "src/drumlin/fem",
     "src/drumlin/contact",
     "src/drumlin/response",
-    "src/drumlin/verification",
+    "src/drumlin_studies",
 )
 """Folders whose last commit is the one that the factors belong to, without the file of the factors
 itself.
@@ -84,7 +84,7 @@ def last_commit() -> tuple[str, str]:
     """Hash and date of the last commit that changed what the factors hang on; empty texts outside a
     repository.
     """
-    own = ":!src/drumlin/fem/hp/factors.json"
+    own = ":!src/drumlin/fem/error_control/factors.json"
     command = ["git", "log", "-1", "--format=%h %cs", "--", *COMPUTING, own]
     try:
         run = subprocess.run(
@@ -122,6 +122,12 @@ def report(result: Result, folder: Path) -> Path:
         for name, found in ratios.items()
     ]
     return fill(
-        HERE / "page.html", folder / "index.html", result=result, spread=spread, meaning=MEANING, quantile=QUANTILE,
-        relevant=RELEVANT, failed=[row for row in result.rows if not row["levels"]],
-    )  # fmt: skip
+        HERE / "page.html",
+        folder / "index.html",
+        result=result,
+        spread=spread,
+        meaning=MEANING,
+        quantile=QUANTILE,
+        relevant=RELEVANT,
+        failed=[row for row in result.rows if not row["levels"]],
+    )

@@ -7,16 +7,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import COLUMNS, Comparison, Convergence, as_csv, compare, converge
-from drumlin.files import write_text
 from drumlin.report import figures
 from drumlin.report.comparison import draw_fields, panels, results_json
 from drumlin.report.page import fill
 from drumlin.response.norms import relative
 from drumlin.verification.cost import Cost, cost
-from drumlin.verification.orders import convergence_rows, largest_residual, rigid_limit
+from drumlin_studies.orders import convergence_rows, largest_residual, rigid_limit
 
 HERE = Path(__file__).parent
 ROTATIONS = ("counter-clockwise", "clockwise")

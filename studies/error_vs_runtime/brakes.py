@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Any
 
+from drumlin.base.errors import DrumlinError
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
-from drumlin.errors import DrumlinError
 from drumlin.models import applicable, refusals
 
 STUDIES = Path(__file__).parents[1]

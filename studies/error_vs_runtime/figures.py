@@ -18,12 +18,12 @@ from drumlin.report.palette import (
     GREY,
     INK,
     OCHRE,
-    PALE,
     PURPLE,
     RED,
+    SHADE,
     SKY,
 )
-from drumlin.verification.work_precision import series
+from drumlin_studies.work_precision import series
 
 COLORS = {
     "law": FAINT,
@@ -92,7 +92,7 @@ def work_precision(
         if any("lower" in row for row in rows):
             words = "bars: quartiles of the repeats"
             handles.append(mpl.lines.Line2D([], [], color=FAINT, marker="|", ms=7, label=words))
-        handles.append(mpl.patches.Patch(color=PALE, label="below what the reference knows"))
+        handles.append(mpl.patches.Patch(color=SHADE, label="below what the reference knows"))
         figure.legend(handles=handles, loc="outside right upper", fontsize=8.5)
     return figure
 
@@ -123,15 +123,22 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
         )
         light = family in {"even mesh", "weak penalty"}
         axes.errorbar(
-            seconds, error, xerr=spread, color=COLORS[family], marker=MARKERS.get(name.split(",")[0], "o"),
-            ms=9 if family == "law" else 4.5, lw=1.0 if light else 1.5, alpha=0.75 if light else 1.0,
-            ls=_style(family, name), elinewidth=0.8,
-        )  # fmt: skip
+            seconds,
+            error,
+            xerr=spread,
+            color=COLORS[family],
+            marker=MARKERS.get(name.split(",")[0], "o"),
+            ms=9 if family == "law" else 4.5,
+            lw=1.0 if light else 1.5,
+            alpha=0.75 if light else 1.0,
+            ls=_style(family, name),
+            elinewidth=0.8,
+        )
     axes.set_xscale("log")
     axes.set_yscale("log")
     top = max(100 * row[key] for row in rows if row["status"] == "converged")
     axes.set_ylim(smallest * 0.8, 2.0 * max(top, lowest))
-    axes.axhspan(smallest * 0.8, lowest, color=PALE, alpha=0.7, lw=0)
+    axes.axhspan(smallest * 0.8, lowest, color=SHADE, alpha=0.7, lw=0)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.minorticks_off()
 
@@ -157,9 +164,16 @@ def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
                 if points:
                     x, y = zip(*points, strict=True)
                     axes.plot(
-                        [100 * v for v in x], [100 * v for v in y],
-                        marker, ms=7 if marker != "*" else 10, color=color, mec="white", mew=0.6, ls="", label=part,
-                    )  # fmt: skip
+                        [100 * v for v in x],
+                        [100 * v for v in y],
+                        marker,
+                        ms=7 if marker != "*" else 10,
+                        color=color,
+                        mec="white",
+                        mew=0.6,
+                        ls="",
+                        label=part,
+                    )
             ends = [100 * LEAST, 1000]
             axes.plot(ends, ends, color=INK, lw=1, zorder=1)
             axes.fill_between(

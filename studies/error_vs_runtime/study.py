@@ -11,31 +11,17 @@ from typing import Any, NamedTuple
 from studies.error_vs_runtime.brakes import MAIN, covered, simplified, stiff_to_soft
 from studies.error_vs_runtime.figures import predictions, work_precision
 
+from drumlin.base.files import write_text
+from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import as_csv
-from drumlin.fem.assembly import ELEMENTS
-from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.solve import solve
-from drumlin.files import write_text
-from drumlin.journal import Journal
 from drumlin.report.figures import save
 from drumlin.report.page import fill, versions
 from drumlin.verification import triangles
-from drumlin.verification.methods import methods
-from drumlin.verification.omission_table import (
-    omissions,
-    prediction_ratios,
-    time_saved,
-    worst_straight,
-)
-from drumlin.verification.recommendation import (
-    against_peers,
-    best_rows,
-    fastest_seconds,
-    matrices,
-    of_brake,
-)
 from drumlin.verification.reference import (
     FINE,
     Refinement,
@@ -44,9 +30,23 @@ from drumlin.verification.reference import (
     responses,
 )
 from drumlin.verification.reference_file import as_dict, summary_rows, write_values
-from drumlin.verification.work_precision import (
+from drumlin_studies.methods import methods
+from drumlin_studies.omission_table import (
+    omissions,
+    prediction_ratios,
+    time_saved,
+    worst_straight,
+)
+from drumlin_studies.recommendation import (
+    against_peers,
+    best_rows,
+    fastest_seconds,
+    matrices,
+    of_brake,
+)
+from drumlin_studies.work_precision import (
     PEER_FAMILIES,
-    REPEATS,
+    TIMED_REPEATS,
     Method,
     floor,
     measure,
@@ -141,7 +141,7 @@ def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], Trio]) ->
 def _row(brake: Brake, method: Method, trio: Callable[[], Trio], unit: Callable[[], object]) -> Row:
     if method.family in PEER_FAMILIES:
         return peer_row(
-            brake, method, trio().value, unit, 1 if method.family == "CalculiX" else REPEATS
+            brake, method, trio().value, unit, 1 if method.family == "CalculiX" else TIMED_REPEATS
         )
     return measure(brake, method, trio().value, unit)
 
@@ -211,7 +211,7 @@ def report(result: Result, folder: Path) -> Path:
             row for name, values in result.references.items() for row in summary_rows(values, name)
         ],
         spread=spread(rows),
-        repeats=REPEATS,
+        repeats=TIMED_REPEATS,
         unit_elements=UNIT_ELEMENTS,
         versions_text="\n".join(f"{name}: {version}" for name, version in versions().items()),
     )

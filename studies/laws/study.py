@@ -17,15 +17,15 @@ from studies.laws.figures import (
     torque_over_speed,
 )
 
+from drumlin.base.files import write_text
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
-from drumlin.files import write_text
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.figures import save
 from drumlin.report.page import fill, versions
 from drumlin.response.response import ShoeResponse
-from drumlin.verification.law_table import first_shoes, law_rows, reasons, word_rows
-from drumlin.verification.worked_examples import example_rows, friction_rows, simscape_rows
+from drumlin_studies.law_table import first_shoes, law_rows, reasons, word_rows
+from drumlin_studies.worked_examples import example_rows, friction_rows, simscape_rows
 
 HERE = Path(__file__).parent
 FILES = (

@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib import patheffects
 from matplotlib.figure import Figure
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.report.figures import STYLE, key, mark_cut, smooth
 from drumlin.report.palette import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response
 from drumlin.sweeps.tolerances import Shares, spread
-from drumlin.verification.misfit_rows import QUANTITIES, STATES, Drawn
+from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
 
 NEW, WORN, LAW = BLUE, GREEN, RED
 LEVELS = (
@@ -144,14 +144,14 @@ def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float
     return figure
 
 
-def histograms(drawn: Drawn, nominal: Mapping[str, float]) -> Figure:
+def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
     """Distributions of new and worn-in brakes, with the 5th, 50th and 95th percentile above them,
     and the law's value of the nominal brake: a panel a quantity.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(4.6 * len(QUANTITIES), 3.9), layout="constrained")
-        grid = figure.subplots(1, len(QUANTITIES), squeeze=False)[0]
-        for axes, (name, label) in zip(grid, QUANTITIES.items(), strict=True):
+        figure = Figure(figsize=(4.6 * len(DRAWN_QUANTITIES), 3.9), layout="constrained")
+        grid = figure.subplots(1, len(DRAWN_QUANTITIES), squeeze=False)[0]
+        for axes, (name, label) in zip(grid, DRAWN_QUANTITIES.items(), strict=True):
             new, worn = (drawn.sample(state, name) for state in STATES)
             every = np.concatenate([new, worn])
             bins = np.linspace(every.min(), np.quantile(every, 0.998), 36)

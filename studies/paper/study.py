@@ -5,9 +5,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from drumlin.errors import BadInput
+from drumlin.base.errors import BadInput
 from drumlin.report.page import fill
-from drumlin.verification.work_precision import PEER_FAMILIES
+from drumlin_studies.work_precision import PEER_FAMILIES
 
 HERE = Path(__file__).parent
 KEPT = HERE.parents[1] / "reports" / "reference"

@@ -8,12 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.texts import formatted
 from drumlin.report.figures import STYLE
 from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of
 from drumlin.response.response import ShoeResponse, edge_zone
-from drumlin.texts import formatted
-from drumlin.verification.plane_stress import Map, Rung, Three, Worn, worst
+from drumlin_studies.plane_stress import Map, Rung, Three, WornSolid, worst
 
 PANELS = {
     "torque": "torque",
@@ -36,8 +36,14 @@ def maps(charts: Sequence[Map]) -> Figure:
 
 def _panel(axes: Axes, chart: Map, key: str, title: str) -> None:
     error = 100 * chart.errors[key]
-    axes.imshow(np.log10(np.maximum(np.abs(error), 0.03)), origin="lower", aspect="auto", cmap="YlOrRd",
-                vmin=-1.5, vmax=1.8)  # fmt: skip
+    axes.imshow(
+        np.log10(np.maximum(np.abs(error), 0.03)),
+        origin="lower",
+        aspect="auto",
+        cmap="YlOrRd",
+        vmin=-1.5,
+        vmax=1.8,
+    )
     for j, i in np.ndindex(*error.shape):
         signed = key in {"torque", "corrected_torque"}
         said = formatted(float(error[j, i]), f"{'+' if signed else ''}.2g")
@@ -51,7 +57,7 @@ def _panel(axes: Axes, chart: Map, key: str, title: str) -> None:
     axes.set_title(f"{title} [%]", fontsize=9.5)
 
 
-def faces(three: Three, worn: Worn) -> Figure:
+def faces(three: Three, worn: WornSolid) -> Figure:
     """p(theta, z) on the faces of the linings, new and worn in, one scale."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         new = three.solid.shoes
@@ -63,9 +69,14 @@ def faces(three: Three, worn: Worn) -> Figure:
             for axes, shoe, state in ((row[0], a, "new"), (row[1], b, "worn in")):
                 assert shoe.surface is not None
                 drawn = axes.pcolormesh(
-                    np.degrees(shoe.theta), shoe.surface.z * 1e3, shoe.surface.pressure.T * 1e-6,
-                    shading="gouraud", cmap="viridis", vmin=0, vmax=top * 1e-6,
-                )  # fmt: skip
+                    np.degrees(shoe.theta),
+                    shoe.surface.z * 1e3,
+                    shoe.surface.pressure.T * 1e-6,
+                    shading="gouraud",
+                    cmap="viridis",
+                    vmin=0,
+                    vmax=top * 1e-6,
+                )
                 helps = "assists" if shoe.self_energising else "opposes"
                 axes.set_title(f"{shoe.name}, friction {helps}, {state}")
                 axes.set_xlabel("angle on the drum θ [deg]")
@@ -107,7 +118,7 @@ def curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
     return figure
 
 
-def wear(worn: Worn) -> Figure:
+def wear(worn: WornSolid) -> Figure:
     """How uneven p is across the width, and how far its mean is from the sine law, over the sliding
     distance.
     """
@@ -118,8 +129,14 @@ def wear(worn: Worn) -> Figure:
         for shoe, uneven, law, color in zip(
             worn.last, worn.uneven, worn.from_law, (GREEN, RED), strict=False
         ):
-            axes.semilogy(x, 100 * np.array(uneven), color=color, marker="o", ms=4,
-                          label=f"{shoe.name}: off its mean across the width")  # fmt: skip
+            axes.semilogy(
+                x,
+                100 * np.array(uneven),
+                color=color,
+                marker="o",
+                ms=4,
+                label=f"{shoe.name}: off its mean across the width",
+            )
             axes.semilogy(
                 x,
                 100 * np.array(law),

@@ -12,23 +12,23 @@ from typing import Any
 import numpy as np
 from studies.plane_stress import figures
 
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
-from drumlin.fem import finite_width
-from drumlin.fem.assembly import prepare
-from drumlin.fem.fields import write_vtu
+from drumlin.fem.analysis.fields import write_vtu
 from drumlin.fem.model import respond
+from drumlin.fem.preparation import finite_width
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.fields import recover
-from drumlin.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.report.solid_picture import render
-from drumlin.verification import plane_stress as rows
-from drumlin.verification.plane_stress import Certain, Map, Rung, Three, Worn
-from drumlin.verification.uncertainty import Validation
+from drumlin_studies import plane_stress as rows
+from drumlin_studies.plane_stress import Certain, Map, Rung, Three, WornSolid
+from drumlin_studies.uncertainty import Validation
 
 HERE = Path(__file__).parent
 WIDTHS: Sequence[float] = (1.0, 2.0, 5.0, 10.0, 20.0)  # over the lining's thickness
@@ -85,7 +85,7 @@ class Result:
     validation: Validation
     maps: tuple[Map, Map]
     curves: dict[str, list[tuple[float, list[dict[str, Any]]]]]
-    worn: Worn
+    worn: WornSolid
     ladder: dict[str, list[Rung]]
     seconds: float
 
@@ -112,15 +112,24 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         rows.chart(
             "one width",
             ("lining width / thickness", "lining modulus [MPa]"),
-            lambda x, y: rows.plain(brake, x * t, y * 1e6), WIDTHS[::n], MODULI[::n], setting.elements, say,
+            lambda x, y: rows.plain(brake, x * t, y * 1e6),
+            WIDTHS[::n],
+            MODULI[::n],
+            setting.elements,
+            say,
         ),
         rows.chart(
             "table and web",
             ("web width / lining width", "table thickness [mm]"),
-            lambda x, y: vary(brake, {"shoe.body.width": x * b, "shoe.backing.thickness": y * 1e-3}),
-            WEBS[::n], TABLES[::n], setting.elements, say,
+            lambda x, y: vary(
+                brake, {"shoe.body.width": x * b, "shoe.backing.thickness": y * 1e-3}
+            ),
+            WEBS[::n],
+            TABLES[::n],
+            setting.elements,
+            say,
         ),
-    )  # fmt: skip
+    )
     curves = {}
     for name, key, values, unit in (
         ("friction", "friction", FRICTIONS, 1.0),
@@ -220,7 +229,7 @@ def report(result: Result, folder: Path) -> Path:
         within=partial(_within, result.maps),
         largest={
             key: max(float(np.abs(chart.errors[key]).max()) for chart in result.maps)
-            for key in rows.QUANTITIES
+            for key in rows.WIDTH_QUANTITIES
         },
         stated=(finite_width.TORQUE, finite_width.PRESSURE),
         shares=rows.shares(result.maps),

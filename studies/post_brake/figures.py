@@ -7,13 +7,13 @@ import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.texts import formatted
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake
 from drumlin.report.figures import STYLE, key, name_of
 from drumlin.report.palette import FAINT, GRADES, INK, look_of
-from drumlin.texts import formatted
-from drumlin.verification.post_brake_rows import Curve, ErrorMap, Merits, Offsets
+from drumlin_studies.post_brake_rows import Curve, ErrorMap, Merits, Offsets
 
 BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)  # regions of a map: error within 1, 5, 20 %, beyond
 
@@ -88,9 +88,14 @@ def curves(
                 model, _, rest = name.partition(" ")
                 points = len(x) < 12
                 axes.plot(
-                    x, y, marker="o" if points else None, ms=4, lw=0 if points else 1.8,
-                    **(look_of(model) | ({"ls": ":"} if rest else {})), label=f"{name_of(model)} {rest}".strip(),
-                )  # fmt: skip
+                    x,
+                    y,
+                    marker="o" if points else None,
+                    ms=4,
+                    lw=0 if points else 1.8,
+                    **(look_of(model) | ({"ls": ":"} if rest else {})),
+                    label=f"{name_of(model)} {rest}".strip(),
+                )
             axes.set_title(title)
             axes.set_xlabel(xlabel)
             if zero:

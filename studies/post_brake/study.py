@@ -14,18 +14,18 @@ import numpy as np
 from studies.post_brake import figures
 
 from drumlin import foundation
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import COLUMNS, Comparison, as_csv, run
-from drumlin.fem.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
-from drumlin.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.comparison import draw_fields, panels, results_json
 from drumlin.report.page import fill
 from drumlin.response.norms import relative
-from drumlin.verification import post_brake_rows as post
-from drumlin.verification.post_brake_rows import ALL, MODELS, Curve, ErrorMap, Merits, Offsets
+from drumlin_studies import post_brake_rows as post
+from drumlin_studies.post_brake_rows import ALL_LIFTS, POST_MODELS, Curve, ErrorMap, Merits, Offsets
 
 HERE = Path(__file__).parent
 MERITS = {
@@ -62,7 +62,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("side by side")
     scene = prepare(brake, elements=elements)
     outcomes = [run("fem", partial(solve, brake, elements=elements), 1 if short else 3)]
-    outcomes += [run(name, partial(model, brake), repeats) for name, model in MODELS.items()]
+    outcomes += [run(name, partial(model, brake), repeats) for name, model in POST_MODELS.items()]
     comparison = Comparison("fits", brake, tuple(outcomes))
     responses = comparison.responses
     say("what each simplification is worth")
@@ -83,9 +83,20 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         post.rim_curves(scene, brake, responses),
     )
     return Result(
-        comparison, lifts, clearances, merits, offsets, assumptions, maps, place, grids, beams, rims, elements,
+        comparison,
+        lifts,
+        clearances,
+        merits,
+        offsets,
+        assumptions,
+        maps,
+        place,
+        grids,
+        beams,
+        rims,
+        elements,
         time.perf_counter() - start,
-    )  # fmt: skip
+    )
 
 
 def report(result: Result, folder: Path) -> Path:
@@ -111,7 +122,7 @@ def report(result: Result, folder: Path) -> Path:
         },
         rows=comparison.rows,
         columns=COLUMNS,
-        left_out=foundation.solve(brake, lift=ALL).left_out,
+        left_out=foundation.solve(brake, lift=ALL_LIFTS).left_out,
         not_drawn=not_drawn,
         file=(HERE / "brake.toml").read_text(),
     )

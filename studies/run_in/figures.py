@@ -10,12 +10,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from drumlin.lining_wear.archard import at
+from drumlin.lining_wear.linings import WornLining
+from drumlin.lining_wear.run_in import peak
 from drumlin.report.figures import STYLE, key, mark_cut
 from drumlin.report.palette import BLUE, INK, RED
-from drumlin.verification.run_in_limits import Board, Reversals, Run
-from drumlin.wear.archard import at
-from drumlin.wear.linings import Surface
-from drumlin.wear.run_in import peak
+from drumlin_studies.run_in_limits import Board, Reversals, Run
 
 NEW, LATE, LAW = BLUE, INK, RED
 DISTANCE = "sliding distance s k K"
@@ -70,15 +70,21 @@ def pressures(one: Run, curves: Sequence[float]) -> Figure:
     return figure
 
 
-def _over_distance(axes: Axes, one: Run, surface: Surface, top: float) -> None:
+def _over_distance(axes: Axes, one: Run, surface: WornLining, top: float) -> None:
     """p over theta and the logarithm of the distance, contact's ends as the border of the colour."""
     end = one.states[-1].s / one.unit
     levels = np.geomspace(end * 1e-4, end, 240)
     p = np.array([surface.along(at(one.states, s * one.unit).pressure) for s in levels])
     axes.pcolormesh(
-        np.degrees(surface.angles), levels, np.where(p > 0, p, np.nan), cmap="viridis", vmin=0, vmax=top,
-        shading="gouraud" if (p > 0).all() else "nearest", rasterized=True,
-    )  # fmt: skip
+        np.degrees(surface.angles),
+        levels,
+        np.where(p > 0, p, np.nan),
+        cmap="viridis",
+        vmin=0,
+        vmax=top,
+        shading="gouraud" if (p > 0).all() else "nearest",
+        rasterized=True,
+    )
     axes.set_yscale("log")
     axes.set_ylabel(DISTANCE)
     axes.grid(False)
@@ -181,7 +187,7 @@ def profiles(one: Run, curves: Sequence[float]) -> Figure:
     return figure
 
 
-def checkerboard(surface: Surface, boards: Sequence[Board]) -> Figure:
+def checkerboard(surface: WornLining, boards: Sequence[Board]) -> Figure:
     """Nodal p(theta) over the most loaded third of one lining by several ways to step; titles carry
     the ripple.
     """

@@ -14,14 +14,14 @@ from matplotlib.figure import Figure
 from PIL import Image
 from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 
-from drumlin.files import replacing
+from drumlin.base.files import replacing
+from drumlin.lining_wear.linings import WearSetup
+from drumlin.lining_wear.run_in import peak
 from drumlin.report.figures import STYLE
-from drumlin.verification.run_in_limits import Frame, Run
-from drumlin.wear.linings import WearSetup
-from drumlin.wear.run_in import peak
+from drumlin_studies.run_in_limits import Run, RunFrame
 
 
-def film(one: Run, frames: Sequence[Frame], path: Path) -> Path:
+def film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
     """A GIF of the deformed shoes with their stress, the pressure on the drum and over theta, while
     they run in.
     """
@@ -40,14 +40,18 @@ def film(one: Run, frames: Sequence[Frame], path: Path) -> Path:
         pictures.append(Image.open(buffer).convert("RGB").quantize(96, dither=Image.Dither.NONE))
     with replacing(path) as partial:
         pictures[0].save(
-            partial, save_all=True, append_images=pictures[1:], loop=0, optimize=True,
+            partial,
+            save_all=True,
+            append_images=pictures[1:],
+            loop=0,
+            optimize=True,
             duration=[1200, *[110] * (len(pictures) - 2), 2500],
-        )  # fmt: skip
+        )
     return path
 
 
 def _frame(
-    one: Run, frames: Sequence[Frame], number: int, scales: tuple[float, float, float]
+    one: Run, frames: Sequence[RunFrame], number: int, scales: tuple[float, float, float]
 ) -> Figure:
     setup, goal, unit = one.setup, one.goal, one.unit
     state, top = frames[number].state, scales[0]
@@ -84,7 +88,7 @@ def _frame(
 def _shoes(
     axes: Axes,
     setup: WearSetup,
-    frame: Frame,
+    frame: RunFrame,
     first: Sequence[float],
     scales: tuple[float, float, float],
 ) -> None:
@@ -132,6 +136,8 @@ def _shoes(
     axes.set_axis_off()
     axes.set_title(
         f"stress (0 to {stress:.3g} MPa), displacement × {scale:g} without the turn that takes up\n"
-        "the wear; red: pressure on the drum", fontsize=9,
-        loc="center", fontweight="normal",
-    )  # fmt: skip
+        "the wear; red: pressure on the drum",
+        fontsize=9,
+        loc="center",
+        fontweight="normal",
+    )

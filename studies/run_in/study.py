@@ -9,19 +9,19 @@ from typing import Any
 from studies.run_in import figures
 from studies.run_in.film import film
 
+from drumlin.base.errors import BadInput
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import prepare
-from drumlin.files import write_text
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.run_in import distance
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
-from drumlin.verification import run_in_limits as limits
-from drumlin.verification.run_in_limits import Board, Frame, Reversals, Run
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.run_in import distance
+from drumlin_studies import run_in_limits as limits
+from drumlin_studies.run_in_limits import Board, Reversals, Run, RunFrame
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -55,7 +55,7 @@ class Result:
     reversals: list[Reversals]
     steps: list[dict[str, Any]]
     boards: list[Board]
-    frames: list[Frame]
+    frames: list[RunFrame]
     skipped: list[str]
     seconds: float
 
@@ -97,9 +97,21 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("film")
     frames = limits.frames(scene, main, 6 if short else 40)
     return Result(
-        main, flexible, runs, brakes, ratios, halves, exponents, held, reversals, steps, boards, frames, skipped,
+        main,
+        flexible,
+        runs,
+        brakes,
+        ratios,
+        halves,
+        exponents,
+        held,
+        reversals,
+        steps,
+        boards,
+        frames,
+        skipped,
         time.perf_counter() - start,
-    )  # fmt: skip
+    )
 
 
 def cases(*, short: bool) -> tuple[list[tuple[str, str, Brake]], list[str]]:

@@ -49,8 +49,15 @@ def strips(rows: Sequence[Row], knobs: Sequence[str]) -> Figure:
                 color = COLORS[row["outcome"]]
                 axes.add_patch(Rectangle((place, line), 0.94, 0.84, color=color, lw=0))
                 if row.get("digits") is not None:
-                    axes.text(place + 0.47, line + 0.45, f"{row['digits']:.0f}", ha="center", va="center",
-                              color="white", fontsize=7)  # fmt: skip
+                    axes.text(
+                        place + 0.47,
+                        line + 0.45,
+                        f"{row['digits']:.0f}",
+                        ha="center",
+                        va="center",
+                        color="white",
+                        fontsize=7,
+                    )
         axes.set_xlim(0, longest)
         axes.set_ylim(len(knobs), 0)
         axes.set_yticks(np.arange(len(knobs)) + 0.42, knobs)
@@ -78,8 +85,15 @@ def grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, str]) -> Figur
             right.add_patch(Rectangle(at, 0.96, 0.94, color=color, lw=0))
             if digits is not None:
                 dark = digits >= 12 or digits < 4
-                right.text(at[0] + 0.48, at[1] + 0.47, f"{digits:.1f}", ha="center", va="center", fontsize=8,
-                           color="white" if dark else INK)  # fmt: skip
+                right.text(
+                    at[0] + 0.48,
+                    at[1] + 0.47,
+                    f"{digits:.1f}",
+                    ha="center",
+                    va="center",
+                    fontsize=8,
+                    color="white" if dark else INK,
+                )
         for axes, title in ((left, "outcome"), (right, "digits of the torque")):
             axes.set_title(title)
             axes.set_xlim(0, len(across))
@@ -105,8 +119,16 @@ def condition(rows: Sequence[Row]) -> Figure:
             (True, RED, "refined: condensation had lost too many digits"),
         ):
             chosen = [r for r in rows if r.get("torque_condition") and r["refined"] is again]
-            axes.semilogx([r["torque_condition"] for r in chosen], [r["digits"] for r in chosen], "o", ms=4, alpha=0.65,
-                          color=color, mec="none", label=label)  # fmt: skip
+            axes.semilogx(
+                [r["torque_condition"] for r in chosen],
+                [r["digits"] for r in chosen],
+                "o",
+                ms=4,
+                alpha=0.65,
+                color=color,
+                mec="none",
+                label=label,
+            )
         k = np.array([1.0, 1e16])
         left = -np.log10(k * np.finfo(float).eps)
         axes.semilogx(

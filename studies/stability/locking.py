@@ -7,10 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import PENALTY
-from drumlin.journal import Journal
-from drumlin.verification.self_locking import limit_row, slope_rows, torque_row, uniqueness_row
+from drumlin_studies.self_locking import limit_row, slope_rows, torque_row, uniqueness_row
 
 FILE = Path(__file__).parents[1] / "double_shoe" / "brake.toml"
 THICKNESSES = (8e-3, 3e-3, 1e-3)
@@ -63,11 +63,17 @@ def study(
         for k in [k / 2 for k in range(-6, 13)][::every]
     ]
     ring = [
-        locked(**{"drum.ring": RING | {"support": support}, "drum.ring.material.E": 120e9 * 10**k, "factor": 10**k,
-                  "support": support})
+        locked(
+            **{
+                "drum.ring": RING | {"support": support},
+                "drum.ring.material.E": 120e9 * 10**k,
+                "factor": 10**k,
+                "support": support,
+            }
+        )
         for support in ("free", "fixed")
         for k in [k / 2 for k in range(-8, 9)][::every]
-    ]  # fmt: skip
+    ]
     rigid = [
         locked(**{"shoe.body": None, "shoe.lining.thickness": 8e-3 / 2**k, "n": 2 * elements})
         for k in range(3 if short else 6)

@@ -13,16 +13,15 @@ from typing import Any, NamedTuple
 
 from studies.stability import figures, locking, ways
 
+from drumlin.base.files import write_text
+from drumlin.base.journal import Journal
 from drumlin.comparison import as_csv
-from drumlin.files import write_text
-from drumlin.journal import Journal
 from drumlin.report.figures import save
 from drumlin.report.page import fill
-from drumlin.verification import bad_input, consistency, self_locking
-from drumlin.verification.broken_files import Sound
-from drumlin.verification.extreme_cases import cases
-from drumlin.verification.outcomes import (
-    POINTWISE,
+from drumlin_studies import consistency, self_locking
+from drumlin_studies.extreme_cases import cases
+from drumlin_studies.outcomes import (
+    POINTWISE_OUTCOMES,
     counted,
     faults,
     penalty_rows,
@@ -31,11 +30,17 @@ from drumlin.verification.outcomes import (
     timings,
     worst,
 )
-from drumlin.verification.trial import ANSWERS, DIGITS, OUTCOMES, REFUSALS, RESIDUAL, trial
+from drumlin_studies.trial import (
+    ANSWERS,
+    LARGEST_RESIDUAL,
+    REFUSALS,
+    TORQUE_DIGITS,
+    TRIAL_OUTCOMES,
+    trial,
+)
 
 HERE = Path(__file__).parent
 WORKERS = 2
-INPUTS = 5000  # bad ones
 GRIDS = {  # knob -> of x and y, with their labels
     "shoe × friction": (
         "shoe",
@@ -53,14 +58,13 @@ Row = dict[str, Any]
 
 
 class Result(NamedTuple):
-    """A row for each case; self-locking; comparisons of two ways to one quantity; what became of
-    each bad input; `seconds` of this run.
+    """A row for each case; self-locking; comparisons of two ways to one quantity; `seconds`
+    of this run.
     """
 
     rows: list[Row]
     locked: locking.Result
     compared: list[consistency.Check]
-    verdicts: list[bad_input.Verdict]
     seconds: float
 
 
@@ -88,24 +92,12 @@ def study(
                     say(f"{done} of {len(left)} cases")
     locked = locking.study(journal, short=short, say=say)
     compared = ways.study(journal, short=short, say=say)
-    say("bad input")
-    count, processes = (40, 0) if short else (INPUTS, WORKERS)
-    verdicts = bad_input.judge_all(count, sound(), journal, say, processes)
     return Result(
         [journal[key] for key in keys.values()],
         locked,
         compared,
-        verdicts,
         time.perf_counter() - start,
     )
-
-
-def sound() -> Sound:
-    """What is broken: the brake files of all studies, and the double-shoe brake, whose right shoe
-    is meshed.
-    """
-    texts = [path.read_bytes() for path in sorted(HERE.parent.glob("*/*.toml"))]
-    return Sound(tuple(text for text in texts if b"[[shoe]]" in text), locking.FILE.read_bytes())
 
 
 def report(result: Result, folder: Path) -> Path:
@@ -131,17 +123,17 @@ def report(result: Result, folder: Path) -> Path:
         refused=[row for row in rows if row["outcome"] in (*REFUSALS.values(), "bad input")],
         unanswered=[row for row in rows if row["outcome"] not in ANSWERS],
         faults=faults(rows),
-        residual=RESIDUAL,
-        required=DIGITS,
+        residual=LARGEST_RESIDUAL,
+        required=TORQUE_DIGITS,
         grids={knob: _file(knob) for knob in GRIDS},
-        outcome_names=OUTCOMES,
-        outcomes=counted(rows, "outcome", OUTCOMES),
+        outcome_names=TRIAL_OUTCOMES,
+        outcomes=counted(rows, "outcome", TRIAL_OUTCOMES),
         known=known,
         median_digits=statistics.median(row["digits"] for row in known),
-        below=[row for row in known if row["digits"] < min(DIGITS, row["allowed"])],
+        below=[row for row in known if row["digits"] < min(TORQUE_DIGITS, row["allowed"])],
         worst=worst(rows),
-        pointwise_names=POINTWISE,
-        pointwise=counted(rows, "pointwise", POINTWISE),
+        pointwise_names=POINTWISE_OUTCOMES,
+        pointwise=counted(rows, "pointwise", POINTWISE_OUTCOMES),
         penalties=penalty_rows(rows) if swept else [],
         stiff=max(
             (change for values in swept.values() for a, change in values if a >= 1e6), default=None
@@ -166,12 +158,6 @@ def report(result: Result, folder: Path) -> Path:
         limits=self_locking,
         ways_counted=[count._asdict() for count in consistency.counted(result.compared)],
         ways_differing=[row for row in compared if row["outcome"] == "differs"],
-        kinds=bad_input.count_kinds(result.verdicts),
-        input_faults=[
-            verdict for verdict in result.verdicts if verdict.outcome in bad_input.FAULTS
-        ],
-        longest=bad_input.LONGEST,
-        refusal_lines=bad_input.refusal_lines(result.verdicts),
     )
 
 

@@ -8,15 +8,15 @@ from functools import partial
 from multiprocessing import get_context
 from typing import Any, NamedTuple
 
-from drumlin.journal import Journal
-from drumlin.verification import (
+from drumlin.base.journal import Journal
+from drumlin_studies import (
     consistency_blocks,
     consistency_hold,
     consistency_refused,
     consistency_slopes,
     consistency_wear,
 )
-from drumlin.verification.consistency import Check
+from drumlin_studies.consistency import Check
 
 WORKERS = 2
 FIRST_SEED = 200_000  # brakes on which nothing was mended

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from drumlin.report.figures import STYLE, key
 from drumlin.report.palette import BLUE, GREEN, INK, OCHRE
-from drumlin.verification.throughput import Throughput, torques
+from drumlin_studies.throughput import Throughput, torques
 
 COLORS = {"processes": BLUE, "Dask workers": OCHRE, "Dask workers that keep memory": GREEN}
 

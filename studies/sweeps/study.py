@@ -13,13 +13,13 @@ from pathlib import Path
 
 from studies.sweeps import figures
 
-from drumlin.files import write_text
+from drumlin.base.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.sweeps.cases import Row, run
 from drumlin.sweeps.file import Sweep, read_sweep
 from drumlin.sweeps.table import table, write_table
-from drumlin.verification.throughput import (
+from drumlin_studies.throughput import (
     KEEP,
     Kill,
     Throughput,

@@ -8,24 +8,24 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drumlin.base.errors import NoAnswer
+from drumlin.base.files import write_text
+from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
-from drumlin.errors import NoAnswer
 from drumlin.fem.mesh.arc import KINDS
 from drumlin.fem.solve import solve
-from drumlin.files import write_text
-from drumlin.journal import Journal
-from drumlin.report import figures, stated_true_figure
+from drumlin.report import figures
 from drumlin.report.page import fill
-from drumlin.report.stated_true_figure import cloud
-from drumlin.verification import corner_rows, ladder
-from drumlin.verification.orders import distance, estimate_row, level_rows, line, order_rows
-from drumlin.verification.random_brake import random_brake
-from drumlin.verification.random_kinds import KINDS as KINDS_OF_HOLDING
-from drumlin.verification.random_kinds import random_kind
-from drumlin.verification.side_by_side import PROCESSES, Case, kept
-from drumlin.verification.stated_true import TOLERANCES, by_columns, by_triangles, row, summary
+from drumlin_studies import corner_rows, ladder, stated_true_figure
+from drumlin_studies.orders import distance, estimate_row, level_rows, line, order_rows
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
+from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.side_by_side import PROCESSES, Case, kept
+from drumlin_studies.stated_true import JUDGED_TOLERANCES, by_columns, by_triangles, row, summary
+from drumlin_studies.stated_true_figure import cloud
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
@@ -103,7 +103,7 @@ def study(
         one for found in kept(cases, _cornered, journal, say, processes) for one in found["rows"]
     ]
     say("benchmark ladder")
-    known = [ladder.row(case) for case in ladder.CASES]
+    known = [ladder.row(case) for case in ladder.LADDER_CASES]
     return Result(
         orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start
     )
@@ -114,7 +114,13 @@ def _seeds(first: int, count: int, short: bool) -> range:
 
 
 def _tolerances(seed: int, *, short: bool) -> list[float]:
-    return list(TOLERANCES[:1] if short else TOLERANCES if seed % THIRD == 0 else TOLERANCES[:-1])
+    return list(
+        JUDGED_TOLERANCES[:1]
+        if short
+        else JUDGED_TOLERANCES
+        if seed % THIRD == 0
+        else JUDGED_TOLERANCES[:-1]
+    )
 
 
 def _cornered(case: Case) -> dict[str, Any]:
@@ -168,8 +174,14 @@ def report(result: Result, folder: Path) -> Path:
     write_text(folder / "estimates.csv", as_csv(result.estimates))
     write_text(folder / "ladder.csv", as_csv(result.ladder))
     return fill(
-        HERE / "page.html", folder / "index.html", result=result, cases=list(CASES), judged=summary(result.judged),
-        corners=corner_rows.by_kind(result.corners), steep=corner_rows.STEEP,
+        HERE / "page.html",
+        folder / "index.html",
+        result=result,
+        cases=list(CASES),
+        judged=summary(result.judged),
+        corners=corner_rows.by_kind(result.corners),
+        steep=corner_rows.STEEPEST_JUDGED,
         independent=summary([one for one in result.judged if one["truth"] == "triangles"]),
-        families=len(ladder.families()), line=line(result.levels),
-    )  # fmt: skip
+        families=len(ladder.families()),
+        line=line(result.levels),
+    )

@@ -1,7 +1,7 @@
 """The brake as frozen, validated data: parts of drums and shoes, quantities with units, its file.
 
 A `Brake` runs on a surface, a drum or a plane, see `drumlin.brake.surface`. `read_any` reads it
-from a TOML file. Of drumlin the package imports arrays, errors, texts and files only.
+from a TOML file. Of drumlin the package imports the lowest room `drumlin.base` only.
 """
 
 import warnings

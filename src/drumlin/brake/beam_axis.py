@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 
 
 class Axis(NamedTuple):

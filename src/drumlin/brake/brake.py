@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, cast
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
 from drumlin.brake.components import Backing, Bar, Beam, Lining, Lobes, Ring
 from drumlin.brake.drive import Drive, Link, shares
 from drumlin.brake.fields import Part, Point
 from drumlin.brake.support import MOVES, Meshed
 from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
-from drumlin.errors import BadInput
 
 
 class ShoeFrame(NamedTuple):

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
 from drumlin.brake.file import vary

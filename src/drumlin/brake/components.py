@@ -15,7 +15,7 @@ from pydantic import (
     model_validator,
 )
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.fields import (
     Angle,
     AnyMaterial,
@@ -207,7 +207,7 @@ would settle.
 class Misfit(Part):
     """Deviation of a lining's surface from the drum's circle, besides its clearance.
 
-    `drumlin.brake.clearance` turns it into a gap. `radius` [m] is that of the lining's own circle,
+    `drumlin.brake.off_circle` computes the gap that results. `radius` [m] is that of the lining's own circle,
     by default the drum's. The circle meets the drum's in the lining's middle and is moved from
     there by `offset` [m]. `taper` [m] is how much farther the lining stands back at its end away
     from the hinge than at its end near the hinge. `blocks` are rows (angle, depth) [rad, m]: from

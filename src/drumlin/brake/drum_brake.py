@@ -15,7 +15,7 @@ from pydantic import (
     model_validator,
 )
 
-from drumlin.arrays import Floats, angle_near
+from drumlin.base.arrays import Floats, angle_near
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.fields import AnyMaterial, Material
 
 ISOTROPIC_WITHIN = 1e-14

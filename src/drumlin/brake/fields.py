@@ -22,9 +22,9 @@ from pydantic import (
     model_validator,
 )
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.texts import nearest
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, to_si
-from drumlin.texts import nearest
 
 
 def _si(value: object, si: str, info: ValidationInfo, key: str = "") -> float:

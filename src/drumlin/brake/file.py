@@ -12,12 +12,12 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import ValidationError
 
+from drumlin.base.errors import BadInput
+from drumlin.base.files import read_text
+from drumlin.base.texts import check_toml
 from drumlin.brake.brake import Brake
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import Part, Point, unit_in
-from drumlin.errors import BadInput
-from drumlin.files import read_text
-from drumlin.texts import check_toml
 
 LARGEST_BRAKE_FILE = 500_000
 """Largest size of a brake file in bytes. Brake files have a few thousand; a larger file is refused."""
@@ -134,23 +134,29 @@ def read_brake(path: Path, text: str | None = None) -> Brake:
 
 
 def vary(brake: P, changes: Mapping[str, Any]) -> P:
-    """Change some keys of a brake, and validate it anew.
+    """A brake in which some keys have other values, checked as a brake file is.
 
     Parameters
     ----------
     brake : as `read_brake` gives it
-    changes : new values by key, as SI numbers or as texts with units. A key is written as in the
-        lines of errors: "shoe[0].lining.thickness" changes one shoe, "shoe.lining.thickness" every
-        shoe.
+    changes : new values by key, in SI or as texts with a unit; a key is written as in the file's
+        error lines, "shoe[0].lining.thickness", and "shoe.lining.thickness" changes every shoe
 
     Returns
     -------
-    another brake; the given brake stays as it is
+    Brake
+        another brake; the given one stays as it is
 
     Raises
     ------
     BadInput
-        in one line, for an unknown key or a brake that does not fit together
+        for a key that does not exist, or a brake that does not fit together, in one line
+
+    Examples
+    --------
+    >>> brake = drumlin.example("double_shoe")
+    >>> drumlin.vary(brake, {"friction": 0.4, "drum.radius": "150 mm"}).friction
+    0.4
     """
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():

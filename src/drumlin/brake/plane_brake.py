@@ -14,7 +14,8 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
     LARGEST_MISFIT,
@@ -44,7 +45,6 @@ from drumlin.brake.off_circle import crown_gap
 from drumlin.brake.support import check_motions
 from drumlin.brake.surface import PLANE
 from drumlin.brake.units import deg, mm
-from drumlin.errors import BadInput
 
 
 class Plane(Part):
@@ -280,22 +280,28 @@ def any_from(
 
 
 def read_any(path: Path | str, text: str | None = None) -> Brake:
-    """Read a brake from a TOML file: on a plane for a file with [plane], otherwise on a drum.
+    """Read a brake from a TOML file: with the table [plane] a brake on a plane, else on a drum.
 
     Parameters
     ----------
     path : path of the file, every quantity in it with its unit
-    text : content of the file, if it is known
+    text : the text of the file where it was read before
 
     Returns
     -------
-    the brake as frozen, validated data in SI units
+    Brake
+        frozen data in SI units, checked key by key
 
     Raises
     ------
     BadInput
-        for a file that cannot be read or is no brake, with one line that names the key, the value
-        and what is allowed
+        for a file that cannot be read or is no brake: one line that names the key, the value and
+        what is allowed
+
+    Examples
+    --------
+    >>> drumlin.read_brake("brake.toml").friction
+    0.3
     """
     path = Path(path)
     data = read_toml(path) if text is None else toml_data(text, path)

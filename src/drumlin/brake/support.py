@@ -15,10 +15,10 @@ from typing import Annotated, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.files import keep_input
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import Angle, Name, Part, Place, Point
-from drumlin.files import keep_input
 
 MAIN_SUPPORTS = ("hinge", "abutment", "guide")
 """Keys of the supports of which a shoe has exactly one. A pivot comes on top of a hinge."""

@@ -31,7 +31,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.units import deg, mm
 
 

@@ -8,8 +8,8 @@ import math
 import re
 from typing import Any
 
-from drumlin.errors import BadInput
-from drumlin.texts import LONGEST_QUANTITY
+from drumlin.base.errors import BadInput
+from drumlin.base.texts import LONGEST_QUANTITY
 
 # A quantity is a number and a unit. A unit is words with one-digit powers, joined by blank, * or /;
 # the last denominator may be in brackets. Nothing else reaches pint, which would evaluate m^9^9^9

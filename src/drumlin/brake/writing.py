@@ -8,12 +8,12 @@ from typing import Annotated, Any
 
 from pydantic.fields import FieldInfo
 
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Actuation, Lobes, Misfit, Table
 from drumlin.brake.fields import Material, Orthotropic, Part, Point, row_units_in, unit_in
 from drumlin.brake.support import Held
 from drumlin.brake.units import COMMON, to_si
-from drumlin.errors import BadInput
 
 INLINE = (Material, Orthotropic, Point, Misfit, Lobes, Table)
 """Parts that are written in one line, in braces."""

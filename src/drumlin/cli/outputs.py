@@ -1,13 +1,14 @@
-"""Commands that write a brake in another form: a picture, meshes, input decks."""
+"""Commands that write a brake as a picture, as meshes, or as input decks of another program."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from drumlin.cli.options import BrakeFile, Elements, Kind, fem_options
+import drumlin
+from drumlin.base.errors import BadInput
+from drumlin.cli.options import BrakeFile, Elements, Kind, given
 from drumlin.cli.terminal import busy, tell
-from drumlin.errors import BadInput
 
 
 def view(
@@ -19,18 +20,17 @@ def view(
     kind: Kind = None,
 ) -> None:
     """Draw a brake and its mesh."""
-    from drumlin.brake.plane_brake import read_any
-    from drumlin.files import check_outputs
+    from drumlin.base.files import check_outputs
     from drumlin.report.figures import save
     from drumlin.report.view import draw
 
-    brake = read_any(brake_file)
+    brake = drumlin.read_brake(brake_file)
     picture = output or Path(f"{brake_file.stem}.png")
     if picture.suffix not in {".png", ".svg"}:
         raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
     check_outputs(picture)
     with busy("drawing"):
-        save(draw(brake, **fem_options(elements, kind=kind)), picture)
+        save(draw(brake, **given(elements=elements, kind=kind)), picture)
     tell(f"picture: {picture}")
 
 
@@ -50,17 +50,16 @@ def mesh(
     ] = "msh",
 ) -> None:
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
-    from drumlin.brake.plane_brake import read_any
-    from drumlin.fem.assembly import prepare
+    from drumlin.base.files import check_outputs
     from drumlin.fem.mesh.file import write_mesh
+    from drumlin.fem.preparation.prepare import prepare
     from drumlin.fem.solve import check_divided
-    from drumlin.files import check_outputs
 
     if name is not None and Path(name).name != name:
         raise BadInput(
             f"--name = {name!r}: must be a word without folders; --output names the folder"
         )
-    brake, options = read_any(brake_file), fem_options(elements, kind=kind)
+    brake, options = drumlin.read_brake(brake_file), given(elements=elements, kind=kind)
     brake.check_meshable()
     check_divided(brake, **options)
     paths = [output / f"{name or brake_file.stem}_{shoe.name}.{suffix}" for shoe in brake.shoes]
@@ -85,9 +84,9 @@ def export(
     ] = "fem",
 ) -> None:
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
+    from drumlin.base.files import check_folder
     from drumlin.brake.plane_brake import read_drum
     from drumlin.fem.solve import check_divided
-    from drumlin.files import check_folder
     from drumlin.peers import calculix, solid_deck
 
     if model not in {"fem", "solid"}:
@@ -96,7 +95,7 @@ def export(
         raise BadInput("--kind belongs to --model fem; solid shoes are of hexahedra")
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
-    brake, options = read_drum(brake_file, "export"), fem_options(elements, kind=kind)
+    brake, options = read_drum(brake_file, "export"), given(elements=elements, kind=kind)
     check_divided(brake, **options)
     check_folder(output)
     with busy("writing"):

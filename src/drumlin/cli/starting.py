@@ -1,13 +1,13 @@
-"""Commands to start from: example brakes, and the schema of the files for an editor."""
+"""Commands for a first file: example brakes, and the JSON schema that an editor completes by."""
 
 import json
 from typing import Annotated
 
 import typer
 
+from drumlin.base.errors import BadInput
+from drumlin.base.texts import nearest
 from drumlin.cli.terminal import tell, write
-from drumlin.errors import BadInput
-from drumlin.texts import nearest
 
 
 def init(

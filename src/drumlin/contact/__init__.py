@@ -4,5 +4,5 @@
 under full slip. `stick_slip` follows stick and slip, one load increment at a time. `self_locking`
 finds the friction coefficient at which the equilibrium ends.
 
-The package knows nothing of brakes or meshes. Of drumlin it imports errors, arrays and lapack only.
+The package knows nothing of brakes or meshes. Of drumlin it imports `drumlin.base` only.
 """

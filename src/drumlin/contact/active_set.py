@@ -23,7 +23,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import NoAnswer
 from drumlin.contact.equations import (
     TINY,
     Changed,
@@ -34,7 +35,6 @@ from drumlin.contact.equations import (
     few_changed,
     regular,
 )
-from drumlin.errors import NoAnswer
 
 MOST_PIVOT_STEPS = 120
 """Limit of the steps in which all wrong nodes change at once. A brake needs some ten."""

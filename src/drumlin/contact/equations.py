@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats, Ints
-from drumlin.errors import NoAnswer
-from drumlin.lapack import dgecon, dgetrf, dgetrs
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import NoAnswer
+from drumlin.base.lapack import dgecon, dgetrf, dgetrs
 
 TINY = np.finfo(float).tiny
 """Smallest normal double. Divisors are at least TINY, so that an empty row does not divide by 0."""

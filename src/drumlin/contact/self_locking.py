@@ -23,12 +23,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.contact.active_set import Contact, beside, between, halved, halved_sums, settle, solve
 from drumlin.contact.equations import Problem, equilibrated
-from drumlin.errors import NoAnswer
 
-LARGEST_FRICTION = 1e3
+LARGEST_SOUGHT_FRICTION = 1e3
 """Friction coefficient up to which a limit is sought; a brake without limit below it has none."""
 
 LARGEST_FRICTION_STEP = 0.05
@@ -98,7 +98,7 @@ class Limit(NamedTuple):
 
     Attributes
     ----------
-    friction : mu_lock; inf if there is no limit up to LARGEST_FRICTION
+    friction : mu_lock; inf if there is no limit up to LARGEST_SOUGHT_FRICTION
     bounded : whether the answer turns back at finite pressure, at a change of the contact set.
         Otherwise the pressure grows without bound as 1/(mu_lock - mu).
     last : the answer at the friction coefficient `reached`; its contact set is that of the limit
@@ -123,7 +123,7 @@ class PathEnded(NoAnswer):
 
 def limit(
     sliding: Sliding,
-    most: float = LARGEST_FRICTION,
+    most: float = LARGEST_SOUGHT_FRICTION,
     known: tuple[float, Contact] | None = None,
     areas: Floats | None = None,
 ) -> Limit:

@@ -33,10 +33,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import NoAnswer
+from drumlin.base.lapack import dgetrf, dgetrs
 from drumlin.contact.active_set import GOLDEN, PATH_LIFT, PATIENCE
-from drumlin.errors import NoAnswer
-from drumlin.lapack import dgetrf, dgetrs
 
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
 

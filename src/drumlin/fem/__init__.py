@@ -1,3 +1,10 @@
 """The finite-element model: plane stress, shoe and lining against the drum in unilateral frictional
 contact.
+
+A brake passes the rooms from the bottom to the top. `mesh` and `hp` divide it into elements,
+`substructure` condenses its bodies, `preparation` collects them as a prepared model, and
+`equilibrium` poses the contact problem of its shoes. `model` solves that problem and answers with a
+response; `solve` repeats this on finer divisions until `error_control` accepts the answer.
+`analysis` asks a solved brake for more than its response; `solid` is the model of shoes with a
+finite width.
 """

@@ -5,16 +5,18 @@ small enough.
 from dataclasses import replace
 from functools import partial
 
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import ELEMENTS, Cache, Scene, prepare
-from drumlin.fem.finite_width import finite_width as corrected
-from drumlin.fem.finite_width import said
-from drumlin.fem.hp import scene as hp
-from drumlin.fem.hp.adapt import DEFAULT, Tolerance, adapt, check_tolerance
-from drumlin.fem.hp.levels import LEVELS
+from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt, check_tolerance
+from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, respond
+from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.finite_width import finite_width as corrected
+from drumlin.fem.preparation.finite_width import said
+from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.balance import loaded, shoe_balance, worst
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
@@ -40,7 +42,7 @@ def solve(
     With `elements` or a `kind` a brake is solved on one mesh, without estimate, as one with a mesh
     file is. BadInput is raised for these and a tolerance together, and as by `check_divided`.
     finite_width: the linings' moduli corrected for the widths of the shoes, see
-    fem/finite_width.py. cache: bodies of earlier solves.
+    fem/preparation/finite_width.py. cache: bodies of earlier solves.
     """
     if finite_width:
         other = corrected(brake)
@@ -88,7 +90,7 @@ def scene_of(
     try:
         return adapt(brake, DEFAULT, respond, must=False, cache=cache).scene
     except NoAnswer:
-        return hp.scene(brake, LEVELS[1], cache=cache)
+        return prepare(brake, LEVELS[1], cache=cache)
 
 
 def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None = None) -> None:

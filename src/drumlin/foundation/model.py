@@ -18,17 +18,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.foundation.post import Post, post, shoe_angles, trapezoid
 from drumlin.foundation.ring import drag_flexibility, flexibility
-from drumlin.lapack import block_diag
 from drumlin.laws import locking_friction
 from drumlin.laws.hinged import pressing_moment
 from drumlin.laws.rigid import no_contact

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake import clearance
 from drumlin.brake.beam_axis import Axis, axis_of
 from drumlin.brake.brake import Brake, Shoe

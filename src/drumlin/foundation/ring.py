@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.components import Ring
 from drumlin.brake.fields import Material
 

@@ -14,12 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats, Values
+from drumlin.base.arrays import Floats, Values
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOVES
 from drumlin.brake.surface import PLANE
 from drumlin.brake.units import mm
-from drumlin.errors import NoAnswer
 from drumlin.laws.rigid import LEFT_OUT, no_contact
 from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.merit import with_merits

@@ -11,19 +11,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
+from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOVES
 from drumlin.brake.surface import DRUM
 from drumlin.brake.units import deg
-from drumlin.errors import NoAnswer
 from drumlin.laws.rigid import LEFT_OUT, PRESSURE_NODES, no_contact
 from drumlin.laws.shapes import SINE, Law, Layout, Load, equivalent_friction
 from drumlin.response.balance import contact_resultant, shoe_balance, worst
 from drumlin.response.merit import double_delta, with_merits
 from drumlin.response.response import Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
-from drumlin.texts import formatted
 
 ANGLE_ROUND_OFF = 1e-9
 """Angle [rad] by which a lining may exceed the limits of a law: round-off."""

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats, Values
+from drumlin.base.arrays import Floats, Values
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM
 from drumlin.laws.shapes import Layout, cos_load, moments_about, sine_load

@@ -17,10 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import Freedoms
-from drumlin.errors import NoAnswer
 from drumlin.laws.face import Arcs, Face, face_of
 from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.merit import with_merits

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats, Values
+from drumlin.base.arrays import Floats, Values
 
 
 class Load(NamedTuple):

@@ -19,12 +19,12 @@ from typing import Literal
 
 import numpy as np
 
-from drumlin.arrays import Floats, Values
+from drumlin.base.arrays import Floats, Values
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from
 from drumlin.brake.units import deg, mm
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.laws.shapes import SINE, Layout
 
 SIMSCAPE_LINING = Material(E=300e6, nu=0.25)

@@ -4,8 +4,8 @@ kind of response.
 
 from typing import Any
 
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
-from drumlin.errors import BadInput
 from drumlin.peers.peer import Peer, PeerMissing
 from drumlin.response.merit import with_merits
 

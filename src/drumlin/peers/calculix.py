@@ -20,13 +20,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import NoAnswer
+from drumlin.base.files import write_text
+from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake
-from drumlin.errors import NoAnswer
-from drumlin.fem.assembly import ELEMENTS, Mesher
-from drumlin.fem.interface import ContactLine, couple, radial
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.files import write_text
+from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
+from drumlin.fem.substructure.interface import ContactLine, couple, radial
 from drumlin.peers.deck import BEARING, BEYOND_ELEMENTS, Setting, deck, drum_angles
 from drumlin.peers.peer import (
     Forces,
@@ -40,7 +41,6 @@ from drumlin.peers.peer import (
     untouched_response,
 )
 from drumlin.response.response import Balance, ShoeResponse
-from drumlin.texts import formatted
 
 INSTALL = (
     "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"

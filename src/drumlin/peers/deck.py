@@ -13,16 +13,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material, Orthotropic
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import materials_of
-from drumlin.fem.elasticity import layers_of
-from drumlin.fem.group import gap_at
-from drumlin.fem.interface import edge_nodes, end_loads
+from drumlin.fem.equilibrium.group import gap_at
 from drumlin.fem.mesh.abaqus import NAMES
 from drumlin.fem.mesh.arc import kind_of
+from drumlin.fem.mesh.edges import edge_nodes
+from drumlin.fem.preparation.meshes import materials_of
+from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.interface import end_loads
 from drumlin.peers.peer import Loaded
 
 MM = 1e3  # per m

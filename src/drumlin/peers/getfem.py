@@ -20,16 +20,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher
-from drumlin.fem.elasticity import layers_of, split
-from drumlin.fem.group import gap_at
-from drumlin.fem.interface import edge_nodes
+from drumlin.fem.equilibrium.group import gap_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND
+from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.model import LARGEST_IMBALANCE
+from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher
+from drumlin.fem.substructure.elasticity import layers_of, split
 from drumlin.peers.peer import (
     Forces,
     Loaded,

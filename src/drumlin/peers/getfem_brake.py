@@ -109,7 +109,7 @@ class Body:
         """Plane stress with lambda and mu, and what cells are stiffer along and through their
         layer.
 
-        constants (4, cells): of drumlin.fem.elasticity.split; straight (2, cells): the direction
+        constants (4, cells): of drumlin.fem.substructure.elasticity.split; straight (2, cells): the direction
         along a straight layer, (0, 0) in one that runs around the origin.
         """
         constant = self.space(self.kind.constant)

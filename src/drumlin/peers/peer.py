@@ -14,12 +14,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.errors import BadInput, NoAnswer
-from drumlin.fem.assembly import ELEMENTS, Assembled, Mesher, actuation, assemble, shape_of
+from drumlin.fem.equilibrium.motions import at_pin
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.motions import at_pin
+from drumlin.fem.preparation.bodies import actuation
+from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
+from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws import rigid
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
@@ -118,7 +121,8 @@ def meshed_shoes(
 
 def under_force(brake: Brake, shoe: Shoe, body: int, parts: Assembled, sense: int = 1) -> Loaded:
     """A meshed shoe under its actuation; sense: of an abutment's friction, see `Held.freedoms`."""
-    load, moment = actuation(parts, shoe)
+    factors, moment = actuation(parts, shoe)
+    load = parts.columns.part(ACTUATION, factors)
     size, free = abs(shoe.actuation.force), shoe.freedoms(sense)
     if shoe.held_by == "hinge" and not shoe.flat:
         # The lining at (x, y) closes by -sign a y/r per turn about the pin at (a, 0).

@@ -12,17 +12,17 @@ from pathlib import Path
 import numpy as np
 import skfem
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
+from drumlin.base.errors import BadInput
+from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import materials_of
-from drumlin.fem.group import gap_at
+from drumlin.fem.equilibrium.group import gap_at
+from drumlin.fem.preparation.meshes import materials_of
 from drumlin.fem.solid.body import end_forces, face_of, hinged
 from drumlin.fem.solid.fields import oriented, serendipity
 from drumlin.fem.solid.mesh import Solid, solid_mesh
 from drumlin.fem.solid.model import ELEMENTS, across_of, why_not
-from drumlin.files import write_text
 from drumlin.peers import calculix
 from drumlin.peers.deck import (
     DRUM_LAYER,

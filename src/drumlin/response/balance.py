@@ -3,7 +3,7 @@
 import math
 from typing import TypeVar
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import Resultant, cross, resultant

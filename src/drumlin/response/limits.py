@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from itertools import combinations
 
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.errors import NoAnswer
 
 LARGE_STRAIN = 0.05
 """Strain p/E of a lining through its thickness above which a note warns the reader.

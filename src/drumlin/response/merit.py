@@ -14,10 +14,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from drumlin.arrays import Floats, Values
+from drumlin.base.arrays import Floats, Values
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.errors import NoAnswer
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.limits import warnings
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse

@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.response.response import EDGE_ZONE, ShoeResponse
 from drumlin.response.resultants import GAUSS, WEIGHTS, edge_left_out
 

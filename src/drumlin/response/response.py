@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.errors import NoAnswer
 from drumlin.response.limits import check_strain
 from drumlin.response.resultants import (
     InnerPart,
@@ -112,7 +112,7 @@ def reaction_size(reaction: Floats, normal_force: float) -> float:
     return max(math.hypot(*reaction), NO_FORCE * normal_force) or 1.0
 
 
-class PressureField(NamedTuple):
+class PressureOverWidth(NamedTuple):
     """The pressure over arc and width.
 
     Attributes
@@ -179,7 +179,7 @@ class ShoeResponse:
     force: float | None = None
     motion: tuple[float, float, float] | None = None
     deformation: Deformation | None = None
-    surface: PressureField | None = None
+    surface: PressureOverWidth | None = None
     error: Mapping[str, float] | None = None
     softness: ShoeChange = NO_CHANGE
     lost: ShoeChange = NO_CHANGE
@@ -439,7 +439,7 @@ def pressed_shoe(
     turn: float | None = None,
     located: bool = True,
     peak: float | None = None,
-    surface: PressureField | None = None,
+    surface: PressureOverWidth | None = None,
     **more: Any,
 ) -> ShoeResponse:
     """The response of a shoe whose elastic lining is pressed.

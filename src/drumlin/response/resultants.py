@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.surface import FrictionSurface
 
 GAUSS, WEIGHTS = legendre.leggauss(12)

@@ -9,17 +9,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
+from drumlin.base.files import read_text
+from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import differing
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.brake.units import LARGEST_NUMBER_SI, to_si
 from drumlin.comparison import as_csv
-from drumlin.errors import BadInput
-from drumlin.files import read_text
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.texts import formatted
 from drumlin.verification.reference import Reference, ShoeReference
 from drumlin.verification.reference_file import LARGEST_FILE
 

@@ -15,16 +15,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import drumlin
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.comparison import edge_of
-from drumlin.errors import BadInput
+from drumlin.fem.error_control.levels import steps
+from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp.division import Level
-from drumlin.fem.hp.levels import steps
-from drumlin.fem.hp.places import places_of
-from drumlin.fem.hp.scene import scene
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.response.balance import contact_resultant
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response, ShoeResponse, edge_zone, pressed_shoe
@@ -95,7 +95,7 @@ def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
     found = []
     for level in refinement.levels:
         last = respond_(
-            scene(brake, level, places_of(brake, last, error=level.error)), brake, start=last
+            prepare(brake, level, places_of(brake, last, error=level.error)), brake, start=last
         )
         found.append(last)
     before, value = found

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
+from drumlin.base.files import read_text, write_text
+from drumlin.base.texts import check_digits, check_toml
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.brake.units import LARGEST_NUMBER_SI
-from drumlin.errors import BadInput
-from drumlin.files import read_text, write_text
-from drumlin.texts import check_digits, check_toml
 from drumlin.verification.reference import Reference, ShoeReference, Sure
 
 FORMAT = "drumlin reference values, 1"

@@ -8,7 +8,7 @@ of its column, A, and on the radii of its layer, B:
 
 with psi = f g, k and l = 1, 2 for the two terms of the gradients, t and n hanging on xi alone. On a
 plane the radius does not change and n is its normal. The directions along and through a layer hang
-on xi alone too, so that what a layer is stiffer in them (see fem.elasticity) adds two terms of the
+on xi alone too, so that what a layer is stiffer in them (see fem.substructure.elasticity) adds two terms of the
 same form, a A''_kl B_kl + b A'''_kl B_kl.
 
 A column is its own mirror image. Its motions are the sum of symmetric ones, radial displacements
@@ -22,10 +22,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from drumlin.arrays import Floats, Ints
-from drumlin.fem.elasticity import split
+from drumlin.base.arrays import Floats, Ints
 from drumlin.fem.hp.columns import columns, stack
 from drumlin.fem.hp.element import shape_functions, without_each
+from drumlin.fem.substructure.elasticity import split
 
 
 class Functions(NamedTuple):

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.fem.hp.element import without, without_each
 
 Place = tuple[slice, slice]  # unknowns of an element, and where they are

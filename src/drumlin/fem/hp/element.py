@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from drumlin.arrays import Floats, Ints
-from drumlin.errors import NoAnswer
-from drumlin.fem.elasticity import across, split
-from drumlin.lapack import dgemm, dpotrf, dtrsm
+from drumlin.base.arrays import Floats, Ints
+from drumlin.base.errors import NoAnswer
+from drumlin.base.lapack import dgemm, dpotrf, dtrsm
+from drumlin.fem.substructure.elasticity import across, split
 from drumlin.response.resultants import lobatto
 
 CHUNK = 32_000  # slopes that are worked on at once: they stay in the processor's cache

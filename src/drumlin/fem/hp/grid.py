@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.hp.element import (
     condensed_elements,

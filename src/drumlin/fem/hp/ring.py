@@ -7,22 +7,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import NoAnswer
+from drumlin.base.lapack import dpotrf
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Section
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.errors import NoAnswer
-from drumlin.fem.body import FRAME, Condensed, Inside, tie
-from drumlin.fem.elasticity import ring_layers, stacked
-from drumlin.fem.elimination import SINGULAR
 from drumlin.fem.hp.arc import angular, arc_columns, elements
 from drumlin.fem.hp.columns import Piece, closed, merged, stack, turned, turned_rows
 from drumlin.fem.hp.division import Level, ends_of, graded
 from drumlin.fem.hp.grid import Block, Grid, Skeleton
 from drumlin.fem.hp.shoe import directions, distinct, line_of, within
-from drumlin.fem.interface import ContactLine
-from drumlin.fem.ring import Free, RingBody, coupled_ring, determinate
-from drumlin.lapack import dpotrf
+from drumlin.fem.substructure.body import FRAME, Condensed, Inside, tie
+from drumlin.fem.substructure.elasticity import ring_layers, stacked
+from drumlin.fem.substructure.elimination import SINGULAR
+from drumlin.fem.substructure.interface import ContactLine
+from drumlin.fem.substructure.loads import LoadColumns
+from drumlin.fem.substructure.ring import Free, RingBody, coupled_ring, determinate
 from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
 TURN = 2 * math.pi
@@ -109,15 +110,13 @@ def ring_body(
         raise NoAnswer(SINGULAR)
     load = turned_rows(A[:extra, extra:], back).T
     work = -A[:extra, :extra]
-    rim = (
-        rim_of(radius + sign * ring.section.thickness, div, grid)
-        if free
-        else np.zeros((2 * grid.N, 0))
-    )
+    rim = np.zeros((2 * grid.N, 0))
+    if free:
+        rim = rim_of(radius + sign * ring.section.thickness, div, grid)
     inside, recover = partial(_inside, brake, grid, rim), partial(_recovered, brake, grid, rim)
-    condensed = Condensed(
-        L, np.zeros((FRAME, n)), -load, np.zeros((FRAME, extra)), work, inside, recover
-    )
+    to_frame, on_frame = np.zeros((FRAME, n)), np.zeros((FRAME, extra))
+    named = LoadColumns((("rim", extra),))
+    condensed = Condensed(L, to_frame, -load, on_frame, work, inside, recover, named)
     held = None
     if free:
         held = Free.of(grid, rim, condensed, contact)

@@ -1,5 +1,6 @@
-"""Meshes of shoes: parametric ones of an arc and of a straight beam, where elements meet, and
-meshes in files.
+"""Meshes of shoes: parametric ones of an arc and of a straight beam, and meshes in files.
 
-Imports the brake; knows nothing of stiffness or contact.
+The room makes, reads, checks and writes meshes of elements of degree one or two. A shoe and a
+number of elements, or a mesh file, come in. A mesh with named groups (layers, contact, hinge,
+actuation) goes out. The room imports the brake; it knows nothing of stiffness or contact.
 """

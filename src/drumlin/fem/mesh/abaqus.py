@@ -10,7 +10,7 @@ from typing import Any
 import meshio
 import numpy as np
 
-from drumlin.arrays import Ints
+from drumlin.base.arrays import Ints
 
 LINES = {"T2D2": "line", "T3D2": "line", "B21": "line", "B31": "line"} | dict.fromkeys(
     ("T2D3", "T3D3", "B22", "B32"), "line3"

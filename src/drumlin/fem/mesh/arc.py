@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.errors import BadInput
 from drumlin.fem.mesh.beam import beam_mesh
 from drumlin.fem.mesh.grading import (
     MOST_LAYERS,

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.arrays import Floats
+from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import Axis, axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section

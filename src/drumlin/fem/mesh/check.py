@@ -11,13 +11,13 @@ import scipy.sparse as sp
 import scipy.spatial
 import skfem
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.units import mm
-from drumlin.errors import BadInput
-from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.arc import kind_of
+from drumlin.fem.mesh.edges import edge_nodes
 
 ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
 APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place

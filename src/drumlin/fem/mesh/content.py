@@ -3,8 +3,8 @@
 import hashlib
 from pathlib import Path
 
-from drumlin.errors import DrumlinError
-from drumlin.files import read_bytes
+from drumlin.base.errors import DrumlinError
+from drumlin.base.files import read_bytes
 
 LARGEST_MESH = 50_000_000
 """Bytes of a mesh file that are read at most: some 500 000 nodes as text. A longer file is refused

@@ -18,16 +18,16 @@ import meshio
 import numpy as np
 import skfem
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
+from drumlin.base.errors import BadInput, reason_of
+from drumlin.base.files import replacing
 from drumlin.brake.brake import Shoe
-from drumlin.errors import BadInput, reason_of
-from drumlin.fem.interface import edge_nodes
 from drumlin.fem.mesh.abaqus import read_inp, write_inp
 from drumlin.fem.mesh.arc import KINDS, kind_of
 from drumlin.fem.mesh.check import check, check_cells
 from drumlin.fem.mesh.content import mesh_bytes
+from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.mesh.vtu import check_unpacked
-from drumlin.files import replacing
 
 FORMATS = (".msh", ".inp", ".vtu")
 GROUPS = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")

@@ -5,11 +5,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import skfem
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer
-from drumlin.fem.assembly import Scene
-from drumlin.fem.fields import displaced, mean_of
+from drumlin.fem.analysis.fields import displaced, mean_of
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solid.body import solid_layers
 from drumlin.response.balance import loaded
 from drumlin.response.response import Response

@@ -14,12 +14,12 @@ import numpy as np
 import skfem
 from scipy.spatial import cKDTree
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Shoe
-from drumlin.fem.assembly import materials_of
-from drumlin.fem.body import scalar_basis
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.grading import Division, graded
+from drumlin.fem.preparation.meshes import materials_of
+from drumlin.fem.substructure.body import scalar_basis
 
 SIDE_SIZE = 1 / 8
 """Size of an element at a free side, relative to one in the middle: there are few elements across,

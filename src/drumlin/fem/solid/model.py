@@ -3,13 +3,15 @@
 from functools import partial
 from pathlib import Path
 
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
-from drumlin.errors import BadInput
-from drumlin.fem.assembly import Body, Cache, Scene, Seconds, bare_shoe, lacking, shape_of, size_of
-from drumlin.fem.assembly import why_not as plane_why_not
 from drumlin.fem.model import PENALTY, check_penalty, respond
+from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.cache import Cache, bare_shoe, shape_of, size_of
+from drumlin.fem.preparation.scene import Scene, Seconds, lacking
+from drumlin.fem.preparation.scene import why_not as plane_why_not
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import solid_body
 from drumlin.response.merit import with_merits
@@ -120,7 +122,7 @@ def solve(
     scene = prepare(brake, elements=elements, across=across, cache=cache)
     response = respond(scene, brake, penalty=penalty)
     if fields is not None:
-        from drumlin.fem.fields import write_vtu  # noqa: PLC0415  (only where it is asked for)
+        from drumlin.fem.analysis.fields import write_vtu  # noqa: PLC0415  (only where it is asked for)
         from drumlin.fem.solid.fields import recover  # noqa: PLC0415
 
         write_vtu(fields, [recover(scene, brake, response, i) for i in range(len(brake.shoes))])

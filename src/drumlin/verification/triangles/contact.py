@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import moved
-from drumlin.errors import NoAnswer
 from drumlin.verification.triangles.face import Face
 
 SETTLED = 600  # contact sets that are tried

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles import lagrange

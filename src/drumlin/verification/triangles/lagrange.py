@@ -15,9 +15,9 @@ from scipy.linalg import inv, solve_triangular
 from scipy.linalg.lapack import dpotrf
 from skfem.quadrature import get_quadrature_tri
 
-from drumlin.arrays import Bools, Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.errors import NoAnswer
 from drumlin.verification.triangles.triangulation import Layer, Map, Triangles, edges_of
 
 LEAF = 8  # triangles of which a part is not halved any more

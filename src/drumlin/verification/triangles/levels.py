@@ -6,11 +6,11 @@ from contextlib import suppress
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.errors import BadInput, NoAnswer
 from drumlin.verification.triangles.contact import contact
 from drumlin.verification.triangles.face import Face, face, shaped
 from drumlin.verification.triangles.outline import Level, Outline, Sharp, draft, outline

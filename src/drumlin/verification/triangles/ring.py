@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from drumlin.arrays import Floats, Ints
+from drumlin.base.arrays import Floats, Ints
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Section
 from drumlin.brake.elasticity import ElasticLayer
-from drumlin.errors import BadInput
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.contact import Rim
 from drumlin.verification.triangles.face import Face, Shaped, along, edge_nodes, shaped

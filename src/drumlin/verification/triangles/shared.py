@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from drumlin.arrays import Bools
+from drumlin.base.arrays import Bools
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.errors import NoAnswer
 from drumlin.verification.triangles.contact import Found, contact, tip
 from drumlin.verification.triangles.face import Face
 

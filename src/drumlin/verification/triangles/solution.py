@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.contact import Found

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from drumlin.arrays import Bools, Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer
 
 Map = Callable[[Floats, Floats], Floats]  # s, d (...) -> points (..., 2) [m]

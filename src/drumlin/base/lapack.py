@@ -1,0 +1,30 @@
+"""The routines of LAPACK and BLAS that solves call: scipy's public ones, and a triangular solve."""
+
+import numpy as np
+from scipy.linalg import block_diag
+from scipy.linalg.blas import dgemm, dtrsm
+from scipy.linalg.lapack import dgecon, dgetrf, dgetrs, dpotrf, dtrtrs
+
+from drumlin.base.arrays import Floats
+
+__all__ = [
+    "block_diag",
+    "dgecon",
+    "dgemm",
+    "dgetrf",
+    "dgetrs",
+    "dpotrf",
+    "dtrsm",
+    "dtrtrs",
+    "solve_lower",
+]
+
+
+def solve_lower(L: Floats, b: Floats) -> Floats:
+    """x of L x = b; L (n, n) lower triangular, b (n,) or (n, m). Raises numpy's LinAlgError where L
+    is singular.
+    """
+    x, info = dtrtrs(L, b, lower=1)
+    if info:
+        raise np.linalg.LinAlgError(f"singular: no pivot in row {info}")
+    return np.asarray(x).reshape(b.shape)

@@ -1,0 +1,23 @@
+"""Modules that have moved: their old names answer with a warning."""
+
+import warnings
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+
+def moved(old: str, new: str) -> Callable[[str], Any]:
+    """The `__getattr__` of the module `old`: every public name of the module `new`, with a warning.
+
+    Both are dotted names. The new module is loaded when its first name is asked for.
+    """
+
+    def attribute(name: str) -> Any:
+        if name.startswith("_"):
+            # Python itself asks a module for such names, among them __path__.
+            raise AttributeError(f"module {old!r} has no attribute {name!r}")
+        value = getattr(import_module(new), name)
+        warnings.warn(f"{old} has moved to {new}", DeprecationWarning, stacklevel=2)
+        return value
+
+    return attribute

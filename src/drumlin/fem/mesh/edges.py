@@ -1,0 +1,13 @@
+"""The nodes on the edges of a mesh, by which its contact, hinge and loaded end are found."""
+
+from typing import Any
+
+import numpy as np
+
+from drumlin.base.arrays import Ints
+
+
+def edge_nodes(basis: Any, facets: Ints) -> Ints:
+    """Nodes (order + 1, m) of boundary edges, from one end to the other, of a scalar basis."""
+    ends = basis.nodal_dofs[0][basis.mesh.facets[:, facets]]
+    return np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])

@@ -1,0 +1,97 @@
+"""The prepared model of a brake: its condensed bodies, and what they leave out."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.fem.mesh import beam as beam_mesh
+from drumlin.fem.preparation.bodies import Body, BodyNodes
+from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.substructure.interface import ContactLine
+from drumlin.fem.substructure.ring import RingBody
+from drumlin.laws import rigid
+
+Seconds = dict[str, float]
+
+
+@contextmanager
+def clock(seconds: Seconds, phase: str) -> Iterator[None]:
+    """Add the time of the block to seconds[phase]."""
+    start = time.perf_counter()
+    yield
+    seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start
+
+
+class DividedBodies(NamedTuple):
+    """The condensed bodies of a brake's shoes, one for each shoe, and of its ring.
+
+    `nodes_of` and `ring_under` divide a changed shoe, or a ring under other contact lines, by the
+    rule that divided these bodies; see `Scene`.
+    """
+
+    bodies: tuple[Body, ...]
+    ring: RingBody | None
+    nodes_of: Callable[[int, Shoe], BodyNodes]
+    ring_under: Callable[[tuple[ContactLine, ...]], RingBody]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if
+    it has one.
+
+    `apart`: each shoe meets the ring as if the others did not press it. `model`: whose bodies they
+    are. Where the bodies can be divided anew by the rule that divided them: `nodes_of`(i, shoe),
+    the nodes of the body that shoe i would have as another shoe, and `ring_under`(lines), the ring
+    under other contact lines.
+    """
+
+    brake: Brake
+    bodies: tuple[Body, ...]
+    ring: RingBody | None
+    seconds: Seconds
+    left_out: tuple[str, ...]
+    apart: bool = False
+    model: str = "fem"
+    nodes_of: Callable[[int, Shoe], BodyNodes] | None = None
+    ring_under: Callable[[tuple[ContactLine, ...]], RingBody] | None = None
+
+    @cached_property
+    def shapes(self) -> list[tuple[object, ...]]:
+        """The shape of each shoe, see `shape_of`."""
+        return [shape_of(self.brake, shoe) for shoe in self.brake.shoes]
+
+    @cached_property
+    def laws(self) -> list[float]:
+        """mu_lock of each shoe by the rigid-shoe law."""
+        return [rigid.locking_friction(self.brake, shoe) for shoe in self.brake.shoes]
+
+
+def why_not(brake: Brake) -> str | None:
+    """Why finite elements do not apply to a brake (None: they do)."""
+    if brake.unmeshable() is not None:
+        return brake.unmeshable()
+    if brake.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
+        return "shoes inside and outside of one elastic ring are not modelled"
+    if brake.ring is not None and brake.ring.section is None:
+        return "its ring has no section to mesh: thickness, and width and material or bending_stiffness"
+    for shoe in brake.shoes:
+        reason = beam_mesh.why_not(shoe, brake.size)
+        if reason is not None:
+            return f"shoe {shoe.name!r}: {reason}"
+    return None
+
+
+def lacking(brake: Brake) -> list[str]:
+    """What is not computed because the brake has it not, in words."""
+    rigid_drum = brake.ring is None and not brake.surface.straight
+    drum = ["drum: rigid, no [drum.ring] in the brake"] if rigid_drum else []
+    return drum + [
+        f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed"
+        for shoe in brake.shoes
+        if shoe.mesh is None and shoe.body is None
+    ]

@@ -1,0 +1,86 @@
+"""The layers of shoes and rings with their elasticity, and what kernels make of it.
+
+The elasticity matrix D of a layer (brake.elasticity) is split into an isotropic part, which kernels
+integrate once for all layers, and what the layer is stiffer in its two directions,
+
+    sigma = lambda tr(eps) 1 + 2 mu eps + a eps_along t t^T + b eps_through n n^T
+
+with the unit vectors t along and n through the layer, lambda = D_12, mu = D_33, a = D_11 - lambda -
+2 mu and b = D_22 - lambda - 2 mu. Isotropic layers have a = b = 0, and nothing is integrated for
+these two.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.brake.beam_axis import axis_of
+from drumlin.brake.brake import Shoe
+from drumlin.brake.components import Beam, Section
+from drumlin.brake.elasticity import ElasticLayer, stiffer_along_and_through
+
+
+def layers_of(shoe: Shoe) -> dict[str, ElasticLayer]:
+    """The layers of a shoe by the names of its subdomains, with their directions in the shoe's
+    frame.
+
+    On a drum layers turn with the arc. A pad's are straight, as are a straight beam and the block
+    that is cut to it.
+    """
+    lining, backing, body = shoe.lining, shoe.backing, shoe.body
+    around: Floats | None = None
+    behind: Floats | None = None
+    if shoe.flat:
+        around = behind = np.array([1.0, 0.0])
+    elif isinstance(body, Beam):
+        behind = shoe.frame.to_shoe(axis_of(shoe.pin.xy, shoe.actuation.point.xy).along)
+    found = {"lining": ElasticLayer.of(lining.material, lining.width, around)}
+    if backing is not None:
+        found["backing"] = ElasticLayer.of(backing.material, lining.width, behind)
+    if body is not None:
+        for name, plate in body.plates.items():
+            found[name] = ElasticLayer.of(plate.material, plate.width, behind)
+    return found
+
+
+def ring_layers(section: Section) -> dict[str, ElasticLayer]:
+    """The one layer of an elastic ring of this section, by the name of its subdomain."""
+    return {"drum": ElasticLayer.of(section.material, section.width)}
+
+
+def split(elasticity: Any) -> Any:
+    """lambda, mu, a, b (..., 4) of elasticity matrices (..., 3, 3), in their unit; see the module's
+    first lines."""
+    isotropic = np.stack([elasticity[..., 0, 1], elasticity[..., 2, 2]], axis=-1)
+    return np.concatenate([isotropic, stiffer_along_and_through(elasticity)], axis=-1)
+
+
+def stacked(layers: Mapping[str, ElasticLayer], part: Sequence[str]) -> Floats:
+    """The elasticity matrices times the width (l, 3, 3) [N/m] of layers by their names."""
+    return np.array([layers[name].stiffness for name in part])
+
+
+def across(along: Any) -> Any:
+    """Unit vectors through layers (2, ...), by those along them."""
+    return np.stack([-along[1], along[0]])
+
+
+def stress(gradient: Floats, elasticity: Floats, along: Floats | None) -> Floats:
+    """Stresses (2, 2, ...) of displacement gradients d u_i / d x_j (2, 2, ...), in the unit of
+    `elasticity`.
+
+    elasticity (..., 3, 3): of each, or of all; along (2, ...): the unit vectors along the layers,
+    None where all are isotropic.
+    """
+    lam, mu, a, b = np.moveaxis(split(elasticity), -1, 0)
+    strain = 0.5 * (gradient + gradient.swapaxes(0, 1))
+    found = 2 * mu * strain
+    for i in range(2):
+        found[i, i] += lam * (gradient[0, 0] + gradient[1, 1])
+    if along is not None:
+        for stiffer, direction in ((a, along), (b, across(along))):
+            stretch = np.einsum("i...,ij...,j...->...", direction, strain, direction)
+            found += stiffer * stretch * direction[:, None] * direction
+    return found

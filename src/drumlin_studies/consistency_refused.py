@@ -1,0 +1,98 @@
+"""Whether a refusal of the default solve is one: three meshes must refuse the brake, or disagree.
+
+The default solve divides a brake by levels that follow the contact. A mesh knows nothing of the
+contact and is nowhere coarse, so that its answer is the independent one. Half of the seeds draw a
+brake whose lining stands off by far more than its force compresses it, the other half one of all
+kinds of both generators.
+"""
+
+from drumlin.base.errors import NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.fem.model import TOO_FAR
+from drumlin.fem.solve import solve
+from drumlin.response.response import Response
+from drumlin_studies import random_brake, random_kinds
+from drumlin_studies.consistency import Check
+from drumlin_studies.standing_off import standing_off
+
+MESH_SIZES = 20, 40, 80
+"""Elements along the lining of the three meshes."""
+SAME_FORCE = 0.05
+"""Relative spread of the contact force up to which three meshes count as of one answer. Above it
+the meshes are too coarse for the contact and prove nothing.
+"""
+HELD_AGAINST = 10
+"""One brake in this many is held against the meshes although the default solve answers it. A
+refused one always is. The meshes of one brake cost a second or so.
+"""
+
+
+def checks(seed: int) -> list[Check]:
+    """The row of the brake of a seed: refused on levels and on meshes, or the two answers compared.
+
+    No row for an answered brake whose meshes are not asked for or show nothing.
+    """
+    brake = drawn(seed)
+    found = _answer(brake, None)
+    refused = isinstance(found, str)
+    if not refused and seed // 2 % HELD_AGAINST:
+        return []
+    on_meshes = [_answer(brake, elements) for elements in MESH_SIZES]
+    forces = [force(mesh) for mesh in on_meshes if not isinstance(mesh, str)]
+    one_answer = len(forces) == len(MESH_SIZES) and spread(forces) <= SAME_FORCE
+    if isinstance(found, str):
+        if one_answer:
+            # Columns of high degree lose more digits than a mesh, and drumlin says that this is
+            # why.
+            said = found if TOO_FAR in found else ""
+            return [_row(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)]
+        return [_row(brake, "an answer", 0.0, 0.0, said=found, refused=True)]
+    if not one_answer:
+        return []
+    difference = max(abs(each / force(found) - 1) for each in forces)
+    # The error of the coarsest mesh is about the spread; twice it leaves room for slow convergence.
+    return [_row(brake, "contact force", difference, max(2 * spread(forces), 1e-3))]
+
+
+def drawn(seed: int) -> Brake:
+    """The brake of a seed."""
+    half, odd = divmod(seed, 2)
+    if not odd:
+        return standing_off(half)
+    kinds = [*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS]
+    kind = kinds[half % len(kinds)]
+    if kind in random_brake.SHAPE_KINDS:
+        return random_brake.random_brake(half, kind)
+    return random_kinds.random_kind(half, kind)
+
+
+def force(response: Response) -> float:
+    """The sum of the contact forces of all shoes [N]."""
+    return sum(shoe.normal_force for shoe in response.shoes)
+
+
+def spread(values: list[float]) -> float:
+    """The largest difference of some values, relative to the last one."""
+    return (max(values) - min(values)) / values[-1]
+
+
+def _answer(brake: Brake, elements: int | None) -> Response | str:
+    """The response on levels, or on a mesh, or the line that refuses it."""
+    try:
+        return solve(brake, elements=elements)
+    except NoAnswer as refusal:
+        return str(refusal)
+
+
+def _row(
+    brake: Brake,
+    quantity: str,
+    difference: float,
+    allowed: float,
+    *,
+    said: str = "",
+    refused: bool = False,
+) -> Check:
+    return Check(
+        "default solve = three meshes", brake.title, quantity, difference, allowed, said, refused
+    )

@@ -1,0 +1,347 @@
+"""Brakes with their knobs turned to the ends: a designed set of cases, and what became of each.
+
+A case starts from one internal shoe like that of a car's rear brake and changes a few knobs of it.
+The set sweeps each knob to its ends, crosses pairs of ends, and adds a Latin hypercube over all of
+them at once.
+"""
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.file import brake_from
+from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.mesh.grading import Division, divide
+
+HYPERCUBE_SEED = 7
+SHORT_ELEMENTS = 12  # elements along the lining in the short setting, at most
+RADIUS, WIDTH = 0.15, 0.04  # m
+PIN = (0.125, math.radians(-75.0))  # radius [m], angle
+MODULUS = 3e8  # Pa, of the lining
+
+# Clearance in mm over the arc, from the end at the hinge (0, the heel) to the loaded one (1, the
+# toe).
+CLEARANCES: dict[str, tuple[tuple[float, float], ...]] = {
+    "toe": ((0, 3.0), (0.7, 1.0), (1, 0.0)),
+    "heel": ((0, 0.0), (0.3, 1.0), (1, 6.0)),
+    "split": ((0, 0.0), (0.4, 1.0), (0.6, 1.0), (1, 0.0)),
+    "point": ((0, 4.0), (0.5, 0.0), (1, 4.0)),
+    "waves": ((0, 0.0), (0.2, 0.05), (0.4, 0.0), (0.6, 0.05), (0.8, 0.0), (1, 0.05)),
+}
+
+
+@dataclass(frozen=True)
+class KnobCase:
+    """The knobs of a case. SI, but for the arc [deg] and what is relative.
+
+    `knob`: which sweep it belongs to; `assisted`: whether friction turns the shoe as its actuation
+    does; `shoes`: 1, or 2 as each other's mirror image; `shoe`, `ring`: modulus of shoe and drum
+    ring over that of the lining, None: rigid; `thickness`: of the lining over R; `arc` of the
+    lining [deg]; `clearance` [m] or a name of CLEARANCES; `lever`: distance of the line of force
+    from the pin [m]; `aspect`: length of the elements at the heel's surface over their depth, None:
+    as meshed otherwise; `size`: factor of all lengths, with `pressure`, that of all moduli.
+    """
+
+    knob: str = "base"
+    shoes: int = 1
+    assisted: bool = True
+    friction: float = 0.3
+    shoe: float | None = 700.0
+    ring: float | None = None
+    support: str = "fixed"
+    penalty: float = 1e6
+    thickness: float = 8 / 150
+    arc: float = 125.0
+    clearance: float | str = 0.0
+    force: float = 2000.0
+    lever: float = 0.22
+    nu: float = 0.25
+    elements: int = 40
+    kind: str = "quad2"
+    aspect: float | None = None
+    size: float = 1.0
+    pressure: float = 1.0
+
+    @property
+    def changes(self) -> dict[str, Any]:
+        """The knobs that are not at their first value."""
+        base = dataclasses.asdict(KnobCase())
+        return {
+            key: value
+            for key, value in dataclasses.asdict(self).items()
+            if value != base[key] and key != "knob"
+        }
+
+    def brake(self) -> Brake:
+        """The brake; raises BadInput where the knobs make none."""
+        data: dict[str, Any] = {
+            "title": ", ".join(f"{key} {value}" for key, value in self.changes.items())[:80]
+            or "base",
+            "rotation": "counter-clockwise" if not self.assisted else "clockwise",
+            "friction": self.friction,
+            "drum": {"radius": RADIUS * self.size},
+            "shoe": [self._shoe(1)] + ([self._shoe(-1)] if self.shoes > 1 else []),
+        }
+        if self.ring is not None:
+            data["drum"]["ring"] = {
+                "thickness": 0.015 * self.size,
+                "width": WIDTH * self.size,
+                "material": {"E": MODULUS * self.ring * self.pressure, "nu": 0.25},
+                "support": self.support,
+            }
+        return brake_from(data)
+
+    def _shoe(self, side: int) -> dict[str, Any]:
+        """The shoe on the right (1), or its mirror image (-1)."""
+        arc, size = math.radians(self.arc), self.size
+        start = PIN[1] + math.radians(5.0)
+        pin = PIN[0] * size * np.array([math.cos(PIN[1]), math.sin(PIN[1])])
+
+        def placed(a: float, b: float) -> dict[str, float]:
+            return (
+                {"start": a, "end": b} if side > 0 else {"start": math.pi - b, "end": math.pi - a}
+            )
+
+        clearance: Any = self.clearance
+        if isinstance(clearance, str):
+            rows = [(start + part * arc, gap * 1e-3 * size) for part, gap in CLEARANCES[clearance]]
+            clearance = rows if side > 0 else [(math.pi - a, gap) for a, gap in reversed(rows)]
+        else:
+            clearance *= size
+        shoe: dict[str, Any] = {
+            "name": "right" if side > 0 else "left",
+            "side": "internal",
+            "hinge": {"x": side * float(pin[0]), "y": float(pin[1])},
+            "lining": {
+                **placed(start, start + arc),
+                "thickness": self.thickness * RADIUS * size,
+                "width": WIDTH * size,
+                "material": {"E": MODULUS * self.pressure, "nu": self.nu},
+                "clearance": clearance,
+            },
+            "actuation": {
+                "force": self.force,
+                "direction": 0.0 if side > 0 else math.pi,
+                "point": {"x": side * 0.058 * size, "y": float(pin[1]) + self.lever * size},
+            },
+        }
+        if self.shoe is not None:
+            shoe["body"] = {
+                **placed(PIN[1], start + arc + math.radians(5.0)),
+                "thickness": 0.024 * size,
+                "width": WIDTH * size,
+                "material": {"E": MODULUS * self.shoe * self.pressure, "nu": 0.3},
+            }
+        return shoe
+
+    def mesher(self) -> Callable[[Shoe, float], Any] | None:
+        """What meshes the shoes, where the case has elements of its own shape."""
+        return None if self.aspect is None else partial(_slender, self)
+
+
+def _slender(case: KnobCase, shoe: Shoe, radius: float) -> Any:
+    """The mesh whose elements at the heel's surface have the case's aspect ratio, growing tenfold
+    from there.
+    """
+    division = divide(shoe, radius, case.elements)
+    start, end = shoe.arc
+    step = (end - start) / case.elements
+    assert case.aspect is not None
+    if case.aspect >= 1:
+        angles = np.linspace(start, end, case.elements + 1)
+        depths = _growing(step * radius / case.aspect, shoe.lining.thickness)
+    else:
+        depths = np.array([0.0, shoe.lining.thickness])
+        first = start + _growing(shoe.lining.thickness * case.aspect / radius, step)
+        angles = np.concatenate([first, np.linspace(start, end, case.elements + 1)[2:]])
+    return shoe_mesh(shoe, radius, Division(angles, depths, division.step), case.kind)
+
+
+def _growing(first: float, whole: float) -> Floats:
+    """Points from 0 to `whole`, the first `first` from 0, each then ten times as far."""
+    steps = max(0, math.ceil(math.log10(whole / first) - 0.5)) if first < whole else 0
+    return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
+
+
+def cases(*, short: bool = False) -> list[KnobCase]:
+    """The designed set; `short`: the ends and the middle of every sweep and a tenth of the crossed
+    ones, coarser.
+    """
+    sweeps = [_sweep(knob, settings) for knob, settings in _sweeps().items()]
+    if not short:
+        return (
+            [case for sweep in sweeps for case in sweep] + _corners() + _grids() + _hypercube(100)
+        )
+    ends = [sweep[i] for sweep in sweeps for i in sorted({0, len(sweep) // 2, len(sweep) - 1})]
+    chosen = ends + _corners()[::8] + _grids()[::12] + _hypercube(8)
+    coarse = (
+        dataclasses.replace(case, elements=min(case.elements, SHORT_ELEMENTS)) for case in chosen
+    )
+    return list(dict.fromkeys(coarse))
+
+
+def _decades(first: int, last: int, step: int = 1) -> list[float]:
+    return [10.0**k for k in range(first, last + 1, step)]
+
+
+def _over(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]]:
+    return [{name: value, **rest} for value in values]
+
+
+def _sweeps() -> dict[str, list[dict[str, Any]]]:
+    """Each knob to its ends."""
+    arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
+    gaps = [-1e-2, -1e-3, -1e-4, -1e-6, -1e-9, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2]
+    mu = [
+        0.0,
+        1e-9,
+        0.05,
+        0.2,
+        0.5,
+        0.8,
+        1.0,
+        1.1,
+        1.15,
+        1.17,
+        1.18,
+        1.19,
+        1.2,
+        1.3,
+        1.5,
+        2.0,
+        3.0,
+        5.0,
+    ]
+    moduli = _decades(-8, 8)
+    return {
+        "shoe over lining": _over("shoe", moduli)
+        + _over("shoe", moduli, assisted=False)
+        + [{"shoe": None}],
+        "ring over lining": _over("ring", moduli[::2], shoes=2)
+        + _over("ring", moduli[::2], shoes=2, support="free"),
+        "penalty": _over("penalty", [*_decades(-2, 16), math.inf])
+        + _over(
+            "penalty",
+            [*_decades(-2, 6), 1e9, 1e12, math.inf],
+            clearance=1e-4,
+            assisted=False,
+            shoe=70.0,
+        ),
+        "friction": _over("friction", mu) + _over("friction", mu[1:], assisted=False),
+        "lining thickness": _over(
+            "thickness", [*(1 / t for t in (1e5, 1e4, 1e3, 100, 30, 10, 5, 3))]
+        )
+        + _over("thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf),
+        "arc": _over("arc", arcs) + _over("arc", arcs, assisted=False),
+        "clearance": _over("clearance", gaps),
+        "force": _over("force", [*_decades(-9, 12), 0.0, -2000.0], clearance=1e-4),
+        "contact": _over("clearance", list(CLEARANCES))
+        + _over("clearance", list(CLEARANCES), assisted=False, penalty=math.inf)
+        + _over("clearance", list(CLEARANCES), elements=2),
+        "aspect": _over("aspect", [*_decades(0, 4), *_decades(-4, -1)])
+        + _over("aspect", [1e4, 1e-4], kind="tri2"),
+        "elements": [
+            *_over("elements", [1, 2, 3, 5, 10, 20, 80, 160]),
+            *_over("elements", [320, 640], shoe=None),
+            *_over("elements", [1000, 2000], shoe=None, kind="quad1"),
+        ],
+        "Poisson's ratio": _over("nu", [-0.99, -0.5, 0.0, 0.4, 0.45, 0.49, 0.499, 0.4999]),
+        "lever": _over("lever", [*_decades(-12, -1), 0.0, -1e-6]),
+        "size": [
+            *(
+                {"size": 1e3, "pressure": 1e-6, **more}
+                for more in ({}, {"penalty": math.inf}, {"thickness": 1e-4})
+            ),
+            {"size": 1e3, "pressure": 1e-6, "shoes": 2, "ring": 400.0},
+            {"size": 1e-6, "force": 2e-9},
+            {"size": 1e3, "force": 2e9},
+            {"size": 1e-3, "force": 2e-3, "kind": "tri2"},
+        ],
+        "kind": _over("kind", ["quad1", "tri2", "tri1"])
+        + _over("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
+    }
+
+
+def _sweep(knob: str, settings: list[dict[str, Any]]) -> list[KnobCase]:
+    return [KnobCase(knob=knob, **setting) for setting in settings]
+
+
+def _corners() -> list[KnobCase]:
+    """Five knobs at both ends, all combinations."""
+    ends: dict[str, tuple[Any, Any]] = {
+        "shoe": (1e-4, 1e6),
+        "penalty": (1.0, math.inf),
+        "thickness": (1e-4, 0.25),
+        "clearance": (-1e-4, 1e-3),
+        "friction": (0.01, 0.6),
+    }
+    return [
+        KnobCase(knob="corners", **dict(zip(ends, chosen, strict=True)))
+        for chosen in itertools.product(*ends.values())
+    ]
+
+
+def _grids() -> list[KnobCase]:
+    """Two pairs of knobs over their whole ranges."""
+    moduli, mu = _decades(-8, 8, 2), [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.5, 5.0]
+    thicknesses, penalties = [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1 / 3], [*_decades(-2, 16, 3), math.inf]
+    return [
+        *(KnobCase(knob="shoe × friction", shoe=E, friction=f) for E in moduli for f in mu),
+        *(
+            KnobCase(knob="thickness × penalty", thickness=t, penalty=a)
+            for t in thicknesses
+            for a in penalties
+        ),
+    ]
+
+
+def _hypercube(count: int) -> list[KnobCase]:
+    """All knobs at once, drawn from their whole range, most of them on a logarithmic scale."""
+    found = []
+    rng = np.random.default_rng(HYPERCUBE_SEED)
+    strata = np.array([rng.permutation(count) for _ in range(13)]).T
+    for row in (strata + rng.random(strata.shape)) / count:
+        u = iter(row.tolist())
+
+        def log(low: float, high: float, u: Any = u) -> float:
+            return float(f"{10 ** (low + (high - low) * next(u)):.3g}")
+
+        shoe, penalty, thickness, arc = (
+            log(-8, 8),
+            log(-2, 16),
+            log(-5, math.log10(1 / 3)),
+            log(-1, math.log10(340)),
+        )
+        force, lever, elements = (
+            log(-9, 12),
+            log(-6, math.log10(0.25)),
+            round(log(math.log10(2), 2)),
+        )
+        gap = log(-8, -2)
+        friction = round(5 * next(u) ** 2.5, 3)
+        found.append(
+            KnobCase(
+                knob="hypercube",
+                shoe=shoe,
+                penalty=penalty,
+                thickness=thickness,
+                arc=arc,
+                force=force,
+                lever=lever,
+                elements=elements,
+                clearance=gap if next(u) < 0.5 else -gap,
+                friction=friction,
+                assisted=next(u) < 0.5,
+                nu=round(0.4999 * next(u), 4),
+                kind=("quad2", "tri2", "quad1")[int(next(u) * 3)],
+            )
+        )
+    return found

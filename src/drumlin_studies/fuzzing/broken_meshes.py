@@ -1,0 +1,216 @@
+"""Mesh files broken on purpose: cut off, mislabelled, with counts that lie, torn, folded, doubled,
+without groups.
+"""
+
+import math
+import random
+import tempfile
+import tomllib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+
+from drumlin.brake.file import brake_from
+from drumlin.fem.mesh.file import FORMATS, write_mesh
+from drumlin.fem.preparation.prepare import prepare
+from drumlin_studies.fuzzing.inputs import BRAKES, Input, brake_text, toml
+
+MESH_SUFFIXES = (".msh", ".inp", ".vtu")
+
+
+@cache
+def mesh_files() -> dict[str, bytes]:
+    """Small sound meshes of the double-shoe brake's right shoe, by suffix, and the "brake" file that
+    will name one of them.
+    """
+    data = tomllib.loads(brake_text(BRAKES[0]).decode())
+    data["shoe"] = data["shoe"][:1]
+    brake = brake_from(data, unit_required=True)
+    mesh = prepare(brake, elements=6, kind="tri2").bodies[0].mesh
+    with tempfile.TemporaryDirectory() as folder:
+        paths = [Path(folder) / f"shoe{suffix}" for suffix in FORMATS]
+        for path in paths:
+            write_mesh(path, mesh, brake.shoes[0])
+        return {path.suffix: path.read_bytes() for path in paths} | {"brake": toml(data)}
+
+
+def with_mesh(brake_file: bytes, name: str) -> bytes:
+    """The brake file whose first shoe is meshed by the file `name`."""
+    data = tomllib.loads(brake_file.decode())
+    data["shoe"][0]["mesh"] = name
+    return toml(data)
+
+
+def meshed(kind: str, mesh: bytes, suffix: str, *, must_fail: bool = True) -> Input:
+    """A solve of the brake with this mesh, named with this suffix."""
+    name = f"m{suffix}"
+    files = {"b.toml": with_mesh(mesh_files()["brake"], name), name: mesh}
+    words = ["solve", "b.toml", "--json", "r.json"]
+    return Input(kind, files, words, must_fail=must_fail)
+
+
+def impossible_mesh(rng: random.Random) -> Input:
+    """A mesh file that is cut off, of another format, with counts that lie, or of a shoe that cannot
+    be.
+    """
+    (maker,) = rng.choices([_cut, _mislabelled, _lying, _spoiled], [3, 1, 1, 6])
+    return maker(rng)
+
+
+def _cut(rng: random.Random) -> Input:
+    """A mesh file of which less than three quarters are left."""
+    suffix = rng.choice(MESH_SUFFIXES)
+    text = mesh_files()[suffix]
+    left = text[: rng.randrange(3 * len(text) // 4)]
+    return meshed(f"mesh {suffix}: cut off", left, suffix)
+
+
+def _mislabelled(rng: random.Random) -> Input:
+    """A mesh under the suffix of another format, or a file that is no mesh at all."""
+    suffix, other = rng.sample(MESH_SUFFIXES, 2)
+    noise = bytes(rng.randrange(256) for _ in range(99))
+    text = rng.choice([mesh_files()[other], brake_text(rng.choice(BRAKES)), b"", noise])
+    return meshed(f"mesh {suffix}: another format", text, suffix)
+
+
+def _lying(rng: random.Random) -> Input:
+    """A mesh file whose counts promise more than there is, up to more than any memory holds."""
+    text = mesh_files()[".msh"].decode()
+    keyword = rng.choice(["$Nodes\n", "$Elements\n", "$PhysicalNames\n"])
+    start = text.index(keyword) + len(keyword)
+    count = rng.choice(["-1", "0", "1", "999999", "99999999999999", "1e9", "nan"])
+    false = text[:start] + count + text[text.index("\n", start) :]
+    return meshed("mesh .msh: false counts", false.encode(), ".msh")
+
+
+def _spoiled(rng: random.Random) -> Input:
+    """A well-formed mesh file of a shoe that cannot be: torn, folded, doubled, without its groups."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "shoe.vtu"
+        path.write_bytes(mesh_files()[".vtu"])
+        mesh = meshio.read(path)
+        name, spoil = rng.choice(list(SPOILS.items()))
+        points, cells = mesh.points.copy(), mesh.cells[0].data.copy()
+        cell_data = {key: values[0].copy() for key, values in mesh.cell_data.items()}
+        point_data = {key: values.copy() for key, values in mesh.point_data.items()}
+        points, cells, cell_data, point_data = spoil(rng, points, cells, cell_data, point_data)
+        meshio.Mesh(
+            points,
+            [(mesh.cells[0].type, cells)],
+            cell_data={key: [values] for key, values in cell_data.items()},
+            point_data=point_data,
+        ).write(path, file_format="vtu")
+        return meshed(f"mesh: {name}", path.read_bytes(), ".vtu")
+
+
+Spoiled = tuple[Any, Any, dict[str, Any], dict[str, Any]]
+
+
+def _inverted(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    i = rng.randrange(len(cells))
+    cells[i, [0, 1]] = cells[i, [1, 0]]
+    return points, cells, at, on
+
+
+def _torn(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """A strip of elements is missing: two parts are left."""
+    theta = np.arctan2(points[:, 1], points[:, 0])[cells[:, :3]]
+    cut = rng.uniform(-0.6, 0.5)
+    keep = (theta.max(axis=1) < cut) | (theta.min(axis=1) > cut)
+    return points, cells[keep], {key: values[keep] for key, values in at.items()}, on
+
+
+def _doubled_node(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """An element has a corner of its own where its neighbours have another."""
+    i, k = rng.randrange(len(cells)), rng.randrange(3)
+    points = np.vstack([points, points[cells[i, k]]])
+    on = {key: np.append(values, values[cells[i, k]]) for key, values in on.items()}
+    if (
+        np.count_nonzero(cells == cells[i, k]) == 1
+    ):  # a corner of one element only: nothing would be wrong
+        return _inverted(rng, points, cells, at, on)
+    cells[i, k] = len(points) - 1
+    return points, cells, at, on
+
+
+def _not_finite(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    points[cells[rng.randrange(len(cells)), rng.randrange(3)], rng.randrange(2)] = rng.choice(
+        [math.nan, math.inf]
+    )
+    return points, cells, at, on
+
+
+def _folded(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """A corner moved far across its neighbours."""
+    points[cells[rng.randrange(len(cells)), rng.randrange(3)], :2] += rng.choice([-1, 1]) * 0.3
+    return points, cells, at, on
+
+
+def _doubled_element(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    i = rng.randrange(len(cells))
+    return (
+        points,
+        np.vstack([cells, cells[i : i + 1]]),
+        {k: np.append(v, v[i]) for k, v in at.items()},
+        on,
+    )
+
+
+def _without_group(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    data, name = rng.choice(
+        [(at, "lining"), (at, "shoe"), (on, "contact"), (on, "hinge"), (on, "actuation")]
+    )
+    if rng.random() < 0.5:
+        del data[name]
+    else:
+        data[name][:] = 0
+    return points, cells, at, on
+
+
+def _element_in_none(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    i, value = rng.randrange(len(cells)), rng.randrange(2)
+    for values in at.values():
+        values[i] = value
+    return points, cells, at, on
+
+
+def _other_unit(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    return points * rng.choice([1e3, 1e-3, 25.4]), cells, at, on
+
+
+def _not_plane(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    points[rng.randrange(len(points)), 2] = 0.01
+    return points, cells, at, on
+
+
+def _no_such_node(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    cells[rng.randrange(len(cells)), rng.randrange(cells.shape[1])] = rng.choice(
+        [-1, len(points), 2**40]
+    )
+    return points, cells, at, on
+
+
+def _far_middle(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """The middle node of an edge far from it: the element folds over."""
+    points[cells[rng.randrange(len(cells)), rng.randrange(3, 6)], :2] += 0.2
+    return points, cells, at, on
+
+
+SPOILS: dict[str, Callable[..., Spoiled]] = {
+    "inverted element": _inverted,
+    "disconnected parts": _torn,
+    "doubled node": _doubled_node,
+    "NaN or infinity": _not_finite,
+    "folded": _folded,
+    "doubled element": _doubled_element,
+    "group missing": _without_group,
+    "element in no group or in two": _element_in_none,
+    "another unit": _other_unit,
+    "not plane": _not_plane,
+    "undefined node": _no_such_node,
+    "middle node far off": _far_middle,
+}

@@ -1,0 +1,209 @@
+"""Broken inputs of sweeps: sweep files with values of all sorts, and journals that are damaged."""
+
+import contextlib
+import io
+import random
+import tempfile
+import tomllib
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from drumlin.studies import REPOSITORY
+from drumlin_studies.fuzzing.broken_meshes import mesh_files
+from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, noise, toml
+from drumlin_studies.fuzzing.wrong_values import NUMBERS, QUANTITIES, WORDS, anything
+
+TABLE = "t.csv"
+JOURNAL = f"{TABLE}.journal"
+WORDS_OF_A_SWEEP = ["sweep", "s.toml", "--jobs", "1", "--output", TABLE]
+SOUND = """
+brake = "b.toml"
+[model.fem]
+elements = 6
+[vary]
+friction = [0.1, 0.2, 0.3, 0.4]
+"shoe[0].actuation.force" = ["1 kN", "2 kN"]
+"""
+KEYS = (
+    "friction", "rotation", "shoe.lining.thickness", "shoe[0].lining.clearance", "shoe[²].hinge.x", "shoe[9].hinge.x",
+    "shoe[-1].hinge.x", "shoe", "shoe.name", "title", "drum", "drum.radius", "drum.ring", "drum.out_of_round",
+    "shoe.mesh", "shoe.lining", "shoe.lining.material.E", "shoe.body", "shoe.actuation.point", "shoe.actuation.force",
+    "", ".", "shoe..hinge", "shoe[0", "a.b.c", "\0", "x" * 5000, "__class__", "model_fields",
+    f"shoe[{'9' * 5000}].hinge.x",
+)  # fmt: skip
+PLAIN = ("friction", "shoe[0].actuation.force", "shoe.lining.thickness", "drum.radius") * 4
+WAYS = ("normal", "uniform", "lognormal", "triangular", "truncated-normal", "x", ["normal"], 3)
+
+
+@cache
+def sound_run() -> tuple[bytes, bytes]:
+    """The table and the journal of the sound sweep."""
+    from drumlin.cli.process import run  # noqa: PLC0415
+
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file, data in sound_files().items():
+            (folder / file).write_bytes(data)
+        with contextlib.redirect_stdout(io.StringIO()):
+            run(["sweep", str(folder / "s.toml"), "--jobs", "1", "--output", str(folder / TABLE)])
+        return (folder / TABLE).read_bytes(), (folder / JOURNAL).read_bytes()
+
+
+def sound_files() -> dict[str, bytes]:
+    """A sweep file and its brake file."""
+    return {"b.toml": brake_text(BRAKES[0]), "s.toml": SOUND.encode()}
+
+
+def broken_sweep(rng: random.Random) -> Input:
+    """A sweep file with some of its values replaced, under other keys, or with its bytes in
+    disorder.
+    """
+    if rng.random() < 0.3:
+        text = noise(rng, SOUND.encode(), WORDS)
+    else:
+        data: dict[str, Any] = {
+            "brake": "b.toml",
+            "model": rng.choice(
+                [{"fem": {"elements": 6}}, {"sine": {}}, {"fem": {"elements": 6}, "cosine": {}}]
+            ),
+            "vary": {"friction": rng.choice([[0.1, 0.3], {"from": 0.1, "to": 0.4, "count": 3}])},
+        }
+        if rng.random() < 0.7:
+            data["vary"][rng.choice([*KEYS, *PLAIN])] = _varied(rng)
+        if rng.random() < 0.4:
+            data[rng.choice(["seed", "cases", "combine", "brake", "model", "title", "x"])] = (
+                rng.choice([anything(rng), 3, "zip", "grid", 1])
+            )
+        text = toml(data)
+    return Input("sweep file", {"b.toml": brake_text(BRAKES[0]), "s.toml": text}, WORDS_OF_A_SWEEP)
+
+
+def changed_sweep(rng: random.Random) -> Input:
+    """A sweep file of the studies, made small, with one to three values or keys changed anywhere."""
+    data = _small_sweep(rng)
+    for _ in range(rng.choice([1, 1, 2, 3])):
+        table = _some_table(rng, data)
+        kind = rng.random()
+        key = rng.choice([*table, "seed", "cases", "combine"])
+        if kind < 0.1:
+            table.pop(key, None)
+        elif kind < 0.5 and isinstance(data.get("vary"), dict):
+            data["vary"][rng.choice([*KEYS, *PLAIN])] = _varied(rng)
+        elif key in LENGTH_KEYS:
+            table[key] = rng.choice(WRONG_LENGTHS)
+        else:
+            table[key] = anything(rng)
+    files = {"b.toml": brake_text(BRAKES[0]), "m.msh": mesh_files()[".msh"], "s.toml": toml(data)}
+    return Input("sweep file of a study", files, WORDS_OF_A_SWEEP)
+
+
+LENGTH_KEYS = {"cases", "count", "elements"}
+"""Keys whose number says how long a sweep takes."""
+WRONG_LENGTHS: tuple[Any, ...] = (
+    0,
+    -1,
+    1,
+    2,
+    "3",
+    1.5,
+    True,
+    [],
+    {},
+    10**9,
+    10**30,
+    float("nan"),
+    float("inf"),
+)
+"""Values of these keys: few of anything, or more than is allowed."""
+
+
+def _small_sweep(rng: random.Random) -> dict[str, Any]:
+    """A sweep file of the studies with few cases on few elements, or a sweep over mesh files."""
+    paths = sorted((REPOSITORY / "studies" / "sweeps").glob("*.toml"))
+    path = rng.choice([*paths, None])
+    if path is None:
+        meshes = {"shoe.mesh": ["m.msh", "none.msh"], "shoe[0].mesh_unit": ["m", "mm"]}
+        data: dict[str, Any] = {"combine": "zip", "vary": meshes}
+    else:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    for spec in data["vary"].values():
+        if isinstance(spec, dict) and "count" in spec:
+            spec["count"] = 2
+    if "cases" in data:
+        data["cases"] = 3
+    return data | {"brake": "b.toml", "model": {"fem": {"elements": int(FEW_ELEMENTS)}, "sine": {}}}
+
+
+def _some_table(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:
+    """The sweep file itself or a table in it."""
+    table = data
+    while rng.random() < 0.7:
+        below = [item for item in table.values() if isinstance(item, dict)]
+        if not below:
+            break
+        table = rng.choice(below)
+    return table
+
+
+def _varied(rng: random.Random) -> Any:
+    pool = rng.choice(
+        [
+            (0.1, 0.2, 0.3, 0.35),
+            ("1 kN", "2 kN", "30 N"),
+            ("1 mm", "8 mm"),
+            (*NUMBERS, *QUANTITIES[:20]),
+        ]
+    )
+    numbers = [rng.choice(pool) for _ in range(4)]
+    return rng.choice(
+        [
+            numbers[:2],
+            [rng.choice(WORDS)],
+            anything(rng),
+            {"from": numbers[0], "to": numbers[1], "count": rng.choice([1, 3, 0, -1, 10**7, "3"])},
+            {
+                "distribution": rng.choice(WAYS),
+                "from": numbers[0],
+                "to": numbers[1],
+                "deviation": numbers[2],
+            },
+            {
+                "distribution": rng.choice(WAYS),
+                "mean": numbers[0],
+                "deviation": "5 %",
+                "each_shoe": rng.random() < 0.5,
+            },
+        ]
+    )
+
+
+def damaged_journal(rng: random.Random) -> Input:
+    """The journal of a finished sweep, damaged."""
+    return damaged(rng, *sound_run())
+
+
+def damaged(rng: random.Random, table: bytes, journal: bytes) -> Input:
+    """A journal with bits flipped, cut off, or stretches lost, doubled and zeroed.
+
+    Whatever its state, the table that follows is the sound one.
+    """
+    data = bytearray(journal)
+    for _ in range(rng.choice([1, 1, 2, 5, 20])):
+        at, length = rng.randrange(len(data)), rng.randrange(1, 200)
+        match rng.randrange(6):
+            case 0 | 1:
+                data[at] ^= 1 << rng.randrange(8)
+            case 2:
+                del data[max(at, 1) :]
+            case 3:
+                data[at:at] = data[at : at + length]
+            case 4:
+                data[at : at + length] = bytes(len(data[at : at + length]))
+            case 5:
+                del data[at : at + length]
+        if not data:
+            break
+    return Input(
+        "journal", sound_files() | {JOURNAL: bytes(data)}, WORDS_OF_A_SWEEP, {TABLE: table}
+    )

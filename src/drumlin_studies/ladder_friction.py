@@ -1,0 +1,532 @@
+"""The ladder's friction and wear: stick and slip, belts, plates, self-locking, running in, a whole
+brake.
+"""
+
+import math
+from functools import cache, partial
+from typing import Any, NamedTuple
+
+import numpy as np
+import skfem
+from scipy.sparse.linalg import splu
+
+from drumlin.base.arrays import Floats, Ints
+from drumlin.brake.elasticity import ElasticLayer
+from drumlin.brake.fields import Material
+from drumlin.brake.file import vary
+from drumlin.contact import active_set, equations, self_locking, stick_slip
+from drumlin.contact.stick_slip import OPEN, STICK, FrictionalProblem, History
+from drumlin.fem.solve import solve
+from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    Coupling,
+    Directions,
+    contact_line,
+    couple,
+    radial,
+)
+from drumlin.laws import sine
+from drumlin.laws.simscape import DoubleShoe
+from drumlin.lining_wear.archard import WearInterface, WearLaw, WearState, run
+from drumlin.response.response import Response
+from drumlin_studies import closed_forms
+from drumlin_studies.ladder_case import DISCRETE, EXACT, MODEL, PRINTED, KnownAnswer
+from drumlin_studies.ladder_contact import GAP_RADIUS, HALF_WIDTH, half_plane
+from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, nested_start
+
+
+def _spring(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
+    """One node on springs k, pushed against a drum that has moved by `shift`."""
+    one, none = np.ones((1, 1)), np.zeros((1, 1))
+    across, along = np.zeros((1, 0)), np.zeros((0, 1))
+    return FrictionalProblem(
+        A_wp=one / k,
+        A_wt=none,
+        A_sp=none,
+        A_st=-one / k,
+        B_w=across,
+        B_s=across,
+        C_p=along,
+        C_t=along,
+        q_w=np.array([-push / k]),
+        q_s=np.array([shift]),
+        h=np.zeros(0),
+        Q=0 * one,
+    )
+
+
+def _traction(shift: float) -> float:
+    """Of one node under 10 N at mu = .5."""
+    return float(
+        stick_slip.solve(
+            _spring(10.0, shift), 0.5, History(np.zeros(1), np.zeros(1)), np.array([STICK])
+        ).t[0]
+    )
+
+
+def _loop() -> float:
+    """Energy that one node dissipates over a closed loop of the drum between +-.2 m."""
+    path = np.concatenate(
+        [np.linspace(0, 0.2, 21), np.linspace(0.2, -0.2, 41), np.linspace(-0.2, 0.2, 41)]
+    )
+    history, state, lost = History(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
+    for i, shift in enumerate(path):
+        found = stick_slip.solve(_spring(10.0, shift), 0.5, history, state)
+        lost += float(found.t[0] * (found.s[0] - history.s[0])) if i > 20 else 0.0
+        history, state = found.history, found.state
+    return lost
+
+
+def _along(normal: Floats, tangent: Floats) -> Directions:
+    def directions(points: Floats) -> tuple[Floats, Floats]:
+        shape = (2, *([1] * (points.ndim - 1)))
+        return normal.reshape(shape) * np.ones_like(points), tangent.reshape(shape) * np.ones_like(
+            points
+        )
+
+    return directions
+
+
+def _wedge() -> float:
+    """Push over weight of a block that moves up a wedge of tan a = .1 at mu = .3."""
+    slope, x = math.atan(0.1), np.linspace(0, 1, 5)
+    up = np.array([math.cos(slope), math.sin(slope)])
+    line = ContactLine(np.arange(5), up[:, None] * x, x, np.array([[0, 2], [1, 3], [2, 4]]))
+    coupling = couple(line, 1.0, _along(np.array([up[1], -up[0]]), -up))
+    p = np.full(5, 7.0)
+    on_block = (-coupling.N.T @ p + 0.3 * coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
+    return float(-on_block[0] / on_block[1])
+
+
+@cache
+def _cattaneo(share: float) -> float:
+    """Half-width of the sticking zone over that of contact, under the tangential load share mu P.
+
+    From the tractions, which do not depend on where nodes lie: (1 - t/(mu p))^2 in the middle is
+    c^2/a^2.
+    """
+    mu, load = 0.3, HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
+    pair = BodyPair.of(half_plane(-1, 14), half_plane(1, 12), motions="xy")
+    s = pair.angle
+    gap, n = s**2 / (2 * GAP_RADIUS), len(s)
+    along = BodyPair(pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1])
+    pressing = along.normal(gap, [load])
+    state = np.where(active_set.solve(pressing, nested_start(pressing)).active, STICK, OPEN)
+    found = stick_slip.solve(
+        pair.frictional(gap, [load, 0.0]), mu, History(np.zeros(n), np.zeros(n)), state
+    )
+    for part in (0.5, 1.0):
+        loads = [load, part * share * mu * load]
+        found = stick_slip.solve(pair.frictional(gap, loads), mu, found.history, found.state)
+    middle = np.abs(s) < 0.2 * HALF_WIDTH
+    ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
+    # t/(mu p) in the middle: 1 - c/a to second order of the window, which the same window of the
+    # closed form takes off
+    exact_p = np.sqrt(1 - (s[middle] / HALF_WIDTH) ** 2)
+    c = math.sqrt(1 - share)
+    exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * HALF_WIDTH)) ** 2)
+    return float(1 - ratio + (exact_t.mean() / exact_p.mean() - (1 - c)))
+
+
+class Flexible(NamedTuple):
+    """A body with some unknowns held: displacements (2 nodes, .) of its contact line under forces
+    (2 nodes, .).
+    """
+
+    basis: Any
+    K: Any
+    line: ContactLine
+    coupling: Coupling
+    free: Ints
+
+    @classmethod
+    def of(
+        cls, mesh: Any, material: Material, held: Ints, directions: Directions, middle: float
+    ) -> "Flexible":
+        basis = scalar_basis(mesh)
+        K = stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
+        line = contact_line(basis, mesh.boundaries["contact"], middle)
+        return cls(
+            basis,
+            K,
+            line,
+            couple(line, 1.0, directions),
+            np.setdiff1d(np.arange(2 * basis.N), held),
+        )
+
+    def spread(self, matrix: Floats) -> Floats:
+        """Forces (2 nodes, n) of the columns of a coupling's matrix (n, 2 n)."""
+        f = np.zeros((self.basis.N, 2, len(matrix)))
+        f[self.line.nodes] = matrix.T.reshape(-1, 2, len(matrix))
+        return f.reshape(2 * self.basis.N, -1)
+
+    def moved(self, forces: Floats) -> Floats:
+        """Displacements (2 nodes, m) under forces (2 nodes, m)."""
+        u = np.zeros_like(forces)
+        u[self.free] = splu(self.K[self.free][:, self.free].tocsc()).solve(forces[self.free])
+        return u
+
+
+def _meshed(grid: Any, to: Any, held: Any) -> Any:
+    """Quadratic mesh of a tensor grid, its contact at the first coordinate's 0, moved to the places
+    `to`.
+    """
+    middle = grid.p[:, grid.facets].mean(axis=1)
+    mesh = skfem.MeshQuad2.from_mesh(grid)
+    return skfem.MeshQuad2(
+        to(*mesh.doflocs),
+        mesh.t,
+        _subdomains={"body": np.arange(mesh.nelements)},
+        _boundaries={
+            "contact": np.flatnonzero(middle[0] < 1e-12),
+            "support": np.flatnonzero(held(*middle)),
+        },
+    )
+
+
+def _belt(mu: float, wrap: float) -> float:
+    """Tension at the held end of a thin belt around a sliding drum over that at its pulled end."""
+    t = 0.002
+    grid = skfem.MeshQuad.init_tensor(np.array([0.0, t]), np.linspace(0, wrap, 161))
+    mesh = _meshed(
+        grid,
+        lambda d, phi: np.array([(1 + d) * np.cos(phi), (1 + d) * np.sin(phi)]),
+        lambda d, phi: phi > wrap - 1e-9,
+    )
+    at = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
+    belt = Flexible.of(
+        mesh, LADDER_STEEL, np.concatenate([2 * at, 2 * at + 1]), radial(-1), wrap / 2
+    )
+    N, T = belt.coupling.N, belt.coupling.T
+    x, y = belt.basis.doflocs
+    pulled = np.flatnonzero((np.abs(y) < 1e-12) & (x > 0))
+    f = np.zeros((belt.basis.N, 2))
+    weights = np.where(np.abs(x[pulled] - 1 - t / 2) < 1e-9, 4.0, 1.0) / 6
+    f[pulled, 1] = -weights  # a tension of 1 N, even through the thickness
+    u = belt.moved(np.column_stack([f.ravel(), belt.spread(N) + mu * belt.spread(T)]))
+    on = np.column_stack([2 * belt.line.nodes, 2 * belt.line.nodes + 1]).ravel()
+    n = len(N)
+    p = active_set.solve(
+        equations.Problem(
+            N @ u[on, 1:], -N @ u[on, 0], np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
+        )
+    ).p
+    whole = u @ np.concatenate([[1.0], -p])
+    reaction = (belt.K @ whole).reshape(-1, 2)[at].sum(axis=0)
+    return float(np.array([-math.sin(wrap), math.cos(wrap)]) @ reaction)
+
+
+def _flat_patch(turned: float) -> float:
+    """Largest pressure [Pa] of a strip of height 1, nu = 0, pressed by .05 on a plane at an
+    inclination.
+    """
+    c, s = math.cos(turned), math.sin(turned)
+    grid = skfem.MeshQuad.init_tensor(np.array([0, 0.4, 0.5, 1.0]), np.array([0, 0.3, 1.1, 2.0]))
+    mesh = _meshed(
+        grid,
+        lambda d, x: np.array([3 + c * x - s * d, 1 + s * x + c * d]),
+        lambda d, x: d > 1 - 1e-9,
+    )
+    top = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
+    directions = _along(np.array([s, -c]), np.array([c, s]))
+    strip = Flexible.of(
+        mesh, Material(E=2e6, nu=0.0), np.concatenate([2 * top, 2 * top + 1]), directions, 0.3
+    )
+    N, M = strip.coupling.N, strip.coupling.M
+    on, n = np.column_stack([2 * strip.line.nodes, 2 * strip.line.nodes + 1]).ravel(), len(M)
+    HALF_WIDTH = N @ strip.moved(strip.spread(N))[on]
+    none = np.zeros((n, 0))
+    return float(
+        active_set.solve(
+            equations.Problem(HALF_WIDTH, M @ np.full(n, -0.05), none, none.T, np.zeros(0))
+        ).p.max()
+    )
+
+
+class Plate(NamedTuple):
+    """Moment of the plane's pressures about the plate's corner over that of all other forces;
+    states of its nodes.
+    """
+
+    moment: float
+    states: frozenset[int]
+
+
+@cache
+def pressed_plate() -> Plate:
+    """An elastic plate, on a plane of symmetry at x = 0, pressed on a rigid plane at mu = 1 and
+    pushed from its side.
+
+    After Raous, Chabrand & Lebon (1988): 40 by 40, nu = .2, 5 MPa downwards and 10 MPa from the
+    side. About the corner at O neither tractions along the plane nor what is held up there have a
+    moment.
+    """
+    L, mu = 40.0, 1.0
+    grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
+    mesh = _meshed(grid, lambda depth, x: np.array([x, depth]), lambda depth, x: x < 1e-9)
+    basis = scalar_basis(mesh)
+    left = basis.get_dofs(mesh.boundaries["support"]).flatten()
+    x, y = basis.doflocs
+    corner = left[np.argmax(y[left])]
+    held = np.concatenate([2 * left, [2 * corner + 1]])
+    plate = Flexible.of(
+        mesh,
+        Material(E=130e9, nu=0.2),
+        held,
+        _along(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
+        math.pi / 4,
+    )
+    f = np.zeros((basis.N, 2))
+    f[:, 1] -= 5e6 * _edge(x, np.flatnonzero(y > L - 1e-9))
+    f[:, 0] -= 10e6 * _edge(y, np.flatnonzero(x > L - 1e-9))
+    N, T = plate.coupling.N, plate.coupling.T
+    n = len(N)
+    on = np.column_stack([2 * plate.line.nodes, 2 * plate.line.nodes + 1]).ravel()
+    u = plate.moved(np.column_stack([f.ravel(), plate.spread(N), plate.spread(T)]))
+    by_f, by_N, by_T = u[on, 0], u[on, 1 : 1 + n], u[on, 1 + n :]
+    up = np.tile([0.0, 1.0], n)
+    B_w, B_s = -(N @ up)[:, None], -(T @ up)[:, None]
+    problem = FrictionalProblem(
+        A_wp=N @ by_N,
+        A_wt=-N @ by_T,
+        A_sp=T @ by_N,
+        A_st=-T @ by_T,
+        B_w=B_w,
+        B_s=B_s,
+        C_p=B_w.T,
+        C_t=-B_s.T,
+        q_w=-N @ by_f,
+        q_s=-T @ by_f,
+        h=np.array([-f[:, 1].sum()]),
+        Q=np.zeros((n, n)),
+    )
+    found = stick_slip.solve(problem, mu, History(np.zeros(n), np.zeros(n)), np.full(n, STICK))
+    whole = u @ np.concatenate([[1.0], -found.p, found.t])
+    total = f.copy()
+    total[left] = (plate.K @ whole).reshape(-1, 2)[left]  # with what holds them
+    others = float((x * total[:, 1] - y * total[:, 0]).sum())
+    pressures = (-N.T @ found.p).reshape(-1, 2)
+    return Plate(
+        float((plate.line.xy[0] * pressures[:, 1]).sum() / -others),
+        frozenset(int(s) for s in found.state),
+    )
+
+
+def _edge(along: Floats, nodes: Ints) -> Floats:
+    """Consistent forces (nodes,) of a unit traction on a straight edge of quadratic elements, all
+    its `nodes`.
+    """
+    f = np.zeros(len(along))
+    order = nodes[np.argsort(along[nodes])]
+    for a, m, b in zip(order[0:-2:2], order[1::2], order[2::2], strict=True):
+        f[[a, m, b]] += (along[b] - along[a]) / 6 * np.array([1.0, 4.0, 1.0])
+    return f
+
+
+K, RADIUS, WIDTH, PIN, MOMENT, MU = 4e10, 0.15, 0.04, 0.125, 250.0, 0.25
+ARC = (0.3, 2.2)
+SPRING_WEAR = WearLaw(1e-13)
+WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * K)
+
+
+def _winkler(mu: float) -> tuple[WearInterface, Floats]:
+    """A rigid shoe on a hinge with a lining of springs, unevenly worn, and the angles of its nodes."""
+    phi = np.linspace(*ARC, 49)
+    xy = RADIUS * np.array([np.cos(phi), np.sin(phi)])
+    coupling = couple(
+        ContactLine(np.arange(49), xy, phi, np.arange(0, 48, 2) + np.arange(3)[:, None]),
+        WIDTH,
+        radial(1),
+    )
+    turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
+    closing = coupling.N @ turned
+    problem = equations.Problem(
+        coupling.M / K,
+        coupling.M @ (2e-6 * np.cos(3 * phi)),
+        -closing[:, None],
+        (mu * (coupling.T @ turned) - closing)[None],
+        np.array([MOMENT]),
+    )
+    interface = WearInterface(
+        problem, np.zeros(49), coupling.M, np.ones(49), coupling.area, mu * coupling.lever
+    )
+    return interface, phi
+
+
+def _winkler_limit() -> float:
+    still, unit = (_winkler(-mu)[0].problem for mu in (0.0, 1.0))
+    return self_locking.limit(self_locking.Sliding.through(still, unit)).friction
+
+
+@cache
+def _worn() -> tuple[list[WearState], Floats]:
+    interface, phi = _winkler(MU)
+    return run([interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4), np.sin(
+        phi
+    ) / float(interface.problem.C[0] @ np.sin(phi))
+
+
+def _forgotten() -> float:
+    """What is left after 2/(kK) of the deviation from the sine law."""
+    states, law = _worn()
+    first, last = (state.pressure - MOMENT * law for state in (states[0], states[-1]))
+    return float(first @ last / (first @ first))
+
+
+def _volume() -> float:
+    """Volume worn off over k times the normal force, integrated over the distance."""
+    states, _ = _worn()
+    area = _winkler(MU)[0].area
+    return float(
+        area @ (states[-1].depth - states[0].depth) / (SPRING_WEAR.coefficient * states[-1].pressed)
+    )
+
+
+@cache
+def _brake() -> tuple[float, Response, Any]:
+    brake = DoubleShoe().brake(2000.0)
+    rigid = vary(brake, {"shoe.lining.thickness": 3e-3})
+    response = solve(rigid, elements=24)
+    return sine(rigid).torque, response, rigid
+
+
+def _equilibrium() -> float:
+    """Moment of actuation and hinges about the drum's centre over the torque."""
+    _, response, brake = _brake()
+    moments = []
+    for spec, shoe in zip(brake.shoes, response.shoes, strict=True):
+        pin, force = spec.pin.xy, shoe.hinge_reaction
+        act, at = spec.actuation.vector, spec.actuation.point.xy
+        moments.append(at[0] * act[1] - at[1] * act[0] + pin[0] * force[1] - pin[1] * force[0])
+    return abs(math.fsum(moments)) / response.torque
+
+
+FRICTION_CASES = (
+    *(
+        KnownAnswer(
+            "one node on springs",
+            "friction states",
+            "spring force k s up to mu p",
+            f"traction at s = {shift} m",
+            min(100 * shift, 5.0),
+            1e-12,
+            EXACT,
+            partial(_traction, shift),
+        )
+        for shift in (0.02, 0.05, 0.2)
+    ),
+    KnownAnswer(
+        "closed loop of slip",
+        "dissipation",
+        "area of the loop, 4 mu p (s - mu p/k)",
+        "energy [J]",
+        4 * 0.5 * 10 * (0.2 - 0.5 * 10 / 100),
+        1e-9,
+        EXACT,
+        _loop,
+    ),
+    *(
+        KnownAnswer(
+            "flat patch test",
+            "even pressure",
+            "El-Abbasi & Bathe 2001: E times the strain -.05",
+            f"largest p [Pa], inclined by {turned} rad",
+            1e5,
+            1e-10,
+            EXACT,
+            partial(_flat_patch, turned),
+        )
+        for turned in (0.0, 0.4)
+    ),
+    KnownAnswer(
+        "block on a wedge",
+        "direction of friction",
+        "NAFEMS CGS-4: (tan a + mu)/(1 - mu tan a)",
+        "push over weight",
+        0.412371,
+        1e-6,
+        PRINTED,
+        _wedge,
+    ),
+    KnownAnswer(
+        "tangentially loaded cylinders",
+        "partial slip",
+        "Cattaneo 1938, Mindlin 1949: c/a = sqrt(1 - Q/(mu P))",
+        "c/a at Q = mu P/2",
+        math.sqrt(0.5),
+        1e-2,
+        DISCRETE,
+        partial(_cattaneo, 0.5),
+    ),
+    KnownAnswer(
+        "belt on a drum",
+        "drag of a flexible body",
+        "capstan: e^(mu theta)",
+        "ratio of tensions, mu = .3, 120 deg",
+        closed_forms.capstan(0.3, 2 * math.pi / 3),
+        1e-2,
+        MODEL,
+        partial(_belt, 0.3, 2 * math.pi / 3),
+    ),
+    KnownAnswer(
+        "plate on a rigid plane",
+        "stick, slip and open in one contact",
+        "balance of moments about a corner",
+        "moment of p over all others",
+        1.0,
+        1e-9,
+        EXACT,
+        lambda: pressed_plate().moment,
+    ),
+    KnownAnswer(
+        "shoe on springs, self-locking",
+        "limit of friction",
+        "moments of p ~ sin about the hinge",
+        "mu_lock",
+        closed_forms.sine_shoe_limit(RADIUS, PIN, *ARC),
+        1e-5,
+        DISCRETE,
+        _winkler_limit,
+    ),
+    KnownAnswer(
+        "shoe on springs, running in",
+        "Archard wear in time",
+        "exp(-k K s), all in contact",
+        "deviation left at k K s = 2",
+        math.exp(-2),
+        1e-3,
+        DISCRETE,
+        _forgotten,
+    ),
+    KnownAnswer(
+        "worn volume",
+        "Archard wear",
+        "Archard 1953: V = k N s",
+        "V over k Int N ds",
+        1.0,
+        1e-9,
+        EXACT,
+        _volume,
+    ),
+    KnownAnswer(
+        "rigid shoe with a thin lining",
+        "whole brake by elements",
+        "sine law in the limit",
+        "torque over the law's",
+        1.0,
+        2e-2,
+        MODEL,
+        lambda: _brake()[1].torque / _brake()[0],
+    ),
+    KnownAnswer(
+        "balance of a whole brake",
+        "hinge reactions",
+        "moments about the drum's centre",
+        "moment over torque",
+        1.0,
+        1e-8,
+        EXACT,
+        _equilibrium,
+    ),
+)

@@ -1,0 +1,123 @@
+"""Brakes by every law that applies: what each says of every shoe, why the others do not, and whose
+words mean what.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from drumlin.base.errors import NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import vary
+from drumlin.laws import LAWS
+from drumlin.models import MODELS
+from drumlin.response.merit import barecki_shoe_factor
+from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
+
+LAW_NAMES = tuple(name for name in MODELS if name not in {"fem", "solid"})
+Row = dict[str, Any]
+
+
+def law_rows(brake: Brake, file: str) -> list[Row]:
+    """One row a shoe for every law that applies to a brake, and a row with the reason for every
+    other law.
+    """
+    rows: list[Row] = []
+    for name in LAW_NAMES:
+        reason = MODELS[name].why_not(brake)
+        base = {"file": file, "law": name}
+        if reason is not None:
+            rows.append({**base, "reason": reason, "status": "does not apply"})
+            continue
+        try:
+            response = MODELS[name].solve(brake)
+        except NoAnswer as error:
+            rows.append({**base, "reason": str(error), "status": "no answer"})
+            continue
+        rows += [{**base, **shoe_row(response, i)} for i in range(len(response.shoes))]
+    return rows
+
+
+def shoe_row(response: Response, index: int) -> Row:
+    """What a law says of one shoe."""
+    shoe, merit = response.shoes[index], response.merits[index]
+    row = {
+        "shoe": shoe.name,
+        "normal": shoe.normal_force,
+        "peak": shoe.peak_pressure,
+        "reaction": float(np.linalg.norm(shoe.hinge_reaction)),
+        "helps": "yes" if shoe.self_energising else "no",
+        "status": "applies",
+    }
+    if isinstance(merit, FlatMerit):
+        return row | {"braking": merit.braking_force, "S": merit.sensitivity_at_fixed_shape}
+    return row | {
+        "torque": shoe.torque,
+        "eta": merit.mechanical_advantage,
+        "S": merit.sensitivity_at_fixed_shape,
+        "factor": merit.shoe_factor,
+        "psi": merit.friction_radius,
+        "angle": merit.resultant_angle,
+    }
+
+
+def reasons(rows: Sequence[Row]) -> list[Row]:
+    """The laws without an answer among `law_rows`, together by file and reason."""
+    laws: dict[tuple[str, str], list[str]] = {}
+    for row in rows:
+        if row["status"] != "applies":
+            laws.setdefault((row["file"], row["reason"]), []).append(row["law"])
+    return [
+        {"file": file, "laws": ", ".join(names), "reason": why}
+        for (file, why), names in laws.items()
+    ]
+
+
+def word_rows(brake: Brake) -> list[Row]:
+    """The shoe factor that eq. 26 of Barecki & Scieszka gives the posts of a brake, by the word it
+    uses for each.
+    """
+    rows = []
+    for law in ("short", "cosine", "uniform", "sine"):
+        response = MODELS[law].solve(brake)
+        for shoe, data, merit in zip(response.shoes, brake.shoes, response.merits, strict=True):
+            assert (
+                isinstance(merit, Merit)
+                and merit.resultant_angle is not None
+                and merit.friction_radius is not None
+            )
+            R = brake.size
+            arm = abs(data.actuation.moment_about(data.pin) / data.actuation.force)
+            angle = data.frame.phi(np.array(merit.resultant_angle))
+            S = barecki_shoe_factor(
+                brake.friction,
+                angle,
+                merit.friction_radius,
+                data.pin.radius / R,
+                arm / R,
+                merit.double_delta,
+            )
+            rows.append(
+                {
+                    "law": law,
+                    "shoe": shoe.name,
+                    "word": "leading" if merit.double_delta > 0 else "trailing",
+                    "helps": "yes" if shoe.self_energising else "no",
+                    "S_26": float(S),
+                    "S": merit.shoe_factor,
+                    "n": merit.n,
+                }
+            )
+    return rows
+
+
+def first_shoes(block: Brake, pad: Brake) -> dict[str, ShoeResponse]:
+    """The first shoe by every law: the drum laws and a pivot off its best place on a block, the
+    flat shoe on a pad.
+    """
+    shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS}
+    pivoted = vary(block, {"shoe.pivot": {"radius": "140 mm", "angle": "84 deg"}})
+    shoes["pivoted"] = MODELS["pivoted"].solve(pivoted).shoes[0]
+    shoes["linear"] = MODELS["linear"].solve(pad).shoes[0]
+    return shoes

@@ -1,0 +1,104 @@
+"""What became of many trials (`trial`): faults, counts, worst answers, times, soft
+penalties.
+"""
+
+import math
+import statistics
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+from drumlin_studies.trial import TRIAL_FAULTS
+
+Row = dict[str, Any]
+POINTWISE_OUTCOMES = (  # what becomes of the pointwise penalty
+    "agrees",
+    "differs",
+    "cycles",
+    "does not end",
+    "singular",
+    "a number where there is none",
+    "not for rings",
+    "not tried: too large",
+)
+TIME_KEYS = ("seconds", "seconds_whole", "pointwise_seconds", "steps", "pointwise_steps")
+
+
+def faults(rows: Sequence[Row]) -> list[Row]:
+    """The cases that are neither right nor refused with a physical reason."""
+    return [row for row in rows if row["outcome"] in TRIAL_FAULTS]
+
+
+def worst(rows: Sequence[Row], count: int = 10) -> list[Row]:
+    """The answers with the fewest digits."""
+    return sorted(
+        (row for row in rows if row.get("digits") is not None), key=lambda row: row["digits"]
+    )[:count]
+
+
+def counted(rows: Sequence[Row], key: str, names: Sequence[str]) -> list[Row]:
+    """How often each value of a key occurs, a row for each knob and one for all."""
+    table = []
+    for knob in [*dict.fromkeys(row["knob"] for row in rows), "all"]:
+        count = Counter(row.get(key) for row in rows if knob in (row["knob"], "all"))
+        table.append(
+            {
+                "knob": knob,
+                "cases": sum(count.values()),
+                **{name: count[name] or None for name in names},
+            }
+        )
+    return table
+
+
+def timings(rows: Sequence[Row]) -> list[Row]:
+    """Medians and largest values of the times and steps of a knob's cases."""
+    table = []
+    for knob in [*dict.fromkeys(row["knob"] for row in rows), "all"]:
+        there = [row for row in rows if knob in (row["knob"], "all")]
+        line: Row = {"knob": knob, "cases": len(there)}
+        for key in TIME_KEYS:
+            values = [row[key] for row in there if row.get(key) is not None]
+            line[key] = statistics.median(values) if values else None
+            line[f"most_{key}"] = max(values) if values else None
+        table.append(line)
+    return table
+
+
+def softening(rows: Sequence[Row]) -> dict[str, list[tuple[float, float]]]:
+    """For each sweep of the penalty: its values and the relative change of the torque by each."""
+    found: dict[str, list[tuple[float, float]]] = {}
+    swept = [row for row in rows if row["knob"] == "penalty" and row["outcome"] == "answer"]
+    for clearance, name in (
+        (0.0, "whole lining in contact, stiff shoe"),
+        (1e-4, "partial contact, soft shoe"),
+    ):
+        torque = {
+            r["knobs"]["penalty"]: r["torque"]
+            for r in swept
+            if r["knobs"]["clearance"] == clearance
+        }
+        if math.inf in torque:
+            exact = torque[math.inf]
+            found[name] = [
+                (a, abs(t / exact - 1)) for a, t in sorted(torque.items()) if a < math.inf
+            ]
+    return found
+
+
+def penalty_rows(rows: Sequence[Row]) -> list[Row]:
+    """The sweep of the penalty with the whole lining in contact, with the change of the torque by a
+    finite one.
+    """
+    swept = [row for row in rows if row["knob"] == "penalty" and row["knobs"]["clearance"] == 0]
+    exact = next(row["torque"] for row in swept if math.isinf(row["knobs"]["penalty"]))
+    return [
+        {**row, "penalty": row["knobs"]["penalty"], "change": row["torque"] / exact - 1}
+        for row in swept
+    ]
+
+
+def slope(values: Sequence[tuple[float, float]], low: float = 1e2, high: float = 1e6) -> float:
+    """Slope of log error over log penalty between two penalties, from the ends."""
+    inside = [(math.log(a), math.log(e)) for a, e in values if low <= a <= high and e > 0]
+    return (inside[-1][1] - inside[0][1]) / (inside[-1][0] - inside[0][0])

@@ -1,0 +1,241 @@
+"""The textbook way, as a baseline: penalty contact at quadrature points, one sparse factorisation a
+Newton step.
+
+At the q Gauss points of an edge (q = order + 1) the pressure is p = eps <-g>, g the gap of the
+deformed lining, and the drum drags it by mu p. Newton's method switches points on and off until
+none changes:
+
+    [K + sum_on w eps psi_a psi_b (n - mu s e) n^T] u = f + sum_on w eps psi_a (n - mu s e) g0
+
+Nothing is condensed, nothing reused. It does not know whether friction has locked the shoe.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.fem.equilibrium.group import gap_at
+from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
+from drumlin.fem.preparation.bodies import actuation, contact_stiffness
+from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
+from drumlin.fem.preparation.scene import Seconds, clock
+from drumlin.fem.substructure.body import FRAME
+from drumlin.fem.substructure.interface import edge_points, radial
+from drumlin.fem.substructure.loads import ACTUATION
+from drumlin.response.balance import relative_balance, worst
+from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
+from drumlin.response.resultants import cross
+
+POINTWISE_PENALTY = 1e3
+"""Default penalty factor alpha: eps = alpha E/t. A stiffer one locks the points, which are more
+than the nodes.
+"""
+MOST_POINT_STEPS = 60
+
+
+def solve(
+    brake: Brake,
+    *,
+    elements: int = ELEMENTS,
+    kind: str = DEFAULT_KIND,
+    penalty: float = POINTWISE_PENALTY,
+    mesher: Mesher | None = None,
+) -> Response:
+    """Mesh and solve a brake with a rigid drum, each shoe by itself and anew.
+
+    Options are those of `drumlin.fem.solve.solve`.
+
+    The pressure of the response is linear between the values at the Gauss points. Raises NoAnswer
+    where the set of touching points repeats itself or does not settle, BadInput for an elastic ring
+    and for an infinite penalty.
+    """
+    if not 0 < penalty < math.inf:
+        raise BadInput(
+            f"--penalty = {penalty}: must be greater than 0 and finite at quadrature points"
+        )
+    if brake.ring is not None:
+        raise BadInput("drum.ring: the pointwise penalty has a rigid drum only")
+    seconds: Seconds = {}
+    mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
+    answers = [_shoe(brake, shoe, mesher, penalty, seconds) for shoe in brake.shoes]
+    return Response(
+        model="pointwise",
+        shoes=tuple(response for response, _, _ in answers),
+        balance=worst([balance for _, balance, _ in answers]),
+        iterations=max(steps for _, _, steps in answers),
+        seconds=seconds,
+    )
+
+
+@dataclass(frozen=True)
+class _Points:
+    """Quadrature points of the contact (q,): weight b ds [m^2], angle in the shoe's frame, radius
+    [m], gap [m].
+
+    `closing`, `pushing` (q, unknowns): n . u at the points, and the nodal forces of unit forces
+    there with their drag.
+    """
+
+    weight: Floats
+    phi: Floats
+    radius: Floats
+    gap: Floats
+    closing: Any
+    pushing: Any
+
+
+def _shoe(
+    brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: Seconds
+) -> tuple[ShoeResponse, Balance, int]:
+    parts = assemble(brake, shoe, mesher, seconds)
+    drag = brake.drag_on(shoe)
+    unit, moment = actuation(parts, shoe)
+    force = abs(shoe.actuation.force)
+    with clock(seconds, "contact"):
+        A = (parts.ties.matrix.T @ parts.K @ parts.ties.matrix).tocsc()
+        points = _points(parts, brake, shoe, drag)
+        turned = np.zeros(A.shape[0])
+        turned[2 * -len(parts.line.nodes) - FRAME : -FRAME] = _turn(parts, shoe)
+        turned[-1] = 1.0
+        if force == 0 or not (moment * (points.closing @ turned) > 0).any():
+            return untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0
+        free = np.delete(
+            np.arange(A.shape[0]), [-FRAME, 1 - FRAME]
+        )  # the pin holds dx, dy of the frame
+        load = force * (parts.loads[ACTUATION] @ parts.columns.part(ACTUATION, unit))
+        stiffness = contact_stiffness(shoe, penalty)
+        u, on, steps = _newton(A, load, points, stiffness, free, shoe.name)
+        p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
+        nodal = points.pushing.T @ (points.weight * p)
+        reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
+    contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
+    given = force * parts.columns.part(ACTUATION, unit)
+    frame = shoe.frame
+    balance = relative_balance(
+        [contact.sum(axis=0), reaction, given[:2]],
+        [
+            float(cross(parts.line.xy.T, contact).sum()),
+            float(cross(shoe.own_pin, reaction)),
+            force * moment,
+            float(cross(shoe.own_pin, given[:2])),
+        ],
+    )
+    assists = float((points.weight * p) @ ((points.pushing + points.closing) @ turned)) * moment > 0
+    return (
+        _response(shoe, points, p, abs(drag), frame.to_brake(reaction), assists, float(u[-1])),
+        balance,
+        steps,
+    )
+
+
+def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
+    line = parts.line
+    at, weights = np.polynomial.legendre.leggauss(line.order + 1)
+    psi, x, ds = edge_points(line.xy[:, line.pieces], at, weights)
+    normal, tangent = radial(shoe.sign)(x)
+    radius = np.hypot(*x)
+    phi = shoe.phi_of(x, brake.size)
+    unknowns = parts.ties.matrix.shape[1]
+    first = unknowns - FRAME - 2 * len(line.nodes)
+
+    def spread(vectors: Floats) -> Any:
+        """psi_a v_c (points, unknowns) for vectors v (2, edges, q)."""
+        edges, q = x.shape[1:]
+        rows = np.broadcast_to(np.arange(edges * q).reshape(edges, q), (2, len(psi), edges, q))
+        columns = np.broadcast_to(
+            first + 2 * line.pieces[None, :, :, None] + np.arange(2)[:, None, None, None],
+            rows.shape,
+        )
+        values = np.einsum("aq,ceq->caeq", psi, vectors)
+        return sp.csr_matrix(
+            (values.ravel(), (rows.ravel(), columns.ravel())), shape=(edges * q, unknowns)
+        )
+
+    return _Points(
+        weight=(shoe.lining.width * ds).ravel(),
+        phi=phi.ravel(),
+        radius=radius.ravel(),
+        gap=gap_at(x, phi, brake, shoe).ravel(),
+        closing=spread(normal),
+        pushing=spread(drag * tangent - normal),
+    )
+
+
+def _turn(parts: Assembled, shoe: Shoe) -> Floats:
+    """Displacement (2n,) of the contact nodes per turn about the pin."""
+    x, y = parts.line.xy - shoe.own_pin[:, None]
+    return np.column_stack([-y, x]).ravel()
+
+
+def _newton(
+    A: Any, load: Floats, points: _Points, stiffness: float, free: Ints, name: str
+) -> tuple[Floats, Bools, int]:
+    """Displacements (unknowns,), touching points and steps; every point touches at first."""
+    u, on = np.zeros(A.shape[0]), np.ones(len(points.gap), dtype=bool)
+    K = A[free][:, free].tocsc()
+    seen: set[bytes] = set()
+    for step in range(1, MOST_POINT_STEPS + 1):
+        factor = sp.diags(on * points.weight * stiffness)
+        pushing = points.pushing.T[free] @ factor
+        try:
+            factors = splu(
+                (K - pushing @ points.closing[:, free]).tocsc(),
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.01,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError as error:
+            raise NoAnswer(
+                f"shoe {name!r}: the pointwise contact has a singular tangent in step {step}"
+            ) from error
+        u[free] = factors.solve(load[free] - pushing @ points.gap)
+        touching = points.closing @ u > points.gap
+        if (touching == on).all():
+            return u, on, step
+        if touching.tobytes() in seen:
+            raise NoAnswer(
+                f"shoe {name!r}: not converged, the pointwise contact repeats itself after {step} steps"
+            )
+        seen.add(touching.tobytes())
+        on = touching
+    raise NoAnswer(
+        f"shoe {name!r}: not converged, the pointwise contact still changes after {MOST_POINT_STEPS} steps"
+    )
+
+
+def _response(
+    shoe: Shoe,
+    points: _Points,
+    p: Floats,
+    friction: float,
+    reaction: Floats,
+    assists: bool,
+    turn: float,
+) -> ShoeResponse:
+    """The response, p linear between the Gauss points and constant beyond the outermost ones."""
+    frame, by_angle = shoe.frame, np.argsort(points.phi)
+    phi, q = points.phi[by_angle], p[by_angle]
+    phi, q = np.concatenate([[shoe.arc[0]], phi, [shoe.arc[1]]]), np.concatenate([q[:1], q, q[-1:]])
+    forces = points.weight * p
+    normal = [float(forces @ np.cos(points.phi)), float(forces @ np.sin(points.phi))]
+    return pressed_shoe(
+        shoe,
+        float(points.radius.mean()),
+        frame.theta(phi),
+        q,
+        order=1,
+        torque=friction * float(forces @ points.radius),
+        normal_force=float(np.linalg.norm(normal)),
+        self_energising=assists,
+        hinge_reaction=reaction,
+        turn=frame.sense * turn,
+        located=False,
+    )

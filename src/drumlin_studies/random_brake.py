@@ -1,0 +1,491 @@
+"""Random brakes of every shape that a brake file can express, drawn from a seed.
+
+Sizes are drawn on logarithmic scales: drums of 20 mm to 3 m, linings of R/1000 to R/3 and of 1 to
+170 degrees, moduli over decades. Forces follow from the pressures for which linings are made.
+Clearances and misfits follow from the compression that these forces cause, so that some contacts
+are whole and others partial.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import brake_from, vary
+from drumlin.fem.solve import solve
+from drumlin.laws import locking_friction, sine
+
+FRICTIONLESS_ELEMENTS = 4
+"""Elements along a lining of the mesh that shows whether a brake has an answer without friction."""
+SHAPE_TRIAL_ELEMENTS = 16
+"""Elements along a lining of the mesh that shows whether all shoes press with friction."""
+BELOW_LOCKING = 0.7
+"""Largest friction of a random brake, as a fraction of the friction at which the sine law locks.
+
+A judgement: closer to the limit the torque grows without bound, and a small error of the friction
+becomes a large error of the torque.
+"""
+SHAPE_FRICTION_MARGIN = 1.2
+"""Factor on the friction of a random brake up to which the elastic brake must have an answer.
+
+The elastic brake may lock before its law does. A brake that fails this test is drawn again.
+"""
+SHAPE_ATTEMPTS = 400
+"""Draws for one seed before the generator gives up. Extreme sizes make many brakes impossible."""
+SENSES = ("clockwise", "counter-clockwise")
+"""Senses of rotation, in the order in which they are drawn."""
+
+Draw = Callable[[np.random.Generator], dict[str, Any]]
+"""A function that draws the data of a brake file, without title, rotation and friction."""
+
+
+def random_brake(seed: int, kind: str | None = None) -> Brake:
+    """The brake of a seed.
+
+    All shoes of a brake of SHAPE_KINDS press, and its friction is zero or below the friction that
+    locks it. A brake of LOCKING_KINDS has one shoe; its friction is left to the caller. The sine
+    law of a "locking" brake locks below mu = 1.5, that of an "opposed" brake never does.
+
+    Parameters
+    ----------
+    seed : int
+        The same seed always gives the same brake.
+    kind : str, optional
+        One of SHAPE_KINDS or LOCKING_KINDS. By default the seed modulo the number of SHAPE_KINDS
+        chooses the kind.
+
+    Raises
+    ------
+    NoAnswer
+        No brake of the kind passes in SHAPE_ATTEMPTS draws.
+    """
+    if kind in LOCKING_KINDS:
+        return _one_shoe(seed, str(kind))
+    names = list(SHAPE_KINDS)
+    kind = names[seed % len(names)] if kind is None else kind
+    for attempt in range(SHAPE_ATTEMPTS):
+        rng = np.random.default_rng([seed, names.index(kind), attempt])
+        brake = _attempt(rng, kind, f"random {kind} {seed}")
+        if brake is not None:
+            return brake
+    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {SHAPE_ATTEMPTS} attempts")
+
+
+def _attempt(rng: np.random.Generator, kind: str, title: str) -> Brake | None:
+    """A brake of a kind, or None where the draw makes no brake whose shoes all press."""
+    data = SHAPE_KINDS[kind](rng)
+    drawn_friction, rotation = rng.uniform(0.02, 0.6), str(rng.choice(SENSES))
+    data |= {"title": title, "rotation": rotation, "friction": 0.1}
+    without_friction = rng.random() < 0.12
+    try:
+        brake = brake_from(data)
+        locking = min(locking_friction(brake, shoe) for shoe in brake.shoes)
+        friction = 0.0 if without_friction else min(drawn_friction, BELOW_LOCKING * locking)
+        brake = vary(brake, {"friction": float(f"{friction:.4g}")})
+        presses = _all_press(brake, SHAPE_FRICTION_MARGIN) and _all_press(brake, 1.0)
+    except (BadInput, NoAnswer):
+        return None
+    return brake if presses else None
+
+
+def _all_press(brake: Brake, factor: float) -> bool:
+    """Whether all shoes touch the drum when the friction is multiplied by a factor."""
+    varied = vary(brake, {"friction": factor * brake.friction})
+    response = solve(varied, elements=SHAPE_TRIAL_ELEMENTS)
+    return all(shoe.contact_arcs for shoe in response.shoes)
+
+
+def _power_of_ten(rng: np.random.Generator, low: float, high: float) -> float:
+    """A number between 10^low and 10^high, even on a logarithmic scale, of four digits."""
+    return float(f"{10 ** rng.uniform(low, high):.4g}")
+
+
+def _material(rng: np.random.Generator, low: float, high: float) -> dict[str, float]:
+    """A material whose Young's modulus lies between 10^low and 10^high Pa."""
+    return {"E": _power_of_ten(rng, low, high), "nu": round(float(rng.uniform(0.0, 0.45)), 3)}
+
+
+class ShoeOnArc(NamedTuple):
+    """What may be drawn of a shoe whose body follows the drum.
+
+    Attributes
+    ----------
+    body, backing : bool
+        Whether the shoe has an elastic body, and a backing behind its lining.
+    arc : tuple of float
+        Smallest and largest arc of the lining [rad].
+    thickness, body_thickness : tuple of float
+        Thickness of the lining and of the body over the drum's radius, as powers of ten.
+    modulus, body_modulus : tuple of float
+        Young's modulus [Pa] of the lining and of the body, as powers of ten.
+    largest_angle : float
+        Largest angle [rad] from the hinge to the far end of the lining.
+    """
+
+    body: bool = True
+    backing: bool = False
+    arc: tuple[float, float] = (0.35, 2.6)
+    thickness: tuple[float, float] = (-2.0, -1.0)
+    modulus: tuple[float, float] = (7.7, 9.5)
+    body_modulus: tuple[float, float] = (10.0, 11.5)
+    body_thickness: tuple[float, float] = (-1.3, -0.6)
+    largest_angle: float = 2.9
+
+
+def _arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dict[str, Any]:
+    """A shoe whose lining lies on an arc, from its hinge at a random angle."""
+    u = rng.uniform
+    inside = bool(rng.random() < 0.6)
+    hinge_angle = u(-3, 3)
+    # The lining lies on the side of growing (1) or falling angles (-1) of the hinge.
+    hand = int(rng.choice([-1, 1]))
+    gap = u(0.05, 0.35)
+    span = math.exp(u(*np.log(ranges.arc)))
+    span = min(span, ranges.largest_angle - gap)
+    start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + span)])
+    far = hinge_angle + hand * (gap + span)
+    width = R * _power_of_ten(rng, -0.9, -0.2)
+    thickness = R * _power_of_ten(rng, *ranges.thickness)
+    shoe: dict[str, Any] = {
+        "name": "shoe",
+        "side": "internal" if inside else "external",
+        "hinge": {"radius": R * (u(0.5, 0.9) if inside else u(1.1, 1.5)), "angle": hinge_angle},
+        "lining": {
+            "start": start,
+            "end": end,
+            "thickness": thickness,
+            "width": width,
+            "material": _material(rng, *ranges.modulus),
+        },
+        "actuation": {
+            "direction": far + (0 if inside else math.pi) + u(-0.6, 0.6),
+            "point": {
+                "radius": R * (u(0.6, 0.95) if inside else u(1.05, 1.5)),
+                "angle": far + hand * u(0.0, 0.15),
+            },
+        },
+    }
+    if ranges.backing:
+        shoe["backing"] = {
+            "thickness": R * _power_of_ten(rng, -2.3, -1.0),
+            "material": _material(rng, 8.7, 11.3),
+        }
+    if ranges.body:
+        # The body reaches beyond the lining, at the hinge by a part of the gap.
+        overhang = [gap * u(0.1, 0.9), u(0.005, 0.12)][::hand]
+        shoe["body"] = {
+            "thickness": R * _power_of_ten(rng, *ranges.body_thickness),
+            "width": width * _power_of_ten(rng, -0.8, 0.2),
+            "start": start - overhang[0],
+            "end": end + overhang[1],
+            "material": _material(rng, *ranges.body_modulus),
+        }
+    shoe["actuation"]["force"] = _force(rng, shoe, R)
+    return shoe
+
+
+def _force(rng: np.random.Generator, shoe: dict[str, Any], R: float) -> float:
+    """A force [N] whose mean pressure is 1e-4 to 1e-2 of the lining's modulus.
+
+    The mean is taken over a third of the lining.
+    """
+    lining = shoe["lining"]
+    pressure = lining["material"]["E"] * _power_of_ten(rng, -4, -2)
+    return float(f"{pressure * R * (lining['end'] - lining['start']) * lining['width'] / 3:.4g}")
+
+
+def _compression(shoe: dict[str, Any], R: float) -> float:
+    """By how much the shoe's force compresses its lining [m], as a mean over the lining."""
+    lining = shoe["lining"]
+    area = R * (lining["end"] - lining["start"]) * lining["width"]
+    return shoe["actuation"]["force"] / area * lining["thickness"] / lining["material"]["E"]
+
+
+def _post(rng: np.random.Generator, R: float) -> dict[str, Any]:
+    """A straight beam outside the drum, with a block between the beam and the lining."""
+    u = rng.uniform
+    # The beam's normal through the drum's centre has the angle `turn`; the hinge lies at its foot.
+    turn, hand = u(-math.pi, math.pi), int(rng.choice([-1, 1]))
+    thickness, depth = R * _power_of_ten(rng, -2.2, -1.1), R * _power_of_ten(rng, -0.9, -0.35)
+    back = R + thickness
+    distance = back + R * u(0.04, 0.3) + depth / 2
+    half = u(0.25, 0.85)
+    first, last = -half * u(0.6, 1.0), half * u(0.6, 1.0)
+    foot = back * math.sin(-first) + R * u(0.15, 0.8)
+    far = back * math.sin(last) + R * u(0.15, 0.8)
+
+    def point(along: float) -> dict[str, float]:
+        """The point at a distance [m] along the beam from the foot of the drum's normal."""
+        c, s = math.cos(turn), math.sin(turn)
+        return {"x": distance * c - hand * along * s, "y": distance * s + hand * along * c}
+
+    start, end = sorted([turn + hand * first, turn + hand * last])
+    width = R * _power_of_ten(rng, -0.9, -0.3)
+    shoe: dict[str, Any] = {
+        "name": "shoe",
+        "side": "external",
+        "hinge": point(-foot),
+        "lining": {
+            "start": start,
+            "end": end,
+            "thickness": thickness,
+            "width": width,
+            "material": _material(rng, 7.7, 9.3),
+        },
+        "backing": {"thickness": 0.2 * R, "material": _material(rng, 8.5, 11.0)},
+        "body": {
+            "shape": "beam",
+            "thickness": depth,
+            "width": width * _power_of_ten(rng, -0.9, 0.2),
+            "material": _material(rng, 9.8, 11.4),
+        },
+        "actuation": {"direction": turn + math.pi + u(-0.4, 0.4), "point": point(far)},
+    }
+    shoe["actuation"]["force"] = _force(rng, shoe, R)
+    return shoe
+
+
+def _mirrored(shoe: dict[str, Any], about: float) -> dict[str, Any]:
+    """The mirror image of a shoe about the line through the drum's centre at an angle [rad]."""
+    c, s = math.cos(2 * about), math.sin(2 * about)
+
+    def mirrored_point(point: dict[str, float]) -> dict[str, float]:
+        if "radius" in point:
+            return {"radius": point["radius"], "angle": 2 * about - point["angle"]}
+        return {"x": c * point["x"] + s * point["y"], "y": s * point["x"] - c * point["y"]}
+
+    def mirrored_arc(part: dict[str, Any]) -> dict[str, Any]:
+        if "start" not in part:
+            return part
+        return part | {"start": 2 * about - part["end"], "end": 2 * about - part["start"]}
+
+    actuation = shoe["actuation"]
+    other = shoe | {
+        "name": "other",
+        "hinge": mirrored_point(shoe["hinge"]),
+        "lining": mirrored_arc(shoe["lining"]),
+        "actuation": actuation
+        | {
+            "direction": 2 * about - actuation["direction"],
+            "point": mirrored_point(actuation["point"]),
+        },
+    }
+    return other | ({"body": mirrored_arc(shoe["body"])} if "body" in shoe else {})
+
+
+def _ring(rng: np.random.Generator, R: float, width: float) -> dict[str, Any]:
+    """An elastic drum ring beside a lining of a width [m]."""
+    return {
+        "thickness": R * _power_of_ten(rng, -1.5, -0.7),
+        "width": width * _power_of_ten(rng, -0.2, 0.3),
+        "material": _material(rng, 10.0, 11.4),
+        "support": str(rng.choice(["fixed", "free"])),
+    }
+
+
+def _radius(rng: np.random.Generator) -> float:
+    """A drum's radius between 20 mm and 2.8 m [m]."""
+    return _power_of_ten(rng, -1.7, 0.45)
+
+
+def _arc(rng: np.random.Generator) -> dict[str, Any]:
+    R = _radius(rng)
+    return {"drum": {"radius": R}, "shoe": [_arc_shoe(rng, R, ShoeOnArc())]}
+
+
+def _backed(rng: np.random.Generator) -> dict[str, Any]:
+    R = _radius(rng)
+    return {"drum": {"radius": R}, "shoe": [_arc_shoe(rng, R, ShoeOnArc(backing=True))]}
+
+
+def _rigid(rng: np.random.Generator) -> dict[str, Any]:
+    R = _radius(rng)
+    ranges = ShoeOnArc(body=False, backing=rng.random() < 0.5)
+    return {"drum": {"radius": R}, "shoe": [_arc_shoe(rng, R, ranges)]}
+
+
+def _post_brake(rng: np.random.Generator) -> dict[str, Any]:
+    R = _radius(rng)
+    return {"drum": {"radius": R}, "shoe": [_post(rng, R)]}
+
+
+def _post_ring(rng: np.random.Generator) -> dict[str, Any]:
+    """One post on a ring, or two that face each other."""
+    R = _radius(rng)
+    shoe = _post(rng, R)
+    middle = 0.5 * (shoe["lining"]["start"] + shoe["lining"]["end"])
+    shoes = [shoe, _mirrored(shoe, middle + math.pi / 2)] if rng.random() < 0.4 else [shoe]
+    return {"drum": {"radius": R, "ring": _ring(rng, R, shoe["lining"]["width"])}, "shoe": shoes}
+
+
+def _arc_ring(rng: np.random.Generator) -> dict[str, Any]:
+    R = _radius(rng)
+    shoe = _arc_shoe(rng, R, ShoeOnArc())
+    return {"drum": {"radius": R, "ring": _ring(rng, R, shoe["lining"]["width"])}, "shoe": [shoe]}
+
+
+def _linings_on_ring(rng: np.random.Generator) -> dict[str, Any]:
+    """Two shoes on a ring, mirror images about their common hinge."""
+    R = _radius(rng)
+    shoe = _arc_shoe(rng, R, ShoeOnArc(arc=(0.3, 2.2), largest_angle=2.6))
+    shoes = [shoe, _mirrored(shoe, shoe["hinge"]["angle"])]
+    return {"drum": {"radius": R, "ring": _ring(rng, R, shoe["lining"]["width"])}, "shoe": shoes}
+
+
+def _maybe_backed(rng: np.random.Generator, R: float) -> dict[str, Any]:
+    """A shoe on an arc, with a backing in three of ten cases."""
+    return _arc_shoe(rng, R, ShoeOnArc(backing=rng.random() < 0.3))
+
+
+def _misfitted(rng: np.random.Generator) -> dict[str, Any]:
+    """A lining with a clearance, a table of clearances, a taper, another radius or blocks."""
+    R, u = _radius(rng), rng.uniform
+    on_post = rng.random() < 0.25
+    shoe = _post(rng, R) if on_post else _maybe_backed(rng, R)
+    lining, size = shoe["lining"], _compression(shoe, R)
+    how = rng.integers(5)
+    if how == 0:
+        lining["clearance"] = size * u(0.0, 2.0)
+    elif how == 1:
+        angles = np.linspace(lining["start"], lining["end"], int(rng.integers(2, 6)))
+        lining["clearance"] = [[float(x), float(size * u(0, 2))] for x in angles]
+    elif how == 2:
+        lining["misfit"] = {"taper": float(size * u(-2, 2))}
+    elif how == 3:
+        lining["misfit"] = {
+            "radius": float(R + size * u(-4, 4)),
+            "offset": {"x": float(size * u(-1, 1)), "y": 0.0},
+        }
+    else:
+        places = np.linspace(lining["start"], lining["end"], 4)[1:-1]
+        lining["misfit"] = {"blocks": [[float(x), float(size * u(0, 1))] for x in places]}
+    return {"drum": {"radius": R}, "shoe": [shoe]}
+
+
+def _out_of_round(rng: np.random.Generator) -> dict[str, Any]:
+    """A drum with one to three lobes of random orders."""
+    R, u = _radius(rng), rng.uniform
+    shoe = _maybe_backed(rng, R)
+    size = _compression(shoe, R)
+    lobes = []
+    for _ in range(int(rng.integers(1, 4))):
+        lobe = {
+            "order": int(rng.integers(0, 9)),
+            "amplitude": float(size * u(-1, 1)),
+            "phase": float(u(0, 6)),
+        }
+        lobes.append(lobe)
+    return {"drum": {"radius": R, "out_of_round": lobes, "angle": float(u(0, 6))}, "shoe": [shoe]}
+
+
+def _small_contact(rng: np.random.Generator) -> dict[str, Any]:
+    """A lining of another radius whose contact by Hertz's formula is 0.5 to 8 degrees long."""
+    R, u = _radius(rng), rng.uniform
+    ranges = ShoeOnArc(arc=(0.35, 1.2), thickness=(-1.3, -0.6), body=rng.random() < 0.6)
+    shoe = _arc_shoe(rng, R, ranges)
+    lining, inside = shoe["lining"], shoe["side"] == "internal"
+    r = R * (1 - u(0.003, 0.04)) if inside else R * (1 + u(0.003, 0.04))
+    lining["misfit"] = {"radius": float(r)}
+    half = R * math.radians(0.5 * _power_of_ten(rng, -0.3, 0.9))
+    E = lining["material"]["E"]
+    load = math.pi / 4 * half**2 * E * abs(1 / r - 1 / R) * lining["width"]
+    shoe["actuation"]["force"] = float(f"{load * u(0.5, 1.0):.4g}")
+    return {"drum": {"radius": R}, "shoe": [shoe]}
+
+
+def _extreme(rng: np.random.Generator) -> dict[str, Any]:
+    """A shoe whose stiffnesses, thicknesses and arcs lie far apart."""
+    R = _radius(rng)
+    ranges = ShoeOnArc(
+        backing=rng.random() < 0.4,
+        arc=(0.02, 2.85),
+        thickness=(-3.0, -0.48),
+        modulus=(6.0, 12.0),
+        body_modulus=(7.0, 13.0),
+        body_thickness=(-2.5, -0.5),
+    )
+    return {"drum": {"radius": R}, "shoe": [_arc_shoe(rng, R, ranges)]}
+
+
+SHAPE_KINDS: dict[str, Draw] = {
+    "arc": _arc,
+    "backed": _backed,
+    "rigid": _rigid,
+    "post": _post_brake,
+    "post on ring": _post_ring,
+    "arc on ring": _arc_ring,
+    "linings on ring": _linings_on_ring,
+    "misfit": _misfitted,
+    "out of round": _out_of_round,
+    "small contact": _small_contact,
+    "extreme": _extreme,
+}
+"""How a brake of each kind is drawn. The order decides which seed draws which kind."""
+LOCKING_KINDS = ("locking", "opposed")
+"""Brakes of one shoe: one that locks itself as friction grows, and one that never does."""
+
+
+def _one_shoe(seed: int, kind: str, attempt: int = 0) -> Brake:
+    """A brake of LOCKING_KINDS, drawn again until one of its two senses of rotation is right."""
+    rng = np.random.default_rng([seed, attempt])
+    data = _one_shoe_data(rng, seed)
+    try:
+        for rotation in SENSES:
+            brake = brake_from(data | {"rotation": rotation})
+            locking = locking_friction(brake, brake.shoes[0])
+            is_of_kind = locking < 1.5 if kind == "locking" else math.isinf(locking)
+            if is_of_kind and _presses_without_friction(brake, locking):
+                return brake
+    except (BadInput, NoAnswer):
+        pass
+    return _one_shoe(seed, kind, attempt + 1)
+
+
+def _presses_without_friction(brake: Brake, locking: float) -> bool:
+    """Whether the shoe touches the drum without friction. Raises NoAnswer where its law fails."""
+    # The law refuses a shoe that is not pressed, and a clearance that it does not cover.
+    sine(vary(brake, {"friction": 0.1 * min(locking, 1.0)}))
+    frictionless = brake.model_copy(update={"friction": 0.0})
+    response = solve(frictionless, elements=FRICTIONLESS_ELEMENTS)
+    return bool(response.shoes[0].contact_arcs)
+
+
+def _one_shoe_data(rng: np.random.Generator, seed: int) -> dict[str, Any]:
+    """The data of a brake with one shoe on a drum of 150 mm, without its sense of rotation."""
+    u, R, inside = rng.uniform, 0.15, bool(rng.random() < 0.6)
+    hinge_angle, hand = u(-3, 3), rng.choice([-1, 1])
+    gap, arc = u(0.05, 0.4), u(0.4, 2.4)
+    start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + arc)])
+    far = hinge_angle + hand * (gap + arc)
+    even_clearance = u(-2e-4, 1e-3) * R
+    table = [[x, u(-2e-4, 1e-3) * R] for x in np.linspace(start, end, 5).tolist()]
+    shoe: dict[str, Any] = {
+        "name": "shoe",
+        "side": "internal" if inside else "external",
+        "hinge": {"radius": R * (u(0.25, 0.95) if inside else u(1.05, 1.6)), "angle": hinge_angle},
+        "lining": {
+            "start": start,
+            "end": end,
+            "thickness": R * 10 ** u(-2, -0.7),
+            "width": 0.04,
+            "material": {"E": 10 ** u(7.7, 9.7), "nu": u(0, 0.45)},
+            "clearance": [0.0, even_clearance, table][rng.integers(3)],
+        },
+        "actuation": {
+            "force": 10 ** u(2, 5),
+            "direction": far + (0 if inside else math.pi) + u(-0.9, 0.9),
+            "point": {"radius": R * (u(0.5, 1) if inside else u(1, 1.6)), "angle": far},
+        },
+    }
+    if rng.random() < 0.75:
+        shoe["body"] = {
+            "thickness": R * u(0.03, 0.25),
+            "width": 0.04,
+            "start": start - gap / 2,
+            "end": end + gap / 2,
+            "material": {"E": 10 ** u(9.7, 11.5), "nu": 0.3},
+        }
+    return {"title": f"random {seed}", "friction": 0.3, "drum": {"radius": R}, "shoe": [shoe]}

@@ -1,0 +1,292 @@
+"""Random brakes that press with a lining's corner alone or under a tip of the gap, from a seed.
+
+The pressure is singular at a corner of a lining. It is singular as well under a tip, a kink of the
+clearance table that points to the drum. In most brakes the corner lies in the edge zone, which no
+comparison covers, or the tip bears a small part of the force. In these brakes corner or tip bear
+nearly all of the force: a taper, a table of clearances or another radius keeps the rest of the
+lining off the drum.
+
+The contact depends only on the ratio of force to gap. So the force is an ordinary one, and the gap
+is scaled until the contact has the length that was drawn for it.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from itertools import islice
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake import clearance
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.file import brake_from, vary
+from drumlin.fem.error_control.levels import steps
+from drumlin.fem.model import respond
+from drumlin.fem.solve import solve
+from drumlin.response.response import Response, ShoeResponse
+from drumlin_studies.random_brake import SHAPE_KINDS as OF_SHAPE
+from drumlin_studies.random_kinds import HOLDING_KINDS as OF_HOLDING
+
+MOST_ATTEMPTS = 200
+"""Draws for one seed before the generator gives up."""
+MORE_FRICTION = 1.2
+"""Factor on a brake's friction up to which all shoes must press, so that the brake is far from
+locking.
+"""
+MOST_SCALINGS = 8
+"""Solves of one draw in which the gap is scaled to the drawn length of contact."""
+FACTOR_DIGITS = 2
+"""Significant digits of the factor on a gap.
+
+With so few digits a seed gives the same brake even after a change of the solver that moves the
+length of contact by some percent.
+"""
+LENGTH_TOLERANCE_FACTOR = 1.25
+"""Factor by which the length of contact may differ from the drawn length, up or down."""
+FEW_LEVELS = 2
+"""Levels of a solve that find the length of a contact to within some percent."""
+SHORT_CONTACT = math.radians(0.1), math.radians(0.8)
+"""Range of short contacts [rad]. More than half of a short contact lies in the edge zone."""
+LONG_CONTACT = math.radians(0.8), math.radians(8.0)
+"""Range of long contacts [rad]."""
+SHORT_SHARE = 0.7
+"""Fraction of the brakes that are drawn with a short contact."""
+END_ANGLE = 1e-9
+"""Distance from the lining's end [rad] below which a contact counts as reaching the end."""
+
+Rng = np.random.Generator
+Gap = dict[str, Any]
+"""The keys of a lining that make its gap: `clearance` and `misfit`."""
+
+
+class CornerKind(NamedTuple):
+    """How a brake of a kind is drawn.
+
+    Attributes
+    ----------
+    shapes : tuple of str
+        Kinds of random brakes from which one is chosen: of SHAPE_KINDS or HOLDING_KINDS.
+    presses : str
+        What bears the force: "corner", "tip", or "table" for either under a random table.
+    """
+
+    shapes: tuple[str, ...]
+    presses: str
+
+
+RIGID_SHAPES, ARC_SHAPES = ("rigid",), ("arc", "backed")
+RING_SHAPES = ("arc on ring", "linings on ring", "post on ring")
+HINGELESS_KINDS = ("guide", "abutment", "rough abutment", "pivot")
+CORNER_KINDS: dict[str, CornerKind] = {
+    "corner": CornerKind(ARC_SHAPES, "corner"),
+    "corner of a rigid shoe": CornerKind(RIGID_SHAPES, "corner"),
+    "corner of a post": CornerKind(("post",), "corner"),
+    "corner on a ring": CornerKind(RING_SHAPES, "corner"),
+    "corner of a shoe without hinge": CornerKind(HINGELESS_KINDS, "corner"),
+    "tip": CornerKind(ARC_SHAPES, "tip"),
+    "tip of a rigid shoe": CornerKind(RIGID_SHAPES, "tip"),
+    "tip on a ring": CornerKind(RING_SHAPES, "tip"),
+    "tip of a shoe without hinge": CornerKind(HINGELESS_KINDS, "tip"),
+    "table": CornerKind((*ARC_SHAPES, *RIGID_SHAPES, "post", *HINGELESS_KINDS), "table"),
+}
+
+
+def random_corner(seed: int, kind: str | None = None) -> Brake:
+    """The brake of a seed, in which one shoe presses with a corner or under a tip.
+
+    All shoes press, also with MORE_FRICTION times the friction of the brake. Corner and tip are
+    judged on the first FEW_LEVELS levels of a solve. Friction towards the corner may lift the
+    corner itself a little off the drum, but only finer levels show this.
+
+    Parameters
+    ----------
+    seed : int
+        The same seed always gives the same brake.
+    kind : str, optional
+        One of CORNER_KINDS. By default the seed modulo their number chooses the kind.
+
+    Raises
+    ------
+    NoAnswer
+        No brake of the kind passes in MOST_ATTEMPTS draws.
+    """
+    names = list(CORNER_KINDS)
+    kind = names[seed % len(names)] if kind is None else kind
+    for attempt in range(MOST_ATTEMPTS):
+        rng = np.random.default_rng([seed, names.index(kind), attempt])
+        try:
+            brake = _scaled_to_length(rng, _drawn(rng, kind, seed), CORNER_KINDS[kind].presses)
+        except (BadInput, NoAnswer):
+            continue
+        if brake is not None:
+            return brake
+    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {MOST_ATTEMPTS} attempts")
+
+
+def _drawn(rng: Rng, kind: str, seed: int) -> Callable[[float], Brake]:
+    """A random brake of a kind, as a function of the factor on its gaps.
+
+    Each shoe has a random line of force and a random gap.
+    """
+    shape = str(rng.choice(CORNER_KINDS[kind].shapes))
+    data = (OF_SHAPE | OF_HOLDING)[shape](rng)
+    rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
+    friction = 0.0 if rng.random() < 0.12 else float(f"{rng.uniform(0.01, 0.6):.4g}")
+    data |= {"title": f"random {kind} {seed}", "rotation": rotation, "friction": friction}
+    data["shoe"] = [_pushed_anywhere(rng, shoe) for shoe in data["shoe"]]
+    gaps = [
+        _gap(rng, shoe, data["drum"]["radius"], CORNER_KINDS[kind].presses) for shoe in data["shoe"]
+    ]
+
+    def scaled(factor: float) -> Brake:
+        shoes = [
+            shoe | {"lining": shoe["lining"] | gap(factor)}
+            for shoe, gap in zip(data["shoe"], gaps, strict=True)
+        ]
+        return brake_from(data | {"shoe": shoes})
+
+    return scaled
+
+
+def _pushed_anywhere(rng: Rng, shoe: dict[str, Any]) -> dict[str, Any]:
+    """The shoe with its force turned by up to 1 rad, towards the heel or the toe."""
+    push = shoe["actuation"]
+    return shoe | {"actuation": push | {"direction": push["direction"] + rng.uniform(-1.0, 1.0)}}
+
+
+def _gap(rng: Rng, shoe: Mapping[str, Any], radius: float, presses: str) -> Callable[[float], Gap]:
+    """The gap of a lining as a function of a factor on its size.
+
+    At a factor of 1 the gap is about as large as the compression of the lining.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        What the gap is drawn from.
+    shoe : dict
+        Data of the shoe, as in a brake file.
+    radius : float
+        Radius of the drum [m].
+    presses : str
+        As `CornerKind.presses`.
+    """
+    lining = shoe["lining"]
+    area = radius * (lining["end"] - lining["start"]) * lining["width"]
+    size = shoe["actuation"]["force"] / area * lining["thickness"] / lining["material"]["E"]
+    if presses == "corner":
+        return _gap_to_corner(rng, lining, radius, size)
+    if presses == "tip":
+        return _gap_to_tip(rng, lining, size)
+    return _gap_of_rows(rng, lining, size)
+
+
+def _gap_to_corner(
+    rng: Rng, lining: Mapping[str, Any], radius: float, size: float
+) -> Callable[[float], Gap]:
+    """A gap that is smallest at one corner of the lining, or at both.
+
+    size : size of the gap at a factor of 1 [m].
+    """
+    way, sign = rng.random(), float(rng.choice([-1, 1]))
+    if way < 0.4:
+        return lambda factor: {"misfit": {"taper": sign * factor * size}}
+    if way < 0.5:
+        return lambda factor: {"misfit": {"radius": radius + sign * factor * size}}
+    if way < 0.6:
+        return lambda factor: {"clearance": factor * size}
+    # A table of clearances that grow away from one corner.
+    rises = np.cumsum([0.0, *rng.uniform(0.2, 1.0, int(rng.integers(1, 4)))])
+    rises = rises[:: int(sign)] / rises.max()
+    return lambda factor: {"clearance": _rows(lining, factor * size * rises)}
+
+
+def _gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
+    """A gap that opens to both sides of one angle."""
+    start, end = lining["start"], lining["end"]
+    at = start + rng.uniform(0.1, 0.9) * (end - start)
+    left, right = rng.uniform(0.2, 1.0, 2)
+    return lambda factor: {
+        "clearance": [[start, factor * size * left], [at, 0.0], [end, factor * size * right]]
+    }
+
+
+def _gap_of_rows(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
+    """A gap by a table of three to seven random clearances."""
+    rows = rng.uniform(0.0, 1.0, int(rng.integers(3, 8)))
+    return lambda factor: {"clearance": _rows(lining, factor * size * rows)}
+
+
+def _rows(lining: Mapping[str, Any], gaps: Floats) -> list[list[float]]:
+    """A table of clearances [m] at even distances along the lining."""
+    angles = np.linspace(lining["start"], lining["end"], len(gaps))
+    return np.stack([angles, gaps], axis=1).tolist()
+
+
+def _scaled_to_length(rng: Rng, drawn: Callable[[float], Brake], presses: str) -> Brake | None:
+    """The brake whose shortest contact has a random length, or None where no factor gives it.
+
+    The length of contact falls as the inverse of the gap where the gap is a wedge, and as its
+    inverse root where the gap is curved. The power 0.8 of the correction lies between the two.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        What the length is drawn from.
+    drawn : function
+        The brake for a factor on its gap.
+    presses : str
+        As `CornerKind.presses`.
+    """
+    low, high = SHORT_CONTACT if rng.random() < SHORT_SHARE else LONG_CONTACT
+    wanted, factor = math.exp(rng.uniform(math.log(low), math.log(high))), 3.0
+    for _ in range(MOST_SCALINGS):
+        factor = float(f"{factor:.{FACTOR_DIGITS}g}")
+        brake = drawn(factor)
+        found = _answer(brake)
+        length = min((_length(shoe) for shoe in found.shoes), default=0.0)
+        if not length > 0:
+            return None
+        if 1 / LENGTH_TOLERANCE_FACTOR < length / wanted < LENGTH_TOLERANCE_FACTOR:
+            return brake if _as_drawn(brake, found, presses) else None
+        factor *= min(max(length / wanted, 0.1), 10.0) ** 0.8
+    return None
+
+
+def _answer(brake: Brake) -> Response:
+    """The response on the first FEW_LEVELS levels of a solve. Raises NoAnswer."""
+    *_, last = islice(steps(brake, respond), FEW_LEVELS)
+    return last.response
+
+
+def _length(shoe: ShoeResponse) -> float:
+    """Length of all contact of a shoe [rad]."""
+    return math.fsum(end - start for start, end in shoe.contact_arcs)
+
+
+def _as_drawn(brake: Brake, found: Response, presses: str) -> bool:
+    """Whether all shoes press, also with more friction, and one of them where its kind says."""
+    more = solve(vary(brake, {"friction": MORE_FRICTION * brake.friction}), elements=16)
+    if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):
+        return False
+    pairs = list(zip(brake.shoes, found.shoes, strict=True))
+    corner = any(at_corner(shoe, response) for shoe, response in pairs)
+    tip = any(at_tip(shoe, response) for shoe, response in pairs)
+    return {"corner": corner, "tip": tip, "table": corner or tip}[presses]
+
+
+def at_corner(shoe: Shoe, found: ShoeResponse) -> bool:
+    """Whether the contact of a shoe reaches an end of its lining."""
+    ends = np.array(found.contact_arcs).ravel()
+    corners = np.array([shoe.lining.start, shoe.lining.end])
+    distances = np.abs(ends[:, None] - corners)
+    return bool((distances < END_ANGLE).any())
+
+
+def at_tip(shoe: Shoe, found: ShoeResponse) -> bool:
+    """Whether a tip of the gap lies within the contact of a shoe."""
+    for angle, _ in clearance.tips(shoe.lining):
+        if any(start < angle < end for start, end in found.contact_arcs):
+            return True
+    return False

@@ -1,0 +1,558 @@
+"""Random brakes of every way to hold and push shoes, from a seed; and brakes moved and scaled.
+
+A shoe is drawn about the x axis; the brake is then turned and mirrored at random. Linings, bodies
+and forces have the sizes of real brakes: drums of 60 mm to 1.2 m, linings of R/60 to R/8, moduli
+over a decade.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import validated, vary
+from drumlin.brake.plane_brake import any_from
+from drumlin.fem.solve import solve
+from drumlin.laws import law
+
+HOLDING_ATTEMPTS = 200
+"""Draws for one seed before a generator gives up."""
+HOLDING_FRICTION_MARGIN = 1.2
+"""Factor on the friction of a random brake up to which its law and its finite elements must answer.
+
+A brake that locks below this friction is drawn again.
+"""
+HOLDING_TRIAL_ELEMENTS = 10
+"""Elements along a lining of the mesh that shows whether all shoes press."""
+Rng = np.random.Generator
+Draw = Callable[[Rng], dict[str, Any]]
+"""A function that draws the data of a brake file, without title and friction."""
+
+
+def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> Brake:
+    """The brake of a seed, whose shoes all press up to HOLDING_FRICTION_MARGIN of its friction.
+
+    Parameters
+    ----------
+    seed : int
+        The same seed always gives the same brake.
+    kind : str, optional
+        One of HOLDING_KINDS. By default the seed modulo their number chooses the kind.
+    rigid : bool
+        Whether the shoes have no elastic bodies, and thin linings of one thickness.
+
+    Raises
+    ------
+    NoAnswer
+        No brake of the kind passes in HOLDING_ATTEMPTS draws.
+    """
+    names = list(HOLDING_KINDS)
+    kind = names[seed % len(names)] if kind is None else kind
+    for attempt in range(HOLDING_ATTEMPTS):
+        rng = np.random.default_rng([seed, names.index(kind), attempt])
+        data = HOLDING_KINDS[kind](rng) | {"title": f"random {kind} {seed}"}
+        data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
+        turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
+        try:
+            brake = any_from(_rigid(data) if rigid else data)
+            brake = placed(brake, turn=0.0 if brake.surface.straight else turn, mirrored=mirrored)
+            for friction in (brake.friction, HOLDING_FRICTION_MARGIN * brake.friction):
+                _check_all_press(vary(brake, {"friction": friction}))
+            return brake
+        except (BadInput, NoAnswer):
+            continue
+    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
+
+
+def _check_all_press(brake: Brake) -> None:
+    """Raise NoAnswer unless all shoes press, by the law of the brake and by finite elements."""
+    by_law = law(brake)
+    by_elements = solve(brake, elements=HOLDING_TRIAL_ELEMENTS)
+    if not all(shoe.contact_arcs for shoe in (*by_law.shoes, *by_elements.shoes)):
+        raise NoAnswer("a shoe does not press")
+
+
+def _rigid(data: dict[str, Any]) -> dict[str, Any]:
+    """The data of a brake without elastic bodies, clearances and misfits, with thin linings."""
+    size = data.get("drum", {"radius": 0.1})["radius"]
+    # The law of a cam asks for linings of one thickness and one material.
+    equal = {"thickness": size / 300, "material": data["shoe"][0]["lining"]["material"]}
+    fits = {"clearance": 0.0, "misfit": {}}
+    shoes = []
+    for shoe in data["shoe"]:
+        without_body = {key: part for key, part in shoe.items() if key != "body"}
+        shoes.append(without_body | {"lining": shoe["lining"] | equal | fits})
+    return data | {"shoe": shoes}
+
+
+def log_between(rng: Rng, low: float, high: float) -> float:
+    """A number between low and high, even on a logarithmic scale, of four digits."""
+    return float(f"{math.exp(rng.uniform(math.log(low), math.log(high))):.4g}")
+
+
+def _drum(
+    rng: Rng, shoes: Callable[[Rng, float], list[dict[str, Any]]], **more: Any
+) -> dict[str, Any]:
+    """The data of a drum brake.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        What the brake is drawn from.
+    shoes : function
+        Draws the shoes for a drum's radius [m].
+    **more
+        Further keys of the brake file.
+    """
+    R = log_between(rng, 0.06, 1.2)
+    rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
+    return {"rotation": rotation, "drum": {"radius": R}, "shoe": shoes(rng, R)} | more
+
+
+def _lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
+    """A lining about the x axis, on an elastic body in seven of ten cases, else on a rigid shoe.
+
+    The shoe has neither support nor actuation.
+    """
+    u = rng.uniform
+    half, middle, width = u(0.45, 1.0), u(-0.1, 0.1), R * u(0.2, 0.6)
+    thickness = R * log_between(rng, 1 / 60, 1 / 8)
+    material = {"E": log_between(rng, 1e8, 1e9), "nu": round(float(u(0.1, 0.4)), 3)}
+    shoe: dict[str, Any] = {
+        "name": "first",
+        "side": "internal" if inside else "external",
+        "lining": {
+            "start": middle - half,
+            "end": middle + half,
+            "thickness": thickness,
+            "width": width,
+            "material": material,
+        },
+    }
+    if rng.random() < 0.7:
+        shoe["body"] = {
+            "thickness": R * u(0.06, 0.2),
+            "width": width,
+            "start": middle - half - u(0.03, 0.2),
+            "end": middle + half + u(0.03, 0.2),
+            "material": {"E": log_between(rng, 7e10, 2.1e11), "nu": 0.3},
+        }
+    return shoe
+
+
+def _push(
+    rng: Rng, shoe: dict[str, Any], R: float, direction: float, at: tuple[float, float]
+) -> dict[str, Any]:
+    """The actuation of a shoe: a force that compresses its lining by 1e-4 to 3e-3.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        What the force is drawn from.
+    shoe : dict
+        The data of the shoe, with its lining.
+    R : float
+        Radius of the drum [m].
+    direction : float
+        Direction of the force [rad].
+    at : tuple of float
+        Point of the force over the drum's radius.
+    """
+    lining = shoe["lining"]
+    area = R * (lining["end"] - lining["start"]) * lining["width"]
+    force = float(f"{lining['material']['E'] * area * log_between(rng, 1e-4, 3e-3):.4g}")
+    return {"force": force, "direction": direction, "point": {"x": R * at[0], "y": R * at[1]}}
+
+
+def _point(R: float, x: float, y: float) -> dict[str, float]:
+    """A point whose coordinates are given over the drum's radius."""
+    return {"x": R * x, "y": R * y}
+
+
+def _abutted(rng: Rng, R: float, *, rough: bool) -> dict[str, Any]:
+    """An internal shoe whose foot slides on an abutment, with friction where this is rough."""
+    u, shoe = rng.uniform, _lining(rng, R)
+    face = {"point": _point(R, u(0.1, 0.4), -u(0.65, 0.85)), "direction": u(-0.3, 0.3)}
+    face |= {"friction": round(float(u(0.05, 0.4)), 3)} if rough else {}
+    push = _push(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
+    return shoe | {"abutment": face, "actuation": push}
+
+
+def _hinged(rng: Rng, R: float) -> dict[str, Any]:
+    """An internal shoe on a hinge."""
+    u, shoe = rng.uniform, _lining(rng, R)
+    push = _push(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
+    return shoe | {"hinge": _point(R, u(0.05, 0.3), -u(0.65, 0.85)), "actuation": push}
+
+
+def _pivoted(rng: Rng, R: float) -> dict[str, Any]:
+    """A shoe on the pivot of a hinged lever."""
+    u, inside = rng.uniform, bool(rng.random() < 0.3)
+    shoe = _lining(rng, R, inside=inside)
+    if inside:
+        lever = _point(R, u(-0.3, 0.3), -u(0.6, 0.9))
+        pivot = _point(R, u(0.55, 0.85), u(-0.1, 0.1))
+        push = _push(rng, shoe, R, u(-0.2, 0.2), (u(0.0, 0.3), u(0.6, 0.85)))
+    else:
+        lever = _point(R, u(1.1, 1.3), -u(1.1, 1.5))
+        pivot = _point(R, u(1.1, 1.3), u(-0.1, 0.1))
+        push = _push(rng, shoe, R, math.pi + u(-0.2, 0.2), (u(1.1, 1.4), u(1.2, 1.7)))
+    return shoe | {"hinge": lever, "pivot": pivot, "actuation": push}
+
+
+def _guided(rng: Rng, R: float) -> dict[str, Any]:
+    """A shoe on a guide, pushed nearly along the guide."""
+    u, inside = rng.uniform, bool(rng.random() < 0.5)
+    shoe = _lining(rng, R, inside=inside)
+    guide = (0.0 if inside else math.pi) + u(-0.3, 0.3)
+    direction = guide + u(-0.2, 0.2)
+    at = u(0.7, 0.9) if inside else u(1.1, 1.3), u(-0.15, 0.15)
+    push = _push(rng, shoe, R, direction, at)
+    return shoe | {"guide": {"direction": guide}, "actuation": push}
+
+
+def _unforced(shoe: dict[str, Any]) -> dict[str, Any]:
+    """The shoe with the place and direction of its actuation, without the force."""
+    actuation = {key: value for key, value in shoe["actuation"].items() if key != "force"}
+    return shoe | {"actuation": actuation}
+
+
+def facing(shoe: dict[str, Any]) -> dict[str, Any]:
+    """The data of a shoe that is drawn here, mirrored to the other side of the drum."""
+    return _shoe_placed(shoe | {"name": "second"}, math.pi, mirrored=True)
+
+
+def _cam(rng: Rng) -> dict[str, Any]:
+    """Two shoes that a cam spreads, both on hinges or both on abutments."""
+    on_hinges = rng.random() < 0.6
+
+    def make(rng: Rng, R: float) -> dict[str, Any]:
+        if on_hinges:
+            return _hinged(rng, R)
+        return _abutted(rng, R, rough=bool(rng.random() < 0.5))
+
+    data = _drum(rng, lambda rng, R: [make(rng, R), facing(make(rng, R))])
+    force = 2 * min(shoe["actuation"]["force"] for shoe in data["shoe"])
+    shoes = [_unforced(shoe) for shoe in data["shoe"]]
+    return data | {"shoe": shoes, "actuation": {"force": force}}
+
+
+def _cylinder(rng: Rng) -> dict[str, Any]:
+    """A shoe on a rough abutment and a hinged shoe, spread by a hydraulic cylinder."""
+    data = _drum(rng, lambda rng, R: [_abutted(rng, R, rough=True), facing(_hinged(rng, R))])
+    force = min(shoe["actuation"]["force"] for shoe in data["shoe"])
+    bore, efficiency = data["drum"]["radius"] / 5, 0.95
+    drive = {
+        "pressure": force / (math.pi * bore**2 / 4) / efficiency,
+        "diameter": bore,
+        "efficiency": efficiency,
+    }
+    return data | {"shoe": [_unforced(shoe) for shoe in data["shoe"]], "actuation": drive}
+
+
+def _strut(rng: Rng) -> dict[str, Any]:
+    """A pushed shoe that pushes a hinged shoe through a strut."""
+
+    def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
+        u, second = rng.uniform, _lining(rng, R)
+        second |= {
+            "hinge": _point(R, u(0.05, 0.3), u(0.65, 0.85)),
+            "actuation": _push(rng, second, R, 0.0, (0.0, 0.0)),
+        }
+        other = facing(second)
+        del other["actuation"]
+        return [_abutted(rng, R, rough=False), other]
+
+    return _drum(rng, shoes, link=[{"from": "first", "to": "second"}])
+
+
+def _elastic(
+    rng: Rng, R: float, makes: Sequence[Callable[[Rng, float], dict[str, Any]]]
+) -> dict[str, Any]:
+    """A shoe by a random one of the functions `makes`, drawn until it has an elastic body."""
+    make = makes[int(rng.integers(len(makes)))]
+    while "body" not in (shoe := make(rng, R)):
+        pass
+    return shoe
+
+
+def _sloped(rng: Rng, R: float) -> dict[str, Any]:
+    """A shoe on a rough abutment."""
+    return _abutted(rng, R, rough=True)
+
+
+def _tee(rng: Rng, R: float) -> dict[str, Any]:
+    """A shoe of T-section: its body is a web under a table."""
+    shoe, u = _elastic(rng, R, (_hinged, _sloped, _pivoted, _guided)), rng.uniform
+    body, width = shoe["body"], shoe["lining"]["width"]
+    table = {"thickness": u(0.1, 0.5) * body["thickness"], "width": u(1.0, 1.3) * width}
+    return shoe | {"body": body | {"width": u(0.1, 0.6) * width, "table": table}}
+
+
+def _gripped(rng: Rng, R: float) -> dict[str, Any]:
+    """A shoe that is held along a length of its body's back."""
+    shoe = _elastic(rng, R, (_hinged, _pivoted, _guided))
+    return shoe | {"body": shoe["body"] | {"grip": R * rng.uniform(0.05, 0.4)}}
+
+
+def _chain(rng: Rng) -> dict[str, Any]:
+    """Two to four blocks outside the drum, each linked to the next by a strap."""
+    names = ("first", "second", "third", "fourth")[: int(rng.integers(2, 5))]
+
+    def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
+        strap, angle = rng.uniform(1.05, 1.15), float(rng.uniform(-1.5, -0.5))
+        blocks: list[dict[str, Any]] = []
+        for name in names:
+            block, end = _block_of_chain(rng, R, name, angle, strap)
+            if not blocks:
+                pulled = angle
+                point = strap * math.cos(pulled), strap * math.sin(pulled)
+                block["actuation"] = _push(rng, block, R, pulled - math.pi / 2, point)
+            blocks.append(block)
+            angle = end
+        return blocks
+
+    return _drum(rng, shoes, link=[{"from": a, "to": b} for a, b in pairwise(names)])
+
+
+def _block_of_chain(
+    rng: Rng, R: float, name: str, angle: float, strap: float
+) -> tuple[dict[str, Any], float]:
+    """A block that begins at an angle [rad], on an abutment at its end; and the angle of its end.
+
+    strap : radius of the abutment over the drum's radius.
+    """
+    block, half = _lining(rng, R, inside=False), rng.uniform(0.15, 0.35)
+    ends = {"start": angle + 0.05, "end": angle + 0.05 + 2 * half}
+    block |= {"name": name, "lining": block["lining"] | ends}
+    if "body" in block:
+        block["body"] |= {"start": ends["start"] - 0.03, "end": ends["end"] + 0.03}
+    end = ends["end"] + 0.05
+    block["abutment"] = {
+        "point": _point(R, strap * math.cos(end), strap * math.sin(end)),
+        "direction": end + math.pi / 2,
+    }
+    return block, end
+
+
+def _pad(rng: Rng, support: str) -> dict[str, Any]:
+    """A pad on a plane: on a "hinge", a "pivot", a "guide" or an "abutment"."""
+    u = rng.uniform
+    length, start = log_between(rng, 0.04, 0.3), float(u(-0.3, 0.3))
+    middle, width = start + length / 2, length * u(0.2, 0.8)
+    thickness = length * log_between(rng, 1 / 40, 1 / 8)
+    material = {"E": log_between(rng, 1e8, 1e10), "nu": round(float(u(0.1, 0.4)), 3)}
+    lining = {
+        "start": start,
+        "end": start + length,
+        "thickness": thickness,
+        "width": width,
+        "material": material,
+    }
+    shoe: dict[str, Any] = {"name": "pad", "lining": lining}
+    if rng.random() < 0.7:
+        shoe["body"] = {
+            "thickness": length * u(0.1, 0.3),
+            "width": width,
+            "start": start - length * u(0.02, 0.1),
+            "end": start + length * u(1.02, 1.1),
+            "material": {"E": 2.1e11, "nu": 0.3},
+        }
+    away, height = length * u(0.8, 1.5), length * u(0.1, 0.5)
+    pin, at = {"x": middle - away, "y": height}, {"x": middle + away, "y": height}
+    direction = -math.pi / 2
+    if support == "pivot":
+        pivot = {"x": middle + length * u(-0.1, 0.1), "y": length * u(0.05, 0.3)}
+        shoe |= {"hinge": pin, "pivot": pivot}
+    elif support == "hinge":
+        shoe |= {"hinge": pin}
+    else:
+        at = {"x": middle + length * u(-0.1, 0.1), "y": height}
+        direction += u(-0.1, 0.1)
+        # The abutment is drawn for a guide as well, so that both supports see the same pads.
+        abutment = {
+            "point": {"x": start - 0.1 * length, "y": length * u(0.05, 0.2)},
+            "direction": u(-0.2, 0.2),
+        }
+        abutment["friction"] = round(float(u(0.0, 0.3)), 3)
+        if support == "guide":
+            shoe |= {"guide": {"direction": -math.pi / 2 + u(-0.2, 0.2)}}
+        else:
+            shoe |= {"abutment": abutment}
+    force = float(f"{material['E'] * length * width * log_between(rng, 1e-4, 3e-3):.4g}")
+    shoe["actuation"] = {"force": force, "direction": direction, "point": at}
+    compression = force / (material["E"] * length * width) * thickness
+    lining |= _ill_fitting(rng.spawn(1)[0], lining, compression)
+    return {"plane": {"sliding": str(rng.choice(["+x", "-x"]))}, "shoe": [shoe]}
+
+
+def _ill_fitting(rng: Rng, lining: dict[str, Any], size: float) -> dict[str, Any]:
+    """Clearance and misfit of a pad; seven of ten pads have none.
+
+    size : compression of the lining by the pad's force [m]; the gaps are of this size.
+    """
+    u, length = rng.uniform, lining["end"] - lining["start"]
+    way = int(rng.integers(10))
+    if way == 0:
+        radius = length**2 / (8 * size * u(0.2, 3.0)) * float(rng.choice([-1, 1]))
+        offset = {"x": length * u(-0.04, 0.04), "y": size * u(-1, 1)}
+        return {"misfit": {"radius": radius, "offset": offset}}
+    if way == 1:
+        return {"misfit": {"taper": size * u(-2, 2)}, "clearance": size * u(0, 2)}
+    if way == 2:
+        places = np.linspace(lining["start"], lining["end"], int(rng.integers(2, 5)))
+        return {"clearance": [[float(x), float(size * u(0, 2))] for x in places]}
+    return {}
+
+
+HOLDING_KINDS: dict[str, Draw] = {
+    "hinge": lambda rng: _drum(rng, lambda rng, R: [_hinged(rng, R)]),
+    "abutment": lambda rng: _drum(rng, lambda rng, R: [_abutted(rng, R, rough=False)]),
+    "rough abutment": lambda rng: _drum(rng, lambda rng, R: [_abutted(rng, R, rough=True)]),
+    "pivot": lambda rng: _drum(rng, lambda rng, R: [_pivoted(rng, R)]),
+    "guide": lambda rng: _drum(rng, lambda rng, R: [_guided(rng, R)]),
+    "cylinder": _cylinder,
+    "cam": _cam,
+    "strut": _strut,
+    "pad on a hinge": lambda rng: _pad(rng, "hinge"),
+    "pad on a pivot": lambda rng: _pad(rng, "pivot"),
+    "pad on a guide": lambda rng: _pad(rng, "guide"),
+    "pad on an abutment": lambda rng: _pad(rng, "abutment"),
+    "table": lambda rng: _drum(rng, lambda rng, R: [_tee(rng, R)]),
+    "grip": lambda rng: _drum(rng, lambda rng, R: [_gripped(rng, R)]),
+    "chain": _chain,
+}
+"""How a brake of each kind is drawn. The order decides which seed draws which kind."""
+
+
+def _shoe_placed(
+    shoe: dict[str, Any], turn: float, *, mirrored: bool, shift: float = 0.0
+) -> dict[str, Any]:
+    """The data of a shoe after it is mirrored, turned and shifted, in this order.
+
+    Parameters
+    ----------
+    shoe : dict
+        Data of a shoe, as in a brake file.
+    turn : float
+        Angle by which the shoe is turned [rad].
+    mirrored : bool
+        Whether the shoe is mirrored about the x axis.
+    shift : float
+        Distance by which the shoe is shifted along x [m].
+    """
+    sign = -1 if mirrored else 1
+    c, s = math.cos(turn), math.sin(turn)
+
+    def placed_point(point: dict[str, float]) -> dict[str, float]:
+        x, y = point["x"], sign * point["y"]
+        return {"x": c * x - s * y + shift, "y": s * x + c * y}
+
+    def placed_direction(part: dict[str, Any]) -> dict[str, Any]:
+        moved = part | {"direction": turn + sign * part["direction"]}
+        return moved | ({"point": placed_point(part["point"])} if "point" in part else {})
+
+    def placed_end(lining: float) -> float:
+        # On a plane a mirror image is taken about y: the shoe is mirrored and turned by 180 degrees.
+        return turn + sign * lining if "side" in shoe else c * lining + shift
+
+    def placed_ends(part: dict[str, Any]) -> dict[str, Any]:
+        start, end = sorted(placed_end(part[key]) for key in ("start", "end"))
+        moved = part | {"start": start, "end": end}
+        if isinstance(part.get("clearance"), list | tuple):
+            moved["clearance"] = sorted([placed_end(x), gap] for x, gap in part["clearance"])
+        if "misfit" in part:
+            x, y = (part["misfit"]["offset"][key] for key in "xy")
+            offset = {"x": c * x - s * sign * y, "y": s * x + c * sign * y}
+            moved["misfit"] = part["misfit"] | {"offset": offset}
+        return moved
+
+    moves = {
+        "hinge": placed_point,
+        "pivot": placed_point,
+        "abutment": placed_direction,
+        "guide": placed_direction,
+        "actuation": placed_direction,
+        "lining": placed_ends,
+        "body": placed_ends,
+    }
+    result = dict(shoe)
+    for key, move in moves.items():
+        if result.get(key) is not None:
+            result[key] = move(result[key])
+    return result
+
+
+def placed(brake: Brake, *, turn: float = 0.0, mirrored: bool = False, shift: float = 0.0) -> Brake:
+    """The brake after it is mirrored, turned and shifted, in this order.
+
+    A drum brake is mirrored about the x axis, a brake on a plane about the y axis. The forces of
+    struts and cams stay. Linings with blocks (`misfit.blocks`) are not covered.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake to be placed.
+    turn : float
+        Angle [rad] by which a drum brake is turned; without effect on a plane.
+    mirrored : bool
+        Whether the brake and its motion are mirrored.
+    shift : float
+        Distance along x [m] by which a brake on a plane is shifted.
+    """
+    data = (brake.reversed() if mirrored else brake).model_dump(by_alias=True)
+    if brake.surface.straight:
+        turn = math.pi if mirrored else 0.0
+    data["shoe"] = [
+        _shoe_placed(shoe, turn, mirrored=mirrored, shift=shift) for shoe in data["shoe"]
+    ]
+    return validated(type(brake), data)
+
+
+LENGTH_KEYS = {"x", "y", "radius", "thickness", "width", "grip", "clearance", "diameter", "taper"}
+"""Keys of a brake file whose numbers are lengths."""
+FORCE_KEYS = {"force"}
+"""Keys of a brake file whose numbers are forces."""
+
+
+def scaled(brake: Brake, length: float, modulus: float) -> Brake:
+    """The brake with all lengths and all moduli times a factor, at unchanged strains.
+
+    Forces grow with modulus times length squared, torques with modulus times length cubed.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake to be scaled.
+    length : float
+        Factor on all lengths.
+    modulus : float
+        Factor on all moduli and pressures.
+    """
+    on_plane = brake.surface.straight
+    lengths = LENGTH_KEYS | ({"start", "end"} if on_plane else set())
+    along = length if on_plane else 1.0
+
+    def scaled_part(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: scaled_value(key, each) for key, each in value.items()}
+        return [scaled_part(each) for each in value] if isinstance(value, list | tuple) else value
+
+    def scaled_value(key: str, value: Any) -> Any:
+        if key in {"clearance", "blocks"} and isinstance(value, list | tuple):
+            return [[place * along, size * length] for place, size in value]
+        if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):
+            return scaled_part(value)
+        if key in lengths:
+            return value * length
+        if key in {"E", "pressure"}:
+            return value * modulus
+        if key in FORCE_KEYS:
+            return value * modulus * length**2
+        return value * modulus * length**3 if key == "torque" else value
+
+    return validated(type(brake), scaled_part(brake.model_dump(by_alias=True)))

@@ -1,0 +1,52 @@
+"""Cases in this process or in several, each kept in a journal as it is finished."""
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
+from multiprocessing import get_context
+from typing import Any
+
+from drumlin.base.journal import Journal
+
+PROCESSES = 2
+"""Processes of a study: the machines that it is made for have two cores."""
+
+Case = Mapping[str, Any]
+
+
+def kept(
+    cases: Sequence[Case],
+    work: Callable[[Case], dict[str, Any]],
+    journal: Journal,
+    say: Callable[[str], None] = lambda _: None,
+    processes: int = PROCESSES,
+    what: str = "cases",
+) -> list[dict[str, Any]]:
+    """The results of all cases, in their order.
+
+    Parameters
+    ----------
+    cases : sequence of mappings
+        What tells the cases apart.
+    work : function
+        From a case to its result; a function of a module, since it goes to other processes.
+    journal : Journal
+        Cases that it has are not worked on again.
+    say : function
+        Told how far the work is.
+    processes : int
+        Number of processes besides this one; 0 works in this one.
+    what : str
+        What cases are called where `say` is told.
+    """
+    left = [case for case in cases if case not in journal]
+    with (
+        ProcessPoolExecutor(processes, mp_context=get_context("spawn"))
+        if processes
+        else nullcontext() as pool
+    ):
+        results = pool.map(work, left) if pool else map(work, left)
+        for done, (case, found) in enumerate(zip(left, results, strict=True), 1):
+            journal.add(case, found)
+            say(f"{done} of {len(left)} {what}")
+    return [journal[case] for case in cases]

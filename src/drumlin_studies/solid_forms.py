@@ -1,0 +1,190 @@
+"""Closed forms in three dimensions for the solid shoe's parts: no brake, the same mesh, stiffness
+and contact face.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import skfem
+from scipy.sparse.linalg import splu
+
+from drumlin.base.arrays import Floats
+from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
+from drumlin.brake.fields import Material
+from drumlin.contact import active_set
+from drumlin.contact.equations import Problem
+from drumlin.fem.mesh.edges import edge_nodes
+from drumlin.fem.mesh.grading import half_geometric
+from drumlin.fem.solid.body import HALVES, tie
+from drumlin.fem.solid.face import ContactFace, contact_face
+from drumlin.fem.solid.mesh import Solid, extruded
+from drumlin.fem.substructure.body import condense, stiffness
+from drumlin.fem.substructure.interface import ContactLine, contact_line, radial
+
+PART = "lining"
+
+
+def _section(grid: Any, at: Floats, groups: Mapping[str, Any]) -> Any:
+    """A section of quadratic quadrilaterals on a straight grid, its nodes moved to `at` (2, nodes)."""
+    return skfem.MeshQuad2(
+        at, grid.t, _subdomains={PART: np.arange(grid.nelements)}, _boundaries=dict(groups)
+    )
+
+
+def ring_sector(radii: Floats, angles: Floats, z: Floats) -> Solid:
+    """A sector of a ring: contact on its outer face, "hinge" on the inner one."""
+    grid = skfem.MeshQuad.init_tensor(radii[-1] - radii[::-1], angles)
+    middle = grid.p[:, grid.facets].mean(axis=1)
+    thick = float(radii[-1] - radii[0])
+    groups = {
+        "contact": np.flatnonzero(middle[0] < 1e-12 * thick),
+        "hinge": np.flatnonzero(middle[0] > thick * (1 - 1e-12)),
+    }
+    quadratic = skfem.MeshQuad2.from_mesh(grid)
+    r, phi = radii[-1] - quadratic.doflocs[0], quadratic.doflocs[1]
+    return extruded(
+        _section(grid, np.array([r * np.cos(phi), r * np.sin(phi)]), groups),
+        {PART: float(z[-1])},
+        z,
+    )
+
+
+def face_on(solid: Solid) -> ContactFace:
+    """The contact face of a sector about angle 0."""
+    return contact_face(
+        contact_line(solid.plane, solid.section.boundaries["contact"], 0.0), solid.node, solid.z
+    )
+
+
+def lame_error(
+    elements: int, material: Material, radii: tuple[float, float] = (0.6, 1.0), half: float = 0.5
+) -> float:
+    """Error of a quarter ring under outer pressure, free faces z = +-half: largest of u over the
+    largest u.
+
+    Plane stress holds exactly: u_r = A r + B/r, u_z = -nu/E (s_r + s_theta) z, whatever the width
+    (Lame).
+    """
+    a, b = radii
+    solid = ring_sector(
+        np.linspace(a, b, elements + 1),
+        np.linspace(0, math.pi / 2, 3 * elements + 1),
+        np.linspace(0, half, 3),
+    )
+    E, nu, p = material.E, material.nu, 1.0
+    K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
+    face, x = face_on(solid), solid.basis.doflocs
+    load = np.zeros((solid.basis.N, 3))
+    load[face.nodes, :2] = -(face.couple(0.0, radial(1)).N.T @ np.full(len(face.nodes), p)).reshape(
+        -1, 2
+    )
+    fixed = np.zeros((solid.basis.N, 3), dtype=bool)
+    for c in range(3):
+        fixed[np.abs(x[c]) < 1e-9, c] = True
+    free = np.flatnonzero(~fixed.ravel())
+    u = np.zeros(int(3 * solid.basis.N))
+    u[free] = splu(K[free][:, free].tocsc()).solve(load.ravel()[free])
+    r = np.hypot(x[0], x[1])
+    A = -p * b**2 / (b**2 - a**2)  # s_r = A (1 - a^2/r^2), s_theta = A (1 + a^2/r^2)
+    radial_u = A / E * ((1 - nu) * r + (1 + nu) * a**2 / r)
+    exact = np.array([radial_u * x[0] / r, radial_u * x[1] / r, -2 * nu / E * A * x[2]])
+    return float(np.abs(u.reshape(-1, 3).T - exact).max() / np.abs(exact).max())
+
+
+def patch_error(elements: int, material: Material) -> float:
+    """Nodal forces of a uniform pressure on the curved face by the coupling, against those of the
+    uniform stress.
+
+    A body in the uniform strain of the hydrostatic pressure p = 1 needs the nodal forces K u
+    everywhere on its surface: on the inner nodes of the friction face they are -N^T p. Largest
+    difference over the largest force.
+    """
+    z = np.array([0.0, 0.1, 0.15])
+    solid = ring_sector(np.linspace(0.6, 1.0, 3), np.linspace(-0.5, 0.5, elements + 1), z)
+    K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
+    u = -(1 - 2 * material.nu) / material.E * solid.basis.doflocs.T
+    forces = (K @ u.ravel()).reshape(-1, 3)
+    face = face_on(solid)
+    mine = -(face.couple(0.0, radial(1)).N.T @ np.ones(len(face.nodes))).reshape(-1, 2)
+    within = (np.abs(face.phi) < 0.5 - 1e-9) & (
+        np.tile(face.z, len(face.line.nodes)) < z[-1] - 1e-9
+    )
+    wanted = forces[face.nodes, :2]
+    return float(np.abs(mine - wanted)[within].max() / np.abs(wanted[within]).max())
+
+
+class PointContact(NamedTuple):
+    """Hertz's point contact: peak pressure and L2 distance of p over the closed form, number of
+    unknowns.
+    """
+
+    peak: float
+    distance: float
+    unknowns: int
+
+
+def _upwards(x: Floats) -> tuple[Floats, Floats]:
+    zero, one = np.zeros_like(x[0]), np.ones_like(x[0])
+    return np.stack([zero, one]), np.stack([one, zero])
+
+
+def point_contact(
+    per_radius: int, nu: float = 0.3, size: float = 6.0, growth: float = 1.6
+) -> PointContact:
+    """A rigid sphere of radius 1 pressed into a block so that the contact's radius is 1 (Hertz
+    1882).
+
+    `size`: half the block's edges, contact radii; `per_radius`: elements to the contact's radius.
+    With E' = E/(1 - nu^2), F = 4 E'/3 and the peak 3 F/(2 pi).
+    """
+    h = 1.25 / round(1.25 * per_radius)
+    s = np.concatenate([np.arange(0, 1.25, h), 1.25 + half_geometric(size - 1.25, h, growth, size)])
+    depth = half_geometric(size, h, growth, size)
+    grid = skfem.MeshQuad.init_tensor(np.concatenate([-s[:0:-1], s]), -depth[::-1])
+    middle = grid.p[:, grid.facets].mean(axis=1)
+    groups = {
+        "contact": np.flatnonzero(middle[1] > -1e-12),
+        "hinge": np.flatnonzero(middle[1] < 1e-9 - size),
+    }
+    section = _section(grid, skfem.MeshQuad2.from_mesh(grid).doflocs, groups)
+    solid = extruded(section, {PART: size}, s)
+    material = Material(E=1.0, nu=nu)
+    face = contact_face(_flat_line(solid), solid.node, solid.z)
+    held = np.unique(edge_nodes(solid.plane, groups["hinge"]))
+    ties = tie(solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True)
+    K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
+    body = condense(K, ties, {}, 2 * len(face.nodes))
+    coupling = face.couple(0.0, _upwards)
+    half = body.half(coupling.N.T)
+    r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
+    load, area = 4 / 3 / (1 - nu**2), coupling.area
+    problem = Problem(
+        A=half.T @ half,
+        q=coupling.M @ (r**2 / 2),
+        B=-area[:, None],
+        C=area[None],
+        h=np.array([load]),
+    )
+    p = active_set.solve(problem, r < 1.05).p
+    exact = 1.5 * load / math.pi * np.sqrt(np.maximum(1 - r**2, 0.0))
+    off, size_ = p - exact, exact @ coupling.M @ exact
+    return PointContact(
+        float(p[r.argmin()] / exact.max()),
+        math.sqrt(off @ coupling.M @ off / size_),
+        int(3 * solid.basis.N),
+    )
+
+
+def _flat_line(solid: Solid) -> ContactLine:
+    """The flat top of a block; its nodes by growing x, which stand for angles."""
+    ends = edge_nodes(solid.plane, solid.section.boundaries["contact"])
+    at = solid.plane.doflocs
+    nodes = np.unique(ends)
+    nodes = nodes[np.argsort(at[0, nodes])]
+    place = np.empty(solid.plane.N, dtype=np.int64)
+    place[nodes] = np.arange(len(nodes))
+    pieces = place[ends]
+    pieces = np.where(pieces[0] < pieces[-1], pieces, pieces[::-1])
+    return ContactLine(nodes, at[:, nodes], at[0, nodes], pieces[:, np.argsort(pieces[0])])

@@ -1,0 +1,103 @@
+"""Random brakes whose clearance is far larger than the compression of their linings.
+
+The contact of these brakes is short, and it moves along the lining as friction grows. The brakes
+are those of `random_kinds` with a stiffer lining, a clearance and a smaller force.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.brake.plane_brake import any_from
+from drumlin.laws import law
+from drumlin_studies.random_kinds import (
+    HOLDING_ATTEMPTS,
+    HOLDING_KINDS,
+    Rng,
+    facing,
+    log_between,
+    placed,
+)
+
+LINING_MODULI = 3e8, 1e11
+"""Smallest and largest Young's modulus of the linings [Pa]."""
+CLEARANCE_FRACTIONS = 1e-4, 1 / 300
+"""Smallest and largest clearance, as a fraction of the drum's radius or of a pad's length."""
+FORCE_DIVISORS = 1.0, 300.0
+"""Smallest and largest divisor of the force that `random_kinds` draws."""
+
+
+def standing_off(seed: int, kind: str | None = None) -> Brake:
+    """The brake of a seed, in which all shoes press by the rigid-shoe law.
+
+    Finite elements are not asked: by them some of these brakes have no answer.
+
+    Parameters
+    ----------
+    seed : int
+        The same seed always gives the same brake.
+    kind : str, optional
+        One of HOLDING_KINDS. By default the seed modulo their number chooses the kind.
+
+    Raises
+    ------
+    NoAnswer
+        No brake of the kind passes in HOLDING_ATTEMPTS draws.
+    """
+    names = list(HOLDING_KINDS)
+    kind = names[seed % len(names)] if kind is None else kind
+    for attempt in range(HOLDING_ATTEMPTS):
+        rng = np.random.default_rng([seed, names.index(kind), attempt, 1])
+        data = _off(rng, HOLDING_KINDS[kind](rng)) | {"title": f"standing off {kind} {seed}"}
+        data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
+        turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
+        try:
+            brake = any_from(data)
+            turn = 0.0 if brake.surface.straight else turn
+            brake = placed(brake, turn=turn, mirrored=mirrored)
+            if all(shoe.contact_arcs for shoe in law(brake).shoes):
+                return brake
+        except (BadInput, NoAnswer):
+            continue
+    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
+
+
+def _off(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
+    """The data of a brake with clearances, other moduli of the linings and smaller forces.
+
+    The shoes of a cam become mirror images. A cam moves both tips by the same distance, so that of
+    two shoes with different clearances only one would press.
+    """
+    divisor = log_between(rng, *FORCE_DIVISORS)
+    shoes = [_shoe_off(rng, shoe, data.get("drum"), divisor) for shoe in data["shoe"]]
+    result = data | {"shoe": shoes}
+    if "actuation" in data:
+        result["actuation"] = _weaker(data["actuation"], divisor)
+        has_cam = "force" in data["actuation"]
+        if has_cam:
+            result["shoe"] = [shoes[0], facing(shoes[0])]
+    return result
+
+
+def _shoe_off(
+    rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, divisor: float
+) -> dict[str, Any]:
+    """The data of a shoe with a clearance, another modulus of the lining and a smaller force."""
+    lining = {key: value for key, value in shoe["lining"].items() if key != "misfit"}
+    size = lining["end"] - lining["start"] if drum is None else drum["radius"]
+    lining["clearance"] = size * log_between(rng, *CLEARANCE_FRACTIONS)
+    lining["material"] = lining["material"] | {"E": log_between(rng, *LINING_MODULI)}
+    result = shoe | {"lining": lining}
+    if "actuation" in shoe:
+        result["actuation"] = _weaker(shoe["actuation"], divisor)
+    return result
+
+
+def _weaker(actuation: dict[str, Any], divisor: float) -> dict[str, Any]:
+    """The actuation with its force or pressure divided by a number."""
+    return {
+        key: value / divisor if key in {"force", "pressure"} else value
+        for key, value in actuation.items()
+    }

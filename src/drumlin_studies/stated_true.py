@@ -1,0 +1,373 @@
+"""The stated error of a response against its true error.
+
+The truth is a far finer solution: by curved triangles, which share only the brake with the hp
+elements that are judged, or by hp elements that are some two levels finer, with exact contact. The
+uncertainty of the truth is the change in the last steps of its sequence plus the round-off of its
+elimination.
+
+All errors are relative. The error of p is an L2 norm outside EDGE_ZONE at the lining's ends, that
+of the peak pressure and of the hinge reaction a maximum; each is the largest error of all shoes.
+The error of the torque is that of the whole brake.
+"""
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.comparison import edge_of
+from drumlin.fem.error_control.estimate import ROUND_OFF
+from drumlin.fem.error_control.levels import steps
+from drumlin.fem.hp.corner import NodalPressure
+from drumlin.fem.model import respond
+from drumlin.response.response import (
+    EDGE_ZONE,
+    NO_CHANGE,
+    Response,
+    ShoeChange,
+    ShoeResponse,
+    edge_zone,
+    reaction_size,
+)
+from drumlin.response.resultants import edge_left_out
+from drumlin.verification import triangles
+
+JUDGED_QUANTITIES = ("pressure", "torque", "peak", "reaction")
+"""Quantities whose stated errors are judged."""
+JUDGED_TOLERANCES = (1e-2, 1e-3, 1e-4)
+"""Relative tolerances to which each brake is solved."""
+GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
+"""Points in [-1, 1] and weights of the quadrature between two knots of the pressure."""
+TRUTH_FINENESS = 0.1
+"""Largest last change of p in a sequence of levels that counts as the truth, over the tolerance.
+
+The levels go on until p changes by less.
+"""
+PEAK_ANGLES = 4001
+"""Number of even angles at which a peak is looked for, in addition to the nodes."""
+
+
+class PressureField(NodalPressure, Protocol):
+    """A pressure at nodes that can be evaluated between them."""
+
+    def pressure_at(self, theta: Floats) -> Floats:
+        """Pressure [Pa] at angles [rad]."""
+
+
+class TrueShoe(PressureField, Protocol):
+    """The solution of a shoe that serves as the truth."""
+
+    @property
+    def torque(self) -> float:
+        """Torque [N m] on the drum."""
+
+    @property
+    def normal_force(self) -> float:
+        """Resultant of the normal pressure [N]."""
+
+    @property
+    def hinge_reaction(self) -> Floats:
+        """Force of the pin on the shoe (2,) [N]."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The solution on the finest division of a sequence, and its uncertainty.
+
+    Attributes
+    ----------
+    shoes : sequence of TrueShoe
+        The solution of each shoe.
+    unsure : mapping
+        Relative uncertainty by JUDGED_QUANTITIES: what is left to the limit of the sequence, plus
+        the round-off of the elimination.
+    seconds : float
+        Processor time of the sequence [s].
+    """
+
+    shoes: Sequence[TrueShoe]
+    unsure: Mapping[str, float]
+    seconds: float
+
+
+def by_triangles(brake: Brake) -> Truth:
+    """The truth of a brake by curved triangles. Raises as `triangles.solve`."""
+    begin = time.process_time()
+    return of_last_three(brake, triangles.sequence(brake), begin)
+
+
+def by_columns(brake: Brake, tolerance: float) -> Truth:
+    """The truth of a brake by finer and finer levels of hp elements, with exact contact.
+
+    The levels go on until p changes by less than TRUTH_FINENESS of the tolerance, or until they
+    end. The truth is the level that changed p least: a finer one may have lost more to round-off
+    than it has added.
+
+    Raises NoAnswer where fewer than three levels have an answer.
+    """
+    begin = time.process_time()
+    solutions: list[Sequence[ShoeResponse]] = []
+    changes: list[float] = []
+    try:
+        for _, response in steps(brake, partial(respond, penalty=math.inf)):
+            change = math.inf
+            if solutions:
+                change = errors(brake, solutions[-1], response.shoes)["pressure"]
+            changes.append(change)
+            solutions.append(response.shoes)
+            if len(solutions) > 2 and change <= TRUTH_FINENESS * tolerance:
+                break
+    except NoAnswer:
+        # The finest level may fail where coarser ones have an answer.
+        if len(solutions) < 3:
+            raise
+    if len(solutions) < 3:
+        raise NoAnswer(f"only {len(solutions)} levels of columns have an answer")
+    best = 2 + int(np.argmin(changes[2:]))
+    last_three = solutions[best - 2 : best + 1]
+    return of_last_three(brake, last_three, begin, round_off(solutions[best]))
+
+
+def round_off(shoes: Sequence[ShoeResponse]) -> ShoeChange:
+    """The largest relative round-off error of each quantity by the elimination, over all shoes."""
+    by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
+    return ShoeChange(*(ROUND_OFF * max(parts) for parts in by_quantity))
+
+
+def of_last_three(
+    brake: Brake, last: Sequence[Sequence[TrueShoe]], begin: float, lost: ShoeChange = NO_CHANGE
+) -> Truth:
+    """The truth from the last three solutions of a sequence.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake of the sequence.
+    last : sequence of three sequences of TrueShoe
+        The shoes of the last three solutions, coarse to fine.
+    begin : float
+        Processor time at which the sequence began [s].
+    lost : Change
+        Relative round-off of the finest solution. It is added to the uncertainty.
+    """
+    early = errors(brake, last[0], last[1])
+    late = errors(brake, last[1], last[2])
+    digits = lost._asdict() | {"peak": max(lost.pressure, lost.peak)}
+    unsure = {name: limit(early[name], late[name]) + digits[name] for name in JUDGED_QUANTITIES}
+    return Truth(last[2], unsure, time.process_time() - begin)
+
+
+def limit(early: float, late: float) -> float:
+    """The distance of the last member of a sequence from its limit, from its last two steps.
+
+    Each step is taken to be r times shorter than the one before, so that the rest is the last step
+    over r - 1. The observed r is kept between 2 and 4.
+
+    early : size of the last step but one; late : size of the last step.
+    """
+    if not late:
+        return 0.0
+    ratio_of_steps = min(max(early / late, 2.0), 4.0)
+    return late / (ratio_of_steps - 1)
+
+
+def errors(brake: Brake, found: Sequence[Any], true: Sequence[TrueShoe]) -> dict[str, float]:
+    """Relative errors of the shoes of a response, by JUDGED_QUANTITIES.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake that was solved.
+    found : sequence of ShoeResponse or ShoeSolution
+        The shoes that are judged.
+    true : sequence of TrueShoe
+        The shoes that serve as the truth.
+    """
+    trios = list(zip(brake.shoes, found, true, strict=True))
+    true_torque = math.fsum(shoe.torque for shoe in true)
+    torque_error = math.fsum(a.torque - b.torque for _, a, b in trios)
+    return {
+        "pressure": max(pressure_error(a, b, edge_of(brake)) for _, a, b in trios),
+        "torque": abs(torque_error) / true_torque if true_torque else 0.0,
+        "peak": max(_peak_error(shoe, brake.scale_factor, a, b) for shoe, a, b in trios),
+        "reaction": max(_reaction_error(a, b) for _, a, b in trios),
+    }
+
+
+def _reaction_error(found: Any, true: TrueShoe) -> float:
+    """Error of the hinge reaction, relative to the size of the true reaction."""
+    size = reaction_size(true.hinge_reaction, true.normal_force)
+    return math.dist(found.hinge_reaction, true.hinge_reaction) / size
+
+
+def pressure_error(found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE) -> float:
+    """L2 norm of the error of p over theta, relative to the L2 norm of p.
+
+    The zones of `edge` [rad] at both ends of the lining are left out, unless half of the force
+    acts there. nan where nothing presses.
+    """
+    zone = edge_left_out(true.theta, true.pressure, true.order, edge)
+    first, last = true.theta[0] + zone, true.theta[-1] - zone
+    knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
+    knots = knots[(knots >= first) & (knots <= last)]
+    # Between two knots both pressures are smooth, so that Gauss quadrature is exact enough.
+    half = 0.5 * np.diff(knots)[:, None]
+    theta, weight = knots[:-1, None] + half * (1 + GAUSS_POINTS), half * GAUSS_WEIGHTS
+    p = true.pressure_at(theta)
+    size = float(np.sum(weight * p**2))
+    if not size:
+        return math.nan
+    square = float(np.sum(weight * (found.pressure_at(theta) - p) ** 2))
+    return math.sqrt(square / size)
+
+
+def peak(shoe: Shoe, scale_factor: float, found: PressureField) -> float:
+    """Largest pressure [Pa] of a shoe outside the edge zones.
+
+    The edge zones are included where half of the force acts there.
+
+    Parameters
+    ----------
+    shoe : Shoe
+        The shoe of the brake.
+    scale_factor : float
+        Metres per unit of the lining's coordinate (`Brake.scale_factor`).
+    found : PressureField
+        The pressure of the shoe.
+    """
+    zone = edge_left_out(found.theta, found.pressure, found.order, edge_zone(shoe, scale_factor))
+    start, end = shoe.lining.start + zone, shoe.lining.end - zone
+    inside = found.theta[(found.theta > start) & (found.theta < end)]
+    angles = np.concatenate([inside, np.linspace(start, end, PEAK_ANGLES)])
+    return float(found.pressure_at(angles).max())
+
+
+def _peak_error(shoe: Shoe, scale_factor: float, found: Any, true: TrueShoe) -> float:
+    """Relative error of the peak pressure; nan where nothing presses.
+
+    A response states its peak. The peak of a plain solution is looked for here.
+    """
+    true_peak = peak(shoe, scale_factor, true)
+    states_peak = hasattr(found, "peak_pressure")
+    found_peak = float(found.peak_pressure) if states_peak else peak(shoe, scale_factor, found)
+    return abs(found_peak / true_peak - 1) if true_peak else math.nan
+
+
+def row(
+    brake: Brake,
+    tolerance: float,
+    solve: Callable[..., Response],
+    true: Truth | None,
+    failure: str = "",
+) -> dict[str, Any]:
+    """Stated and true errors of a brake that is solved to a tolerance, as one row.
+
+    The row has the keys "stated_", "true_" and "unsure_" with JUDGED_QUANTITIES, as far as there
+    is a value; `outcome` is "reached", "not reached", "no truth" or "failed", `reason` the line
+    that explains a failure.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake to be solved.
+    tolerance : float
+        Relative tolerance of the solve.
+    solve : function
+        Solves a brake with the keyword `tolerance`.
+    true : Truth or None
+        The truth of the brake; None where the truth itself failed.
+    failure : str
+        Why there is no truth.
+    """
+    begin = time.process_time()
+    base: dict[str, Any] = {"tolerance": tolerance, "title": brake.title, "reason": failure}
+    try:
+        response = solve(brake, tolerance=tolerance)
+    except (BadInput, NoAnswer, ArithmeticError, ValueError, AssertionError) as error:
+        return base | _failure(error) | {"seconds": time.process_time() - begin}
+    base["seconds"] = time.process_time() - begin
+    stated = response.error or {}
+    for name in JUDGED_QUANTITIES:
+        base[f"stated_{name}"] = float(stated.get(name, math.nan))
+    if true is None:
+        return base | {"outcome": "no truth"}
+    true_errors = errors(brake, response.shoes, true.shoes)
+    base["outcome"] = "reached"
+    base |= {f"true_{name}": true_errors[name] for name in JUDGED_QUANTITIES}
+    base |= {f"unsure_{name}": true.unsure[name] for name in JUDGED_QUANTITIES}
+    return base
+
+
+def _failure(error: Exception) -> dict[str, str]:
+    """Outcome and reason of a solve that raised an error."""
+    if isinstance(error, NoAnswer):
+        outcome = "not reached" if "not reached" in str(error) else "failed"
+        return {"outcome": outcome, "reason": str(error)}
+    return {"outcome": "failed", "reason": f"{type(error).__name__}: {error}"}
+
+
+def ratio(one: Mapping[str, Any], name: str) -> float:
+    """The stated error of a quantity in a row over its true error.
+
+    The uncertainty of the truth is taken off the true error. nan where the row lacks one of the
+    errors, inf where the true error is not larger than its uncertainty.
+    """
+    stated = float(one.get(f"stated_{name}", math.nan))
+    true = float(one.get(f"true_{name}", math.nan))
+    unsure = float(one.get(f"unsure_{name}", math.nan))
+    if math.isnan(stated + true + unsure):
+        return math.nan
+    certain = true - unsure
+    return stated / certain if certain > 0 else math.inf
+
+
+def summary(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """A row for each tolerance and quantity: how far stated errors can be trusted.
+
+    Keys of a row, all shares as fractions: `brakes`: their number; `reached`: share that reached
+    the tolerance; `judged`: number with a stated and a true error; `above`: share whose true error
+    is above the stated one, with the uncertainty of the truth taken off; `above_whole`: the same
+    with nothing taken off; `above_twice`: share whose true error is above twice the stated one;
+    `smallest`: smallest ratio of stated to true error; `median`: median of this ratio where the
+    true error is more than four times its uncertainty; `missed`: share whose true error is above
+    the tolerance.
+    """
+    table = []
+    for tolerance in sorted({one["tolerance"] for one in rows}, reverse=True):
+        own = [one for one in rows if one["tolerance"] == tolerance]
+        own = [one for one in own if one["outcome"] != "no truth"]
+        table += [_summary_row(own, tolerance, name) for name in JUDGED_QUANTITIES]
+    return table
+
+
+def _summary_row(rows: Sequence[Mapping[str, Any]], tolerance: float, name: str) -> dict[str, Any]:
+    """The row of `summary` for the rows of one tolerance and for one quantity."""
+    ratios = np.array([ratio(one, name) for one in rows])
+    is_judged = ~np.isnan(ratios)
+    judged_rows = [one for one, judged in zip(rows, is_judged, strict=True) if judged]
+    judged_ratios = ratios[is_judged]
+    stated, true, unsure = f"stated_{name}", f"true_{name}", f"unsure_{name}"
+    well_known = [one for one in judged_rows if one[true] > 4 * one[unsure]]
+    known_ratios = [one[stated] / one[true] for one in well_known]
+    missed = sum(one.get(true, 0.0) - one.get(unsure, 0.0) > tolerance for one in rows)
+    brakes, judged = max(1, len(rows)), max(1, len(judged_rows))
+    return {
+        "tolerance": tolerance,
+        "quantity": name,
+        "brakes": len(rows),
+        "reached": sum(one["outcome"] == "reached" for one in rows) / brakes,
+        "judged": len(judged_rows),
+        "above": float((judged_ratios < 1).sum()) / judged,
+        "above_whole": sum(one[stated] < one[true] for one in judged_rows) / judged,
+        "above_twice": float((judged_ratios < 0.5).sum()) / judged,
+        "smallest": float(judged_ratios.min()) if judged_rows else math.nan,
+        "median": float(np.median(known_ratios)) if known_ratios else math.nan,
+        "missed": missed / brakes,
+    }

@@ -1,0 +1,369 @@
+"""Solutions that are far finer than any answer of drumlin, kept as small files for the tests.
+
+A stated error is worth something only while a test would notice that it is too small, or needlessly
+large. The test needs the true error, and so a solution whose own uncertainty is small beside it.
+Making such a solution takes ten seconds a brake; so the solutions of some forty brakes of every
+kind are made once by this module's command,
+
+    python -m drumlin_studies.stored_truth FOLDER [NAME ...]
+
+and read by the tests. A file holds the brake itself, so that it does not depend on how random
+brakes are drawn.
+
+Brakes on a drum are solved by the curved triangles of `drumlin.verification.triangles`, which share nothing
+with the finite elements that are judged but the brake, on one level more than a study uses
+(`TRIANGLES`). The triangles do not cover brakes on a plane, nor some cylinders; there hp elements
+of a higher degree, smaller at every singular place than any level of a solve and with exact
+contact, stand for the truth (`FINER`). The last three levels of either sequence give the
+uncertainty that is stored with the solution.
+"""
+
+import json
+import math
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.files import write_text
+from drumlin.brake import clearance
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import any_from
+from drumlin.fem.error_control.levels import DEG, steps
+from drumlin.fem.hp.corner import left_at_corners, power_at_corner, steep_corners
+from drumlin.fem.hp.division import Level
+from drumlin.fem.model import respond
+from drumlin.verification import triangles
+from drumlin.verification.triangles.levels import LEVELS as TRIANGLE_LEVELS
+from drumlin.verification.triangles.outline import Level as TriangleLevel
+from drumlin.verification.triangles.solution import ShoeSolution
+from drumlin_studies.random_brake import SHAPE_KINDS as DRAWN_KINDS
+from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_corners import CORNER_KINDS as CORNERS
+from drumlin_studies.random_corners import random_corner
+from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.stated_true import TrueShoe as Solved
+from drumlin_studies.stated_true import Truth, of_last_three, round_off
+
+TRIANGLES = (*TRIANGLE_LEVELS, TriangleLevel(6, 17, 0.7, 0.8))
+"""Meshes of triangles: those of the studies and one of a higher degree, graded more steeply. On
+four brakes the fourth mesh lowered the uncertainty of p from 1e-5 to 2e-6 and that of the torque
+from 1e-10 to 1e-11; a fifth did not.
+"""
+
+FINER = (
+    # degree, zone, edge, end, ratio, opening, largest, back, hinge, through
+    Level(6, 0.02, 0.01, 0.0008, 0.42, 0.25, 15 * DEG, 0.02, 0.012, 0.2),
+    Level(7, 0.006, 0.004, 0.0003, 0.45, 0.27, 13 * DEG, 0.007, 0.004, 0.24),
+    Level(8, 0.002, 0.0015, 0.0001, 0.48, 0.3, 11 * DEG, 0.0025, 0.0014, 0.28),
+)
+"""Divisions into hp elements of a degree that no level of a solve has. On 20 brakes that triangles
+answer too their pressures differ by at most 2e-5 (1e-4 where the lining presses with its corner),
+their torques by at most 2e-7.
+"""
+
+DEEP = (
+    TriangleLevel(4, 14, 0.7, 0.8),
+    TriangleLevel(5, 18, 0.7, 0.8),
+    TriangleLevel(6, 22, 0.7, 0.8),
+)
+DEEPEST = (
+    TriangleLevel(4, 16, 0.7, 0.8),
+    TriangleLevel(5, 21, 0.7, 0.8),
+    TriangleLevel(6, 26, 0.7, 0.8),
+)
+"""Meshes of triangles for brakes that press with a corner, down to 2e-7 of the lining's thickness,
+and under a tip, down to 1e-8. In some brakes rounding turns over triangles so small; then DEEP has
+to do for a tip too, which leaves 1e-4 to 6e-4 of p unsure in place of 1e-5 to 2e-4.
+"""
+
+GIVE_WAY = 2e-3
+"""Part of the contact at a pressed corner in which p gives way to the power of the corner: some ten
+triangles. On two brakes p with 10 and with 14 of them differs by 5e-6 and 4e-5."""
+
+CERTAIN = 4.0
+"""How many times its own uncertainty an error must be for a stored truth to judge it. Below, what
+is taken for the error of the answer may be that of the truth.
+"""
+
+DIGITS = 10
+"""Significant digits of a stored pressure: its uncertainty is 1e-7 of the pressure at best."""
+
+
+class StoredTruth(NamedTuple):
+    """A brake with its far finer solution; `covers`: in words, what the brake stands for."""
+
+    covers: str
+    brake: Brake
+    by: str
+    true: Truth
+
+
+class Drawn(NamedTuple):
+    """How the brake of a stored truth is drawn: kind and seed of a random brake, and the keys that
+    change then.
+    """
+
+    covers: str
+    kind: str
+    seed: int
+    changes: Mapping[str, Any] = {}
+
+    def brake(self) -> Brake:
+        """The brake as a brake file has it."""
+        drawn = (
+            random_brake
+            if self.kind in DRAWN_KINDS
+            else random_corner
+            if self.kind in CORNERS
+            else random_kind
+        )
+        found = drawn(self.seed, self.kind)
+        return vary(found, dict(self.changes)) if self.changes else found
+
+
+SEED = 70_000
+"""Seed of the first brake of each kind. The factors of the error estimate are fitted on other
+seeds, those of `calibration.FIRST_SEED` and on, so that no fit has seen these brakes.
+"""
+
+TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
+"""Clearance [m] over theta [rad] that points to the drum with a tip, of the lining of
+`random_kind(SEED + 1, "hinge")`. Its height is that by which the force compresses the lining, so
+that the whole lining presses nearly.
+"""
+
+BRAKES: dict[str, Drawn] = {
+    "arc": Drawn("elastic arc on a hinge, partial contact", "arc", SEED + 0),
+    "arc_second": Drawn("elastic arc on a hinge", "arc", SEED + 1),
+    "arc_incompressible": Drawn(
+        "Poisson's ratio 0.49", "arc", SEED + 2, {"shoe[0].lining.material.nu": 0.49}
+    ),
+    "arc_stiff_friction": Drawn("elastic arc, much friction", "arc", SEED + 3),
+    "backed_corner": Drawn(
+        "lining on a backing, pressed with its corner: unbounded p at the lining's end",
+        "backed",
+        SEED + 0,
+    ),
+    "backed": Drawn("lining on a backing", "backed", SEED + 1),
+    "rigid": Drawn("rigid shoe", "rigid", SEED + 0),
+    "rigid_second": Drawn("rigid shoe", "rigid", SEED + 2),
+    "post": Drawn("straight post with a block", "post", SEED + 0),
+    "post_second": Drawn("straight post with a block", "post", SEED + 1),
+    "post_on_free_ring": Drawn(
+        "post on an elastic ring with a free rim, no friction", "post on ring", SEED + 1
+    ),
+    "post_on_fixed_ring": Drawn(
+        "post on an elastic ring with a fixed rim", "post on ring", SEED + 2
+    ),
+    "arc_on_fixed_ring": Drawn("arc on an elastic ring with a fixed rim", "arc on ring", SEED + 1),
+    "arc_on_free_ring": Drawn("arc on an elastic ring with a free rim", "arc on ring", SEED + 2),
+    "linings_on_fixed_ring": Drawn(
+        "two shoes on one elastic ring with a fixed rim", "linings on ring", SEED + 2
+    ),
+    "linings_on_free_ring": Drawn(
+        "two shoes on one elastic ring with a free rim", "linings on ring", SEED + 3
+    ),
+    "blocks": Drawn("lining of three blocks of unlike height on a post", "misfit", SEED + 0),
+    "clearance_table": Drawn("clearance given as a table of two rows", "misfit", SEED + 1),
+    "radius_without_friction": Drawn(
+        "lining ground to another radius, no friction", "misfit", SEED + 2
+    ),
+    "clearance": Drawn("even clearance under a post", "misfit", SEED + 3),
+    "clearance_arc": Drawn("even clearance under an arc, much friction", "misfit", SEED + 4),
+    "radius": Drawn("lining ground to another radius, on a post", "misfit", SEED + 5),
+    "out_of_round": Drawn("drum out of round", "out of round", SEED + 0),
+    "out_of_round_second": Drawn(
+        "drum out of round, an opening in the contact", "out of round", SEED + 1
+    ),
+    "short_contact": Drawn(
+        "short contact of a lining of another radius", "small contact", SEED + 0, {"friction": 0.2}
+    ),
+    "short_contact_second": Drawn(
+        "short contact of a lining of another radius", "small contact", SEED + 3
+    ),
+    "extreme": Drawn(
+        "stiffnesses and thicknesses far apart", "extreme", SEED + 0, {"friction": 0.2}
+    ),
+    "hinge": Drawn("drum brake shoe on a hinge", "hinge", SEED + 0),
+    "tip": Drawn(
+        "tip of the gap towards the drum",
+        "hinge",
+        SEED + 1,
+        {"shoe[0].lining.clearance": TIP},
+    ),
+    "abutment": Drawn("shoe that slides on an abutment", "abutment", SEED + 0),
+    "rough_abutment": Drawn("shoe on an abutment with friction", "rough abutment", SEED + 2),
+    "pivot": Drawn("shoe on a pivot of a lever", "pivot", SEED + 0),
+    "guide": Drawn("shoe in a guide", "guide", SEED + 1),
+    "cylinder": Drawn("two shoes under a wheel cylinder", "cylinder", SEED + 0),
+    "cam": Drawn("two shoes under an S-cam", "cam", SEED + 0),
+    "cam_second": Drawn("two shoes under an S-cam", "cam", SEED + 1),
+    "strut": Drawn("two shoes joined by a strut", "strut", SEED + 0),
+    "pad_on_a_hinge": Drawn("pad on a plane, on a hinge", "pad on a hinge", SEED + 1),
+    "pad_on_a_pivot": Drawn("pad on a plane, on a pivot", "pad on a pivot", SEED + 1),
+    "pad_on_a_guide": Drawn("pad on a plane, in a guide", "pad on a guide", SEED + 0),
+    "pad_on_an_abutment": Drawn("pad on a plane, on an abutment", "pad on an abutment", SEED + 2),
+    "table": Drawn("T-section: table and web", "table", SEED + 0),
+    "table_second": Drawn("T-section: table and web", "table", SEED + 1),
+    "grip": Drawn("body held over a length of its back", "grip", SEED + 0),
+    "chain": Drawn("blocks linked by straps", "chain", SEED + 0),
+    "corner_little_friction": Drawn(
+        "rigid shoe that presses with a corner", "corner of a rigid shoe", SEED + 0
+    ),
+    "corner_dragged_inwards": Drawn(
+        "corner that friction drags into the lining: p as x^-0.21",
+        "corner of a rigid shoe",
+        SEED + 1,
+        {"friction": 0.2, "shoe[0].actuation.force": 708.0},
+    ),
+    "corner_dragged_outwards": Drawn(
+        "elastic shoe that presses with its trailing corner", "corner", SEED + 3
+    ),
+    "tip_short": Drawn("short contact under a tip of the gap", "tip of a rigid shoe", SEED + 1),
+}
+
+
+def make(name: str) -> StoredTruth:
+    """The truth of a brake of BRAKES: by triangles where these have an answer, else by finer hp
+    elements.
+
+    That of a brake which presses with a corner or under a tip by the deep ones. Raises NoAnswer
+    where none has an answer.
+    """
+    drawn = BRAKES[name]
+    brake = drawn.brake()
+    if drawn.kind in CORNERS:
+        return StoredTruth(drawn.covers, brake, "deep triangles", by_deep_triangles(brake))
+    try:
+        if brake.surface.straight:
+            raise BadInput("triangles have no brakes on a plane")
+        by, true = "triangles", by_triangles(brake)
+    except (BadInput, NoAnswer):
+        by, true = "finer hp elements", by_finer(brake)
+    return StoredTruth(drawn.covers, brake, by, true)
+
+
+def by_triangles(brake: Brake) -> Truth:
+    """The truth of a brake on a drum by the meshes TRIANGLES. Raises as `triangles.solve`."""
+    begin = time.process_time()
+    return of_last_three(brake, triangles.sequence(brake, TRIANGLES)[-3:], begin)
+
+
+def by_deep_triangles(brake: Brake) -> Truth:
+    """The truth of a brake that presses with a corner or under a tip, by the meshes DEEP.
+
+    p is the power of the corner next to pressed corners, see `corner.power_at_corner`: no triangle
+    is small enough for it. What angles leave of the power counts as uncertainty. Raises as
+    `triangles.solve`.
+    """
+    begin = time.process_time()
+    try:
+        sharp = any(clearance.tips(shoe.lining) for shoe in brake.shoes)
+        meshes = triangles.sequence(brake, DEEPEST if sharp else DEEP)
+    except AssertionError:
+        meshes = triangles.sequence(brake, DEEP)
+    found = [[_steep(brake, i, one) for i, one in enumerate(each)] for each in meshes]
+    true = of_last_three(brake, found, begin)
+    left = max(left_at_corners(brake, i, one) for i, one in enumerate(found[-1]))
+    return replace(true, unsure={**true.unsure, "pressure": true.unsure["pressure"] + left})
+
+
+def _steep(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
+    for at_start, power in steep_corners(brake, index, found):
+        corner = found.theta[0 if at_start else -1]
+        arc = next((float(b - a) for a, b in found.arcs if corner in {a, b}), 0.0)
+        theta, pressure = power_at_corner(
+            found.theta,
+            found.pressure,
+            found.order,
+            power,
+            reach=GIVE_WAY * arc,
+            at_start=at_start,
+        )
+        found = replace(found, theta=theta, pressure=pressure)
+    return found
+
+
+def by_finer(brake: Brake) -> Truth:
+    """The truth of a brake by the divisions FINER with exact contact. Raises NoAnswer where one has
+    no answer.
+    """
+    begin = time.process_time()
+    answers = steps(brake, partial(respond, penalty=math.inf), levels=FINER)
+    found = [step.response.shoes for step in answers]
+    if len(found) < len(FINER):
+        raise NoAnswer(f"only {len(found)} of {len(FINER)} divisions have an answer")
+    return of_last_three(brake, found, begin, round_off(found[-1]))
+
+
+def as_text(stored: StoredTruth) -> str:
+    """A stored truth as JSON: SI, places in rad or m, pressures to DIGITS significant digits."""
+    data = {
+        "covers": stored.covers,
+        "by": stored.by,
+        "seconds": round(stored.true.seconds, 1),
+        "uncertainty": {name: float(f"{value:.3g}") for name, value in stored.true.unsure.items()},
+        "brake": stored.brake.model_dump(mode="json", by_alias=True, exclude_none=True),
+        "shoes": [_shoe_data(shoe) for shoe in stored.true.shoes],
+    }
+    return json.dumps(data) + "\n"
+
+
+def _shoe_data(shoe: Solved) -> dict[str, Any]:
+    return {
+        "order": shoe.order,
+        "torque": shoe.torque,
+        "normal_force": shoe.normal_force,
+        "hinge_reaction": [float(part) for part in shoe.hinge_reaction],
+        "theta": [float(f"{angle:.17g}") for angle in shoe.theta],
+        "pressure": [float(f"{p:.{DIGITS}g}") for p in shoe.pressure],
+    }
+
+
+def read(path: Path) -> StoredTruth:
+    """The stored truth of a file that `main` wrote."""
+    data = json.loads(path.read_text(encoding="utf-8"))
+    shoes = [_shoe_from(shoe) for shoe in data["shoes"]]
+    true = Truth(shoes, data["uncertainty"], data["seconds"])
+    return StoredTruth(data["covers"], any_from(data["brake"]), data["by"], true)
+
+
+def _shoe_from(data: Mapping[str, Any]) -> ShoeSolution:
+    return ShoeSolution(
+        theta=np.array(data["theta"]),
+        pressure=np.array(data["pressure"]),
+        order=data["order"],
+        torque=data["torque"],
+        normal_force=data["normal_force"],
+        hinge_reaction=np.array(data["hinge_reaction"]),
+        arcs=np.zeros((0, 2)),
+        unknowns=0,
+    )
+
+
+def main(folder: str, *names: str) -> None:
+    """Write the stored truths of the brakes `names`, by default of all BRAKES, into a folder, one
+    file each.
+    """
+    for name in names or BRAKES:
+        stored = make(name)
+        write_text(Path(folder) / f"{name}.json", as_text(stored))
+        unsure = ", ".join(
+            f"{quantity} {value:.1e}" for quantity, value in stored.true.unsure.items()
+        )
+        sys.stdout.write(
+            f"{name}: by {stored.by} in {stored.true.seconds:.0f} s; uncertainty: {unsure}\n"
+        )
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,140 @@
+"""The laws on worked examples: what a source prints next to what is computed."""
+
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import vary
+from drumlin.brake.plane_brake import read_any
+from drumlin.brake.units import to_si
+from drumlin.laws import locking_friction
+from drumlin.laws.shapes import equivalent_friction
+from drumlin.laws.simscape import DoubleShoe
+from drumlin.models import MODELS
+from drumlin.response.merit import rated
+from drumlin.response.response import Response
+
+Row = dict[str, Any]
+
+
+def _lock(brake: Brake) -> float:
+    return min(locking_friction(brake, shoe) for shoe in brake.shoes)
+
+
+def _pivot(response: Response, axis: int) -> float:
+    reaction = response.shoes[0].pivot_reaction
+    return math.nan if reaction is None else abs(float(reaction[axis]))
+
+
+PRINTED_QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
+    "force [N]": lambda b, r: b.shoes[0].actuation.force,
+    "torque [N m]": lambda b, r: r.torque,
+    "torque [N mm]": lambda b, r: r.torque * 1e3,
+    "torque, helped shoe [N m]": lambda b, r: r.shoes[0].torque,
+    "torque, opposed shoe [N m]": lambda b, r: r.shoes[1].torque,
+    "peak pressure, helped shoe [kPa]": lambda b, r: r.shoes[0].peak_pressure * 1e-3,
+    "peak pressure, opposed shoe [kPa]": lambda b, r: r.shoes[1].peak_pressure * 1e-3,
+    "hinge reaction, helped shoe [N]": lambda b, r: float(
+        np.linalg.norm(r.shoes[0].hinge_reaction)
+    ),
+    "hinge reaction, opposed shoe [N]": lambda b, r: float(
+        np.linalg.norm(r.shoes[1].hinge_reaction)
+    ),
+    "normal force [N]": lambda b, r: r.shoes[0].normal_force,
+    "pivot reaction, along [N]": lambda b, r: _pivot(r, 0),
+    "pivot reaction, across [N]": lambda b, r: _pivot(r, 1),
+    "force [kN]": lambda b, r: b.shoes[0].actuation.force * 1e-3,
+    "mu_lock": lambda b, r: _lock(b),
+}
+
+
+def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
+    """One row a number given, for an example: its `law`, `file` in the folder, `changes`, `peak`,
+    `given` numbers.
+    """
+    law, source = example["law"], example["source"]
+    solve = MODELS[law].solve
+    brake = vary(read_any(folder / example["file"]), example.get("changes", {}))
+    if "peak" in example:
+        brake = rated(brake, solve, to_si(example["peak"], "Pa", unit_required=True))
+    response = solve(brake)
+    origin, remark = example["origin"], example.get("remark", "")
+    return [
+        compared(
+            law,
+            source,
+            quantity,
+            text,
+            PRINTED_QUANTITIES[quantity](brake, response),
+            origin,
+            remark,
+        )
+        for quantity, text in example["given"].items()
+    ]
+
+
+def compared(
+    law: str,
+    source: str,
+    quantity: str,
+    given: str,
+    value: float,
+    origin: str = "formula",
+    remark: str = "",
+) -> Row:
+    """A row: given and computed value side by side; they agree within half a unit of the last digit
+    given.
+    """
+    decimals = len(given.partition(".")[2])
+    agrees = abs(value - float(given)) <= 0.5 * 10.0**-decimals * (1 + 1e-6)
+    return {
+        "law": law,
+        "source": source,
+        "quantity": quantity,
+        "origin": origin,
+        "given": given,
+        "computed": f"{value:.{decimals + 2}f}",
+        "difference": value / float(given) - 1,
+        "status": "agrees" if agrees else remark or "differs",
+    }
+
+
+def simscape_rows() -> list[Row]:
+    """The double-shoe block with its default parameters, per newton of force, both readings of
+    theta_s.
+    """
+    rows = []
+    for reading, torque, mu_lock in (
+        ("end", "0.2176081", "0.823082"),
+        ("span", "0.2211397", "0.794253"),
+    ):
+        block = DoubleShoe(reading="end" if reading == "end" else "span")
+        source = f"Simscape defaults, theta_s as {reading}"
+        leading, trailing = (float(T) for T in block.shoe_torques(1.0, 1.0))
+        p_a, p_b = block.line_pressures(1.0, 1.0)
+        if reading == "end":
+            rows.append(compared("sine", source, "T/F, leading shoe [m]", "0.1484614", leading))
+            rows.append(compared("sine", source, "T/F, trailing shoe [m]", "0.0691468", trailing))
+            rows.append(compared("sine", source, "p_b/p_a", "0.465756", float(p_b / p_a)))
+        rows.append(compared("sine", source, "T/F [m]", torque, leading + trailing))
+        rows.append(compared("sine", source, "mu_lock", mu_lock, block.mu_lock))
+    return rows
+
+
+def friction_rows() -> list[Row]:
+    """The equivalent friction of a block over its half-arc."""
+    printed = {15: "1.011408", 30: "1.045356", 45: "1.100214", 60: "1.170138", 90: "1.273240"}
+    return [
+        compared(
+            "block",
+            "mu'/mu",
+            f"half-arc {angle} deg",
+            text,
+            float(equivalent_friction(math.radians(angle))),
+        )
+        for angle, text in printed.items()
+    ]
