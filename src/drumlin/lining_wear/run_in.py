@@ -33,7 +33,7 @@ Results in units of the sliding distance 1/(k E/t) do not depend on it, nor do p
 life."""
 
 WORN_OUT = 0.8
-"""Part of the lining's thickness that may wear off. A judgement: the rest holds rivets or glue."""
+"""Part of the lining's thickness after which a lining counts as worn out. A judgement."""
 
 WEAR_SETTLED = 1e-3
 """Largest relative distance of p and torque from the end of wear that counts as settled. It is the

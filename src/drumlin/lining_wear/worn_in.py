@@ -5,8 +5,9 @@ mesh this is the pressure p of steady wear, see `archard.steady`. With the motio
 
     w' = M p + B y' >= 0,   p >= 0,   p w' = 0,   C p = h
 
-where M weighs a gap (fem.substructure.interface), and friction at the abutments opposes y'. The brake bears by
-the same p under its load if, for some motions y, its unloaded linings have the gap g with
+where M weighs a gap (fem.substructure.interface), and friction at the abutments opposes y'. The
+brake bears by the same p under its load if, for some motions y, its unloaded linings have the gap g
+with
 
     w = M g + q + A p + B y >= 0,   p w = 0
 
