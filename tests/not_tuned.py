@@ -35,7 +35,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     },
     "contact/stick_slip.py": {
         **dict.fromkeys(("OPEN", "STICK", "FORWARD", "BACKWARD"), "names of states"),
-        "MOST_NEWTON_STEPS": PASSES,
+        "MOST_STATE_STEPS": PASSES,
         "MOST_STATE_CHANGES": PASSES,
         "STATE_ROUND_OFF": ROUND_OFF,
     },

@@ -40,7 +40,7 @@ from drumlin.contact.active_set import GOLDEN, PATH_LIFT, PATIENCE
 
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
 
-MOST_NEWTON_STEPS = 60
+MOST_STATE_STEPS = 60
 """Limit of the steps of Newton's method. An increment of a brake needs some five."""
 
 MOST_STATE_CHANGES = 6
@@ -252,7 +252,7 @@ NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPE
 def _newton(system: _FrictionalSystem, start: Ints) -> _Settled:
     """Solve by Newton's method, all nodes at once. Raises NoAnswer if it cycles."""
     state, fewest, patience = start, 3 * len(start), PATIENCE
-    for step in range(1, MOST_NEWTON_STEPS + 1):
+    for step in range(1, MOST_STATE_STEPS + 1):
         piece = _Piece(system, state)
         point = piece.at(system.q, system.h)
         outside = piece.margins(point) < -STATE_ROUND_OFF * _sizes(system, piece, point)
