@@ -241,8 +241,10 @@ def test_an_isotropic_material_written_as_an_orthotropic_one_gives_the_same_answ
 def test_a_nearly_isotropic_material_gives_nearly_the_same_answer(elements):
     """The kernels integrate what it is stiffer along and through; the answer hangs on it without a
     jump."""
-    near = {key: {**alike(material), "G_along_through": 1.0 * material.G_along_through * (1 + 1e-7)}
-            for key, material in parts_of(FLEXIBLE)}  # fmt: skip
+    near = {
+        key: {**alike(material), "G_along_through": 1.0 * material.G_along_through * (1 + 1e-7)}
+        for key, material in parts_of(FLEXIBLE)
+    }
     one, other = (
         solve(brake, elements=elements).torque for brake in (FLEXIBLE, vary(FLEXIBLE, near))
     )
@@ -335,7 +337,8 @@ def test_the_half_plane_modulus_is_that_of_its_waves():
     material = Orthotropic(**LINING)
     D = elasticity_matrix(material)
     (along, coupled), (_, through), shear = D[0, :2], D[1, :2], D[2, 2]
-    # -D11 U + G U'' + (D12 + G) i V' = 0 and -G V + D22 V'' + (D12 + G) i U' = 0, a polynomial in s^2.
+    # -D11 U + G U'' + (D12 + G) i V' = 0 and -G V + D22 V'' + (D12 + G) i U' = 0 have a
+    # characteristic polynomial in s^2.
     mixed = (coupled + shear) ** 2
     squares = np.roots([shear * through, -along * through - shear**2 + mixed, along * shear])
     s = np.sqrt(squares.astype(complex))
@@ -437,13 +440,22 @@ def test_all_moduli_and_forces_by_one_factor_leave_the_shape_of_the_pressure(see
 def test_closed_form_laws_refuse_directions_in_a_line_and_take_isotropic_materials(model):
     brake = next(
         read_any(ROOT / "studies" / name)
-        for name in ("double_shoe/brake.toml", "laws/pivoted_block.toml", "brakes/rail_clamp.toml", "brakes/s_cam.toml",
-                     "laws/short_block.toml", "laws/pad.toml")
+        for name in (
+            "double_shoe/brake.toml",
+            "laws/pivoted_block.toml",
+            "brakes/rail_clamp.toml",
+            "brakes/s_cam.toml",
+            "laws/short_block.toml",
+            "laws/pad.toml",
+        )
         if MODELS[model].why_not(read_any(ROOT / "studies" / name)) is None
-    )  # fmt: skip
+    )
     directed = vary(brake, {"shoe[0].lining.material": LINING})
     name = brake.shoes[0].name
-    said = f"shoe {name!r}: lining.material is orthotropic; a closed-form law takes isotropic materials only"
+    said = (
+        f"shoe {name!r}: lining.material is orthotropic; a closed-form law takes isotropic "
+        "materials only"
+    )
     assert MODELS[model].why_not(directed) == said
     with pytest.raises(BadInput, match=re.escape(said)):
         drumlin.solve(directed, model=model)
@@ -498,7 +510,8 @@ def test_slopes_by_moduli_are_said_to_be_by_one_factor_on_all():
     found = sensitivity(scene_of(brake, elements=20), brake)
     lines = as_text(found, brake)
     assert lines[-1] == (
-        "  d ln T/d ln E of shoe 'right': lining.material, shoe 'left': lining.material: by one factor on all moduli; "
+        "  d ln T/d ln E of shoe 'right': lining.material, shoe 'left': lining.material: by "
+        "one factor on all moduli; "
         "not given by each of them"
     )
     assert found.law is None and "one factor" not in "\n".join(as_text(found, MAIN))
@@ -547,7 +560,10 @@ def test_a_deck_for_calculix_has_the_nine_constants_and_the_layers_directions(tm
     )
     paths, _ = calculix.export(post, tmp_path, "post", elements=6)
     text = paths[0].read_text()
-    lines = r"NAME=BACKING\n\*ELASTIC, TYPE=ENGINEERING CONSTANTS\n(.*),\n(.*)\n\*ORIENTATION, (.*)\n(.*)"
+    lines = (
+        r"NAME=BACKING\n\*ELASTIC, TYPE=ENGINEERING CONSTANTS\n(.*),\n(.*)\n\*ORIENTATION, "
+        r"(.*)\n(.*)"
+    )
     constants = re.search(lines, text)
     values = [float(x) for x in f"{constants[1]}, {constants[2]}".split(",")]
     # Through, along, across: MPa.

@@ -111,7 +111,8 @@ def test_every_shoe_and_the_whole_brake_balance(make: Any) -> None:
     outside = [shoe.actuation.vector for shoe in under.shoes] + [
         shoe.hinge_reaction for shoe in response.shoes
     ]
-    if brake.links:  # what the strut does to one it does to the other
+    # The strut acts on both shoes alike.
+    if brake.links:
         a, b = response.shoes
         assert a.hinge_reaction == pytest.approx(-under.shoes[1].actuation.vector, rel=1e-9)
         assert np.linalg.norm(a.hinge_reaction) == pytest.approx(b.force, rel=1e-9)

@@ -155,15 +155,28 @@ def pressed_circle(half):
     force = math.pi / 4 * (half * R) ** 2 * E * (1 / r - 1 / R) * width
     return brake_from(
         {
-            "title": "circle", "rotation": "clockwise", "friction": 0.0, "drum": {"radius": R},
-            "shoe": [{
-                "name": "s", "side": "internal", "hinge": {"x": 0.0, "y": -0.6 * R},
-                "lining": {"start": -0.6, "end": 0.6, "thickness": R / 3, "width": width,
-                           "material": {"E": E, "nu": 0.3}, "misfit": {"radius": r}},
-                "actuation": {"force": force, "direction": 0.0, "point": {"x": 0.0, "y": 0.0}},
-            }],
+            "title": "circle",
+            "rotation": "clockwise",
+            "friction": 0.0,
+            "drum": {"radius": R},
+            "shoe": [
+                {
+                    "name": "s",
+                    "side": "internal",
+                    "hinge": {"x": 0.0, "y": -0.6 * R},
+                    "lining": {
+                        "start": -0.6,
+                        "end": 0.6,
+                        "thickness": R / 3,
+                        "width": width,
+                        "material": {"E": E, "nu": 0.3},
+                        "misfit": {"radius": r},
+                    },
+                    "actuation": {"force": force, "direction": 0.0, "point": {"x": 0.0, "y": 0.0}},
+                }
+            ],
         }
-    )  # fmt: skip
+    )
 
 
 def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():

@@ -44,7 +44,7 @@ class NoAnswer(DrumlinError):
 
 
 class LostDigits(NoAnswer):
-    """There is an answer, but stiffnesses or sizes are too far apart for the arithmetic to find it."""
+    """There is an answer, but stiffnesses or sizes are too far apart for the arithmetic."""
 
 
 class Stopped(BaseException):

@@ -34,7 +34,7 @@ def inputs_kept() -> Iterator[None]:
 
 
 def keep_input(path: Path) -> None:
-    """Count the file at `path`, whatever it is called, among the inputs, also if it is never read."""
+    """Count the file at `path`, whatever its name, among the inputs, also if it is never read."""
     inputs = _inputs.get()
     with suppress(OSError, ValueError):
         if inputs is not None and path.is_file():

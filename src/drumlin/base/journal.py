@@ -118,7 +118,7 @@ class Journal(AbstractContextManager["Journal"]):
         return self[case]
 
     def finish(self) -> None:
-        """Close the file for good: the next run begins anew, and the cases stay in `cases.jsonl`."""
+        """Close the file for good: the next run begins anew, and cases stay in `cases.jsonl`."""
         if self._file is not None and self.path is not None:
             self.path.replace(self.path.with_name(f"cases{self.path.suffix}"))
         self.close()
@@ -222,6 +222,6 @@ def _locked(path: Path) -> FileIO:
 
 
 def _sealed(data: bytes, stamp: str) -> bytes:
-    """A line: a record without its opening brace, after a checksum of the record and of the stamp."""
+    """A line: a checksum of record and stamp, then the record without its opening brace."""
     checksum = hashlib.sha256(stamp.encode() + data).hexdigest()[:16]
     return b'{"sum": "%s", %s\n' % (checksum.encode(), data)

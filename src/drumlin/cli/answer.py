@@ -151,7 +151,7 @@ def _print_more(response: "Response", notes: list[str]) -> None:
 
 
 def _merit_text(merit: "Merit | FlatMerit") -> str:
-    """The figures of merit that are known, as a line: names as in the JSON, the angle in degrees."""
+    """The known figures of merit as a line: names as in the JSON, the angle in degrees."""
     values = {key: value for key, value in merit._asdict().items() if value is not None}
     angle = values.pop("resultant_angle", None)
     # Adding 0.0 turns a negative zero into a zero without sign.

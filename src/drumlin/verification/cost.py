@@ -122,7 +122,7 @@ def cost(
 
 
 def proportional(unknowns: int, shoe: Shoe, radius: float) -> object:
-    """Mesh of about so many unknowns: twice as many elements along come with twice as many through."""
+    """Mesh of about so many unknowns, with as many more elements through it as along it."""
     elements = round(0.95 * math.sqrt(unknowns))
     layers = round(elements / 15)
     even = divide(shoe, radius, elements)
@@ -145,7 +145,8 @@ def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
             c = process.submit(job).result()
         costs.append(c)
         yield (
-            f"{c.unknowns:8d}  {c.contact_nodes:13d}  {c.solve:9.3f}  {c.solve_ratio:12.2f}  {c.further * 1e3:12.1f}  "
+            f"{c.unknowns:8d}  {c.contact_nodes:13d}  {c.solve:9.3f}  {c.solve_ratio:12.2f}  "
+            f"{c.further * 1e3:12.1f}  "
             f"{c.memory / 2**30:12.2f}"
         )
     fitted = [c for c in costs if c.unknowns <= FITTED]

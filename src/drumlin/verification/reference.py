@@ -32,12 +32,15 @@ from drumlin.verification import triangles
 
 PACKAGES = ("numpy", "scipy", "scikit-fem")
 METHOD = (
-    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: columns of elements of "
-    "high degree; uncertainty: the larger of the distances from another division of them and from curved triangles "
+    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: "
+    "columns of elements of "
+    "high degree; uncertainty: the larger of the distances from another division of them and "
+    "from curved triangles "
     "with contact node by node"
 )
 ALONE = (
-    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: columns of elements of "
+    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: "
+    "columns of elements of "
     "high degree; uncertainty: the distance from another division of them"
 )
 
@@ -239,7 +242,7 @@ def _sure(value: Any, *others: Any) -> Sure:
 
 
 def _contact_force(brake: Brake, index: int, found: ShoeResponse) -> Floats:
-    """The force (2,) [N] on the lining; on a plane that which its reaction and its actuation leave."""
+    """Force (2,) [N] on the lining; on a plane the rest of reaction and actuation."""
     shoe = brake.shoes[index]
     if not shoe.flat:
         return contact_resultant(brake, index, found).force

@@ -99,7 +99,7 @@ def as_dict(found: Reference) -> dict[str, Any]:
 
 
 def write_values(data: dict[str, Any], path: Path) -> None:
-    """Write reference values, as as_dict gives them, as JSON; a list of numbers stands on one line."""
+    """Write reference values, as as_dict gives them, as JSON; a list of numbers is a line."""
     text = json.dumps(data, indent=1, allow_nan=False)
     write_text(path, _LIST.sub(lambda match: " ".join(match.group().split()), text) + "\n")
 

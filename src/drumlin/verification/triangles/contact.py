@@ -15,7 +15,9 @@ from drumlin.brake.support import moved
 from drumlin.verification.triangles.face import Face
 
 SETTLED = 600  # contact sets that are tried
-SPARE = 8  # of them in a row without fewer wrong nodes, until they are changed one node at a time (Judice & Pires 1994)
+# Contact sets in a row without fewer wrong nodes, after which one node at a time is changed
+# (Judice & Pires 1994).
+SPARE = 8
 NOISE = 1e-13  # of the normal force, in tractions and overlaps at all wrong nodes
 PATIENCE, NEARLY = 40, 1e-9  # contact sets after which that much is enough
 

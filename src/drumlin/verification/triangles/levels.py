@@ -18,7 +18,9 @@ from drumlin.verification.triangles.ring import rim, with_ring
 from drumlin.verification.triangles.shared import shared
 from drumlin.verification.triangles.solution import ShoeSolution, solution
 
-ENDS = 13  # halvings at most towards an end of the contact, where p is small, and a kink of the gap that is no tip
+# Largest number of halvings towards an end of the contact, where p is small, and towards a kink
+# of the gap that is no tip.
+ENDS = 13
 SLACK = 1e-9  # of the lining, of places that are its ends
 NARROWEST = 1e-4  # contact to whose width triangles are made
 
@@ -30,7 +32,7 @@ LEVELS = (Level(3, 10, 1.2, 1.0), Level(4, 13, 0.7, 0.8), Level(5, 15, 0.7, 0.8)
 
 
 def pressed(brake: Brake) -> list[int]:
-    """Shoes that their actuation turns towards the drum, and those that do not turn about a hinge."""
+    """Shoes whose actuation turns them towards the drum, and shoes without a hinge."""
     found = []
     for i, shoe in enumerate(brake.shoes):
         if shoe.held_by != "hinge" or brake.shares:
@@ -113,7 +115,7 @@ def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: Level
 
 
 def _touching(one: Face, before: ShoeSolution | None) -> Bools:
-    """Nodes of a face in contact as far as is known: all, or those of an earlier solution's arcs."""
+    """Nodes of a face in contact at first: all, or those on an earlier solution's arcs."""
     if before is None:
         return np.ones(len(one.theta), dtype=bool)
     inside = [(one.theta > a - SLACK) & (one.theta < b + SLACK) for a, b in before.arcs]

@@ -79,7 +79,7 @@ class Outline:
 
 
 def outline(shoe: Shoe, R: float) -> Outline:
-    """The outline of a shoe. Raises BadInput for what has no section to mesh, or a mesh of its own."""
+    """The outline of a shoe. Raises BadInput for one without a section, or with its own mesh."""
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
@@ -129,7 +129,7 @@ def outline(shoe: Shoe, R: float) -> Outline:
 
 
 def _post(shoe: Shoe, R: float) -> Outline:
-    """A straight beam with a block cut square to it; s is the beam's angle under the lining's back."""
+    """A straight beam with a square-cut block; s is the beam's angle under the lining's back."""
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     assert isinstance(body, Beam)
     section = body.section
