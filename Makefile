@@ -27,6 +27,7 @@ manual: .venv/ready
 test: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/codespell
 	$(BIN)/lint-imports
 	$(MAKE) --jobs=2 types passes
 

@@ -1,6 +1,4 @@
-"""The ways in which drumlin ends without a number, each one plain line, and the line and status of
-any other fault.
-"""
+"""Exceptions by which drumlin ends without a number, and the line and exit status of each fault."""
 
 import errno
 import sys
@@ -15,9 +13,7 @@ SHORT_OF = {
     for name in ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
     if (code := getattr(errno, name, None)) is not None
 }
-"""Errors of a system that is short of something (disk, memory, files, processes), of which no input
-is to blame.
-"""
+"""Errors of a system that is short of disk, memory, files or processes. No input causes them."""
 
 
 class DrumlinError(Exception):
@@ -36,9 +32,7 @@ class BadInput(DrumlinError):
 
 
 class NoAnswer(DrumlinError):
-    """The input is right and the question has no answer: self-locking, no equilibrium, not
-    converged.
-    """
+    """The input is right but has no answer: self-locking, no equilibrium, not converged."""
 
     exit_status = 3
 
@@ -48,8 +42,9 @@ class LostDigits(NoAnswer):
 
 
 class Stopped(BaseException):
-    """A signal asks the process to end; what is being written is given up, and nothing may catch it
-    on the way.
+    """A signal asks the process to end.
+
+    A file that is being written is given up, and no code may catch this exception on its way.
     """
 
     def __init__(self, signal: int) -> None:
@@ -67,16 +62,16 @@ def reason_of(error: BaseException) -> str:
 
 
 def file_fault(path: object, doing: str, error: BaseException) -> DrumlinError:
-    """The fault of a file that cannot be read or written (`doing`): NoAnswer where the system is
-    short of something.
+    """The fault of a file that cannot be read or written (`doing` says which).
+
+    It is NoAnswer where the system is short of something, else BadInput.
     """
     short = isinstance(error, OSError) and error.errno in SHORT_OF
     return (NoAnswer if short else BadInput)(f"{path}: cannot be {doing} ({reason_of(error)})")
 
 
 def line_and_status(error: BaseException) -> tuple[str, int]:
-    """What a process says of an exception that ends it, one line (empty: nothing), and its exit
-    status.
+    """Line of a process on the exception that ends it (empty: no line), and its exit status.
 
     2 bad input, 3 no answer, 128 + its number for a signal; 1 is a fault of drumlin itself.
     """
@@ -111,8 +106,9 @@ def _line_and_status(error: BaseException) -> tuple[str, int]:
 
 
 def ended(run: Callable[[], int]) -> int:
-    """The exit status of `run`, or that of the exception that ends it, whose line goes to standard
-    error.
+    """The exit status of `run`, or that of the exception that ends it.
+
+    The line of the exception goes to standard error.
     """
     try:
         return run()

@@ -1,5 +1,4 @@
-"""Results kept as they come, so that a stopped run goes on: one line of JSON for each finished
-case.
+"""Results kept as they come, a line of JSON for each finished case, so that a stopped run goes on.
 
 Each line bears a checksum. A line that a kill tore is the last one and is dropped. A damaged line
 is skipped, and its case is computed anew; all other lines stand. (A database would lose more: in

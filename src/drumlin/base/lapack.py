@@ -21,8 +21,9 @@ __all__ = [
 
 
 def solve_lower(L: Floats, b: Floats) -> Floats:
-    """x of L x = b; L (n, n) lower triangular, b (n,) or (n, m). Raises numpy's LinAlgError where L
-    is singular.
+    """x of L x = b for a lower triangular L (n, n) and b (n,) or (n, m).
+
+    Raises numpy's LinAlgError where L is singular.
     """
     x, info = dtrtrs(L, b, lower=1)
     if info:

@@ -21,8 +21,9 @@ _KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
 
 
 def one_line(text: str, most: int = LONGEST_LINE) -> str:
-    """The text in one line of printable characters, others escaped; beyond `most` characters
-    without its middle.
+    """The text in one line of printable characters, with other characters escaped.
+
+    A text of more than `most` characters loses its middle.
     """
     if len(text) > most:
         text = f"{text[: most // 2]} ... {text[-most // 2 :]}"
@@ -34,8 +35,9 @@ def _shown(character: str) -> str:
 
 
 def typed(words: Sequence[str]) -> str:
-    """A command line as a page shows it: of absolute paths, which tell of the machine, the names
-    alone.
+    """A command line as a page shows it, with the names of absolute paths alone.
+
+    The folders of an absolute path would tell of the machine.
     """
     return one_line(shlex.join(map(_without_folder, words)))
 
@@ -46,8 +48,10 @@ def _without_folder(word: str) -> str:
 
 
 def formatted(value: float, form: str) -> str:
-    """A number for people, as format() has it, with a space before %; what rounds to nothing has no
-    sign, and a number below ten millions no exponent where a general form ("g") is asked for.
+    """A number for people, as format() has it, with a space before %.
+
+    A number that rounds to zero has no sign. In a general form ("g") a number below ten millions
+    has no exponent.
     """
     text = format(value, form)
     if form.endswith("g") and _THOUSANDS.search(text):
@@ -69,8 +73,9 @@ def check_digits(text: str) -> None:
 
 
 def check_toml(text: str) -> None:
-    """Raise ValueError for what would keep a TOML parser busy: numbers of many digits, keys of many
-    parts.
+    """Raise ValueError for a text that would keep a TOML parser busy.
+
+    These are texts with numbers of many digits or with keys of many parts.
     """
     check_digits(text)
     for match in _KEY.finditer(text):

@@ -22,7 +22,8 @@ MOST_ROUNDS = 200  # of bisection
 @dataclass(frozen=True)
 class Layer:
     """A layer of a body: from s = `start` to `end`, and its elasticity, with directions in the
-    brake's frame."""
+    brake's frame.
+    """
 
     start: float
     end: float
