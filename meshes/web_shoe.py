@@ -63,7 +63,7 @@ def sector(inner: float, outer: float, start: float, end: float) -> int:
 
 
 def web() -> list[tuple[int, int]]:
-    """The web without its holes: an eye about the pin, a ring sector, a nose with the upright face."""
+    """The web without its holes: an eye about the pin, a ring sector, a nose with its face."""
     occ = gmsh.model.occ
     outer = DRUM - LINING - TABLE
     inner = outer - WEB

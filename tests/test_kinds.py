@@ -205,7 +205,7 @@ def exported(at: Posed) -> None:
     assert list(at.folder.glob("*.inp"))
 
 
-ROUGHLY = Refinement(2, LEVELS[1:3], triangles.LEVELS[:1])
+ROUGHLY = Refinement(2, LEVELS[1:3], triangles.TRIANGLE_LEVELS[:1])
 
 
 def referred(at: Posed) -> None:

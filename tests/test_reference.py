@@ -28,7 +28,7 @@ from drumlin.verification.reference import (
 )
 from drumlin.verification.reference_file import as_dict, read_reference, stored, write_values
 
-QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2])
+QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.TRIANGLE_LEVELS[:2])
 VALUES = ROOT / "reports" / "reference" / "values"
 
 

@@ -61,7 +61,7 @@ UNIT_ELEMENTS = 20  # of the solve that is the unit of time
 SHORT = ("double_shoe/brake", "laws/shigley_16_2")
 WITH_PEERS = ("double_shoe/brake", "double_shoe/flexible")
 QUICK = Refinement(
-    2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2]
+    2, (LEVELS[1], LEVELS[2]), triangles.TRIANGLE_LEVELS[:2]
 )  # references of the short setting
 
 Row = dict[str, Any]

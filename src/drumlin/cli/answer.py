@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
     from drumlin.response.response import FlatMerit, Merit, Response
 
-LEAST = ["shoe_factor", "reaction", "normal_force", "at"]
+LEAST_OF_SHOES = ["shoe_factor", "reaction", "normal_force", "at"]
 """Columns of the shoes' table that are left out on a narrow terminal, the first of them first."""
 
 
@@ -100,7 +100,7 @@ def _print_shoes(brake: "Brake", response: "Response") -> None:
     shown = brake.surface.shown
     # Adding 0.0 turns a negative zero into a zero without sign.
     at = ["" if place is None else f"{place.at * shown + 0.0:.1f}" for place in places]
-    print_columns(_shoes_table(brake, response, at), LEAST)
+    print_columns(_shoes_table(brake, response, at), LEAST_OF_SHOES)
     if any(place is not None and place.zone for place in places):
         tell("peak p: the largest, half a lining's thickness at each end left out")
 

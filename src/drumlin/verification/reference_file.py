@@ -21,7 +21,7 @@ from drumlin.brake.units import LARGEST_NUMBER_SI
 from drumlin.verification.reference import Reference, ShoeReference, Sure
 
 FORMAT = "drumlin reference values, 1"
-DIGITS = 10  # significant digits in a file
+FILE_DIGITS = 10  # significant digits in a file
 _LIST = re.compile(r"\[[-+0-9.eE,\s]*\]")  # in JSON, of numbers only
 LARGEST_FILE = 10_000_000  # bytes
 UNITS = {
@@ -46,7 +46,7 @@ SURFACE_UNITS = {
 }
 
 
-def _rounded(value: Any, digits: int = DIGITS) -> Any:
+def _rounded(value: Any, digits: int = FILE_DIGITS) -> Any:
     """Numbers, also in lists, to so many significant digits."""
     if isinstance(value, list):
         return [_rounded(each, digits) for each in value]
