@@ -27,6 +27,7 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
         tell(line)
     _print_effect(brake, response)
     _print_shoes(brake, response)
+    # The warnings and the stated errors follow the table, where a reader looks last.
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if energised:
         tell(f"self-energising: {', '.join(energised)}")
@@ -109,27 +110,35 @@ def _shoes_table(brake: "Brake", response: "Response", at: list[str]) -> dict[st
     """The columns of the shoes' table; `at`: where each pressure peaks, as a text."""
     from drumlin.response.show import arcs_text
 
-    surface, shoes, effects = brake.surface, response.shoes, response.effects
+    surface = brake.surface
     unit = surface.shown_unit
-    forces = [abs(shoe.actuation.force) * brake.scale_factor for shoe in brake.shoes]
-    factors = [
-        f"{effect / force:.3f}" if force else ""
-        for effect, force in zip(effects, forces, strict=True)
-    ]
-    normal = [f"{shoe.normal_force:.6g}" for shoe in shoes]
-    peaks = [f"{shoe.peak_pressure * 1e-6:.4g}" for shoe in shoes]
-    arcs = [arcs_text(shoe, surface).replace(", ", "\n") for shoe in shoes]
-    reactions = [f"{math.hypot(*shoe.hinge_reaction):.6g}" for shoe in shoes]
-    return {
-        "shoe": Column("shoe", "shoe\n", [shoe.name for shoe in shoes], left=True),
-        "effect": Column("torque", surface.heading, [f"{value:.6g}" for value in effects]),
-        "normal_force": Column("normal force", "normal\nforce [N]", normal),
-        "peak": Column("peak pressure", "peak p\n[MPa]", peaks),
+    table = {
+        "shoe": Column("shoe", "shoe\n", [], left=True),
+        "effect": Column("torque", surface.heading, []),
+        "normal_force": Column("normal force", "normal\nforce [N]", []),
+        "peak": Column("peak pressure", "peak p\n[MPa]", []),
         "at": Column("where the pressure peaks", f"at\n[{unit}]", at),
-        "contact": Column("contact", f"contact\n[{unit}]", arcs),
-        "reaction": Column("hinge reaction", "reaction\n[N]", reactions),
-        "shoe_factor": Column("shoe factor", f"{surface.factor}\n", factors),
+        "contact": Column("contact", f"contact\n[{unit}]", []),
+        "reaction": Column("hinge reaction", "reaction\n[N]", []),
+        "shoe_factor": Column("shoe factor", f"{surface.factor}\n", []),
     }
+    for i, shoe in enumerate(response.shoes):
+        effect = response.effects[i]
+        force = abs(brake.shoes[i].actuation.force) * brake.scale_factor
+        cells = {
+            "shoe": shoe.name,
+            "effect": f"{effect:.6g}",
+            "normal_force": f"{shoe.normal_force:.6g}",
+            "peak": f"{shoe.peak_pressure * 1e-6:.4g}",
+            # Each arc of contact has a line of its own.
+            "contact": arcs_text(shoe, surface).replace(", ", "\n"),
+            "reaction": f"{math.hypot(*shoe.hinge_reaction):.6g}",
+            # A shoe without a force of its own has no factor.
+            "shoe_factor": f"{effect / force:.3f}" if force else "",
+        }
+        for key, cell in cells.items():
+            table[key].cells.append(cell)
+    return table
 
 
 def _print_more(response: "Response", notes: list[str]) -> None:

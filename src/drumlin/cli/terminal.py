@@ -157,7 +157,7 @@ class Column(NamedTuple):
 
     title: str
     head: str
-    cells: Sequence[str]
+    cells: list[str]
     left: bool = False
 
     @property
@@ -181,8 +181,10 @@ def print_columns(
     """
     width = width or shutil.get_terminal_size().columns
     shown, cut = dict(columns), []
-    for key in filter(columns.__contains__, least):
-        if sum(column.width + 2 for column in shown.values()) - 2 > width:
+    for key in least:
+        # Two spaces stand between two columns, and none after the last.
+        needed = sum(column.width + 2 for column in shown.values()) - 2
+        if key in shown and needed > width:
             cut.append(shown.pop(key).title)
     with _printing():
         print("\n".join(_lines(shown.values())))
@@ -213,13 +215,22 @@ def print_table(table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]")
     """Print the rows of a comparison in the columns `shown`, without columns that are empty."""
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else PIPE_WIDTH
     columns = {}
-    for c in shown:
-        if c.key not in UNPRINTED_COLUMNS and any(row.get(c.key) is not None for row in table):
-            head = fill(c.heading, 9, break_long_words=False) + (f"\n[{c.unit}]" if c.unit else "")
-            cells = [one_line(c.text(row)) for row in table]
-            columns[c.key] = Column(c.title, head, cells, c.key in {"shoe", "model", "status"})
-    if "status" in columns:
-        room = width - sum(column.width + 2 for key, column in columns.items() if key != "status")
-        cells = [_folded(cell, max(room, STATUS_WIDTH)) for cell in columns["status"].cells]
-        columns["status"] = columns["status"]._replace(cells=cells)
+    for column in shown:
+        is_empty = all(row.get(column.key) is None for row in table)
+        if column.key in UNPRINTED_COLUMNS or is_empty:
+            continue
+        # The unit stands on a line of its own below the folded heading.
+        head = fill(column.heading, 9, break_long_words=False)
+        if column.unit:
+            head += f"\n[{column.unit}]"
+        cells = [one_line(column.text(row)) for row in table]
+        has_words = column.key in {"shoe", "model", "status"}
+        columns[column.key] = Column(column.title, head, cells, left=has_words)
+    # The status may be a long reason: it is folded into the width that the other columns leave.
+    status = columns.get("status")
+    if status is not None:
+        others = [other for key, other in columns.items() if key != "status"]
+        room = width - sum(other.width + 2 for other in others)
+        folded = [_folded(cell, max(room, STATUS_WIDTH)) for cell in status.cells]
+        columns["status"] = status._replace(cells=folded)
     print_columns(columns, LEAST_COMPARED, width)

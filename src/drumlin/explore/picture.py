@@ -112,6 +112,7 @@ def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
     """
     shown = answer.brake or brake
     unit = shown.surface.shown
+    # One scale of pressure serves both models, so that their curves can be compared.
     peaks = []
     for response in (answer.found, answer.law):
         if response is not None:
@@ -180,7 +181,9 @@ def _forces(brake: Brake) -> Lines:
         arrow = _arrow(brake, shoe)
         along = arrow.tip - arrow.tail
         across = np.array([-along[1], along[0]])
-        left, right = (arrow.tip + 0.25 * (turn * across - along) for turn in (0.5, -0.5))
+        # The head is a quarter as long as the arrow, and as wide as it is long.
+        left = arrow.tip + 0.25 * (0.5 * across - along)
+        right = arrow.tip + 0.25 * (-0.5 * across - along)
         shaft, head = np.array([arrow.tail, arrow.tip]), np.array([left, arrow.tip, right])
         lines += [shaft.T * PAGE_MM, head.T * PAGE_MM]
     return Lines([xy[0] for xy in lines], [xy[1] for xy in lines])
