@@ -55,7 +55,9 @@ def checks(seed: int) -> list[Check]:
 
 def _kinds() -> list[tuple[ModuleType, str]]:
     """Each generator with each of its kinds."""
-    return [(module, kind) for module in (random_kinds, random_brake) for kind in module.KINDS]
+    of_holding = [(random_kinds, kind) for kind in random_kinds.HOLDING_KINDS]
+    of_shape = [(random_brake, kind) for kind in random_brake.SHAPE_KINDS]
+    return of_holding + of_shape
 
 
 def _check(name: str, scene: Scene, brake: Brake) -> Check:
