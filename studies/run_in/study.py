@@ -157,7 +157,7 @@ def report(result: Result, folder: Path) -> Path:
         stiff=limits.run_row(result.main),
         soft=limits.run_row(result.flexible),
         met=sum(row["status"] == limits.AT_LAW for row in result.brakes),
-        within=(limits.PRESSURE, limits.TORQUE),
+        within=(limits.PRESSURE_AT_LAW, limits.TORQUE_AT_LAW),
         least=least,
         far=[row for row in lives if abs(row["new_torque"]) > FAR],
         volume=max(row["volume"] for row in result.brakes if "volume" in row),
